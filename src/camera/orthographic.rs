@@ -1,0 +1,62 @@
+//! The camera with parallel rays.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::image_plane::{ImagePlane, Projection};
+use super::look_at::{Basis, up};
+use crate::yaml;
+
+/// An orthographic camera: what lies behind the plane through `eye` is not seen.
+///
+/// ```
+/// # use raycost::camera::Camera;
+/// let camera: Camera = raycost::yaml::from_str("
+/// orthographic: { eye: [0, 5, 0], target: [0, 0, 0], up: [0, 0, 1], height: 4 }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Keys")]
+pub struct Orthographic {
+    eye: Vec3,
+    basis: Basis,
+    height: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    #[serde(deserialize_with = "yaml::point")]
+    eye: Vec3,
+    #[serde(deserialize_with = "yaml::point")]
+    target: Vec3,
+    #[serde(deserialize_with = "yaml::direction", default = "up")]
+    up: Vec3,
+    /// World-space height of the picture.
+    #[serde(deserialize_with = "yaml::positive")]
+    height: f32,
+}
+
+impl TryFrom<Keys> for Orthographic {
+    type Error = &'static str;
+
+    fn try_from(keys: Keys) -> Result<Self, Self::Error> {
+        Ok(Self {
+            eye: keys.eye,
+            basis: Basis::look_at(keys.eye, keys.target, keys.up)?,
+            height: keys.height,
+        })
+    }
+}
+
+impl Orthographic {
+    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+        let Basis { forward, right, up } = self.basis;
+        ImagePlane::centered(
+            Projection::Parallel { direction: forward },
+            [self.eye, right, up],
+            self.height,
+            [width, height],
+        )
+    }
+}

@@ -1,0 +1,127 @@
+//! The camera that looks through a window, off-axis if the window is.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::image_plane::{ImagePlane, Projection};
+use crate::yaml;
+
+/// A perspective camera that sees what lies behind a window in a plane of
+/// constant z, x to the right and y up.
+///
+/// ```
+/// # use raycost::camera::Camera;
+/// let camera: Camera = raycost::yaml::from_str("
+/// window: { eye: [0, 0.35, -1], x: [-1, 1], y: [-0.5, 1], z: 0, samples: edges }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Keys")]
+pub struct Window {
+    keys: Keys,
+}
+
+/// Where the pixels' sample points lie in the window.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WindowSamples {
+    /// In the middle of `width * height` equal cells.
+    #[default]
+    Centers,
+    /// In equal steps from edge to edge, both included, as the course's NumPy
+    /// model has it; a picture one pixel wide samples the left or top edge.
+    Edges,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    #[serde(deserialize_with = "yaml::point")]
+    eye: Vec3,
+    #[serde(deserialize_with = "yaml::range")]
+    x: [f32; 2],
+    #[serde(deserialize_with = "yaml::range")]
+    y: [f32; 2],
+    #[serde(deserialize_with = "yaml::coordinate")]
+    z: f32,
+    #[serde(default)]
+    samples: WindowSamples,
+}
+
+impl TryFrom<Keys> for Window {
+    type Error = &'static str;
+
+    fn try_from(keys: Keys) -> Result<Self, Self::Error> {
+        match keys.eye.z == keys.z {
+            true => Err(
+                "invalid value: a window in the eye's own plane, expected a `z` other than the eye's",
+            ),
+            false => Ok(Self { keys }),
+        }
+    }
+}
+
+impl Window {
+    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+        let Keys {
+            eye,
+            x,
+            y,
+            z,
+            samples,
+        } = self.keys;
+        let (first_x, step_x) = samples.grid(x, width);
+        let (below_top, step_y) = samples.grid([0.0, y[1] - y[0]], height);
+        ImagePlane {
+            projection: Projection::Perspective { eye },
+            origin: Vec3::new(first_x, y[1] - below_top, z),
+            right: step_x * Vec3::X,
+            down: -step_y * Vec3::Y,
+            size: [width, height],
+        }
+    }
+}
+
+impl WindowSamples {
+    /// The first of `n` sample points in the interval, and the step between them.
+    fn grid(self, [from, to]: [f32; 2], n: u32) -> (f32, f32) {
+        match self {
+            Self::Edges => (from, (to - from) / (n.max(2) - 1) as f32),
+            Self::Centers => {
+                let step = (to - from) / n as f32;
+                (from + 0.5 * step, step)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(samples: WindowSamples) -> ImagePlane {
+        let keys = Keys {
+            eye: Vec3::new(0.0, 0.35, -1.0),
+            x: [-1.0, 1.0],
+            y: [-0.5, 1.0],
+            z: 0.0,
+            samples,
+        };
+        Window { keys }.image_plane(5, 4)
+    }
+
+    #[test]
+    fn edges_sample_both_ends() {
+        let plane = plane(WindowSamples::Edges);
+        assert_eq!(plane.point(0.0, 0.0), Vec3::new(-1.0, 1.0, 0.0));
+        assert_eq!(plane.point(4.0, 3.0), Vec3::new(1.0, -0.5, 0.0));
+    }
+
+    #[test]
+    fn centers_sample_half_a_cell_inside() {
+        let plane = plane(WindowSamples::Centers);
+        let close = |a: Vec3, b: Vec3| (a - b).length() < 1e-6;
+        assert!(close(plane.point(0.0, 0.0), Vec3::new(-0.8, 0.8125, 0.0)));
+        assert!(close(plane.point(4.0, 3.0), Vec3::new(0.8, -0.3125, 0.0)));
+    }
+}

@@ -1,0 +1,63 @@
+//! The `background` section.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use crate::yaml::{self, ColorOr};
+
+/// What a ray sees that hits nothing.
+///
+/// ```
+/// # use raycost::config::Background;
+/// let sky: Background = raycost::yaml::from_str("
+/// gradient: { bottom: [0.9, 0.9, 1], top: [0.3, 0.5, 0.9] }
+/// ").unwrap();
+/// let grey: Background = raycost::yaml::from_str("0.2").unwrap();
+/// # assert_eq!(grey.color(glam::Vec3::Y), glam::Vec3::splat(0.2));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(from = "ColorOr<Pattern>")]
+pub struct Background {
+    bottom: Vec3,
+    top: Vec3,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Pattern {
+    Gradient(Gradient),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Gradient {
+    #[serde(deserialize_with = "yaml::color")]
+    bottom: Vec3,
+    #[serde(deserialize_with = "yaml::color")]
+    top: Vec3,
+}
+
+/// Black.
+impl Default for Background {
+    fn default() -> Self {
+        ColorOr::Color(Vec3::ZERO).into()
+    }
+}
+
+impl From<ColorOr<Pattern>> for Background {
+    fn from(found: ColorOr<Pattern>) -> Self {
+        let (bottom, top) = match found {
+            ColorOr::Color(color) => (color, color),
+            ColorOr::Other(Pattern::Gradient(Gradient { bottom, top })) => (bottom, top),
+        };
+        Self { bottom, top }
+    }
+}
+
+impl Background {
+    /// The colour that a ray in `direction`, a unit vector, sees: `bottom`
+    /// straight down (-y), `top` straight up.
+    pub fn color(&self, direction: Vec3) -> Vec3 {
+        self.bottom.lerp(self.top, 0.5 * (direction.y + 1.0))
+    }
+}

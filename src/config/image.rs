@@ -1,0 +1,45 @@
+//! The `image` section.
+
+use serde::Deserialize;
+
+use crate::yaml;
+
+/// Longest side of a picture in pixels.
+pub const MAX_SIDE: u32 = 65_535;
+
+/// Size and sampling of the picture.
+///
+/// ```
+/// # use raycost::config::Image;
+/// let image: Image = raycost::yaml::from_str("
+/// { width: 640, height: 480, samples_per_pixel: 4, seed: 7 }
+/// ").unwrap();
+/// # assert_eq!(image.samples_per_pixel, 4);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Image {
+    /// Columns, 1 to 65,535.
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
+    pub width: u32,
+    /// Rows, 1 to 65,535.
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
+    pub height: u32,
+    /// Rays from the camera through each pixel, 1 to 65,536; 1 if not given.
+    #[serde(deserialize_with = "yaml::count::<_, 65_536>", default = "one")]
+    pub samples_per_pixel: u32,
+    /// Seed of the sampling pattern; 0 if not given.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+impl Image {
+    /// How many pixels.
+    pub fn n_pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+}
+
+fn one() -> u32 {
+    1
+}

@@ -1,0 +1,77 @@
+//! The scene file as serde types: text → [`Config`].
+//!
+//! Takes a [`Source`](crate::yaml::Source), gives every section with its
+//! defaults, each value in its range. What hangs on two places of the file (a
+//! material's name, say) is resolved in [`scene`](crate::scene).
+
+mod background;
+mod generator;
+mod image;
+mod object;
+mod shading;
+
+use indexmap::IndexMap;
+use serde::Deserialize;
+
+pub use background::Background;
+pub use generator::{Generator, SphereCloud, SphereGrid};
+pub use image::Image;
+pub use object::{Geometry, MaterialNames, Object};
+pub use shading::{Shading, ShadingModel};
+
+use crate::camera::Camera;
+use crate::light::Light;
+use crate::material::Material;
+
+/// A whole scene file.
+///
+/// ```
+/// # use raycost::{config::Config, yaml::Source};
+/// let config: Config = Source::new("scene.yaml", "
+/// image: { width: 320, height: 240 }
+/// camera:
+///   look_at: { eye: [0, 1, 5], target: [0, 0, 0], fov_y_deg: 40 }
+/// materials:
+///   blue: { color: [0.1, 0.2, 0.9], specular: 0.5 }
+/// lights:
+///   - point: { position: [5, 5, 10] }
+/// objects:
+///   - sphere: { center: [0, 0, 0], radius: 1 }
+///     material: blue
+/// ").parse().unwrap();
+/// # assert_eq!(config.objects.len(), 1);
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// Size and sampling of the picture.
+    pub image: Image,
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// What rays see that hit nothing; black if not given.
+    #[serde(default)]
+    pub background: Background,
+    /// How light is computed.
+    #[serde(default)]
+    pub shading: Shading,
+    /// How hits are found.
+    #[serde(default)]
+    pub acceleration: Acceleration,
+    /// Materials by name; their ids count from 0 in this order.
+    pub materials: IndexMap<String, Material>,
+    /// The lights; `[]` for none but the ambient light.
+    pub lights: Vec<Light>,
+    /// The objects, at least one; their ids count from 0 in this order.
+    pub objects: Vec<Object>,
+}
+
+/// How the nearest hit of a ray is found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Acceleration {
+    /// A bounding volume hierarchy over all shapes but planes.
+    #[default]
+    Bvh,
+    /// Every shape against every ray: the truth to compare with.
+    BruteForce,
+}

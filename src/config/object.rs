@@ -1,0 +1,165 @@
+//! The `objects` section.
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+
+use super::generator::Generator;
+use crate::geometry::{Shape, TransformStep};
+
+/// One of the scene file's `objects`: a geometry under its own key, and what
+/// else there is to say of it.
+///
+/// ```
+/// # use raycost::config::Object;
+/// let object: Object = raycost::yaml::from_str("
+/// box: { min: [-1, -1, -1], max: [1, 1, 1] }
+/// material: red
+/// name: tilted box                       # for reports, may be left out
+/// transform:                             # steps, the first one first
+///   - rotate: { axis: [0, 1, 0], angle_deg: 30 }
+///   - translate: [0, 1, 4]
+/// ").unwrap();
+/// # assert_eq!(object.transform.len(), 2);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    /// The name to call it, if the file gives one.
+    pub name: Option<String>,
+    /// What it is made of.
+    pub geometry: Geometry,
+    /// The key of its material; several for a generator to deal out.
+    pub material: MaterialNames,
+    /// Its placement; none for an object that is given in world space.
+    pub transform: Vec<TransformStep>,
+}
+
+/// What an object is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry {
+    /// One shape.
+    Shape(Shape),
+    /// Many shapes from a rule.
+    Generator(Generator),
+}
+
+/// One or more material names: `red` or `[red, green]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialNames(pub Vec<String>);
+
+/// The YAML key.
+impl fmt::Display for Geometry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shape(shape) => shape.fmt(f),
+            Self::Generator(generator) => generator.fmt(f),
+        }
+    }
+}
+
+/// The keys that are not a geometry's.
+const COMMON: [&str; 3] = ["material", "name", "transform"];
+
+/// The keys that are a geometry's.
+static GEOMETRIES: LazyLock<Vec<&str>> = LazyLock::new(|| [Shape::KEYS, Generator::KEYS].concat());
+
+/// All keys.
+static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| [&GEOMETRIES, &COMMON[..]].concat());
+
+impl<'de> Deserialize<'de> for Object {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_map(ObjectVisitor)
+    }
+}
+
+struct ObjectVisitor;
+
+impl<'de> Visitor<'de> for ObjectVisitor {
+    type Value = Object;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object such as { sphere: { … }, material: … }")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Object, A::Error> {
+        let (mut name, mut geometry, mut material, mut transform) = (None, None, None, Vec::new());
+        while let Some(Key(key)) = map.next_key()? {
+            match key {
+                "name" => name = Some(map.next_value()?),
+                "material" => material = Some(map.next_value()?),
+                "transform" => transform = map.next_value()?,
+                _ if geometry.is_some() => {
+                    return Err(A::Error::invalid_value(
+                        Unexpected::Other("two shapes at once"),
+                        &"one shape an object: begin the second with `- `",
+                    ));
+                }
+                _ => geometry = next_geometry(key, &mut map)?,
+            }
+        }
+        Ok(Object {
+            name,
+            geometry: geometry.ok_or_else(|| {
+                A::Error::custom(format!(
+                    "invalid value: an object without a shape, expected one of the keys {}",
+                    GEOMETRIES.join(", ")
+                ))
+            })?,
+            material: material.ok_or_else(|| A::Error::missing_field("material"))?,
+            transform,
+        })
+    }
+}
+
+fn next_geometry<'de, A: MapAccess<'de>>(
+    key: &str,
+    map: &mut A,
+) -> Result<Option<Geometry>, A::Error> {
+    if let Some(shape) = Shape::next_value(key, map)? {
+        return Ok(Some(Geometry::Shape(shape)));
+    }
+    Ok(Generator::next_value(key, map)?.map(Geometry::Generator))
+}
+
+/// One of [`KEYS`].
+struct Key(&'static str);
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let found = String::deserialize(d)?;
+        match KEYS.iter().find(|key| **key == found) {
+            Some(key) => Ok(Self(key)),
+            None => Err(D::Error::unknown_field(&found, &KEYS)),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for MaterialNames {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(MaterialNamesVisitor)
+    }
+}
+
+struct MaterialNamesVisitor;
+
+impl<'de> Visitor<'de> for MaterialNamesVisitor {
+    type Value = MaterialNames;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of a material, or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<MaterialNames, E> {
+        Ok(MaterialNames(vec![name.to_owned()]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<MaterialNames, A::Error> {
+        let names: Vec<String> = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+        match names.is_empty() {
+            true => Err(A::Error::invalid_length(0, &"at least one material name")),
+            false => Ok(MaterialNames(names)),
+        }
+    }
+}

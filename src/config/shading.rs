@@ -1,0 +1,48 @@
+//! The `shading` section.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use crate::yaml;
+
+/// How light is computed.
+///
+/// ```
+/// # use raycost::config::Shading;
+/// let shading: Shading = raycost::yaml::from_str("
+/// { model: blinn_phong, ambient: 0.1, max_depth: 4 }
+/// ").unwrap();
+/// # assert_eq!(shading.max_depth, 4);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Shading {
+    /// The model.
+    pub model: ShadingModel,
+    /// Light that comes from everywhere, a colour or a grey; 0.05 if not given.
+    #[serde(deserialize_with = "yaml::radiance")]
+    pub ambient: Vec3,
+    /// Longest path in bounces, 0 to 255; 0 reflects nothing; 8 if not given.
+    pub max_depth: u8,
+}
+
+/// A shading model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShadingModel {
+    /// Blinn and Phong with shadows, and mirrored rays as Whitted has them.
+    #[default]
+    BlinnPhong,
+    /// The course's NumPy model with its quirks, for comparison with it.
+    Seed,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            model: ShadingModel::default(),
+            ambient: Vec3::splat(0.05),
+            max_depth: 8,
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Axis-aligned boxes as things to see.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::{Aabb, Ray, Surface, Transform};
+use crate::yaml;
+
+/// The surface of an axis-aligned box; a rotated one comes of a `transform`.
+///
+/// ```
+/// # use raycost::geometry::Cuboid;
+/// let cuboid: Cuboid = raycost::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Corners")]
+pub struct Cuboid {
+    bounds: Aabb,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Corners {
+    #[serde(deserialize_with = "yaml::point")]
+    min: Vec3,
+    #[serde(deserialize_with = "yaml::point")]
+    max: Vec3,
+}
+
+impl TryFrom<Corners> for Cuboid {
+    type Error = &'static str;
+
+    fn try_from(Corners { min, max }: Corners) -> Result<Self, Self::Error> {
+        match min.cmplt(max).all() {
+            true => Ok(Self::new(Aabb { min, max })),
+            false => Err("invalid value: a box without volume, expected min < max on every axis"),
+        }
+    }
+}
+
+impl Cuboid {
+    /// The surface of `bounds`, which has a volume.
+    pub fn new(bounds: Aabb) -> Self {
+        Self { bounds }
+    }
+}
+
+impl Surface for Cuboid {
+    /// The slab test of Kay and Kajiya (SIGGRAPH 1986).
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let inverse = ray.direction.recip();
+        let t0 = (self.bounds.min - ray.origin) * inverse;
+        let t1 = (self.bounds.max - ray.origin) * inverse;
+        let enter = t0.min(t1).max_element();
+        let exit = t0.max(t1).min_element();
+        if !(enter <= exit) {
+            return None;
+        }
+        let t = if enter > 0.0 { enter } else { exit };
+        (t > 0.0 && t < t_max).then_some(t)
+    }
+
+    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+        let center = self.bounds.center();
+        let outward = (near - center) / (0.5 * (self.bounds.max - self.bounds.min));
+        let axis = outward.abs().max_position();
+        let mut normal = Vec3::ZERO;
+        normal[axis] = outward[axis].signum();
+        let mut point = near;
+        point[axis] = if normal[axis] > 0.0 {
+            self.bounds.max[axis]
+        } else {
+            self.bounds.min[axis]
+        };
+        (point, normal)
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        let bounds = transform.world_bounds(&self.bounds);
+        transform.keeps_axes().then_some(Self { bounds })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_is_met_from_outside_and_inside_on_the_right_face() {
+        let cuboid = Cuboid::new(Aabb {
+            min: Vec3::new(-1.0, -2.0, 3.0),
+            max: Vec3::new(1.0, 2.0, 5.0),
+        });
+        let along_z = |z: f32| Ray {
+            origin: Vec3::new(0.5, 0.5, z),
+            direction: Vec3::Z,
+        };
+        assert_eq!(cuboid.intersect(&along_z(0.0), 9.0), Some(3.0));
+        assert_eq!(cuboid.intersect(&along_z(4.0), 9.0), Some(1.0));
+        assert_eq!(cuboid.intersect(&along_z(6.0), 9.0), None);
+        let (point, normal) = cuboid.project(Vec3::new(0.5, 0.5, 3.0001));
+        assert_eq!((point.z, normal), (3.0, -Vec3::Z));
+    }
+}

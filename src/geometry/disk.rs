@@ -1,0 +1,94 @@
+//! Flat disks.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::{Aabb, Plane, Ray, Surface, Transform};
+use crate::yaml;
+
+/// The points of a plane within one distance of a centre.
+///
+/// ```
+/// # use raycost::geometry::Disk;
+/// let disk: Disk = raycost::yaml::from_str("
+/// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
+/// ").unwrap();
+/// # assert_eq!(disk.radius, 0.5);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Disk {
+    /// The centre.
+    #[serde(deserialize_with = "yaml::point")]
+    pub center: Vec3,
+    /// The unit normal; the file may give any length but zero.
+    #[serde(deserialize_with = "yaml::direction")]
+    pub normal: Vec3,
+    /// The radius, greater than 0.
+    #[serde(deserialize_with = "yaml::positive")]
+    pub radius: f32,
+}
+
+impl Disk {
+    fn plane(&self) -> Plane {
+        Plane {
+            point: self.center,
+            normal: self.normal,
+        }
+    }
+}
+
+impl Surface for Disk {
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        self.plane()
+            .intersect(ray, t_max)
+            .filter(|&t| ray.at(t).distance_squared(self.center) <= self.radius * self.radius)
+    }
+
+    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+        self.plane().project(near)
+    }
+
+    fn bounds(&self) -> Aabb {
+        // The circle's extent along an axis is r times the sine of the angle
+        // between that axis and the normal.
+        let extent = self.radius
+            * (1.0 - self.normal * self.normal)
+                .max(Vec3::ZERO)
+                .map(f32::sqrt);
+        Aabb {
+            min: self.center - extent,
+            max: self.center + extent,
+        }
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        Some(Self {
+            center: transform.world_point(self.center),
+            normal: transform.world_normal(self.normal),
+            radius: self.radius * transform.uniform_scale()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disk_ends_at_its_radius() {
+        let disk = Disk {
+            center: Vec3::Z,
+            normal: Vec3::Z,
+            radius: 0.5,
+        };
+        let at_x = |x: f32| Ray {
+            origin: Vec3::new(x, 0.0, 0.0),
+            direction: Vec3::Z,
+        };
+        assert_eq!(disk.intersect(&at_x(0.49), 9.0), Some(1.0));
+        assert_eq!(disk.intersect(&at_x(0.51), 9.0), None);
+        assert_eq!(disk.bounds().max, Vec3::new(0.5, 0.5, 1.0));
+    }
+}

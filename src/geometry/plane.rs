@@ -1,0 +1,78 @@
+//! Infinite planes.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::{Aabb, Ray, Surface, Transform};
+use crate::yaml;
+
+/// Rays flatter than this against the plane miss it: |cos| of the angle to the
+/// normal.
+const MIN_COS: f32 = 1e-6;
+
+/// The points of an infinite plane.
+///
+/// ```
+/// # use raycost::geometry::Plane;
+/// let floor: Plane = raycost::yaml::from_str("{ point: [0, -0.5, 0], normal: [0, 1, 0] }").unwrap();
+/// # assert_eq!(floor.normal.y, 1.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plane {
+    /// One of its points.
+    #[serde(deserialize_with = "yaml::point")]
+    pub point: Vec3,
+    /// The unit normal; the file may give any length but zero.
+    #[serde(deserialize_with = "yaml::direction")]
+    pub normal: Vec3,
+}
+
+impl Surface for Plane {
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let cos = ray.direction.dot(self.normal);
+        if cos.abs() < MIN_COS {
+            return None;
+        }
+        let t = (self.point - ray.origin).dot(self.normal) / cos;
+        (t > 0.0 && t < t_max).then_some(t)
+    }
+
+    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+        let above = (near - self.point).dot(self.normal);
+        (near - above * self.normal, self.normal)
+    }
+
+    fn bounds(&self) -> Aabb {
+        Aabb::ALL
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        Some(Self {
+            point: transform.world_point(self.point),
+            normal: transform.world_normal(self.normal),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_met_from_both_sides_and_missed_along_it() {
+        let floor = Plane {
+            point: Vec3::new(7.0, -0.5, 3.0),
+            normal: Vec3::Y,
+        };
+        let ray = |y: f32, direction| Ray {
+            origin: Vec3::new(0.0, y, 0.0),
+            direction,
+        };
+        assert_eq!(floor.intersect(&ray(1.0, -Vec3::Y), 9.0), Some(1.5));
+        assert_eq!(floor.intersect(&ray(-2.0, Vec3::Y), 9.0), Some(1.5));
+        assert_eq!(floor.intersect(&ray(1.0, Vec3::Y), 9.0), None);
+        assert_eq!(floor.intersect(&ray(1.0, Vec3::X), 9.0), None);
+    }
+}

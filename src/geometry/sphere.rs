@@ -1,0 +1,109 @@
+//! Spheres.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::{Aabb, Ray, Surface, Transform};
+use crate::yaml;
+
+/// The points at one distance from a centre.
+///
+/// ```
+/// # use raycost::geometry::Sphere;
+/// let sphere: Sphere = raycost::yaml::from_str("{ center: [0, 1, 3], radius: 1 }").unwrap();
+/// # assert_eq!(sphere.radius, 1.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// The centre.
+    #[serde(deserialize_with = "yaml::point")]
+    pub center: Vec3,
+    /// The radius, greater than 0.
+    #[serde(deserialize_with = "yaml::positive")]
+    pub radius: f32,
+}
+
+impl Surface for Sphere {
+    /// Haines, Günther and Akenine-Möller, "Precision Improvements for
+    /// Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7: the
+    /// discriminant from the point of the ray that is nearest to the centre,
+    /// so that small and far spheres keep their digits.
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let f = ray.origin - self.center;
+        let d = ray.direction;
+        let a = d.dot(d);
+        let b = -f.dot(d);
+        let r2 = self.radius * self.radius;
+        let nearest = f + (b / a) * d;
+        let discriminant = r2 - nearest.dot(nearest);
+        if discriminant < 0.0 {
+            return None;
+        }
+        let q = b + (a * discriminant).sqrt().copysign(b);
+        let (t0, t1) = ((f.dot(f) - r2) / q, q / a);
+        let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
+        let t = if near > 0.0 { near } else { far };
+        (t > 0.0 && t < t_max).then_some(t)
+    }
+
+    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+        let normal = (near - self.center).normalize_or(Vec3::Y);
+        (self.center + self.radius * normal, normal)
+    }
+
+    fn bounds(&self) -> Aabb {
+        Aabb {
+            min: self.center - self.radius,
+            max: self.center + self.radius,
+        }
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        Some(Self {
+            center: transform.world_point(self.center),
+            radius: self.radius * transform.uniform_scale()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPHERE: Sphere = Sphere {
+        center: Vec3::new(0.0, 0.0, 3.0),
+        radius: 1.0,
+    };
+
+    fn along_z(z: f32, direction: f32) -> Ray {
+        Ray {
+            origin: Vec3::new(0.0, 0.0, z),
+            direction: Vec3::Z * direction,
+        }
+    }
+
+    #[test]
+    fn a_ray_meets_the_near_side_then_the_far_side() {
+        assert_eq!(SPHERE.intersect(&along_z(0.0, 1.0), 10.0), Some(2.0));
+        assert_eq!(SPHERE.intersect(&along_z(3.0, 1.0), 10.0), Some(1.0));
+        assert_eq!(SPHERE.intersect(&along_z(5.0, 1.0), 10.0), None);
+        assert_eq!(SPHERE.intersect(&along_z(0.0, 1.0), 1.5), None);
+    }
+
+    #[test]
+    fn t_counts_in_lengths_of_the_direction() {
+        assert_eq!(SPHERE.intersect(&along_z(0.0, 4.0), 10.0), Some(0.5));
+    }
+
+    #[test]
+    fn a_small_far_sphere_keeps_its_digits() {
+        let small = Sphere {
+            center: Vec3::new(0.0, 0.0, 4000.0),
+            radius: 0.5,
+        };
+        let t = small.intersect(&along_z(0.0, 1.0), f32::INFINITY);
+        assert!((t.unwrap() - 3999.5).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,111 @@
+//! Triangles.
+
+use glam::Vec3;
+use serde::de::{Error, Unexpected};
+use serde::{Deserialize, Deserializer};
+
+use super::{Aabb, Ray, Surface, Transform};
+use crate::yaml;
+
+/// The points between three corners.
+///
+/// ```
+/// # use raycost::geometry::Triangle;
+/// let triangle: Triangle = raycost::yaml::from_str("
+/// { vertices: [[-1, 0, 2], [1, 0, 2], [0, 1, 2]] }
+/// ").unwrap();
+/// # assert_eq!(triangle.vertices[2].y, 1.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Triangle {
+    /// The corners, counter-clockwise as seen from outside; not on one line.
+    #[serde(deserialize_with = "vertices")]
+    pub vertices: [Vec3; 3],
+}
+
+impl Triangle {
+    /// The unit normal; `None` if the corners lie on one line.
+    fn normal(&self) -> Option<Vec3> {
+        let [a, b, c] = self.vertices;
+        (b - a).cross(c - a).try_normalize()
+    }
+}
+
+impl Surface for Triangle {
+    /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection",
+    /// Journal of Graphics Tools 2(1), 1997.
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let [v0, v1, v2] = self.vertices;
+        let (e1, e2) = (v1 - v0, v2 - v0);
+        let p = ray.direction.cross(e2);
+        let inverse_determinant = e1.dot(p).recip();
+        let s = ray.origin - v0;
+        let u = s.dot(p) * inverse_determinant;
+        let q = s.cross(e1);
+        let v = ray.direction.dot(q) * inverse_determinant;
+        let t = e2.dot(q) * inverse_determinant;
+        // A ray in the triangle's plane gives NaN or infinities, which fail here.
+        let hit = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < t_max;
+        hit.then_some(t)
+    }
+
+    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+        let normal = self.normal().unwrap_or(Vec3::Y);
+        let above = (near - self.vertices[0]).dot(normal);
+        (near - above * normal, normal)
+    }
+
+    fn bounds(&self) -> Aabb {
+        Aabb::of_points(self.vertices)
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        let vertices = self.vertices.map(|vertex| transform.world_point(vertex));
+        Some(Self { vertices })
+    }
+}
+
+/// Three points that are not on one line.
+fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<[Vec3; 3], D::Error> {
+    let vertices = <[Point; 3]>::deserialize(d)?.map(|Point(point)| point);
+    if (Triangle { vertices }).normal().is_none() {
+        return Err(D::Error::invalid_value(
+            Unexpected::Other("three points on one line"),
+            &"three corners that span an area",
+        ));
+    }
+    Ok(vertices)
+}
+
+#[derive(Deserialize)]
+struct Point(#[serde(deserialize_with = "yaml::point")] Vec3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_is_met_from_both_sides_within_its_edges() {
+        let triangle = Triangle {
+            vertices: [Vec3::ZERO, Vec3::X, Vec3::Y],
+        };
+        let down = |x: f32, y: f32| Ray {
+            origin: Vec3::new(x, y, 2.0),
+            direction: -Vec3::Z,
+        };
+        assert_eq!(triangle.intersect(&down(0.25, 0.25), 9.0), Some(2.0));
+        assert_eq!(triangle.intersect(&down(0.75, 0.75), 9.0), None);
+        let up = Ray {
+            origin: Vec3::new(0.25, 0.25, -1.0),
+            direction: Vec3::Z,
+        };
+        assert_eq!(triangle.intersect(&up, 9.0), Some(1.0));
+        let along = Ray {
+            origin: Vec3::new(-1.0, 0.25, 0.0),
+            direction: Vec3::X,
+        };
+        assert_eq!(triangle.intersect(&along, 9.0), None);
+    }
+}

@@ -1,0 +1,31 @@
+//! A ray tracer that shows its work.
+//!
+//! ```no_run
+//! use raycost::{accel::Accel, config::Config, cost::Clock, render::render, scene::Scene, yaml::Source};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let source = Source::read("configs/seed_sphere.yaml".as_ref())?;       // the text,
+//! let config: Config = source.parse()?;                                  // checked values,
+//! let scene = Scene::new(&config).map_err(|fault| source.point_at(fault))?; // world space,
+//! let accel = Accel::new(&scene.primitives, config.acceleration);        // a way to find hits,
+//! let clock = Clock::calibrated();                                       // time and counters,
+//! let film = render(&scene, &accel, &config.image, Some(&clock), |_| {}); // pixels and their cost:
+//! println!("{} pixels see something", film.n_hits());
+//! # Ok(()) }
+//! ```
+//!
+//! The modules stand in the order of the data; each uses only those above it.
+
+pub mod yaml;
+pub mod sampling;
+pub mod geometry;
+pub mod camera;
+pub mod light;
+pub mod material;
+pub mod config;
+pub mod scene;
+pub mod cost;
+pub mod accel;
+pub mod trace;
+pub mod shade;
+pub mod film;
+pub mod render;

@@ -1,0 +1,71 @@
+//! The light at a point.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::{Falloff, Illumination};
+use crate::yaml;
+
+/// A light that shines from one point in all directions.
+///
+/// ```
+/// # use raycost::light::Light;
+/// let light: Light = raycost::yaml::from_str("
+/// point: { position: [5, 5, -10], color: [1, 0.9, 0.8], intensity: 60, falloff: inverse_square }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PointLight {
+    /// Where it stands.
+    #[serde(deserialize_with = "yaml::point")]
+    pub position: Vec3,
+    /// Its colour, each channel at least 0; white if not given.
+    #[serde(
+        deserialize_with = "yaml::radiance",
+        default = "super::directional::white"
+    )]
+    pub color: Vec3,
+    /// A factor on the colour, at least 0; 1 if not given.
+    #[serde(
+        deserialize_with = "yaml::non_negative",
+        default = "super::directional::one"
+    )]
+    pub intensity: f32,
+    /// How it weakens with the distance; not at all if not given.
+    #[serde(default)]
+    pub falloff: Falloff,
+}
+
+impl PointLight {
+    pub(super) fn illuminate(&self, point: Vec3) -> Illumination {
+        let to_light = self.position - point;
+        let distance = to_light.length();
+        Illumination {
+            direction: to_light / distance.max(f32::MIN_POSITIVE),
+            distance,
+            radiance: self.color * (self.intensity * self.falloff.factor(distance)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_falloffs_halve_and_quarter_at_twice_the_distance() {
+        let at = |falloff, distance| {
+            let light = PointLight {
+                position: Vec3::Y * distance,
+                color: Vec3::ONE,
+                intensity: 3.0,
+                falloff,
+            };
+            light.illuminate(Vec3::ZERO).radiance.x
+        };
+        assert_eq!(at(Falloff::None, 2.0), 3.0);
+        assert_eq!(at(Falloff::Inverse, 2.0), 1.5);
+        assert_eq!(at(Falloff::InverseSquare, 2.0), 0.75);
+    }
+}

@@ -1,0 +1,2 @@
+//! raycost
+fn main() {}

@@ -1,0 +1,158 @@
+//! Colours that may depend on the place.
+
+use glam::{BVec3, Vec3};
+use serde::Deserialize;
+
+use crate::yaml::{self, ColorOr};
+
+/// A colour for each point of the world.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(from = "ColorOr<Pattern>")]
+pub enum Texture {
+    /// The same everywhere.
+    Color(Vec3),
+    /// Two colours in a checkerboard.
+    Checker(Checker),
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Pattern {
+    Checker(Checker),
+}
+
+impl From<ColorOr<Pattern>> for Texture {
+    fn from(found: ColorOr<Pattern>) -> Self {
+        match found {
+            ColorOr::Color(color) => Self::Color(color),
+            ColorOr::Other(Pattern::Checker(checker)) => Self::Checker(checker),
+        }
+    }
+}
+
+/// Cubes of two colours that fill the world, or squares or stripes where
+/// `axes` names fewer axes.
+///
+/// ```
+/// # use raycost::material::Texture;
+/// let floor: Texture = raycost::yaml::from_str("
+/// checker: { even: [1, 1, 1], odd: [0, 0, 0], size: 0.5, axes: xz }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Checker {
+    /// The colour of the cell at the origin of the world.
+    #[serde(deserialize_with = "yaml::color")]
+    pub even: Vec3,
+    /// The other colour.
+    #[serde(deserialize_with = "yaml::color")]
+    pub odd: Vec3,
+    /// Length of a cell's side in world units.
+    #[serde(deserialize_with = "yaml::positive")]
+    pub size: f32,
+    /// The axes along which the colours change; all if not given. A floor
+    /// wants `xz`: along y it would flicker between two layers.
+    #[serde(default)]
+    pub axes: Axes,
+    /// How a coordinate becomes a cell's number.
+    #[serde(default)]
+    pub rounding: Rounding,
+}
+
+/// Axes of the world.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "each variant names its axes")]
+pub enum Axes {
+    X,
+    Y,
+    Z,
+    Xy,
+    Xz,
+    Yz,
+    #[default]
+    Xyz,
+}
+
+/// How a coordinate becomes a cell's number.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rounding {
+    /// Downwards: all cells are equal.
+    #[default]
+    Floor,
+    /// Toward zero, as the course's NumPy model has it: the cells at zero are
+    /// twice as wide.
+    Truncate,
+}
+
+impl Texture {
+    /// The colour at a world-space point.
+    pub fn color_at(&self, point: Vec3) -> Vec3 {
+        match self {
+            Self::Color(color) => *color,
+            Self::Checker(checker) => checker.color_at(point),
+        }
+    }
+}
+
+impl Checker {
+    fn color_at(&self, point: Vec3) -> Vec3 {
+        let cell = match self.rounding {
+            Rounding::Floor => (point / self.size).floor(),
+            Rounding::Truncate => (point / self.size).trunc(),
+        };
+        let counted = Vec3::select(self.axes.mask(), cell, Vec3::ZERO);
+        let sum = counted.element_sum();
+        // Even and odd of a float: exact up to 2^24 cells, even beyond.
+        match (sum * 0.5).fract() == 0.0 {
+            true => self.even,
+            false => self.odd,
+        }
+    }
+}
+
+impl Axes {
+    fn mask(self) -> BVec3 {
+        match self {
+            Self::X => BVec3::new(true, false, false),
+            Self::Y => BVec3::new(false, true, false),
+            Self::Z => BVec3::new(false, false, true),
+            Self::Xy => BVec3::new(true, true, false),
+            Self::Xz => BVec3::new(true, false, true),
+            Self::Yz => BVec3::new(false, true, true),
+            Self::Xyz => BVec3::TRUE,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_even(rounding: Rounding, axes: Axes, point: Vec3) -> bool {
+        let checker = Checker {
+            even: Vec3::ONE,
+            odd: Vec3::ZERO,
+            size: 0.5,
+            axes,
+            rounding,
+        };
+        checker.color_at(point) == Vec3::ONE
+    }
+
+    #[test]
+    fn neighbouring_cells_differ() {
+        let even = |x: f32, z: f32| is_even(Rounding::Floor, Axes::Xz, Vec3::new(x, 9.7, z));
+        assert!(even(0.1, 0.1) && !even(0.6, 0.1) && even(0.6, 0.6));
+        assert!(!even(-0.1, 0.1) && even(-0.1, -0.1));
+    }
+
+    #[test]
+    fn truncation_doubles_the_cells_at_zero() {
+        let even = |x: f32| is_even(Rounding::Truncate, Axes::X, Vec3::new(x, 0.0, 0.0));
+        assert!(even(-0.4) && even(0.4));
+        assert!(!even(0.6) && !even(-0.6));
+    }
+}

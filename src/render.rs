@@ -1,0 +1,184 @@
+//! The tile loop: scene → film, on all threads.
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::accel::Accel;
+use crate::config::Image;
+use crate::cost::{Clock, Cost, NoProbe, Probe, RayKind};
+use crate::film::{Film, Pixel, PixelCost, STRIP_ROWS, Strip};
+use crate::sampling::PixelPattern;
+use crate::scene::Scene;
+use crate::shade::Shader;
+use crate::trace::Tracer;
+
+/// Pixels along a tile's side: small enough to share out evenly, large enough
+/// that one tile's film is written at one go.
+pub const TILE_SIDE: u32 = STRIP_ROWS;
+
+/// What has been rendered since the last report.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Progress {
+    /// Pixels.
+    pub n_pixels: u64,
+    /// Rays; 0 where nothing is counted.
+    pub n_rays: u64,
+}
+
+/// Renders the scene on the current rayon pool; with a clock it counts and
+/// times every pixel. `report` hears of each tile, from any thread.
+pub fn render(
+    scene: &Scene,
+    accel: &Accel,
+    image: &Image,
+    clock: Option<&Clock>,
+    report: impl Fn(Progress) + Sync,
+) -> Film {
+    let mut film = Film::new(image.width, image.height, clock.is_some());
+    let strips: Vec<_> = film.strips.iter_mut().map(Mutex::new).collect();
+    let renderer = Renderer {
+        scene,
+        shader: Shader::new(scene, Tracer::new(scene, accel)),
+        tracer: Tracer::new(scene, accel),
+        pattern: PixelPattern::new(image.samples_per_pixel, image.seed),
+        image,
+    };
+    let n_columns = image.width.div_ceil(TILE_SIDE);
+    let n_tiles = n_columns * image.height.div_ceil(TILE_SIDE);
+    (0..n_tiles)
+        .into_par_iter()
+        .for_each_init(Vec::new, |pixels, number| {
+            let tile = Tile::new(number, n_columns, image);
+            let progress = match clock {
+                Some(clock) => renderer.timed_tile(&tile, clock, pixels),
+                None => renderer.tile(&tile, pixels),
+            };
+            // The film is written a tile at a time, outside of any pixel's time:
+            // first touches of its memory would show in the heatmap.
+            let strip = &strips[(tile.rows[0] / STRIP_ROWS) as usize];
+            let mut strip = strip.lock().unwrap_or_else(PoisonError::into_inner);
+            tile.store(pixels, image.width, &mut strip);
+            drop(strip);
+            report(progress);
+        });
+    drop(strips);
+    film
+}
+
+/// A rectangle of pixels that one thread renders.
+struct Tile {
+    number: u32,
+    /// First column and the one after the last.
+    columns: [u32; 2],
+    /// First row and the one after the last.
+    rows: [u32; 2],
+}
+
+impl Tile {
+    /// Tiles are numbered along rows from the top left.
+    fn new(number: u32, n_columns: u32, image: &Image) -> Self {
+        let span = |index: u32, end: u32| {
+            let first = index * TILE_SIDE;
+            [first, (first + TILE_SIDE).min(end)]
+        };
+        Self {
+            number,
+            columns: span(number % n_columns, image.width),
+            rows: span(number / n_columns, image.height),
+        }
+    }
+
+    /// Its pixels (x, y), row by row.
+    fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
+        let [[left, right], [top, bottom]] = [self.columns, self.rows];
+        (top..bottom).flat_map(move |y| (left..right).map(move |x| (x, y)))
+    }
+
+    /// Puts the tile's pixels, in the order of [`pixels`](Self::pixels), into
+    /// their strip.
+    fn store(&self, pixels: &[Pixel], width: u32, strip: &mut Strip) {
+        for ((x, y), pixel) in self.pixels().zip(pixels) {
+            let index = (y - strip.first_row) as usize * width as usize + x as usize;
+            strip.put(index, pixel);
+        }
+    }
+}
+
+/// All that rendering a pixel needs.
+struct Renderer<'a> {
+    scene: &'a Scene,
+    shader: Shader<'a>,
+    tracer: Tracer<'a>,
+    pattern: PixelPattern,
+    image: &'a Image,
+}
+
+impl Renderer<'_> {
+    /// Renders the tile into `pixels` without measuring anything.
+    fn tile(&self, tile: &Tile, pixels: &mut Vec<Pixel>) -> Progress {
+        pixels.clear();
+        pixels.extend(tile.pixels().map(|(x, y)| self.pixel(x, y, &mut NoProbe)));
+        Progress {
+            n_pixels: pixels.len() as u64,
+            n_rays: 0,
+        }
+    }
+
+    /// Renders the tile into `pixels`, counting and timing each of them. One
+    /// reading of the clock ends a pixel and begins the next.
+    fn timed_tile(&self, tile: &Tile, clock: &Clock, pixels: &mut Vec<Pixel>) -> Progress {
+        pixels.clear();
+        let mut total = Cost::default();
+        let mut begin = clock.now();
+        for (x, y) in tile.pixels() {
+            let mut counted = Cost::default();
+            let mut pixel = self.pixel(x, y, &mut counted);
+            let end = clock.now();
+            pixel.cost = Some(PixelCost {
+                counted,
+                time_ns: clock.elapsed_ns(begin, end),
+                tile: tile.number,
+                thread: rayon::current_thread_index().unwrap_or(0) as u32,
+            });
+            pixels.push(pixel);
+            total.add(&counted);
+            begin = end;
+        }
+        Progress {
+            n_pixels: pixels.len() as u64,
+            n_rays: total.n_rays(),
+        }
+    }
+
+    /// Renders one pixel; its cost is left to the caller.
+    fn pixel<P: Probe>(&self, x: u32, y: u32, probe: &mut P) -> Pixel {
+        let number = u64::from(y) * u64::from(self.image.width) + u64::from(x);
+        let n_samples = self.image.samples_per_pixel;
+        let mut color = Vec3::ZERO;
+        let mut surface = None;
+        for i in 0..n_samples {
+            let offset = self.pattern.point(number, i);
+            let ray = self
+                .scene
+                .image_plane
+                .ray(x as f32 + offset.x, y as f32 + offset.y);
+            let met = self.tracer.trace(&ray, RayKind::Camera, probe);
+            if i == self.pattern.center() {
+                surface = met;
+            }
+            // Limited a sample at a time, so that a bright edge stays smooth.
+            let radiance = self.shader.radiance(&ray, met.as_ref(), probe);
+            color += radiance.min(Vec3::ONE);
+        }
+        let distance = surface.map_or(f32::NAN, |point| point.distance);
+        let (x, y) = (x as f32, y as f32);
+        Pixel {
+            color: color / n_samples as f32,
+            surface,
+            footprint: self.scene.image_plane.footprint(x, y, distance),
+            cost: None,
+        }
+    }
+}

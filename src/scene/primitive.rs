@@ -1,0 +1,92 @@
+//! One thing that a ray can hit.
+
+use glam::Vec3;
+
+use crate::geometry::{Aabb, Ray, Shape, Surface, Transform};
+
+/// The number of an object in the file's `objects`, from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ObjectId(pub u32);
+
+/// The number of a material in the file's `materials`, from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MaterialId(pub u32);
+
+/// A shape in world space and what it belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Primitive {
+    shape: Shape,
+    /// For a shape that has no image of its own kind in world space: a sphere
+    /// stretched to an ellipsoid, a box turned.
+    placement: Option<Box<Transform>>,
+    /// The object that it is of.
+    pub object: ObjectId,
+    /// What it is made of.
+    pub material: MaterialId,
+}
+
+impl Primitive {
+    /// A shape under a transform, if there is one.
+    pub fn new(
+        shape: Shape,
+        transform: Option<&Transform>,
+        object: ObjectId,
+        material: MaterialId,
+    ) -> Self {
+        let (shape, placement) = match transform.map(|t| (t, shape.transformed(t))) {
+            None => (shape, None),
+            Some((_, Some(in_world))) => (in_world, None),
+            Some((transform, None)) => (shape, Some(Box::new(*transform))),
+        };
+        Self {
+            shape,
+            placement,
+            object,
+            material,
+        }
+    }
+
+    /// The least `t` in (0, `t_max`) at which the ray meets it.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        match &self.placement {
+            None => self.shape.intersect(ray, t_max),
+            Some(placement) => self.shape.intersect(&placement.object_ray(ray), t_max),
+        }
+    }
+
+    /// The point of its surface nearest to `near`, which lies on it but for
+    /// rounding, and the outward unit normal there.
+    pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+        match &self.placement {
+            None => self.shape.project(near),
+            Some(placement) => {
+                let (point, normal) = self.shape.project(placement.object_point(near));
+                (placement.world_point(point), placement.world_normal(normal))
+            }
+        }
+    }
+
+    /// The smallest known box around it; [`Aabb::ALL`] for a plane.
+    pub fn bounds(&self) -> Aabb {
+        match &self.placement {
+            None => self.shape.bounds(),
+            Some(placement) => placement.world_bounds(&self.shape.bounds()),
+        }
+    }
+
+    /// Whether it has no end.
+    pub fn is_unbounded(&self) -> bool {
+        matches!(self.shape, Shape::Plane(_))
+    }
+
+    /// Whether it kept finite coordinates and an extent in world space.
+    pub(super) fn is_sane(&self) -> bool {
+        if self.is_unbounded() {
+            return self.project(Vec3::ZERO).0.is_finite();
+        }
+        let bounds = self.bounds();
+        let size = (bounds.max - bounds.min).max_element();
+        bounds.min.abs().max(bounds.max.abs()).max_element() <= 1e16 && size > 1e-16
+    }
+}

@@ -1,0 +1,114 @@
+//! Colours: `[r, g, b]`, `"#rrggbb"` or one number for a grey.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use glam::Vec3;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+
+use super::number::{FRACTION, List, NON_NEGATIVE, Number, Splat};
+
+const EXPECTED: &str = "a colour: [r, g, b], \"#rrggbb\" or one number for a grey";
+
+/// A colour that reflects: each channel from 0 to 1.
+pub fn color<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    d.deserialize_any(Color(FRACTION))
+}
+
+/// A colour that shines: each channel at least 0.
+pub fn radiance<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    d.deserialize_any(Color(NON_NEGATIVE))
+}
+
+/// For types that are one colour or, as a mapping, something richer:
+/// `#[serde(from = "ColorOr<Richer>")]`.
+pub enum ColorOr<T> {
+    /// One colour, each channel from 0 to 1.
+    Color(Vec3),
+    /// What the mapping says.
+    Other(T),
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for ColorOr<T> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(ColorOrVisitor(PhantomData))
+    }
+}
+
+struct Color(Number);
+
+impl Color {
+    fn numbers(self) -> Splat<3> {
+        Splat(List(self.0, EXPECTED))
+    }
+}
+
+impl<'de> Visitor<'de> for Color {
+    type Value = Vec3;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(EXPECTED)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Vec3, A::Error> {
+        self.numbers().visit_seq(list).map(Vec3::from_array)
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<Vec3, E> {
+        self.numbers().visit_f64(found).map(Vec3::from_array)
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<Vec3, E> {
+        self.numbers().visit_i64(found).map(Vec3::from_array)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<Vec3, E> {
+        self.numbers().visit_u64(found).map(Vec3::from_array)
+    }
+
+    fn visit_str<E: Error>(self, found: &str) -> Result<Vec3, E> {
+        let digits = found.strip_prefix('#').filter(|hex| hex.len() == 6);
+        match digits.and_then(|hex| u32::from_str_radix(hex, 16).ok()) {
+            Some(rgb) => {
+                let [_, r, g, b] = rgb.to_be_bytes();
+                Ok(Vec3::from([r, g, b].map(f32::from)) / 255.0)
+            }
+            None => Err(E::invalid_value(Unexpected::Str(found), &EXPECTED)),
+        }
+    }
+}
+
+struct ColorOrVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
+    type Value = ColorOr<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{EXPECTED}; or a mapping")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ColorOr<T>, A::Error> {
+        Color(FRACTION).visit_seq(list).map(ColorOr::Color)
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<ColorOr<T>, E> {
+        Color(FRACTION).visit_f64(found).map(ColorOr::Color)
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<ColorOr<T>, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<ColorOr<T>, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_str<E: Error>(self, found: &str) -> Result<ColorOr<T>, E> {
+        Color(FRACTION).visit_str(found).map(ColorOr::Color)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColorOr<T>, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(ColorOr::Other)
+    }
+}

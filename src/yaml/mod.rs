@@ -1,0 +1,22 @@
+//! YAML text → typed, checked values.
+//!
+//! Takes a scene file's text and a serde type; gives the value, or one
+//! [`Diagnostic`] that points at the line. serde_yaml does the reading; the
+//! event stream of saphyr-parser, walked beside it, knows where each key and
+//! value stands, so that every error, whoever finds it, gets its caret.
+
+mod color;
+mod diagnostic;
+mod number;
+mod position;
+mod source;
+mod translate;
+
+pub use color::{ColorOr, color, radiance};
+pub use diagnostic::{Diagnostic, Fault, did_you_mean};
+pub use number::{
+    Number, coordinate, count, direction, fraction, non_negative, point, positive, positive_range,
+    range, scale, vector,
+};
+pub use position::{Path, Step};
+pub use source::{Source, from_str};

@@ -1,0 +1,236 @@
+//! Checked numbers: what a field accepts stands in its type's deserialiser.
+//!
+//! Each function is for `#[serde(deserialize_with = "…")]`. All refuse NaN,
+//! infinities and magnitudes above 1e15, whose squares and products would
+//! leave the range of `f32` in the kernel.
+
+use std::fmt;
+
+use glam::Vec3;
+use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
+
+/// Largest magnitude of a coordinate or length.
+const MAX_MAGNITUDE: f64 = 1e15;
+/// Smallest magnitude of a length that is not zero.
+const MIN_LENGTH: f64 = 1e-15;
+
+/// A number that a field accepts.
+#[derive(Clone, Copy)]
+pub struct Number {
+    /// What would be right, as it follows the word "expected".
+    pub expected: &'static str,
+    /// Tells whether a finite number is right.
+    pub accepts: fn(f64) -> bool,
+}
+
+/// A coordinate.
+const COORDINATE: Number = Number {
+    expected: "a finite number (magnitude at most 1e15)",
+    accepts: |x| x.abs() <= MAX_MAGNITUDE,
+};
+/// A length or a strength of its own.
+const POSITIVE: Number = Number {
+    expected: "a number greater than 0 (1e-15 to 1e15)",
+    accepts: |x| (MIN_LENGTH..=MAX_MAGNITUDE).contains(&x),
+};
+pub(super) const NON_NEGATIVE: Number = Number {
+    expected: "a number of at least 0 (at most 1e15)",
+    accepts: |x| (0.0..=MAX_MAGNITUDE).contains(&x),
+};
+/// A share.
+pub(super) const FRACTION: Number = Number {
+    expected: "a number from 0 to 1",
+    accepts: |x| (0.0..=1.0).contains(&x),
+};
+const SCALE: Number = Number {
+    expected: "a number other than 0 (magnitude 1e-6 to 1e6)",
+    accepts: |x| (1e-6..=1e6).contains(&x.abs()),
+};
+
+/// A length, greater than 0.
+pub fn positive<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    POSITIVE.deserialize(d)
+}
+
+/// A strength, at least 0.
+pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    NON_NEGATIVE.deserialize(d)
+}
+
+/// A share, 0 to 1.
+pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    FRACTION.deserialize(d)
+}
+
+/// A coordinate, or an angle in degrees, of any sign.
+pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    COORDINATE.deserialize(d)
+}
+
+/// A count, at least 1 and at most `MAX`.
+pub fn count<'de, D: Deserializer<'de>, const MAX: u32>(d: D) -> Result<u32, D::Error> {
+    let found = d.deserialize_any(Integer)?;
+    match u32::try_from(found) {
+        Ok(n) if (1..=MAX).contains(&n) => Ok(n),
+        _ => Err(D::Error::custom(format!(
+            "invalid value: integer `{found}`, expected a whole number from 1 to {MAX}"
+        ))),
+    }
+}
+
+/// A point: `[x, y, z]`.
+pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    d.deserialize_seq(List(COORDINATE, "a point [x, y, z]"))
+        .map(Vec3::from_array)
+}
+
+/// A displacement, zero included: `[x, y, z]`.
+pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    d.deserialize_seq(List(COORDINATE, "a vector [x, y, z]"))
+        .map(Vec3::from_array)
+}
+
+/// A direction: `[x, y, z]` of any length but zero; gives the unit vector.
+pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    let found = Vec3::from(d.deserialize_seq(List(COORDINATE, "a direction [x, y, z]"))?);
+    // Scaled first, so that no square leaves the range of f32.
+    let largest = found.abs().max_element();
+    (found / largest).try_normalize().ok_or_else(|| {
+        D::Error::invalid_value(
+            Unexpected::Other("the zero vector"),
+            &"a direction [x, y, z] that is not zero",
+        )
+    })
+}
+
+/// Factors along x, y and z: `[x, y, z]`, or one number for all three.
+pub fn scale<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    d.deserialize_any(Splat(List(SCALE, "a factor, or three [x, y, z]")))
+        .map(Vec3::from_array)
+}
+
+/// An interval `[from, to]` of coordinates with `from < to`.
+pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
+    let [from, to] = d.deserialize_seq(List(COORDINATE, "a range [from, to]"))?;
+    match from < to {
+        true => Ok([from, to]),
+        false => Err(D::Error::invalid_value(
+            Unexpected::Other("an empty range"),
+            &"a range [from, to] with from < to",
+        )),
+    }
+}
+
+/// Least and greatest length, `[from, to]` with `from <= to`, or one number for
+/// both.
+pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
+    let [from, to] = d.deserialize_any(Splat(List(POSITIVE, "a length, or a range [from, to]")))?;
+    match from <= to {
+        true => Ok([from, to]),
+        false => Err(D::Error::invalid_value(
+            Unexpected::Other("a range that runs backwards"),
+            &"a range [from, to] with from <= to",
+        )),
+    }
+}
+
+impl<'de> Visitor<'de> for Number {
+    type Value = f32;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.expected)
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<f32, E> {
+        match found.is_finite() && (self.accepts)(found) {
+            true => Ok(found as f32),
+            false => Err(E::invalid_value(Unexpected::Float(found), &self)),
+        }
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<f32, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<f32, E> {
+        self.visit_f64(found as f64)
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Number {
+    type Value = f32;
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<f32, D::Error> {
+        d.deserialize_any(self)
+    }
+}
+
+/// `N` numbers in a list, and what they are called together.
+pub(super) struct List<const N: usize>(pub Number, pub &'static str);
+
+impl<'de, const N: usize> Visitor<'de> for List<N> {
+    type Value = [f32; N];
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.1)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<[f32; N], A::Error> {
+        let mut values = [0.0; N];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = list
+                .next_element_seed(self.0)?
+                .ok_or_else(|| A::Error::invalid_length(i, &self.1))?;
+        }
+        match list.next_element::<serde::de::IgnoredAny>()? {
+            None => Ok(values),
+            Some(_) => Err(A::Error::invalid_length(N + 1, &self.1)),
+        }
+    }
+}
+
+/// `N` numbers in a list, or one that stands for all.
+pub(super) struct Splat<const N: usize>(pub List<N>);
+
+impl<'de, const N: usize> Visitor<'de> for Splat<N> {
+    type Value = [f32; N];
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.0.1)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<[f32; N], A::Error> {
+        self.0.visit_seq(list)
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<[f32; N], E> {
+        self.0.0.visit_f64(found).map(|number| [number; N])
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<[f32; N], E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<[f32; N], E> {
+        self.visit_f64(found as f64)
+    }
+}
+
+/// A whole number of any size.
+struct Integer;
+
+impl<'de> Visitor<'de> for Integer {
+    type Value = i128;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a whole number")
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<i128, E> {
+        Ok(found.into())
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<i128, E> {
+        Ok(found.into())
+    }
+}
