@@ -238,6 +238,7 @@ class Fill:
     value: object
 
 
+UNUSED = ("RepresentationAnimationHelper", "TimeKeeper")
 PUT = {}  # proxy's id -> property -> its values, some of them a Fill
 
 
@@ -277,31 +278,38 @@ def save(path, out):
 
 
 def trim(state):
-    """Keeps the proxies a person meets in ParaView, of these what was put, and the camera links."""
-    met = ("layouts", "lookup_tables", "representations", "scalar_bars", "sources", "views")
-    for collection in state.findall("ProxyCollection"):
-        if collection.get("name") not in met:
-            state.remove(collection)
-    ids = {item.get("id") for item in state.iterfind("ProxyCollection/Item")}
-    for part in state.findall("Proxy") + state.findall("CustomProxyDefinitions") + state.findall("Settings"):
-        if part.get("id") in ids:
-            trim_proxy(part)
+    """Keeps what was put, and the bare helper proxies, without which ParaView's window crashes."""
+    proxies = {proxy.get("id"): proxy for proxy in state.findall("Proxy")}
+    for id_, proxy in list(proxies.items()):
+        if proxy.get("group") in ("animation", "settings") or proxy.get("type") in UNUSED:
+            state.remove(proxies.pop(id_))
         else:
-            state.remove(part)
+            trim_proxy(proxy)
+    for collection in state.findall("ProxyCollection"):
+        for item in collection.findall("Item"):
+            item.attrib.pop("logname", None)
+            if item.get("id") not in proxies:
+                collection.remove(item)
+        if not len(collection):
+            state.remove(collection)
+    for part in state.findall("CustomProxyDefinitions") + state.findall("Settings"):
+        state.remove(part)
     links = state.find("Links")
-    for link in links.findall("*"):  # ParaView's session keeps the links of the state before
-        if link.tag != "CameraLink" or link[0].get("id") not in ids:
+    for link in links.findall("*"):  # a session keeps the links of the state before
+        if link.tag != "CameraLink" or link.find("Proxy").get("id") not in proxies:
             links.remove(link)
+        else:
+            link.set("exceptionBehavior", "0")  # ParaView 5.13 warns without it
 
 
 def trim_proxy(proxy):
     values = PUT.get(proxy.get("id"), {})
     for prop in proxy.findall("Property"):
-        wire = prop.get("name") in ("Input", "LookupTable", "Representations") and prop.find("Proxy") is not None
-        if not wire and prop.get("name") not in values:
-            proxy.remove(prop)
         for domain in prop.findall("Domain"):
-            prop.remove(domain)
+            if domain.find("Proxy") is None:
+                prop.remove(domain)
+        if prop.get("name") not in values and prop.find("Proxy") is None:
+            proxy.remove(prop)
     for name, put_values in values.items():
         prop = proxy.find(f"Property[@name='{name}']")
         if prop is None:  # ParaView reads ModelTransformMatrix from a state, but writes none

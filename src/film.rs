@@ -23,6 +23,8 @@ pub struct Film {
     pub height: u32,
     /// Whether the cost arrays are there.
     pub has_cost: bool,
+    /// The counters of all pixels together; zero in a film without cost.
+    pub totals: Cost,
     /// The rows, top strip first.
     pub strips: Vec<Strip>,
 }
@@ -177,6 +179,7 @@ impl Film {
             width,
             height,
             has_cost,
+            totals: Cost::default(),
             strips: (0..height)
                 .step_by(STRIP_ROWS as usize)
                 .map(strip)

@@ -29,3 +29,6 @@ pub mod trace;
 pub mod shade;
 pub mod film;
 pub mod render;
+pub mod memory;
+pub mod output;
+pub mod cli;

@@ -47,23 +47,31 @@ pub fn render(
     };
     let n_columns = image.width.div_ceil(TILE_SIDE);
     let n_tiles = n_columns * image.height.div_ceil(TILE_SIDE);
-    (0..n_tiles)
-        .into_par_iter()
-        .for_each_init(Vec::new, |pixels, number| {
-            let tile = Tile::new(number, n_columns, image);
-            let progress = match clock {
-                Some(clock) => renderer.timed_tile(&tile, clock, pixels),
-                None => renderer.tile(&tile, pixels),
-            };
-            // The film is written a tile at a time, outside of any pixel's time:
-            // first touches of its memory would show in the heatmap.
-            let strip = &strips[(tile.rows[0] / STRIP_ROWS) as usize];
-            let mut strip = strip.lock().unwrap_or_else(PoisonError::into_inner);
-            tile.store(pixels, image.width, &mut strip);
-            drop(strip);
-            report(progress);
+    let render_tile = |pixels: &mut Vec<Pixel>, number| {
+        let tile = Tile::new(number, n_columns, image);
+        let counted = match clock {
+            Some(clock) => renderer.timed_tile(&tile, clock, pixels),
+            None => renderer.tile(&tile, pixels),
+        };
+        // The film is written a tile at a time, outside of any pixel's time:
+        // first touches of its memory would show in the heatmap.
+        let strip = &strips[(tile.rows[0] / STRIP_ROWS) as usize];
+        tile.store(
+            pixels,
+            &mut strip.lock().unwrap_or_else(PoisonError::into_inner),
+        );
+        report(Progress {
+            n_pixels: pixels.len() as u64,
+            n_rays: counted.n_rays(),
         });
+        counted
+    };
+    let totals = (0..n_tiles)
+        .into_par_iter()
+        .map_init(Vec::new, render_tile)
+        .reduce(Cost::default, Cost::with);
     drop(strips);
+    film.totals = totals;
     film
 }
 
@@ -98,10 +106,11 @@ impl Tile {
 
     /// Puts the tile's pixels, in the order of [`pixels`](Self::pixels), into
     /// their strip.
-    fn store(&self, pixels: &[Pixel], width: u32, strip: &mut Strip) {
+    fn store(&self, pixels: &[Pixel], strip: &mut Strip) {
+        let width = strip.object.len() / strip.n_rows as usize;
         for ((x, y), pixel) in self.pixels().zip(pixels) {
-            let index = (y - strip.first_row) as usize * width as usize + x as usize;
-            strip.put(index, pixel);
+            let row = (y - strip.first_row) as usize;
+            strip.put(row * width + x as usize, pixel);
         }
     }
 }
@@ -117,19 +126,18 @@ struct Renderer<'a> {
 
 impl Renderer<'_> {
     /// Renders the tile into `pixels` without measuring anything.
-    fn tile(&self, tile: &Tile, pixels: &mut Vec<Pixel>) -> Progress {
+    fn tile(&self, tile: &Tile, pixels: &mut Vec<Pixel>) -> Cost {
         pixels.clear();
         pixels.extend(tile.pixels().map(|(x, y)| self.pixel(x, y, &mut NoProbe)));
-        Progress {
-            n_pixels: pixels.len() as u64,
-            n_rays: 0,
-        }
+        Cost::default()
     }
 
-    /// Renders the tile into `pixels`, counting and timing each of them. One
-    /// reading of the clock ends a pixel and begins the next.
-    fn timed_tile(&self, tile: &Tile, clock: &Clock, pixels: &mut Vec<Pixel>) -> Progress {
+    /// Renders the tile into `pixels`, counting and timing each of them; gives
+    /// the sum of the counters. One reading of the clock ends a pixel and
+    /// begins the next.
+    fn timed_tile(&self, tile: &Tile, clock: &Clock, pixels: &mut Vec<Pixel>) -> Cost {
         pixels.clear();
+        let thread = rayon::current_thread_index().unwrap_or(0) as u32;
         let mut total = Cost::default();
         let mut begin = clock.now();
         for (x, y) in tile.pixels() {
@@ -140,16 +148,13 @@ impl Renderer<'_> {
                 counted,
                 time_ns: clock.elapsed_ns(begin, end),
                 tile: tile.number,
-                thread: rayon::current_thread_index().unwrap_or(0) as u32,
+                thread,
             });
             pixels.push(pixel);
-            total.add(&counted);
+            total = total.with(counted);
             begin = end;
         }
-        Progress {
-            n_pixels: pixels.len() as u64,
-            n_rays: total.n_rays(),
-        }
+        total
     }
 
     /// Renders one pixel; its cost is left to the caller.

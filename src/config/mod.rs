@@ -15,7 +15,7 @@ use serde::Deserialize;
 
 pub use background::Background;
 pub use generator::{Generator, SphereCloud, SphereGrid};
-pub use image::Image;
+pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
 pub use shading::{Shading, ShadingModel};
 

@@ -46,13 +46,13 @@ impl Cost {
         self.rays.iter().sum()
     }
 
-    /// Adds the counts of other work; the longer path stays.
-    pub fn add(&mut self, other: &Self) {
-        self.node_visits += other.node_visits;
-        self.primitive_tests += other.primitive_tests;
-        for (mine, theirs) in self.rays.iter_mut().zip(other.rays) {
-            *mine += theirs;
+    /// The counts of both; of two paths the longer one.
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            node_visits: self.node_visits + other.node_visits,
+            primitive_tests: self.primitive_tests + other.primitive_tests,
+            rays: std::array::from_fn(|kind| self.rays[kind] + other.rays[kind]),
+            depth: self.depth.max(other.depth),
         }
-        self.depth = self.depth.max(other.depth);
     }
 }

@@ -4,15 +4,13 @@ use super::{Cost, RayKind};
 
 /// Listens to the work on one pixel. Kernels count in locals and report once
 /// a ray.
-pub trait Probe: Default {
+pub trait Probe {
     /// A ray starts.
     fn ray(&mut self, kind: RayKind);
     /// A ray has ended after so many nodes and tests.
     fn traversal(&mut self, node_visits: u32, primitive_tests: u32);
     /// A path has come to this many bounces.
     fn bounce(&mut self, depth: u32);
-    /// What was counted; `None` if nothing ever is.
-    fn cost(&self) -> Option<Cost>;
 }
 
 /// Hears nothing and costs nothing.
@@ -26,10 +24,6 @@ impl Probe for NoProbe {
     fn traversal(&mut self, _: u32, _: u32) {}
     #[inline(always)]
     fn bounce(&mut self, _: u32) {}
-    #[inline(always)]
-    fn cost(&self) -> Option<Cost> {
-        None
-    }
 }
 
 impl Probe for Cost {
@@ -47,9 +41,5 @@ impl Probe for Cost {
     #[inline]
     fn bounce(&mut self, depth: u32) {
         self.depth = self.depth.max(depth.into());
-    }
-
-    fn cost(&self) -> Option<Cost> {
-        Some(*self)
     }
 }

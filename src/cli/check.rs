@@ -1,0 +1,119 @@
+//! `raycost check`.
+
+use std::io::{self, Write};
+
+use super::Failure;
+use super::render::SceneArguments;
+use crate::config::{Acceleration, Config, Geometry};
+use crate::memory::{self, Memory};
+use crate::output::Artifact;
+use crate::output::format::{bytes, count, counted};
+use crate::scene::Scene;
+
+/// Tell what rendering a scene would do, and render nothing
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  raycost check configs/seed_extended.yaml --width 3840 --height 2160"
+)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let loaded = arguments.scene.load()?;
+    let scene = Scene::new(&loaded.config).map_err(|fault| loaded.source.point_at(fault))?;
+    Ok(io::stdout().write_all(report(&arguments.scene, &loaded.config, &scene).as_bytes())?)
+}
+
+fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String {
+    let image = &config.image;
+    let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
+    let memory = Memory::of(config, arguments.has_cost());
+    let structure = match config.acceleration {
+        Acceleration::Bvh => "a BVH",
+        Acceleration::BruteForce => "brute force",
+    };
+    let files = Artifact::ALL
+        .iter()
+        .filter(|artifact| arguments.has_cost() || !artifact.needs_cost())
+        .map(|artifact| artifact.file_name())
+        .collect::<Vec<_>>();
+    let lines = [
+        ("scene", format!("{} is fine", arguments.scene.display())),
+        (
+            "image",
+            format!(
+                "{} x {} pixels, {} per pixel, seed {}",
+                image.width,
+                image.height,
+                counted(u64::from(image.samples_per_pixel), "sample"),
+                image.seed
+            ),
+        ),
+        (
+            "objects",
+            format!(
+                "{} ({}), {}",
+                counted(config.objects.len() as u64, "object"),
+                kinds(config),
+                counted(scene.primitives.len() as u64, "primitive")
+            ),
+        ),
+        (
+            "light",
+            format!(
+                "{}, {}, up to {}",
+                counted(config.lights.len() as u64, "light"),
+                counted(config.materials.len() as u64, "material"),
+                counted(u64::from(config.shading.max_depth), "bounce")
+            ),
+        ),
+        (
+            "rays",
+            format!(
+                "{} from the camera, hits found by {structure}",
+                count(n_samples)
+            ),
+        ),
+        (
+            "memory",
+            format!(
+                "up to {} (film {}, scene {}), {} free",
+                bytes(memory.total()),
+                bytes(memory.film),
+                bytes(memory.scene),
+                bytes(memory::available())
+            ),
+        ),
+        (
+            "files",
+            format!(
+                "{}, summary.json in {}",
+                files.join(", "),
+                arguments.out().display()
+            ),
+        ),
+    ];
+    lines
+        .iter()
+        .map(|(name, text)| format!("{name:<8}{text}\n"))
+        .collect()
+}
+
+/// "3 sphere, 1 plane", in the order of the file.
+fn kinds(config: &Config) -> String {
+    let mut kinds: indexmap::IndexMap<String, u64> = indexmap::IndexMap::new();
+    for object in &config.objects {
+        let name = match &object.geometry {
+            Geometry::Shape(shape) => shape.to_string(),
+            Geometry::Generator(generator) => generator.to_string(),
+        };
+        *kinds.entry(name).or_default() += 1;
+    }
+    let kinds: Vec<String> = kinds
+        .iter()
+        .map(|(kind, n)| format!("{n} {kind}"))
+        .collect();
+    kinds.join(", ")
+}

@@ -1,0 +1,58 @@
+//! Why a command ended without success.
+
+use crate::output::WriteError;
+use crate::yaml::Diagnostic;
+
+/// One message and an exit code.
+#[derive(Debug)]
+pub enum Failure {
+    /// The user's input is wrong: exit code 2.
+    Input(Diagnostic),
+    /// The machine could not do it: exit code 1.
+    Machine(Diagnostic),
+    /// Whoever read the output has gone, as `| head` does: end in silence.
+    ClosedOutput,
+}
+
+impl From<Diagnostic> for Failure {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Input(diagnostic)
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        Self::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
+    }
+}
+
+/// A failure of writing to the terminal.
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::BrokenPipe => Self::ClosedOutput,
+            _ => Self::Machine(Diagnostic::new(format!(
+                "cannot write to the terminal: {error}"
+            ))),
+        }
+    }
+}
+
+impl Failure {
+    /// The process's exit code.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Machine(_) => 1,
+            Self::ClosedOutput => 0,
+        }
+    }
+
+    /// What to tell the user, if anything.
+    pub fn diagnostic(&self) -> Option<&Diagnostic> {
+        match self {
+            Self::Input(diagnostic) | Self::Machine(diagnostic) => Some(diagnostic),
+            Self::ClosedOutput => None,
+        }
+    }
+}

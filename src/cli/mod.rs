@@ -1,0 +1,47 @@
+//! The command line: one file a subcommand.
+
+mod check;
+mod completions;
+mod failure;
+mod progress;
+mod render;
+
+use clap::{Parser, Subcommand};
+
+pub use failure::Failure;
+
+/// A ray tracer that shows its work
+///
+/// Reads a scene from a YAML file; writes its picture, a map of what each
+/// pixel cost, and VTK files with ParaView states to look at both.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, subcommand_required = true)]
+#[command(after_help = "Start with:\n  raycost render configs/seed_sphere.yaml")]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene and write its files
+    Render(render::Arguments),
+    /// Tell what rendering a scene would do, and render nothing
+    Check(check::Arguments),
+    /// Print a completion script for a shell
+    Completions(completions::Arguments),
+}
+
+impl Cli {
+    /// Does what the arguments say.
+    ///
+    /// # Errors
+    /// The one message and the exit code to end with.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Render(arguments) => render::run(&arguments),
+            Command::Check(arguments) => check::run(&arguments),
+            Command::Completions(arguments) => completions::run(&arguments),
+        }
+    }
+}

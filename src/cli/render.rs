@@ -1,0 +1,237 @@
+//! `raycost render`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use super::progress::Bar;
+use crate::accel::Accel;
+use crate::config::{Config, MAX_SIDE};
+use crate::cost::Clock;
+use crate::film::bytes_per_pixel;
+use crate::memory::{self, Memory};
+use crate::output::{
+    self, OutputFolder, Rendering, Stages, Threads, Written,
+    format::{bytes, count, counted, duration},
+};
+use crate::render::render;
+use crate::scene::Scene;
+use crate::yaml::{Diagnostic, Source};
+
+/// Render a scene and write its files
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  raycost render configs/seed_sphere.yaml
+  raycost render configs/seed_extended.yaml --width 1600 --height 1200 --spp 4 --out /tmp/big")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+
+    /// Threads to render on [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// What names a scene and changes it.
+#[derive(Debug, clap::Args)]
+pub(super) struct SceneArguments {
+    /// The scene's YAML file
+    pub(super) scene: PathBuf,
+
+    /// Folder to write to [default: out/<the scene file's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Columns of the picture, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
+    width: Option<u32>,
+
+    /// Rows of the picture, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
+    height: Option<u32>,
+
+    /// Samples per pixel, instead of the file's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    spp: Option<u32>,
+
+    /// Seed of the sampling pattern, instead of the file's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Render without counters and clock, and leave the cost arrays out
+    #[arg(long)]
+    no_cost: bool,
+}
+
+/// A scene file and what it says.
+pub(super) struct Loaded {
+    pub(super) source: Source,
+    pub(super) config: Config,
+}
+
+impl SceneArguments {
+    /// Reads the scene and makes sure that it fits into memory.
+    pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
+        let source = Source::read(&self.scene)?;
+        let mut config: Config = source.parse()?;
+        let image = &mut config.image;
+        image.width = self.width.unwrap_or(image.width);
+        image.height = self.height.unwrap_or(image.height);
+        image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
+        image.seed = self.seed.unwrap_or(image.seed);
+        Memory::of(&config, self.has_cost())
+            .check(memory::available())
+            .map_err(|fault| source.point_at(fault))?;
+        Ok(Loaded { source, config })
+    }
+
+    pub(super) fn has_cost(&self) -> bool {
+        !self.no_cost
+    }
+
+    /// The folder to write to.
+    pub(super) fn out(&self) -> PathBuf {
+        match &self.out {
+            Some(out) => out.clone(),
+            None => Path::new("out").join(self.name()),
+        }
+    }
+
+    /// The scene's name.
+    fn name(&self) -> String {
+        let stem = self.scene.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut stages = Stages::start();
+    let Loaded { source, config } = arguments.scene.load()?;
+    let scene = Scene::new(&config).map_err(|fault| source.point_at(fault))?;
+    let folder = OutputFolder::create(&arguments.scene.out(), least_bytes(arguments, &config))?;
+    let pool = thread_pool(arguments.threads)?;
+    stages.end("read");
+
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    stages.end("build");
+    let clock = arguments.scene.has_cost().then(Clock::calibrated);
+    stages.end("calibrate");
+
+    let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+    let report = |progress| bar.advance(progress);
+    let film = pool.install(|| render(&scene, &accel, &config.image, clock.as_ref(), report));
+    bar.clear();
+    stages.end("render");
+
+    let rendering = Rendering {
+        scene_file: source.name(),
+        name: &arguments.scene.name(),
+        config: &config,
+        scene: &scene,
+        bvh: accel.statistics(),
+        clock: clock.as_ref(),
+        film: &film,
+        threads: Threads {
+            used: pool.current_num_threads(),
+            available: std::thread::available_parallelism().map_or(1, usize::from),
+        },
+    };
+    let (written, stages) = output::write(&rendering, folder, stages)?;
+    if !arguments.quiet {
+        let text = closing_lines(arguments, &rendering, &stages, &written);
+        io::stdout().write_all(text.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The bytes that the files take at least, whatever the camera sees.
+fn least_bytes(arguments: &Arguments, config: &Config) -> u64 {
+    // frame.vti holds all arrays but the positions.
+    let per_pixel = bytes_per_pixel(arguments.scene.has_cost()) - size_of::<glam::Vec3>();
+    (config.image.n_pixels() * per_pixel) as u64
+}
+
+fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(n_threads.map_or(0, usize::from))
+        .build()
+        .map_err(|error| {
+            let message = format!("cannot start the threads: {error}");
+            Failure::Machine(Diagnostic::new(message).with_help("ask for fewer with `--threads N`"))
+        })
+}
+
+/// What was done and what to type next.
+fn closing_lines(
+    arguments: &Arguments,
+    rendering: &Rendering,
+    stages: &Stages,
+    written: &[Written],
+) -> String {
+    let image = &rendering.config.image;
+    let out = arguments.scene.out();
+    let files: Vec<String> = written
+        .iter()
+        .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
+        .collect();
+    let times: Vec<String> = stages
+        .ended
+        .iter()
+        .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
+        .collect();
+    let state = match arguments.scene.has_cost() {
+        true => "heatmap.pvsm",
+        false => "geometry.pvsm",
+    };
+    format!(
+        "image   {} x {} pixels, {} per pixel, {} primitives, {}\n\
+         time    {}\n\
+         speed   {}\n\
+         wrote   {}: {}\n\
+         next    paraview --state={}\n",
+        image.width,
+        image.height,
+        counted(image.samples_per_pixel.into(), "sample"),
+        count(rendering.scene.primitives.len() as u64),
+        counted(rendering.threads.used as u64, "thread"),
+        times.join(", "),
+        speed(rendering, stages),
+        out.display(),
+        files.join(", "),
+        shell_word(&out.join(state)),
+    )
+}
+
+/// Rays a second, or samples where nothing was counted.
+fn speed(rendering: &Rendering, stages: &Stages) -> String {
+    let seconds = stages.wall("render").as_secs_f64();
+    let millions = |n: u64| n as f64 / seconds / 1e6;
+    match rendering.film.has_cost {
+        true => {
+            let n_rays = rendering.film.totals.n_rays();
+            format!("{:.1} Mrays/s, {} rays", millions(n_rays), count(n_rays))
+        }
+        false => {
+            let image = &rendering.config.image;
+            let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
+            format!(
+                "{:.1} million samples/s; rays were not counted",
+                millions(n_samples)
+            )
+        }
+    }
+}
+
+/// The path as one word for a shell.
+fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    match text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
+    }
+}

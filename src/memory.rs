@@ -1,0 +1,84 @@
+//! How much memory a scene takes, told before it is taken.
+
+use sysinfo::System;
+
+use crate::accel::Bvh;
+use crate::config::{Acceleration, Config};
+use crate::film;
+use crate::scene::{self, Primitive};
+use crate::yaml::{Fault, Path};
+
+/// What one rendering needs, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory {
+    /// The film's arrays.
+    pub film: u64,
+    /// Primitives and the structure over them.
+    pub scene: u64,
+}
+
+impl Memory {
+    /// What the config needs, with or without the cost arrays; never less
+    /// than is used in the end, but for a few MiB of program and buffers.
+    pub fn of(config: &Config, has_cost: bool) -> Self {
+        let per_primitive = size_of::<Primitive>()
+            + match config.acceleration {
+                Acceleration::Bvh => Bvh::MAX_BYTES_PER_PRIMITIVE,
+                Acceleration::BruteForce => size_of::<u32>(),
+            };
+        let n_pixels = config.image.n_pixels() as u64;
+        Self {
+            film: n_pixels * film::bytes_per_pixel(has_cost) as u64,
+            scene: scene::n_primitives(config) as u64 * per_primitive as u64,
+        }
+    }
+
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.film + self.scene
+    }
+
+    /// Makes sure that `available` bytes are enough.
+    ///
+    /// # Errors
+    /// A fault of the section that needs most.
+    pub fn check(&self, available: u64) -> Result<(), Fault> {
+        if self.total() <= available {
+            return Ok(());
+        }
+        let (section, what, advice) = match self.film > self.scene {
+            true => ("image", "the image", "choose a smaller `width` or `height`"),
+            false => (
+                "objects",
+                "the scene",
+                "ask the generators for fewer spheres",
+            ),
+        };
+        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        Err(Fault::new(
+            Path::default().key(section),
+            format!(
+                "{what} is too large: {:.1} GiB of memory are needed, {:.1} GiB are free",
+                gib(self.total()),
+                gib(available)
+            ),
+            format!("needs {:.1} GiB", gib(self.film.max(self.scene))),
+        )
+        .with_help(advice)
+        .at_key())
+    }
+}
+
+/// Memory that a new program may take, in bytes; all there could be where the
+/// system does not tell.
+pub fn available() -> u64 {
+    let Ok(mut system) = System::new() else {
+        return u64::MAX;
+    };
+    system.refresh_memory();
+    let of_group = system.cgroup_limits().map(|limits| limits.free_memory);
+    match system.available_memory() {
+        0 => u64::MAX,
+        of_machine => of_machine.min(of_group.unwrap_or(u64::MAX)),
+    }
+}

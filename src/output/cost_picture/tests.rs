@@ -1,0 +1,171 @@
+//! What the whole picture promises.
+
+use image::Rgb;
+
+use super::bar::Direction;
+use super::colours::NO_VALUE;
+use super::*;
+
+fn map(values: &[f32], width: u32) -> CostMap<'_> {
+    let height = values.len() as u32 / width;
+    CostMap {
+        values,
+        width,
+        height,
+        title: "title",
+        unit: "ns",
+        subtitle: "subtitle",
+    }
+}
+
+fn layout(map: &CostMap) -> Layout {
+    Layout::of(map, &Range::of(map.values))
+}
+
+/// The colour in the middle of each value's square.
+fn drawn_colours(map: &CostMap) -> Vec<Rgb<u8>> {
+    let picture = draw(map);
+    let Layout {
+        map: at,
+        magnification,
+        ..
+    } = layout(map);
+    let middle = |i: u32| i * magnification + magnification / 2;
+    (0..map.values.len() as u32)
+        .map(|i| *picture.get_pixel(at.x + middle(i % map.width), at.y + middle(i / map.width)))
+        .collect()
+}
+
+fn inferno(t: f64) -> Rgb<u8> {
+    Rgb(colorous::INFERNO.eval_continuous(t).into_array())
+}
+
+fn is_close(a: Rgb<u8>, b: Rgb<u8>) -> bool {
+    a.0.iter().zip(b.0).all(|(a, b)| a.abs_diff(b) <= 8)
+}
+
+#[test]
+fn each_value_has_its_colour() {
+    let colours = drawn_colours(&map(&[10.0, 1e5, f32::NAN, 1e5, 10.0, 1e3], 3));
+    let [low, high] = [inferno(0.0), inferno(1.0)];
+    assert_eq!(colours[..5], [low, high, NO_VALUE, high, low]);
+    assert!(is_close(colours[5], inferno(0.5)));
+}
+
+#[test]
+fn each_value_is_a_square_within_the_frame() {
+    let map = map(&[10.0, 1e5, 1e5, 1e5, 10.0, 1e5], 3);
+    let (picture, at) = (draw(&map), layout(&map).map);
+    let pixel = |x, y| *picture.get_pixel(x, y);
+    let [low, high] = [inferno(0.0), inferno(1.0)];
+    assert_eq!([at.width, at.height], [600, 400]);
+    assert_eq!([pixel(at.x, at.y), pixel(at.x + 199, at.y + 199)], [low; 2]);
+    assert_eq!(
+        [pixel(at.x + 200, at.y), pixel(at.x, at.y + 200)],
+        [high; 2]
+    );
+    assert_eq!(
+        [pixel(at.x - 1, at.y - 1), pixel(at.right(), at.bottom())],
+        [LINE; 2]
+    );
+}
+
+#[test]
+fn an_outlier_does_not_flatten_the_rest() {
+    let mut values: Vec<f32> = (0..600)
+        .map(|i| if i < 300 { 300.0 } else { 900.0 })
+        .collect();
+    let calm = drawn_colours(&map(&values, 30));
+    values[45] = 4e5;
+    let disturbed = drawn_colours(&map(&values, 30));
+    assert_eq!([disturbed[0], disturbed[45]], [inferno(0.0), inferno(1.0)]);
+    let n_changed = calm
+        .iter()
+        .zip(&disturbed)
+        .filter(|(a, b)| !is_close(**a, **b))
+        .count();
+    assert_eq!(n_changed, 1);
+}
+
+#[test]
+fn a_constant_map_has_the_middle_colour() {
+    let colours = drawn_colours(&map(&[412.0; 12], 4));
+    assert!(colours.iter().all(|&colour| is_close(colour, inferno(0.5))));
+}
+
+#[test]
+fn the_bar_has_the_colours_of_the_values() {
+    let values: Vec<f32> = (0..40).map(|i| 10f32.powf(2.0 + i as f32 / 13.0)).collect();
+    for width in [40, 5] {
+        let map = map(&values, width);
+        let range = Range::of(&values);
+        let (picture, colours) = (draw(&map), Colours::over(&range));
+        let Layout {
+            bar,
+            bar_corner: [x, y],
+            map: at,
+            ..
+        } = layout(&map);
+        for value in [101.0, 500.0, 1e4, 99e3] {
+            let along = |length: u32| (range.position(value) * f64::from(length)) as u32;
+            let pixel = match bar.direction() {
+                Direction::Up => picture.get_pixel(x + 2, y + at.height - 1 - along(at.height)),
+                Direction::Right => picture.get_pixel(x + along(at.width), y + 2),
+            };
+            assert!(
+                is_close(*pixel, colours.of(value as f32)),
+                "{value}: {pixel:?}"
+            );
+        }
+    }
+}
+
+/// Whether the outermost four pixels on each side are blank.
+fn has_blank_rim(picture: &RgbImage) -> bool {
+    let (width, height) = picture.dimensions();
+    let is_blank = |x, y| picture.get_pixel(x, y).0 == [PAPER; 3];
+    (0..4).all(|i| {
+        (0..width).all(|x| is_blank(x, i) && is_blank(x, height - 1 - i))
+            && (0..height).all(|y| is_blank(i, y) && is_blank(width - 1 - i, y))
+    })
+}
+
+#[test]
+fn nothing_is_cut_off_and_nothing_panics() {
+    let long = "über-Szene ä, 場面, \n\t, 🙂 ".repeat(40);
+    let strange = [
+        f32::NAN,
+        f32::INFINITY,
+        0.0,
+        -1.0,
+        f32::MAX,
+        f32::MIN_POSITIVE,
+        1e-42,
+        7.0,
+    ];
+    let strange: Vec<f32> = strange.into_iter().cycle().take(10_000).collect();
+    let steady: Vec<f32> = (0..3000).map(|i| 1.0 + i as f32).collect();
+    let maps: [(&[f32], u32); 6] = [
+        (&[412.0], 1),
+        (&[f32::NAN; 4], 2),
+        (&strange, 10_000),
+        (&strange[..3000], 1),
+        (&steady, 100),
+        (&steady, 30),
+    ];
+    for (values, width) in maps {
+        for (title, unit) in [(long.as_str(), "ns"), ("", long.as_str())] {
+            let picture = draw(&CostMap {
+                title,
+                unit,
+                subtitle: title,
+                ..map(values, width)
+            });
+            assert!(
+                has_blank_rim(&picture),
+                "{} values, {width} a row",
+                values.len()
+            );
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! One line of text on a picture.
+
+use ab_glyph::{Font, FontRef, Glyph, PxScaleFont, ScaleFont, point};
+use image::{Rgb, RgbImage};
+
+use super::canvas;
+
+/// Height of digits and capitals, as a part of the font size.
+pub const CAP_HEIGHT_EM: f32 = 0.69;
+
+/// A font size and a colour.
+pub struct Style {
+    font: PxScaleFont<FontRef<'static>>,
+    colour: Rgb<u8>,
+}
+
+impl Style {
+    /// Text of `em_px` pixels an em.
+    pub fn new(em_px: f32, colour: Rgb<u8>) -> Self {
+        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
+            .expect("a font compiled into the program can be read");
+        let em_units = font.units_per_em().unwrap_or(font.height_unscaled());
+        let line_px = em_px * font.height_unscaled() / em_units;
+        Self {
+            font: font.into_scaled(line_px),
+            colour,
+        }
+    }
+
+    /// Width of `line` in pixels.
+    pub fn width(&self, line: &str) -> f32 {
+        self.place(line).1
+    }
+
+    /// `line`, or where it is wider than `max_px` as much of its beginning as fits with an ellipsis.
+    pub fn fitted(&self, line: &str, max_px: u32) -> String {
+        let (glyphs, width) = self.place(line);
+        if width <= max_px as f32 {
+            return line.to_owned();
+        }
+        let room = max_px as f32 - self.width("…");
+        let end = |glyph: &Glyph| glyph.position.x + self.font.h_advance(glyph.id);
+        let n_fitting = glyphs.iter().take_while(|glyph| end(glyph) <= room).count();
+        let beginning: String = line.chars().take(n_fitting).collect();
+        format!("{}…", beginning.trim_end())
+    }
+
+    /// Paints `line` from column `left` on with its baseline at the lower edge of row `baseline`.
+    pub fn paint(&self, picture: &mut RgbImage, line: &str, left: u32, baseline: u32) {
+        for glyph in self.place(line).0 {
+            let Some(outline) = self.font.outline_glyph(glyph) else {
+                continue;
+            };
+            let corner = outline.px_bounds().min;
+            outline.draw(|x, y, coverage| {
+                let x = i64::from(left) + corner.x as i64 + i64::from(x);
+                let y = i64::from(baseline) + corner.y as i64 + i64::from(y);
+                // The light face is pale in small print; this thickens its strokes a little.
+                let coverage = coverage.min(1.0).powf(0.8);
+                canvas::blend(picture, x, y, self.colour, coverage);
+            });
+        }
+    }
+
+    /// The glyphs of `line` from x = 0 on, kerned, on a baseline at y = 0, and their width.
+    fn place(&self, line: &str) -> (Vec<Glyph>, f32) {
+        let mut x = 0.0;
+        let mut glyphs: Vec<Glyph> = Vec::new();
+        for c in line.chars() {
+            let mut glyph = self.font.scaled_glyph(c);
+            if let Some(previous) = glyphs.last() {
+                x += self.font.kern(previous.id, glyph.id);
+            }
+            glyph.position = point(x, 0.0);
+            x += self.font.h_advance(glyph.id);
+            glyphs.push(glyph);
+        }
+        (glyphs, x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_long_a_line_ends_in_an_ellipsis_within_the_width() {
+        let style = Style::new(14.0, canvas::INK);
+        let line = "über-Szene ä: time per pixel";
+        let width = style.width(line).ceil() as u32;
+        assert_eq!(style.fitted(line, width), line);
+        for max_px in [20, 50, 100, width - 1] {
+            let fitted = style.fitted(line, max_px);
+            assert!(fitted.ends_with('…') && line.starts_with(fitted.trim_end_matches('…')));
+            assert!(style.width(&fitted) <= max_px as f32, "{fitted}");
+            assert!(style.width(&fitted) > max_px as f32 - 20.0, "{fitted}");
+        }
+    }
+
+    #[test]
+    fn ink_stays_within_the_width_and_stands_on_the_baseline() {
+        let style = Style::new(40.0, canvas::INK);
+        let mut picture = RgbImage::from_pixel(400, 100, Rgb([canvas::PAPER; 3]));
+        style.paint(&mut picture, "HEX", 10, 60);
+        let inked = |x: u32, y: u32| picture.get_pixel(x, y).0[0] < 128;
+        let columns: Vec<u32> = (0..400)
+            .filter(|&x| (0..100).any(|y| inked(x, y)))
+            .collect();
+        let rows: Vec<u32> = (0..100)
+            .filter(|&y| (0..400).any(|x| inked(x, y)))
+            .collect();
+        assert!(columns[0] >= 10 && columns[columns.len() - 1] as f32 <= 10.0 + style.width("HEX"));
+        assert_eq!(rows[rows.len() - 1], 59);
+        assert!(
+            (rows.len() as f32 - 40.0 * CAP_HEIGHT_EM).abs() <= 1.0,
+            "{}",
+            rows.len()
+        );
+    }
+}

@@ -1,0 +1,156 @@
+//! `summary.json`: what was done, on what, and what it cost in all.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use cpu_time::ProcessTime;
+use serde::Serialize;
+use serde_json::{Value, json};
+use sysinfo::System;
+
+use super::{Rendering, Written};
+use crate::cost::RayKind;
+use crate::film::Film;
+
+/// The file's name.
+pub(super) const FILE: &str = "summary.json";
+
+/// How many threads rendered.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Threads {
+    /// In this run.
+    pub used: usize,
+    /// That the machine has.
+    pub available: usize,
+}
+
+/// A part of the run and its time.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stage {
+    /// What was done.
+    pub name: &'static str,
+    /// Time on the wall, in milliseconds.
+    pub wall_ms: f64,
+    /// Time of all threads together, in milliseconds.
+    pub cpu_ms: f64,
+}
+
+/// A stopwatch that is pressed at the end of each stage.
+#[derive(Debug, Clone)]
+pub struct Stages {
+    wall: Instant,
+    cpu: ProcessTime,
+    /// The stages that have ended.
+    pub ended: Vec<Stage>,
+}
+
+impl Stages {
+    /// Starts the first stage now.
+    pub fn start() -> Self {
+        Self {
+            wall: Instant::now(),
+            cpu: ProcessTime::now(),
+            ended: Vec::new(),
+        }
+    }
+
+    /// Ends the running stage and starts the next one.
+    pub fn end(&mut self, name: &'static str) {
+        let ms = |elapsed: Duration| (elapsed.as_secs_f64() * 1e6).round() / 1e3;
+        self.ended.push(Stage {
+            name,
+            wall_ms: ms(self.wall.elapsed()),
+            cpu_ms: ms(self.cpu.elapsed()),
+        });
+        (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
+    }
+
+    /// Time on the wall of the stage with this name; zero if it never was.
+    pub fn wall(&self, name: &str) -> Duration {
+        let stage = self.ended.iter().find(|stage| stage.name == name);
+        Duration::from_secs_f64(stage.map_or(0.0, |stage| stage.wall_ms / 1e3))
+    }
+}
+
+/// Writes the summary as indented JSON.
+pub(super) fn write(
+    rendering: &Rendering,
+    stages: &Stages,
+    files: &[Written],
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let config = rendering.config;
+    let image = &config.image;
+    let cost = rendering.clock.map(|clock| {
+        json!({
+            "clock": { "source": clock.source_name(), "overhead_ns": clock.overhead_ns() },
+            "totals": totals(rendering.film),
+            "mrays_per_second": rendering.film.totals.n_rays() as f64
+                / stages.wall("render").as_secs_f64() / 1e6,
+        })
+    });
+    let summary = json!({
+        "raycost": env!("CARGO_PKG_VERSION"),
+        "scene": { "name": rendering.name, "file": rendering.scene_file },
+        "image": {
+            "width": image.width,
+            "height": image.height,
+            "samples_per_pixel": image.samples_per_pixel,
+            "seed": image.seed,
+        },
+        "objects": objects(rendering),
+        "materials": config.materials.keys().collect::<Vec<_>>(),
+        "n_primitives": rendering.scene.primitives.len(),
+        "acceleration": { "kind": config.acceleration, "bvh": rendering.bvh },
+        "machine": machine(),
+        "threads": rendering.threads,
+        "stages": stages.ended,
+        "n_pixels": image.n_pixels(),
+        "n_hits": rendering.film.n_hits(),
+        "cost": cost,
+        "files": files,
+    });
+    serde_json::to_writer_pretty(&mut *out, &summary)?;
+    writeln!(out)
+}
+
+fn objects(rendering: &Rendering) -> Value {
+    let object = |object: &crate::config::Object| {
+        json!({
+            "name": object.name,
+            "kind": object.geometry.to_string(),
+            "materials": object.material.0,
+        })
+    };
+    rendering.config.objects.iter().map(object).collect()
+}
+
+/// The sums of the film's arrays, by the arrays' names.
+fn totals(film: &Film) -> Value {
+    let totals = &film.totals;
+    let time_ns: f64 = film.values(|strip| &strip.time_ns).map(f64::from).sum();
+    json!({
+        "time_ns": time_ns,
+        "node_visits": totals.node_visits,
+        "primitive_tests": totals.primitive_tests,
+        "rays": totals.n_rays(),
+        "camera_rays": totals.rays_of(RayKind::Camera),
+        "shadow_rays": totals.rays_of(RayKind::Shadow),
+        "reflection_rays": totals.rays_of(RayKind::Reflection),
+        "refraction_rays": totals.rays_of(RayKind::Refraction),
+        "depth": totals.depth,
+    })
+}
+
+fn machine() -> Value {
+    // A machine that does not tell is no reason to fail.
+    let cpu = System::new().ok().and_then(|mut system| {
+        system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
+        Some(system.cpus().first()?.brand().trim().to_owned())
+    });
+    json!({
+        "os": System::long_os_version().ok(),
+        "arch": std::env::consts::ARCH,
+        "cpu": cpu,
+    })
+}

@@ -1,0 +1,110 @@
+//! Raw arrays behind an XML header.
+
+use std::io::{self, Write};
+
+use vtkio::model::ScalarType;
+
+use super::header::DataSet;
+
+/// An array that is written when its turn comes.
+pub(super) struct Array<'a> {
+    pub(super) name: &'static str,
+    pub(super) scalar: ScalarType,
+    pub(super) n_components: usize,
+    pub(super) n_bytes: u64,
+    /// Writes exactly `n_bytes`, in native byte order.
+    pub(super) write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+}
+
+/// Writes the whole file: `data_set` describes the arrays in their order.
+pub(super) fn write(
+    data_set: DataSet,
+    arrays: &[&[Array]],
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let arrays: Vec<&Array> = arrays.iter().copied().flatten().collect();
+    let header = data_set.xml(&offsets(&arrays))?;
+    // The tags stand on lines of their own: vtk.js looks for them that way.
+    write!(
+        out,
+        "<?xml version=\"1.0\"?>\n{header}\n<AppendedData encoding=\"raw\">\n_"
+    )?;
+    for array in arrays {
+        out.write_all(&array.n_bytes.to_ne_bytes())?;
+        let mut counted = Counted { out, n_bytes: 0 };
+        (array.write)(&mut counted)?;
+        if counted.n_bytes != array.n_bytes {
+            let (found, name) = (counted.n_bytes, array.name);
+            let message = format!("{name}: {found} bytes instead of {}", array.n_bytes);
+            return Err(io::Error::other(message));
+        }
+    }
+    writeln!(out, "\n</AppendedData>\n</VTKFile>")
+}
+
+/// Where each array begins: a 64-bit length stands before each.
+fn offsets(arrays: &[&Array]) -> Vec<u64> {
+    let begins = |next: &mut u64, array: &&Array| {
+        let begin = *next;
+        *next += size_of::<u64>() as u64 + array.n_bytes;
+        Some(begin)
+    };
+    arrays.iter().scan(0, begins).collect()
+}
+
+/// Counts what goes through: a wrong length would shift all that follows.
+struct Counted<'a, W> {
+    out: &'a mut W,
+    n_bytes: u64,
+}
+
+impl<W: Write> Write for Counted<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.out.write(bytes)?;
+        self.n_bytes += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn array(n_bytes: u64) -> Array<'static> {
+        Array {
+            name: "tile",
+            scalar: ScalarType::I32,
+            n_components: 1,
+            n_bytes,
+            write: Box::new(|out| out.write_all(&[1, 2, 3, 4])),
+        }
+    }
+
+    #[test]
+    fn offsets_count_beyond_4_gib() {
+        let arrays = [array(5 << 30), array(4), array(4)];
+        let xml = DataSet::image(2, 1, &arrays)
+            .xml(&offsets(&arrays.iter().collect::<Vec<_>>()))
+            .unwrap();
+        assert!(
+            xml.contains("offset=\"0\"") && xml.contains("offset=\"5368709128\""),
+            "{xml}"
+        );
+        assert!(xml.contains("offset=\"5368709140\""), "{xml}");
+    }
+
+    #[test]
+    fn an_array_of_the_wrong_length_is_an_error() {
+        let arrays = [array(8)];
+        let data_set = DataSet::image(2, 1, &arrays);
+        let error = write(data_set, &[&arrays], &mut Vec::new()).unwrap_err();
+        assert!(
+            error.to_string().contains("4 bytes instead of 8"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,36 @@
+//! `frame.vti`: every pixel, hit or not.
+
+use std::io::{self, Write};
+
+use super::appended::{self, Array};
+use super::header::DataSet;
+use crate::film::{Column, Film, columns};
+
+/// The file's name.
+pub const FILE: &str = "frame.vti";
+
+/// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
+/// film's go down: its last row is written first.
+pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
+    let n_pixels = u64::from(film.width) * u64::from(film.height);
+    let array = |column: &'static Column| Array {
+        name: column.name,
+        scalar: column.scalar,
+        n_components: column.n_components,
+        n_bytes: n_pixels * column.stride() as u64,
+        write: Box::new(|out| write_rows(film, column, out)),
+    };
+    let arrays: Vec<Array> = columns(film.has_cost).map(array).collect();
+    let data_set = DataSet::image(film.width, film.height, &arrays);
+    appended::write(data_set, &[&arrays], out)
+}
+
+fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {
+    let row_bytes = film.width as usize * column.stride();
+    for strip in film.strips.iter().rev() {
+        for row in (column.bytes)(strip).chunks_exact(row_bytes).rev() {
+            out.write_all(row)?;
+        }
+    }
+    Ok(())
+}
