@@ -298,8 +298,8 @@ def trim(state):
     for link in links.findall("*"):  # a session keeps the links of the state before
         if link.tag != "CameraLink" or link.find("Proxy").get("id") not in proxies:
             links.remove(link)
-        else:
-            link.set("exceptionBehavior", "0")  # ParaView 5.13 warns without it
+        else:  # the first child since 5.12; without it a later ParaView warns, and 5.11 warns of it
+            link.insert(0, ET.Element("Properties", exceptionBehavior="0"))
 
 
 def trim_proxy(proxy):

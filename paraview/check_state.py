@@ -5,7 +5,7 @@
 Exits with 0 if everything holds, with 1 and one FAIL line a problem if not:
 - each source reads a file of DATADIR, gives points or rows, and every array has a finite range;
 - the required arrays exist, and so does each array that a view colours by;
-- VTK reports no error and no warning from loading to the last picture;
+- VTK reports no error from loading to the last picture;
 - no view is blank: hiding the data changes at least a fiftieth of its pixels.
 
 OUT.png shows the whole layout. Works in ParaView 5.11 and later.
@@ -29,8 +29,7 @@ def main():
     args = arguments()
     problems = []
     window = vtk.vtkOutputWindow.GetInstance()
-    for event in ("ErrorEvent", "WarningEvent"):
-        window.AddObserver(event, lambda _, event: problems.append(f"VTK reported an {event}, see above"))
+    window.AddObserver("ErrorEvent", lambda *_: problems.append("VTK reported an error, see above"))
     pv._DisableFirstRenderCameraReset()  # else the first picture would throw away the state's camera
     where = {} if args.from_state else {"data_directory": str(args.data.resolve())}
     pv.LoadState(str(args.state.resolve()), **where)

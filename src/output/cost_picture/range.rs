@@ -2,7 +2,7 @@
 //!
 //! One interrupt makes a pixel a thousand times dearer than its neighbours; colours from the
 //! smallest to the largest value would then show one bright dot on black. So the range runs
-//! between the 0.1 % and the 99.9 % quantile and takes in the extremes only where they are near.
+//! between the 0.5 % and the 99.5 % quantile and takes in the extremes only where they are near.
 //!
 //! The quantiles come from a histogram over the upper half of the floats' bits, which sort like
 //! the positive floats themselves: one pass, no copy of the values, no dependence on their order,
@@ -123,7 +123,7 @@ impl Census {
             .map_or(0, |counts| counts.iter().sum())
     }
 
-    /// The 0.1 % and 99.9 % quantiles, each replaced by the extreme value on its side where that
+    /// The 0.5 % and 99.5 % quantiles, each replaced by the extreme value on its side where that
     /// is within a factor of two, or adds at most a third to the logarithmic range.
     fn robust_ends(&self) -> (f64, f64) {
         let (min, max) = (f64::from(self.min), f64::from(self.max));
@@ -131,7 +131,7 @@ impl Census {
         let n_tail = if self.n < 100 {
             0
         } else {
-            (self.n / 1000).max(1)
+            (self.n / 200).max(1)
         };
         let low = lower_edge(self.bin_past(n_tail, 0..N_BINS)).max(min);
         let high = upper_edge(self.bin_past(n_tail, (0..N_BINS).rev())).min(max);

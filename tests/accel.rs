@@ -1,0 +1,190 @@
+//! The hierarchy against its slow twin: the same hits on random scenes.
+
+mod common;
+
+use common::parse;
+use glam::Vec3;
+use proptest::prelude::*;
+use raycost::accel::Accel;
+use raycost::config::Acceleration;
+use raycost::cost::{Cost, NoProbe};
+use raycost::geometry::Ray;
+use raycost::scene::{ObjectId, Scene};
+
+/// A number that is often one of a few round ones, so that rays run along
+/// axes and through edges, and primitives coincide.
+fn coordinate() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        3 => -4.0_f32..4.0,
+        1 => prop::sample::select(vec![-2.0_f32, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0]),
+    ]
+}
+
+fn triple() -> impl Strategy<Value = [f32; 3]> {
+    [coordinate(), coordinate(), coordinate()]
+}
+
+fn list([x, y, z]: [f32; 3]) -> String {
+    format!("[{x}, {y}, {z}]")
+}
+
+/// One object of the scene file, without its material.
+fn shape() -> impl Strategy<Value = String> {
+    let radius = prop_oneof![0.01_f32..2.0, Just(1.0)];
+    let size = [0.01_f32..2.0, 0.01_f32..2.0, 0.01_f32..2.0];
+    prop_oneof![
+        4 => (triple(), radius.clone())
+            .prop_map(|(c, r)| format!("sphere: {{ center: {}, radius: {r} }}", list(c))),
+        3 => (triple(), triple(), triple())
+            .prop_filter("a triangle needs an area", |&(a, b, c)| {
+                let [a, b, c] = [a, b, c].map(Vec3::from);
+                (b - a).cross(c - a).length() > 1e-2
+            })
+            .prop_map(|(a, b, c)| {
+                format!("triangle: {{ vertices: [{}, {}, {}] }}", list(a), list(b), list(c))
+            }),
+        2 => (triple(), size).prop_map(|(min, size)| {
+            let max: [f32; 3] = std::array::from_fn(|i| min[i] + size[i]);
+            format!("box: {{ min: {}, max: {} }}", list(min), list(max))
+        }),
+        2 => (triple(), triple(), radius)
+            .prop_filter("a disk needs a normal", |(_, n, _)| Vec3::from(*n).length() > 0.1)
+            .prop_map(|(c, n, r)| {
+                format!("disk: {{ center: {}, normal: {}, radius: {r} }}", list(c), list(n))
+            }),
+        1 => (triple(), triple())
+            .prop_filter("a plane needs a normal", |(_, n)| Vec3::from(*n).length() > 0.1)
+            .prop_map(|(p, n)| format!("plane: {{ point: {}, normal: {} }}", list(p), list(n))),
+    ]
+}
+
+/// A transform that makes ellipsoids and turned boxes of half of the shapes.
+fn transform() -> impl Strategy<Value = String> {
+    let steps = (
+        [0.3_f32..3.0, 0.3_f32..3.0, 0.3_f32..3.0],
+        0.0_f32..360.0,
+        triple(),
+    );
+    let turned = steps.prop_map(|(scale, angle, by)| {
+        format!(
+            "\n    transform: [{{ scale: {} }}, {{ rotate: {{ axis: [1, 2, 3], angle_deg: {angle} }} }}, {{ translate: {} }}]",
+            list(scale),
+            list(by)
+        )
+    });
+    prop_oneof![Just(String::new()), turned]
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    prop::collection::vec((shape(), transform()), 1..60).prop_map(|objects| {
+        let objects: String = objects
+            .iter()
+            .map(|(shape, transform)| format!("  - {shape}\n    material: m{transform}\n"))
+            .collect();
+        let text = format!(
+            "image: {{ width: 1, height: 1 }}\n\
+             camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+             materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{objects}"
+        );
+        Scene::new(&parse(&text)).unwrap()
+    })
+}
+
+fn ray() -> impl Strategy<Value = Ray> {
+    let far_or_near = prop_oneof![4 => Just(1.0_f32), 1 => Just(100.0)];
+    (triple(), triple(), far_or_near)
+        .prop_filter("a ray needs a direction", |(_, d, _)| {
+            Vec3::from(*d).length() > 0.1
+        })
+        .prop_map(|(origin, direction, scale)| Ray {
+            origin: scale * Vec3::from(origin),
+            direction: Vec3::from(direction).normalize(),
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn both_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
+        let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+        let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
+        for ray in rays {
+            let expected = brute.nearest(&ray, &mut NoProbe);
+            prop_assert_eq!(bvh.nearest(&ray, &mut NoProbe), expected);
+            for t_max in [f32::INFINITY, 2.0] {
+                for ignored in [None, Some(ObjectId(0))] {
+                    prop_assert_eq!(
+                        bvh.occluded(&ray, t_max, ignored, &mut NoProbe),
+                        brute.occluded(&ray, t_max, ignored, &mut NoProbe)
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn probes_change_no_hit(scene in scene(), ray in ray()) {
+        let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+        let mut cost = Cost::default();
+        prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
+        let n_nodes = bvh.statistics().unwrap().n_nodes as u64;
+        prop_assert!(cost.node_visits <= n_nodes);
+        prop_assert!(cost.primitive_tests <= scene.primitives.len() as u64);
+    }
+}
+
+fn spheres(text: &str) -> Scene {
+    let text = format!(
+        "image: {{ width: 1, height: 1 }}\n\
+         camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+         materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{text}"
+    );
+    Scene::new(&parse(&text)).unwrap()
+}
+
+/// Thousands of spheres at one point: no plane parts their centres, so the
+/// builder has to halve them, and its depth has to stay bounded.
+#[test]
+fn coincident_spheres_make_a_shallow_tree() {
+    let scene = spheres(
+        "  - sphere_grid: { counts: [20000, 1, 1], min: [1, 1, 1], max: [1, 1, 1], radius: 0.5 }\n    material: m\n",
+    );
+    let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    let statistics = bvh.statistics().unwrap();
+    assert!(statistics.depth <= 20, "{statistics:?}");
+    let ray = Ray {
+        origin: Vec3::new(1.0, 1.0, 5.0),
+        direction: -Vec3::Z,
+    };
+    let hit = bvh.nearest(&ray, &mut NoProbe).unwrap();
+    assert_eq!((hit.t, hit.primitive), (3.5, 0));
+}
+
+/// Radii and gaps that double: the worst case for the depth of a tree built
+/// by cost.
+#[test]
+fn a_geometric_series_of_spheres_is_found_whole() {
+    let objects: String = (-40..40)
+        .map(|i| {
+            let x = 2.0_f64.powi(i);
+            format!(
+                "  - sphere: {{ center: [{x:e}, 0, 0], radius: {:e} }}\n    material: m\n",
+                x / 8.0
+            )
+        })
+        .collect();
+    let scene = spheres(&objects);
+    let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
+    for i in -40..40 {
+        let x = 2.0_f32.powi(i);
+        let ray = Ray {
+            origin: Vec3::new(x, x, 0.0),
+            direction: -Vec3::Y,
+        };
+        let hit = brute.nearest(&ray, &mut NoProbe);
+        assert_eq!(hit.unwrap().primitive, (i + 40) as u32);
+        assert_eq!(bvh.nearest(&ray, &mut NoProbe), hit);
+    }
+}
