@@ -184,6 +184,8 @@ def scene_camera():
         CameraParallelProjection=Fill("camera.parallel_projection", 0),
         CameraParallelScale=Fill("camera.parallel_scale", 3.9),
         ModelTransformMatrix=vector("camera.mirror", mirror),
+        LockBounds=Fill("clip.lock", 0),
+        MaxClipBounds=vector("clip.bounds", (0, -1, 0, -1, 0, -1)),
     )
 
 

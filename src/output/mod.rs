@@ -17,6 +17,7 @@ use std::io::{self, Write};
 
 pub use folder::{OutputFolder, WriteError};
 pub use summary::{Stage, Stages, Threads};
+pub use vtk::{write_frame, write_hits};
 
 use crate::accel::BvhStatistics;
 use crate::config::Config;

@@ -26,15 +26,76 @@ const POINTS: Column = Column {
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
 /// order of the pixels, row 0 on top.
 pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
-    let n = film.n_hits();
-    let column_array = |column| array(column, n, move |out| write_hit_values(film, column, out));
-    let mut point_data: Vec<Array> = columns(film.has_cost).map(column_array).collect();
+    let hits = Hits::of(film);
     let pixels = Integers::up_to(film.width as usize * film.height as usize);
-    point_data.push(pixels.array("pixel", n, move |out| write_pixels(film, pixels, out)));
+    let n = hits.n;
+    let column_array = |column| array(column, n, |out| hits.write_values(column, out));
+    let mut point_data: Vec<Array> = columns(film.has_cost).map(column_array).collect();
+    point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     let points = [column_array(&POINTS)];
     let cells = vertex_cells(n);
     let data_set = DataSet::vertices(n, &point_data, &points, &cells);
     appended::write(data_set, &[&point_data, &points, &cells], out)
+}
+
+/// Where a film's hits are. Found once: every array of the file walks them.
+struct Hits<'a> {
+    film: &'a Film,
+    /// The runs of neighbouring hits of each strip, as indices into it.
+    runs: Vec<Vec<Range<usize>>>,
+    n: usize,
+}
+
+impl<'a> Hits<'a> {
+    fn of(film: &'a Film) -> Self {
+        let runs: Vec<Vec<_>> = film
+            .strips
+            .iter()
+            .map(|strip| hit_runs(&strip.object).collect())
+            .collect();
+        let n = runs.iter().flatten().map(Range::len).sum();
+        Self { film, runs, n }
+    }
+
+    /// Each strip with its runs.
+    fn strips(&self) -> impl Iterator<Item = (&'a Strip, &[Range<usize>])> {
+        self.film
+            .strips
+            .iter()
+            .zip(self.runs.iter().map(Vec::as_slice))
+    }
+
+    fn write_values(&self, column: &Column, out: &mut dyn Write) -> io::Result<()> {
+        let stride = column.stride();
+        self.strips().try_for_each(|(strip, runs)| {
+            let bytes = (column.bytes)(strip);
+            runs.iter()
+                .try_for_each(|run| out.write_all(&bytes[run.start * stride..run.end * stride]))
+        })
+    }
+
+    fn write_pixels(&self, integers: Integers, out: &mut dyn Write) -> io::Result<()> {
+        self.strips().try_for_each(|(strip, runs)| {
+            let first = strip.first_row as usize * self.film.width as usize;
+            runs.iter()
+                .try_for_each(|run| integers.write(first + run.start..first + run.end, out))
+        })
+    }
+}
+
+/// The runs of neighbouring pixels whose object is not -1.
+fn hit_runs(objects: &[i32]) -> impl Iterator<Item = Range<usize>> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let start = next + objects[next..].iter().position(|&object| object >= 0)?;
+        let run = &objects[start..];
+        next = start
+            + run
+                .iter()
+                .position(|&object| object < 0)
+                .unwrap_or(run.len());
+        Some(start..next)
+    })
 }
 
 /// One VTK_VERTEX a point: `connectivity` 0, 1, …; `offsets`, the ends of the
@@ -74,38 +135,6 @@ fn array<'a>(
     }
 }
 
-fn write_hit_values(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {
-    let stride = column.stride();
-    film.strips.iter().try_for_each(|strip| {
-        let bytes = (column.bytes)(strip);
-        hit_runs(strip)
-            .try_for_each(|run| out.write_all(&bytes[run.start * stride..run.end * stride]))
-    })
-}
-
-fn write_pixels(film: &Film, integers: Integers, out: &mut dyn Write) -> io::Result<()> {
-    film.strips.iter().try_for_each(|strip| {
-        let first = strip.first_row as usize * film.width as usize;
-        hit_runs(strip).try_for_each(|run| integers.write(first + run.start..first + run.end, out))
-    })
-}
-
-/// The runs of neighbouring pixels that have hits, as indices into the strip.
-fn hit_runs(strip: &Strip) -> impl Iterator<Item = Range<usize>> + '_ {
-    let mut next = 0;
-    std::iter::from_fn(move || {
-        let rest = &strip.object[next..];
-        let start = next + rest.iter().position(|&object| object >= 0)?;
-        let run = &strip.object[start..];
-        let length = run
-            .iter()
-            .position(|&object| object < 0)
-            .unwrap_or(run.len());
-        next = start + length;
-        Some(start..next)
-    })
-}
-
 /// Whole numbers in as few bytes as they need: ParaView loads 32-bit cells a
 /// third faster than 64-bit ones.
 #[derive(Clone, Copy)]
@@ -143,15 +172,18 @@ impl Integers {
     }
 
     fn write(self, numbers: Range<usize>, out: &mut dyn Write) -> io::Result<()> {
-        let mut chunk = Vec::with_capacity(8 * CHUNK.min(numbers.len()));
         for first in numbers.clone().step_by(CHUNK) {
-            let here = first..numbers.end.min(first + CHUNK);
-            chunk.clear();
+            let chunk = first..numbers.end.min(first + CHUNK);
             match self {
-                Self::I32 => here.for_each(|n| chunk.extend((n as i32).to_ne_bytes())),
-                Self::I64 => here.for_each(|n| chunk.extend((n as i64).to_ne_bytes())),
+                Self::I32 => {
+                    let chunk: Vec<i32> = chunk.map(|n| n as i32).collect();
+                    out.write_all(bytemuck::cast_slice(&chunk))?;
+                }
+                Self::I64 => {
+                    let chunk: Vec<i64> = chunk.map(|n| n as i64).collect();
+                    out.write_all(bytemuck::cast_slice(&chunk))?;
+                }
             }
-            out.write_all(&chunk)?;
         }
         Ok(())
     }
@@ -163,13 +195,7 @@ mod tests {
 
     #[test]
     fn runs_are_the_hits() {
-        let runs = |object: &[i32]| {
-            let strip = Strip {
-                object: object.to_vec(),
-                ..Strip::default()
-            };
-            hit_runs(&strip).collect::<Vec<_>>()
-        };
+        let runs = |objects: &[i32]| hit_runs(objects).collect::<Vec<_>>();
         assert_eq!(runs(&[]), []);
         assert_eq!(runs(&[-1, -1]), []);
         assert_eq!(runs(&[0, 3, -1, 2]), [0..2, 3..4]);
