@@ -36,7 +36,7 @@ BACKDROP = dict(
 
 def geometry(out):
     """The hit cloud in its own colours and, in a linked view, coloured by what each hit cost."""
-    hits = reader(pv.XMLUnstructuredGridReader, out / "hits.vtu")
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
     colour, cost = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
     put(cloud(hits, colour), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
     caption("True colours", colour)
@@ -61,6 +61,19 @@ STATES = (geometry, heatmap)
 
 
 # ----------------------------------------------------------------------------------------- parts
+
+
+def without_horizon(hits):
+    """The hits up to a distance: ParaView hides all that is 1000 times nearer than the farthest."""
+    near = put(
+        pv.Threshold(Input=hits),
+        Scalars=["POINTS", "distance"],
+        ThresholdMethod="Below Upper Threshold",
+        UpperThreshold=Fill("hits.max_distance", hits.PointData["distance"].GetRange()[1]),
+    )
+    pv.RenameSource("Without the horizon", near)
+    near.UpdatePipeline()
+    return near
 
 
 def cloud(hits, view):
@@ -184,8 +197,6 @@ def scene_camera():
         CameraParallelProjection=Fill("camera.parallel_projection", 0),
         CameraParallelScale=Fill("camera.parallel_scale", 3.9),
         ModelTransformMatrix=vector("camera.mirror", mirror),
-        LockBounds=Fill("clip.lock", 0),
-        MaxClipBounds=vector("clip.bounds", (0, -1, 0, -1, 0, -1)),
     )
 
 

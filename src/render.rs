@@ -177,12 +177,12 @@ impl Renderer<'_> {
             let radiance = self.shader.radiance(&ray, met.as_ref(), probe);
             color += radiance.min(Vec3::ONE);
         }
-        let distance = surface.map_or(f32::NAN, |point| point.distance);
-        let (x, y) = (x as f32, y as f32);
+        let plane = &self.scene.image_plane;
+        let footprint_at = |distance| plane.footprint(x as f32, y as f32, distance);
         Pixel {
             color: color / n_samples as f32,
             surface,
-            footprint: self.scene.image_plane.footprint(x, y, distance),
+            footprint: surface.map_or(f32::NAN, |point| footprint_at(point.distance)),
             cost: None,
         }
     }

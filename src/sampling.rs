@@ -46,30 +46,35 @@ fn pcg4d(key: [u32; 4]) -> [u32; 4] {
 pub struct PixelPattern {
     n: u32,
     n_rows: u32,
+    /// The point that is the pixel's middle.
+    center: u32,
     seed: u64,
 }
 
 impl PixelPattern {
     /// A pattern of `n` points, at least 1.
     pub fn new(n: u32, seed: u64) -> Self {
-        Self {
+        let mut pattern = Self {
             n,
             n_rows: (n as f32).sqrt().round().max(1.0) as u32,
+            center: 0,
             seed,
-        }
+        };
+        let row = pattern.n_rows / 2;
+        let [first, end] = [row, row + 1].map(|row| pattern.first_of_row(row));
+        pattern.center = first + (end - first) / 2;
+        pattern
     }
 
     /// The number of the point that is the pixel's middle.
     pub fn center(&self) -> u32 {
-        let row = self.n_rows / 2;
-        let first = self.first_of_row(row);
-        first + (self.first_of_row(row + 1) - first) / 2
+        self.center
     }
 
     /// Point `i` of pixel number `pixel`, relative to the pixel's middle: both
     /// coordinates in [-0.5, 0.5).
     pub fn point(&self, pixel: u64, i: u32) -> Vec2 {
-        if i == self.center() {
+        if i == self.center {
             return Vec2::ZERO;
         }
         let row = self.row_of(i);

@@ -54,11 +54,8 @@ impl Surface for Cuboid {
         let t1 = (self.bounds.max - ray.origin) * inverse;
         let enter = t0.min(t1).max_element();
         let exit = t0.max(t1).min_element();
-        if !(enter <= exit) {
-            return None;
-        }
         let t = if enter > 0.0 { enter } else { exit };
-        (t > 0.0 && t < t_max).then_some(t)
+        (enter <= exit && t > 0.0 && t < t_max).then_some(t)
     }
 
     fn project(&self, near: Vec3) -> (Vec3, Vec3) {

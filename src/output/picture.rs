@@ -17,6 +17,8 @@ pub(super) fn write(
     let mut encoder = png::Encoder::new(out, film.width, film.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    // A tenth of the default's time for a picture a quarter larger.
+    encoder.set_compression(png::Compression::Fast);
     let state = state::geometry(rendering, folder);
     encoder.add_text_chunk("ParaViewState".to_owned(), state)?;
     let mut writer = encoder.write_header()?;

@@ -6,6 +6,9 @@ use vtkio::model::ScalarType;
 
 use super::header::DataSet;
 
+/// Writes an array's bytes.
+pub(super) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+
 /// An array that is written when its turn comes.
 pub(super) struct Array<'a> {
     pub(super) name: &'static str,
@@ -13,7 +16,7 @@ pub(super) struct Array<'a> {
     pub(super) n_components: usize,
     pub(super) n_bytes: u64,
     /// Writes exactly `n_bytes`, in native byte order.
-    pub(super) write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+    pub(super) write: WriteBytes<'a>,
 }
 
 /// Writes the whole file: `data_set` describes the arrays in their order.

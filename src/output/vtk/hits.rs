@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(runs(&[]), []);
         assert_eq!(runs(&[-1, -1]), []);
         assert_eq!(runs(&[0, 3, -1, 2]), [0..2, 3..4]);
-        assert_eq!(runs(&[-1, 0, 0, -1]), [1..3]);
+        assert_eq!(runs(&[-1, 0, 0, -1, 0]), [1..3, 4..5]);
     }
 
     #[test]
