@@ -67,9 +67,9 @@ def without_horizon(hits):
     """The hits up to a distance: ParaView hides all that is 1000 times nearer than the farthest."""
     near = put(
         pv.Threshold(Input=hits),
-        Scalars=["POINTS", "distance"],
-        ThresholdMethod="Below Upper Threshold",
-        UpperThreshold=Fill("hits.max_distance", hits.PointData["distance"].GetRange()[1]),
+        SelectInputScalars=["POINTS", "distance"],
+        ThresholdMethod="Below Lower Threshold",
+        LowerThreshold=Fill("hits.max_distance", hits.PointData["distance"].GetRange()[1]),
     )
     pv.RenameSource("Without the horizon", near)
     near.UpdatePipeline()
@@ -325,7 +325,8 @@ def trim_proxy(proxy):
             proxy.remove(prop)
     for name, put_values in values.items():
         prop = proxy.find(f"Property[@name='{name}']")
-        if prop is None:  # ParaView reads ModelTransformMatrix from a state, but writes none
+        if prop is None:  # ParaView reads this one property from a state, but writes none
+            assert name == "ModelTransformMatrix", f"{name} has another name in a state"
             prop = ET.SubElement(proxy, "Property", name=name, number_of_elements=str(len(put_values)))
             for i, value in enumerate(put_values):
                 ET.SubElement(prop, "Element", index=str(i), value=str(value.value))
