@@ -1,5 +1,6 @@
 //! Arguments → [`Cli::run`] → the one error message and the exit code.
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -10,8 +11,9 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if let Some(diagnostic) = failure.diagnostic() {
-                // Removes the colours where standard error is no terminal.
-                anstream::eprintln!("{}\n", diagnostic.render(true));
+                // anstream removes the colours where this is no terminal. With
+                // nobody to hear the message, the exit code has to do.
+                let _ = writeln!(anstream::stderr(), "{}", diagnostic.render(true));
             }
             ExitCode::from(failure.exit_code())
         }

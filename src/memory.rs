@@ -8,10 +8,14 @@ use crate::film;
 use crate::scene::{self, Primitive};
 use crate::yaml::{Fault, Path};
 
+/// What the pictures and files take for each pixel while they are made: a copy
+/// of the times, another to find their median, the cost map and its PNG.
+const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
+
 /// What one rendering needs, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
-    /// The film's arrays.
+    /// The film's arrays, and what is made of them at the end.
     pub film: u64,
     /// Primitives and the structure over them.
     pub scene: u64,
@@ -28,7 +32,7 @@ impl Memory {
             };
         let n_pixels = config.image.n_pixels() as u64;
         Self {
-            film: n_pixels * film::bytes_per_pixel(has_cost) as u64,
+            film: n_pixels * (film::bytes_per_pixel(has_cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
             scene: scene::n_primitives(config) as u64 * per_primitive as u64,
         }
     }

@@ -60,9 +60,4 @@ impl Aabb {
             )
         })
     }
-
-    /// Whether all corners are finite.
-    pub fn is_finite(&self) -> bool {
-        self.min.is_finite() && self.max.is_finite()
-    }
 }

@@ -77,7 +77,7 @@ impl Primitive {
 
     /// Whether it has no end.
     pub fn is_unbounded(&self) -> bool {
-        matches!(self.shape, Shape::Plane(_))
+        self.shape.bounds() == Aabb::ALL
     }
 
     /// Whether it kept finite coordinates and an extent in world space.
