@@ -68,11 +68,16 @@ pub fn render(
     };
     let totals = (0..n_tiles)
         .into_par_iter()
-        .map_init(Vec::new, render_tile)
+        .map_init(tile_pixels, render_tile)
         .reduce(Cost::default, Cost::with);
     drop(strips);
     film.totals = totals;
     film
+}
+
+/// Room for a tile's pixels, so that no pixel pays for getting it.
+fn tile_pixels() -> Vec<Pixel> {
+    Vec::with_capacity((TILE_SIDE * TILE_SIDE) as usize)
 }
 
 /// A rectangle of pixels that one thread renders.
