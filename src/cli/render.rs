@@ -140,7 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             available: std::thread::available_parallelism().map_or(1, usize::from),
         },
     };
-    let (written, stages) = output::write(&rendering, folder, stages)?;
+    let (written, stages) = pool.install(|| output::write(&rendering, &folder, stages))?;
     if !arguments.quiet {
         let text = closing_lines(arguments, &rendering, &stages, &written);
         io::stdout().write_all(text.as_bytes())?;

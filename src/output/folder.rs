@@ -6,17 +6,23 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::format;
+use super::{Written, format};
 
 /// Bytes that go to the system at one go.
 const BUFFER: usize = 1 << 20;
 
-/// An output folder, and the files that wait to take their names in it.
+/// A folder that files can be written to.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    staged: Vec<(&'static str, NamedTempFile)>,
-    stale: Vec<&'static str>,
+}
+
+/// A whole file that waits to take its name; without it, it goes.
+#[derive(Debug)]
+pub(super) struct StagedFile {
+    name: &'static str,
+    n_bytes: u64,
+    temporary: NamedTempFile,
 }
 
 /// A file or folder that could not be written.
@@ -77,11 +83,7 @@ impl OutputFolder {
             );
             return Err(fail(io::Error::new(io::ErrorKind::StorageFull, message)));
         }
-        Ok(Self {
-            path,
-            staged: Vec::new(),
-            stale: Vec::new(),
-        })
+        Ok(Self { path })
     }
 
     /// The absolute path of a file in the folder.
@@ -89,45 +91,46 @@ impl OutputFolder {
         self.path.join(file)
     }
 
-    /// Writes a file that will be called `file`; gives its length in bytes.
+    /// Writes a file that will be called `name`.
     ///
     /// # Errors
     /// What `write` or the system says.
     pub(super) fn stage(
-        &mut self,
-        file: &'static str,
-        write: impl FnOnce(&Self, &mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
-    ) -> Result<u64, WriteError> {
-        let fail = |error| WriteError::new(self.path_of(file), error);
+        &self,
+        name: &'static str,
+        write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
+    ) -> Result<StagedFile, WriteError> {
+        let fail = |error| WriteError::new(self.path_of(name), error);
         let mut temporary = temporary_in(&self.path).map_err(fail)?;
         let mut out = BufWriter::with_capacity(BUFFER, &mut temporary);
-        write(self, &mut out)
-            .and_then(|()| out.flush())
-            .map_err(fail)?;
+        write(&mut out).and_then(|()| out.flush()).map_err(fail)?;
         drop(out);
         let n_bytes = temporary.as_file().metadata().map_err(fail)?.len();
-        self.staged.push((file, temporary));
-        Ok(n_bytes)
+        Ok(StagedFile {
+            name,
+            n_bytes,
+            temporary,
+        })
     }
 
-    /// Lets `commit` remove what an earlier run left under this name.
-    pub(super) fn remove_on_commit(&mut self, file: &'static str) {
-        self.stale.push(file);
-    }
-
-    /// Gives all staged files their names.
+    /// Gives all files their names, and removes what an earlier run left under
+    /// the `stale` ones.
     ///
     /// # Errors
     /// The first name that could not be given.
-    pub(super) fn commit(self) -> Result<(), WriteError> {
-        for (file, temporary) in self.staged {
-            let path = self.path.join(file);
-            temporary
+    pub(super) fn commit(
+        &self,
+        files: Vec<StagedFile>,
+        stale: impl Iterator<Item = &'static str>,
+    ) -> Result<(), WriteError> {
+        for file in files {
+            let path = self.path_of(file.name);
+            file.temporary
                 .persist(&path)
                 .map_err(|error| WriteError::new(path, error.error))?;
         }
-        for file in self.stale {
-            let path = self.path.join(file);
+        for name in stale {
+            let path = self.path_of(name);
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => {
                     return Err(WriteError::new(path, error));
@@ -136,6 +139,16 @@ impl OutputFolder {
             }
         }
         Ok(())
+    }
+}
+
+impl StagedFile {
+    /// What to say of it.
+    pub(super) fn written(&self) -> Written {
+        Written {
+            file: self.name,
+            bytes: self.n_bytes,
+        }
     }
 }
 
@@ -165,34 +178,30 @@ mod tests {
     #[test]
     fn files_appear_together_at_the_end() {
         let temporary = tempfile::tempdir().unwrap();
+        let read = |name| std::fs::read(temporary.path().join(name)).unwrap();
         std::fs::write(temporary.path().join("old"), "old").unwrap();
-        let mut folder = OutputFolder::create(temporary.path(), 0).unwrap();
-        let n_bytes = folder
-            .stage("old", |_, out| out.write_all(b"newer"))
-            .unwrap();
-        assert_eq!(n_bytes, 5);
-        assert_eq!(std::fs::read(temporary.path().join("old")).unwrap(), b"old");
-        folder.remove_on_commit("never was");
-        folder.commit().unwrap();
+        std::fs::write(temporary.path().join("stale"), "stale").unwrap();
+        let folder = OutputFolder::create(temporary.path(), 0).unwrap();
+        let file = folder.stage("old", |out| out.write_all(b"newer")).unwrap();
+        assert_eq!(file.written().bytes, 5);
+        assert_eq!(read("old"), b"old");
+        let stale = ["stale", "never was"].into_iter();
+        folder.commit(vec![file], stale).unwrap();
         assert_eq!(names(temporary.path()), ["old"]);
-        assert_eq!(
-            std::fs::read(temporary.path().join("old")).unwrap(),
-            b"newer"
-        );
+        assert_eq!(read("old"), b"newer");
     }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         let temporary = tempfile::tempdir().unwrap();
         std::fs::write(temporary.path().join("old"), "old").unwrap();
-        let mut folder = OutputFolder::create(temporary.path(), 0).unwrap();
+        let folder = OutputFolder::create(temporary.path(), 0).unwrap();
         let full = || io::Error::from(io::ErrorKind::StorageFull);
         let error = folder
-            .stage("old", |_, out| out.write_all(b"half").and(Err(full())))
+            .stage("old", |out| out.write_all(b"half").and(Err(full())))
             .unwrap_err();
         assert!(error.to_string().contains("old"), "{error}");
         assert!(error.help().contains("free some space"));
-        drop(folder);
         assert_eq!(names(temporary.path()), ["old"]);
         assert_eq!(std::fs::read(temporary.path().join("old")).unwrap(), b"old");
     }

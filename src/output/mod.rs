@@ -19,6 +19,11 @@ pub use folder::{OutputFolder, WriteError};
 pub use summary::{Stage, Stages, Threads};
 pub use vtk::{write_frame, write_hits};
 
+use rayon::prelude::*;
+
+use folder::StagedFile;
+use state::States;
+
 use crate::accel::BvhStatistics;
 use crate::config::Config;
 use crate::cost::Clock;
@@ -100,52 +105,46 @@ impl Artifact {
         matches!(self, Self::Cost | Self::HeatmapState)
     }
 
-    fn write(
-        self,
-        rendering: &Rendering,
-        folder: &OutputFolder,
-        out: &mut impl Write,
-    ) -> io::Result<()> {
+    fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
         match self {
-            Self::Image => picture::write(rendering, folder, out),
+            Self::Image => picture::write(rendering.film, states, out),
             Self::Cost => heatmap::write(rendering, out),
             Self::Hits => vtk::write_hits(rendering.film, out),
             Self::Frame => vtk::write_frame(rendering.film, out),
-            Self::GeometryState => state::write_geometry(rendering, folder, out),
-            Self::HeatmapState => state::write_heatmap(rendering, folder, out),
+            Self::GeometryState => out.write_all(states.geometry().as_bytes()),
+            Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
         }
     }
 }
 
-/// Writes every file of the rendering; gives them in their order, with
-/// `summary.json` last. Files of an earlier run that this one has no data for
-/// are removed.
+/// Writes every file of the rendering on the current rayon pool; gives them in
+/// their order, with `summary.json` last. Files of an earlier run that this
+/// one has no data for are removed.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
 pub fn write(
     rendering: &Rendering,
-    mut folder: OutputFolder,
+    folder: &OutputFolder,
     mut stages: Stages,
 ) -> Result<(Vec<Written>, Stages), WriteError> {
-    let mut written = Vec::new();
-    for artifact in Artifact::ALL {
-        let file = artifact.file_name();
-        if artifact.needs_cost() && !rendering.film.has_cost {
-            folder.remove_on_commit(file);
-            continue;
-        }
-        let bytes = folder.stage(file, |folder, out| artifact.write(rendering, folder, out))?;
-        written.push(Written { file, bytes });
-    }
+    let states = States::new(rendering, folder);
+    let has_data = |artifact: &Artifact| rendering.film.has_cost || !artifact.needs_cost();
+    let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL.into_iter().partition(has_data);
+    let stage = |artifact: &Artifact| {
+        folder.stage(artifact.file_name(), |out| {
+            artifact.write(rendering, &states, out)
+        })
+    };
+    let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
     stages.end("write");
-    let bytes = folder.stage(summary::FILE, |_, out| {
+
+    let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
+    let summary = folder.stage(summary::FILE, |out| {
         summary::write(rendering, &stages, &written, out)
     })?;
-    written.push(Written {
-        file: summary::FILE,
-        bytes,
-    });
-    folder.commit()?;
+    written.push(summary.written());
+    files.push(summary);
+    folder.commit(files, stale.into_iter().map(Artifact::file_name))?;
     Ok((written, stages))
 }

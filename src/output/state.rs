@@ -9,8 +9,6 @@
 //!
 //! Here the values take their places and the keys go.
 
-use std::io::{self, Write};
-
 use glam::Vec3;
 
 use super::cost_picture::Range;
@@ -21,27 +19,16 @@ use crate::film::Film;
 const GEOMETRY: &str = include_str!("../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../paraview/heatmap.pvsm");
 
-pub(super) fn write_geometry(
-    rendering: &Rendering,
-    folder: &OutputFolder,
-    out: &mut impl Write,
-) -> io::Result<()> {
-    out.write_all(geometry(rendering, folder).as_bytes())
-}
-
-pub(super) fn write_heatmap(
-    rendering: &Rendering,
-    folder: &OutputFolder,
-    out: &mut impl Write,
-) -> io::Result<()> {
-    let values = Values::new(rendering, folder);
-    out.write_all(fill(HEATMAP, |key| values.value(key)).as_bytes())
-}
-
-/// The geometry state for this output, in ASCII.
-pub(super) fn geometry(rendering: &Rendering, folder: &OutputFolder) -> String {
-    let values = Values::new(rendering, folder);
-    fill(GEOMETRY, |key| values.value(key))
+/// The states of one output, in ASCII.
+pub(super) struct States {
+    hits: String,
+    frame: String,
+    has_cost: bool,
+    camera: Camera,
+    /// Width and height of the picture.
+    size: [f64; 2],
+    cost_range: [f64; 2],
+    visits_range: [f64; 2],
 }
 
 /// The template with every `value="…" fill="KEY"` replaced by
@@ -86,30 +73,36 @@ fn escape(text: &str) -> String {
     escaped
 }
 
-/// What the keys stand for.
-struct Values<'a> {
-    film: &'a Film,
-    folder: &'a OutputFolder,
-    camera: Camera,
-    cost_range: [f64; 2],
-    visits_range: [f64; 2],
-}
-
-impl<'a> Values<'a> {
-    fn new(rendering: &Rendering<'a>, folder: &'a OutputFolder) -> Self {
+impl States {
+    /// The states that show this rendering's files in this folder.
+    pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
         let film = rendering.film;
+        let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
-            film,
-            folder,
+            hits: path_of(vtk::HITS),
+            frame: path_of(vtk::FRAME),
+            has_cost: film.has_cost,
             camera: Camera::of(&rendering.scene.image_plane, mean_distance(film)),
+            size: [film.width, film.height].map(f64::from),
             cost_range: cost_range(film),
             visits_range: visits_range(film),
         }
     }
 
+    /// The cloud in its colours and by its cost.
+    pub(super) fn geometry(&self) -> String {
+        fill(GEOMETRY, |key| self.value(key))
+    }
+
+    /// The cost of all pixels.
+    pub(super) fn heatmap(&self) -> String {
+        fill(HEATMAP, |key| self.value(key))
+    }
+
     fn value(&self, key: &str) -> Option<String> {
         match key {
-            vtk::HITS | vtk::FRAME => Some(self.folder.path_of(key).to_string_lossy().into_owned()),
+            vtk::HITS => Some(self.hits.clone()),
+            vtk::FRAME => Some(self.frame.clone()),
             "cost.array" => Some(self.cost().0.to_owned()),
             "cost.title" => Some(self.cost().1.to_owned()),
             _ => self.number(key).map(|number| number.to_string()),
@@ -118,7 +111,7 @@ impl<'a> Values<'a> {
 
     /// The array that the cloud is coloured by, and its title.
     fn cost(&self) -> (&'static str, &'static str) {
-        match self.film.has_cost {
+        match self.has_cost {
             true => ("time_ns", "Time per pixel (ns)"),
             false => ("distance", "Distance from the camera"),
         }
@@ -137,7 +130,7 @@ impl<'a> Values<'a> {
             return between(fraction, |f| low + (high - low) * f);
         }
         if let Some(rest) = key.strip_prefix("image.") {
-            return picture_camera(self.film, rest);
+            return picture_camera(self.size, rest);
         }
         self.camera.number(key.strip_prefix("camera.")?)
     }
@@ -181,8 +174,7 @@ fn mean_distance(film: &Film) -> Option<f32> {
 
 /// ParaView's camera for the picture as a whole, in the middle part of a view
 /// of usual shape, between its caption and its colour bar.
-fn picture_camera(film: &Film, key: &str) -> Option<f64> {
-    let [width, height] = [film.width, film.height].map(f64::from);
+fn picture_camera([width, height]: [f64; 2], key: &str) -> Option<f64> {
     let scale = (height / (2.0 * 0.79)).max(width / (2.0 * 0.96 * 1.1));
     match key {
         "parallel_scale" => Some(scale),
