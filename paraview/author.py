@@ -7,20 +7,16 @@ Takes an output folder of `raycost render` as the sample to build the pipelines 
 Gives one state for each function in `STATES`. A state serves twice: ParaView loads it as it is,
 with paths under `$RAYCOST_OUT`, and the renderer fills it in for each of its outputs.
 
-Why a script and no "Save State": that writes half a megabyte, of which its maker chose some fifty
-lines. Here `put` sets a property and remembers it; `save` keeps what was put and drops the rest.
-A value that depends on the output is put as a `Fill` and carries its key into the file, as
-`fill="KEY"`, an attribute that ParaView passes over. README.md lists the keys.
+Why a script: a state is then as short and as easy to compare as what is said here. `put` sets a
+property for the file to keep; a value that depends on the output is a `Fill`. README.md lists them.
 """
 
 import math
 import sys
-import tempfile
-import xml.etree.ElementTree as ET
-from dataclasses import dataclass
 from pathlib import Path
 
 from paraview import simple as pv
+from template import Fill, put, reader, save, vector
 
 N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
 INFERNO, VIRIDIS = "Inferno (matplotlib)", "Viridis (matplotlib)"
@@ -69,7 +65,7 @@ def without_horizon(hits):
         pv.Threshold(Input=hits),
         SelectInputScalars=["POINTS", "distance"],
         ThresholdMethod="Below Lower Threshold",
-        LowerThreshold=Fill("hits.max_distance", hits.PointData["distance"].GetRange()[1]),
+        LowerThreshold=Fill("hits.max_distance", 1e30),
     )
     pv.RenameSource("Without the horizon", near)
     near.UpdatePipeline()
@@ -90,17 +86,10 @@ def cloud(hits, view):
 
 
 def picture(frame, array, preset, scale, title):
-    """A view of one array as a flat picture, unlit so that it agrees with its colour bar."""
+    """A view of one array as a flat picture: a slice shows each pixel as it is, unlit and unblended."""
     view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
     colours = colour_map(frame, array, preset, scale)
-    put(
-        pv.Show(frame, view),
-        Representation="Surface",
-        ColorArrayName=["POINTS", array],
-        LookupTable=colours,
-        Ambient=1,
-        Diffuse=0,
-    )
+    put(pv.Show(frame, view), Representation="Slice", ColorArrayName=["POINTS", array], LookupTable=colours)
     colour_bar(colours, view, title)
     return view
 
@@ -240,108 +229,12 @@ def layout(name, tree):
     place(0, tree)
 
 
-# --------------------------------------------------------------------------------------- writing
-
-
-@dataclass(frozen=True)
-class Fill:
-    """A value that the renderer replaces: its key, and what it is for the sample."""
-
-    key: str
-    value: object
-
-
-UNUSED = ("RepresentationAnimationHelper", "TimeKeeper")
-PUT = {}  # proxy's id -> property -> its values, some of them a Fill
-
-
-def put(proxy, **properties):
-    """Sets the properties, and has `save` keep them. Gives the proxy back."""
-    for name, value in properties.items():
-        many = isinstance(value, (list, tuple))
-        values = list(value) if many else [value]
-        plain = [v.value if isinstance(v, Fill) else v for v in values]
-        proxy.SetPropertyWithName(name, plain if many else plain[0])
-        PUT.setdefault(proxy.GetGlobalIDAsString(), {})[name] = values
-    return proxy
-
-
-def vector(key, values):
-    return [Fill(f"{key}.{i}", value) for i, value in enumerate(values)]
-
-
-def reader(kind, path):
-    """Reads a file of the output folder; its name is both the key and the name in the browser."""
-    source = put(kind(FileName=[str(path)]), FileName=[Fill(path.name, str(path))])
-    pv.RenameSource(path.name, source)
-    source.UpdatePipeline()
-    return source
-
-
-def save(path, out):
-    """Writes what the session has put as a state, with its paths under $RAYCOST_OUT."""
-    with tempfile.NamedTemporaryFile(suffix=".pvsm") as whole:
-        pv.SaveState(whole.name)
-        tree = ET.parse(whole.name)
-    trim(tree.find("ServerManagerState"))
-    ET.indent(tree, " ")
-    text = ET.tostring(tree.getroot(), encoding="us-ascii").decode().replace(" />", "/>")
-    path.write_text(text.replace(str(out), "$RAYCOST_OUT") + "\n")
-    print(f"{path} ({path.stat().st_size / 1024:.1f} KB)")
-
-
-def trim(state):
-    """Keeps what was put, and the bare helper proxies, without which ParaView's window crashes."""
-    proxies = {proxy.get("id"): proxy for proxy in state.findall("Proxy")}
-    for id_, proxy in list(proxies.items()):
-        if proxy.get("group") in ("animation", "settings") or proxy.get("type") in UNUSED:
-            state.remove(proxies.pop(id_))
-        else:
-            trim_proxy(proxy)
-    for collection in state.findall("ProxyCollection"):
-        for item in collection.findall("Item"):
-            item.attrib.pop("logname", None)
-            if item.get("id") not in proxies:
-                collection.remove(item)
-        if not len(collection):
-            state.remove(collection)
-    for part in state.findall("CustomProxyDefinitions") + state.findall("Settings"):
-        state.remove(part)
-    links = state.find("Links")
-    for link in links.findall("*"):  # a session keeps the links of the state before
-        if link.tag != "CameraLink" or link.find("Proxy").get("id") not in proxies:
-            links.remove(link)
-        else:  # the first child since 5.12; without it a later ParaView warns, and 5.11 warns of it
-            link.insert(0, ET.Element("Properties", exceptionBehavior="0"))
-
-
-def trim_proxy(proxy):
-    values = PUT.get(proxy.get("id"), {})
-    for prop in proxy.findall("Property"):
-        for domain in prop.findall("Domain"):
-            if domain.find("Proxy") is None:
-                prop.remove(domain)
-        if prop.get("name") not in values and prop.find("Proxy") is None:
-            proxy.remove(prop)
-    for name, put_values in values.items():
-        prop = proxy.find(f"Property[@name='{name}']")
-        if prop is None:  # ParaView reads this one property from a state, but writes none
-            assert name == "ModelTransformMatrix", f"{name} has another name in a state"
-            prop = ET.SubElement(proxy, "Property", name=name, number_of_elements=str(len(put_values)))
-            for i, value in enumerate(put_values):
-                ET.SubElement(prop, "Element", index=str(i), value=str(value.value))
-        for element, value in zip(reversed(prop.findall("Element")), reversed(put_values)):
-            if isinstance(value, Fill):
-                element.set("fill", value.key)
-
-
 def main():
     out = Path(sys.argv[1]).resolve()
     for state in STATES:
         state(out)
         save(Path(__file__).resolve().parent / f"{state.__name__}.pvsm", out)
-        pv.ResetSession()
-        PUT.clear()
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -58,8 +58,12 @@ def arguments():
     parser.add_argument("data", type=Path, help="the output folder whose files it must show")
     parser.add_argument("png", type=Path, help="where to write the picture of the layout")
     parser.add_argument("--require", type=lambda names: names.split(","), default=[], metavar="ARRAY,ARRAY")
-    parser.add_argument("--size", type=lambda s: [int(n) for n in s.split("x")], default=[1600, 1000], metavar="WxH")
-    parser.add_argument("--from-state", action="store_true", help="use the state's own paths, seek no file in DATADIR")
+    parser.add_argument(
+        "--size", type=lambda s: [int(n) for n in s.split("x")], default=[1600, 1000], metavar="WxH"
+    )
+    parser.add_argument(
+        "--from-state", action="store_true", help="use the state's own paths, seek no file in DATADIR"
+    )
     parser.add_argument("--allow-empty", action="store_true", help="let sources be empty and views blank")
     return parser.parse_args()
 
