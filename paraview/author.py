@@ -98,7 +98,17 @@ def histogram(frame, array, title):
     """A view of how many pixels took which value: bars over log10, labelled with the values."""
     log10 = pv.Calculator(Input=frame)
     put(log10, Function=f"log10({array})", ResultArrayName="log10", ResultArrayType="Float")
-    bins = put(pv.Histogram(Input=log10), SelectInputArray=["POINTS", "log10"], BinCount=100)
+    low, high = frame.PointData[array].GetRange()
+    bins = put(
+        pv.Histogram(Input=log10),
+        SelectInputArray=["POINTS", "log10"],
+        BinCount=100,
+        UseCustomBinRanges=1,
+        CustomBinRanges=[
+            Fill(f"{array}.log10(0)", math.log10(low)),
+            Fill(f"{array}.log10(1)", math.log10(high)),
+        ],
+    )
     pv.RenameSource(f"log10({array})", log10)
     pv.RenameSource("Histogram", bins)
     view = put(

@@ -59,7 +59,7 @@ pub struct Strip {
 }
 
 /// One pixel on its way into the film.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Pixel {
     /// Mean colour of the samples, not yet limited to 1.
     pub color: Vec3,

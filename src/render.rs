@@ -75,9 +75,12 @@ pub fn render(
     film
 }
 
-/// Room for a tile's pixels, so that no pixel pays for getting it.
+/// Room for a tile's pixels, written to once: no pixel shall pay for the first
+/// touch of its memory.
 fn tile_pixels() -> Vec<Pixel> {
-    Vec::with_capacity((TILE_SIDE * TILE_SIDE) as usize)
+    let mut pixels = vec![Pixel::default(); (TILE_SIDE * TILE_SIDE) as usize];
+    pixels.clear();
+    pixels
 }
 
 /// A rectangle of pixels that one thread renders.

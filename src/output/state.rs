@@ -29,6 +29,8 @@ pub(super) struct States {
     size: [f64; 2],
     cost_range: [f64; 2],
     visits_range: [f64; 2],
+    /// Hits farther away are not shown.
+    max_distance: f64,
 }
 
 /// The template with every `value="…" fill="KEY"` replaced by
@@ -77,15 +79,17 @@ impl States {
     /// The states that show this rendering's files in this folder.
     pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
         let film = rendering.film;
+        let distances = Distances::of(film);
         let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
             hits: path_of(vtk::HITS),
             frame: path_of(vtk::FRAME),
             has_cost: film.has_cost,
-            camera: Camera::of(&rendering.scene.image_plane, mean_distance(film)),
+            camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size: [film.width, film.height].map(f64::from),
             cost_range: cost_range(film),
             visits_range: visits_range(film),
+            max_distance: distances.max_shown,
         }
     }
 
@@ -125,12 +129,19 @@ impl States {
             let [low, high] = self.cost_range;
             return between(fraction, |f| low * (high / low).powf(f));
         }
+        if let Some(fraction) = key.strip_prefix("time_ns.log10(") {
+            let [low, high] = self.cost_range.map(f64::log10);
+            return between(fraction, |f| low + (high - low) * f);
+        }
         if let Some(fraction) = key.strip_prefix("node_visits.linear(") {
             let [low, high] = self.visits_range;
             return between(fraction, |f| low + (high - low) * f);
         }
         if let Some(rest) = key.strip_prefix("image.") {
             return picture_camera(self.size, rest);
+        }
+        if key == "hits.max_distance" {
+            return Some(self.max_distance);
         }
         self.camera.number(key.strip_prefix("camera.")?)
     }
@@ -161,15 +172,40 @@ fn visits_range(film: &Film) -> [f64; 2] {
     [low, high.max(low + 1.0)]
 }
 
-/// Mean distance of the hits along their camera rays; `None` without hits.
-fn mean_distance(film: &Film) -> Option<f32> {
-    let hits = film
-        .values(|strip| &strip.distance)
-        .filter(|distance| distance.is_finite());
-    let (sum, n) = hits.fold((0.0, 0), |(sum, n), distance| {
-        (sum + f64::from(distance), n + 1)
-    });
-    (n > 0).then(|| (sum / f64::from(n)) as f32)
+/// How far the hits are along their camera rays.
+struct Distances {
+    /// `None` without hits.
+    median: Option<f32>,
+    /// Where the cloud is cut off, so that the near hits are seen: ParaView
+    /// clips all that is 1000 times nearer than the farthest point, and a
+    /// plane has hits up to its horizon.
+    max_shown: f64,
+}
+
+impl Distances {
+    fn of(film: &Film) -> Self {
+        let mut distances: Vec<f32> = film
+            .values(|strip| &strip.distance)
+            .filter(|distance| distance.is_finite())
+            .collect();
+        if distances.is_empty() {
+            return Self {
+                median: None,
+                max_shown: 1.0,
+            };
+        }
+        let n = distances.len();
+        let mut quantile = |percent: usize| {
+            let rank = (n - 1) * percent / 100;
+            *distances.select_nth_unstable_by(rank, f32::total_cmp).1
+        };
+        let [near, median, far, farthest] = [1, 50, 99, 100].map(&mut quantile);
+        let cut = f64::from(near) * 300.0;
+        Self {
+            median: Some(median),
+            max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
+        }
+    }
 }
 
 /// ParaView's camera for the picture as a whole, in the middle part of a view
@@ -201,7 +237,7 @@ const FILLED: [f32; 2] = [0.78, 0.76];
 
 impl Camera {
     /// The camera through the middle of the plane, wide enough for all of it.
-    fn of(plane: &ImagePlane, mean_distance: Option<f32>) -> Self {
+    fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
         let (position, forward, is_parallel) = match plane.projection {
             Projection::Perspective { eye } => (eye, (center - eye).normalize(), false),
@@ -229,7 +265,7 @@ impl Camera {
             };
             corners.into_iter().map(extent).fold(0.0, f32::max)
         };
-        let distance = mean_distance.unwrap_or_else(|| center.distance(position).max(1.0));
+        let distance = median_distance.unwrap_or_else(|| center.distance(position).max(1.0));
         Self {
             position,
             focal_point: position + distance * forward,
