@@ -59,7 +59,7 @@ impl Memory {
             ),
         };
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-        Err(Fault::new(
+        Err(Fault::of_key(
             Path::default().key(section),
             format!(
                 "{what} is too large: {:.1} GiB of memory are needed, {:.1} GiB are free",
@@ -68,8 +68,7 @@ impl Memory {
             ),
             format!("needs {:.1} GiB", gib(self.film.max(self.scene))),
         )
-        .with_help(advice)
-        .at_key())
+        .with_help(advice))
     }
 }
 

@@ -7,13 +7,19 @@ use glam::Vec3;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use super::number::{FRACTION, List, NON_NEGATIVE, Number, Splat};
+use super::number::{List, NON_NEGATIVE, Number, Splat};
 
 const EXPECTED: &str = "a colour: [r, g, b], \"#rrggbb\" or one number for a grey";
 
+/// A channel of a colour that reflects.
+const CHANNEL: Number = Number {
+    expected: "a number from 0 to 1 (not 0 to 255)",
+    accepts: |x| (0.0..=1.0).contains(&x),
+};
+
 /// A colour that reflects: each channel from 0 to 1.
 pub fn color<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    d.deserialize_any(Color(FRACTION))
+    d.deserialize_any(Color(CHANNEL))
 }
 
 /// A colour that shines: each channel at least 0.
@@ -69,6 +75,8 @@ impl<'de> Visitor<'de> for Color {
 
     fn visit_str<E: Error>(self, found: &str) -> Result<Vec3, E> {
         let digits = found.strip_prefix('#').filter(|hex| hex.len() == 6);
+        // `from_str_radix` takes a sign, too.
+        let digits = digits.filter(|hex| hex.bytes().all(|digit| digit.is_ascii_hexdigit()));
         match digits.and_then(|hex| u32::from_str_radix(hex, 16).ok()) {
             Some(rgb) => {
                 let [_, r, g, b] = rgb.to_be_bytes();
@@ -85,15 +93,15 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
     type Value = ColorOr<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{EXPECTED}; or a mapping")
+        write!(f, "{EXPECTED}, or a pattern {{ … }}")
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ColorOr<T>, A::Error> {
-        Color(FRACTION).visit_seq(list).map(ColorOr::Color)
+        Color(CHANNEL).visit_seq(list).map(ColorOr::Color)
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<ColorOr<T>, E> {
-        Color(FRACTION).visit_f64(found).map(ColorOr::Color)
+        Color(CHANNEL).visit_f64(found).map(ColorOr::Color)
     }
 
     fn visit_i64<E: Error>(self, found: i64) -> Result<ColorOr<T>, E> {
@@ -105,7 +113,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
     }
 
     fn visit_str<E: Error>(self, found: &str) -> Result<ColorOr<T>, E> {
-        Color(FRACTION).visit_str(found).map(ColorOr::Color)
+        Color(CHANNEL).visit_str(found).map(ColorOr::Color)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColorOr<T>, A::Error> {

@@ -8,16 +8,19 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::position::Path;
 use super::source::Source;
+use super::syntax::line_start;
+
+/// Most characters that are shown of a message, and of what stands beside the
+/// caret: a value may be as long as its author likes.
+const MAX_MESSAGE: usize = 200;
+/// Most characters that are underlined.
+const MAX_UNDERLINED: usize = 60;
 
 /// A mistake in a scene, before it is put beside the text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// Where it stands, as a path of keys and indices.
-    pub path: Path,
-    /// Where it stands, as bytes of the text; found from the path if `None`.
-    pub span: Option<Range<usize>>,
-    /// Point at the key itself, not at its value.
-    pub at_key: bool,
+    /// Where it stands.
+    pub spot: Spot,
     /// What is wrong, one line.
     pub message: String,
     /// What would be right, put beside the caret.
@@ -26,13 +29,40 @@ pub struct Fault {
     pub help: Option<String>,
 }
 
+/// Where a mistake stands.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Spot {
+    /// The value at a path.
+    Value(Path),
+    /// The key at the end of a path.
+    Key(Path),
+    /// These bytes of the text.
+    Bytes(Range<usize>),
+}
+
 impl Fault {
     /// A fault of the value at `path`.
     pub fn new(path: Path, message: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::at(Spot::Value(path), message, expected)
+    }
+
+    /// A fault of the key at the end of `path`.
+    pub fn of_key(path: Path, message: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::at(Spot::Key(path), message, expected)
+    }
+
+    /// A fault of these bytes of the text.
+    pub fn of_bytes(
+        bytes: Range<usize>,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::at(Spot::Bytes(bytes), message, expected)
+    }
+
+    fn at(spot: Spot, message: impl Into<String>, expected: impl Into<String>) -> Self {
         Self {
-            path,
-            span: None,
-            at_key: false,
+            spot,
             message: message.into(),
             expected: expected.into(),
             help: None,
@@ -42,12 +72,6 @@ impl Fault {
     /// The same, with a hint what to do.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
-        self
-    }
-
-    /// The same, pointing at the key instead of its value.
-    pub fn at_key(mut self) -> Self {
-        self.at_key = true;
         self
     }
 }
@@ -89,23 +113,26 @@ impl Diagnostic {
     }
 
     /// The fault beside the line that holds byte `span.start` of the source.
-    pub(super) fn at(source: &Source, span: Range<usize>, fault: Fault) -> Self {
+    pub(super) fn of_fault(source: &Source, span: Range<usize>, fault: Fault) -> Self {
         let text = source.text();
         let start = span.start.min(text.len());
-        let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+        let line_start = line_start(text, start);
         let line_text = text[line_start..].lines().next().unwrap_or_default();
         let begin = (start - line_start).min(line_text.len());
         let end = span.end.saturating_sub(line_start).min(line_text.len());
+        let marked = line_text.get(begin..end).unwrap_or_default();
+        let shown = marked.char_indices().nth(MAX_UNDERLINED);
+        let n_shown = shown.map_or(marked.len(), |(byte, _)| byte);
         Self {
-            message: fault.message,
+            message: one_line(&fault.message, MAX_MESSAGE),
             place: Some(Place {
                 file: source.name().to_owned(),
                 line: 1 + text[..line_start].matches('\n').count(),
                 text: line_text.to_owned(),
-                span: begin..end.max(begin),
-                label: fault.expected,
+                span: begin..begin + n_shown,
+                label: one_line(&fault.expected, MAX_MESSAGE),
             }),
-            help: fault.help,
+            help: fault.help.map(|help| one_line(&help, MAX_MESSAGE)),
         }
     }
 
@@ -144,12 +171,18 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
-/// "did you mean `x`?" for the known word nearest to `word`, if one is near.
-pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    known
-        .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
-        .filter(|&(similarity, _)| similarity > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| format!("did you mean `{candidate}`?"))
+/// The text on one line, control characters as escape sequences, cut to `n`
+/// characters.
+fn one_line(text: &str, n: usize) -> String {
+    let mut line = String::new();
+    for c in text.chars().take(n) {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    if text.chars().nth(n).is_some() {
+        line.push('…');
+    }
+    line
 }

@@ -10,13 +10,17 @@ mod diagnostic;
 mod number;
 mod position;
 mod source;
+mod suggestion;
+mod syntax;
 mod translate;
+mod walk;
 
 pub use color::{ColorOr, color, radiance};
-pub use diagnostic::{Diagnostic, Fault, did_you_mean};
+pub use diagnostic::{Diagnostic, Fault, Spot};
 pub use number::{
     Number, coordinate, count, direction, fraction, non_negative, point, positive, positive_range,
-    range, scale, vector,
+    range, scale, seed, vector, whole,
 };
 pub use position::{Path, Step};
 pub use source::{Source, from_str};
+pub use suggestion::did_you_mean;

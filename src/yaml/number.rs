@@ -5,6 +5,7 @@
 //! leave the range of `f32` in the kernel.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use glam::Vec3;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
@@ -25,7 +26,7 @@ pub struct Number {
 
 /// A coordinate.
 const COORDINATE: Number = Number {
-    expected: "a finite number (magnitude at most 1e15)",
+    expected: "a number from -1e15 to 1e15",
     accepts: |x| x.abs() <= MAX_MAGNITUDE,
 };
 /// A length or a strength of its own.
@@ -38,7 +39,7 @@ pub(super) const NON_NEGATIVE: Number = Number {
     accepts: |x| (0.0..=MAX_MAGNITUDE).contains(&x),
 };
 /// A share.
-pub(super) const FRACTION: Number = Number {
+const FRACTION: Number = Number {
     expected: "a number from 0 to 1",
     accepts: |x| (0.0..=1.0).contains(&x),
 };
@@ -69,13 +70,24 @@ pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
 
 /// A count, at least 1 and at most `MAX`.
 pub fn count<'de, D: Deserializer<'de>, const MAX: u32>(d: D) -> Result<u32, D::Error> {
-    let found = d.deserialize_any(Integer)?;
-    match u32::try_from(found) {
-        Ok(n) if (1..=MAX).contains(&n) => Ok(n),
-        _ => Err(D::Error::custom(format!(
-            "invalid value: integer `{found}`, expected a whole number from 1 to {MAX}"
-        ))),
-    }
+    whole(d, 1..=MAX)
+}
+
+/// A seed: any whole number of 64 bits.
+pub fn seed<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
+    whole(d, 0..=u64::MAX)
+}
+
+/// A whole number in `range`.
+///
+/// # Errors
+/// What is no such number.
+pub fn whole<'de, D, T>(d: D, range: RangeInclusive<T>) -> Result<T, D::Error>
+where
+    D: Deserializer<'de>,
+    T: TryFrom<u64> + PartialOrd + fmt::Display,
+{
+    d.deserialize_any(Whole(range))
 }
 
 /// A point: `[x, y, z]`.
@@ -114,9 +126,8 @@ pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     let [from, to] = d.deserialize_seq(List(COORDINATE, "a range [from, to]"))?;
     match from < to {
         true => Ok([from, to]),
-        false => Err(D::Error::invalid_value(
-            Unexpected::Other("an empty range"),
-            &"a range [from, to] with from < to",
+        false => Err(D::Error::custom(
+            "cannot run backwards or be empty, expected a range [from, to] with from < to",
         )),
     }
 }
@@ -127,9 +138,8 @@ pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Er
     let [from, to] = d.deserialize_any(Splat(List(POSITIVE, "a length, or a range [from, to]")))?;
     match from <= to {
         true => Ok([from, to]),
-        false => Err(D::Error::invalid_value(
-            Unexpected::Other("a range that runs backwards"),
-            &"a range [from, to] with from <= to",
+        false => Err(D::Error::custom(
+            "cannot run backwards, expected a range [from, to] with from <= to",
         )),
     }
 }
@@ -216,21 +226,28 @@ impl<'de, const N: usize> Visitor<'de> for Splat<N> {
     }
 }
 
-/// A whole number of any size.
-struct Integer;
+/// A whole number in a range.
+struct Whole<T>(RangeInclusive<T>);
 
-impl<'de> Visitor<'de> for Integer {
-    type Value = i128;
+impl<'de, T: TryFrom<u64> + PartialOrd + fmt::Display> Visitor<'de> for Whole<T> {
+    type Value = T;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a whole number")
+        let (least, greatest) = (self.0.start(), self.0.end());
+        write!(f, "a whole number from {least} to {greatest}")
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<i128, E> {
-        Ok(found.into())
+    fn visit_u64<E: Error>(self, found: u64) -> Result<T, E> {
+        let number = T::try_from(found).ok();
+        number
+            .filter(|number| self.0.contains(number))
+            .ok_or_else(|| E::invalid_value(Unexpected::Unsigned(found), &self))
     }
 
-    fn visit_u64<E: Error>(self, found: u64) -> Result<i128, E> {
-        Ok(found.into())
+    fn visit_i64<E: Error>(self, found: i64) -> Result<T, E> {
+        match u64::try_from(found) {
+            Ok(found) => self.visit_u64(found),
+            Err(_) => Err(E::invalid_value(Unexpected::Signed(found), &self)),
+        }
     }
 }

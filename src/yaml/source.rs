@@ -2,11 +2,12 @@
 
 use std::fs::File;
 use std::io::Read;
+use std::string::FromUtf8Error;
 
 use serde::de::DeserializeOwned;
 
-use super::diagnostic::{Diagnostic, Fault};
-use super::position;
+use super::diagnostic::{Diagnostic, Fault, Spot};
+use super::position::{self, Place};
 use super::translate;
 
 /// Longest scene file that is read, in bytes: longer ones are data, not text.
@@ -20,12 +21,14 @@ pub struct Source {
 }
 
 impl Source {
-    /// A source named `name` (a path, as the user typed it) that holds `text`.
+    /// A source named `name` (a path, as the user typed it) that holds `text`,
+    /// whose lines may end as on any system.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            text: text.into(),
+        let (name, mut text) = (name.into(), text.into());
+        if text.contains('\r') {
+            text = text.replace("\r\n", "\n").replace('\r', "\n");
         }
+        Self { name, text }
     }
 
     /// Reads the file at `path`.
@@ -48,14 +51,13 @@ impl Source {
                     .with_help("describe many objects by a generator such as `sphere_cloud`"),
             );
         }
-        String::from_utf8(bytes)
-            .map(|text| Self::new(&name, text.strip_prefix('\u{feff}').unwrap_or(&text)))
-            .map_err(|error| {
-                let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-                let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
-                Diagnostic::new(format!("{name}:{line}: the file is not UTF-8 text"))
-                    .with_help("save the scene as UTF-8")
-            })
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(Self::new(
+                &name,
+                text.strip_prefix('\u{feff}').unwrap_or(&text),
+            )),
+            Err(error) => Err(not_utf8(&name, &error)),
+        }
     }
 
     /// Reads the text as a `T`.
@@ -75,11 +77,13 @@ impl Source {
 
     /// The fault as a message that shows its line.
     pub fn point_at(&self, fault: Fault) -> Diagnostic {
-        let span = fault
-            .span
-            .clone()
-            .or_else(|| position::locate(&self.text, &fault.path, fault.at_key));
-        Diagnostic::at(self, span.unwrap_or(0..0), fault)
+        let place_of = |path| position::locate(&self.text, path);
+        let span = match &fault.spot {
+            Spot::Value(path) => place_of(path).map(Place::value),
+            Spot::Key(path) => place_of(path).map(Place::key),
+            Spot::Bytes(bytes) => Some(bytes.clone()),
+        };
+        Diagnostic::of_fault(self, span.unwrap_or(0..0), fault)
     }
 
     /// The name to call the source in messages.
@@ -91,6 +95,17 @@ impl Source {
     pub fn text(&self) -> &str {
         &self.text
     }
+}
+
+/// Points at the first byte that is none of UTF-8.
+fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
+    let at = error.utf8_error().valid_up_to();
+    let message = "the file is not UTF-8 text";
+    let fault = Fault::of_bytes(at..at, message, "no character of UTF-8");
+    let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+    // Not by `new`, which may move the byte.
+    let name = name.to_owned();
+    Source { name, text }.point_at(fault.with_help("save the scene as UTF-8"))
 }
 
 /// Reads `text` as a `T`, as [`Source::parse`] does.

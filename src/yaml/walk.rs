@@ -1,0 +1,206 @@
+//! A walk along the events of a YAML text, path by path.
+
+use std::collections::HashSet;
+
+use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
+
+use super::diagnostic::Fault;
+use super::position::{Path, Step};
+use super::syntax::{self, bytes};
+
+/// A value that the walk comes by.
+pub(super) struct Node<'a> {
+    pub path: &'a [Step],
+    /// The key that stands before it in a mapping.
+    pub key: Option<Span>,
+    /// Without a length for a block collection.
+    pub value: Span,
+    /// Whether nothing stands where the value should.
+    pub is_empty: bool,
+}
+
+/// Calls `visit` for every value of the text, in its order (collections when
+/// they end).
+///
+/// # Errors
+/// The first place where the text is no YAML, or more than a scene needs of
+/// it: a second document, a tag, a key that is no word or is there already.
+pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
+    let mut walk = Walk {
+        text,
+        visit,
+        frames: Vec::new(),
+        path: Vec::new(),
+        has_document: false,
+    };
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event.map_err(|error| {
+            let opened = walk
+                .frames
+                .iter()
+                .map(|frame| bytes(text, frame.start).start);
+            syntax::fault(text, &error, opened)
+        })?;
+        walk.refuse(&event, span)?;
+        walk.follow(event, span);
+    }
+    Ok(())
+}
+
+struct Walk<'t, V> {
+    text: &'t str,
+    visit: V,
+    /// The collections that are open, the outermost first.
+    frames: Vec<Frame>,
+    path: Vec<Step>,
+    has_document: bool,
+}
+
+struct Frame {
+    start: Span,
+    /// The key that stands before the collection.
+    key: Option<Span>,
+    kind: Kind,
+}
+
+enum Kind {
+    Sequence {
+        next: usize,
+    },
+    Mapping {
+        seen: HashSet<String>,
+        /// The key whose value comes next.
+        key: Option<Span>,
+    },
+}
+
+impl<V: FnMut(Node)> Walk<'_, V> {
+    fn refuse(&self, event: &Event, span: Span) -> Result<(), Fault> {
+        let fault = |message: &str, expected: &str| {
+            Err(Fault::of_bytes(bytes(self.text, span), message, expected))
+        };
+        if let Some(tag) = tag(event) {
+            let message = format!("the tag `{tag}` has no meaning in a scene");
+            return fault(&message, "expected a value without `!`");
+        }
+        match (event, self.keys_before()) {
+            (Event::DocumentStart(_), _) if self.has_document => {
+                fault("a second scene begins here", "expected one scene in a file")
+            }
+            (Event::Alias(_) | Event::SequenceStart(..) | Event::MappingStart(..), Some(_)) => {
+                fault("a key must be a word", "expected a name such as `image`")
+            }
+            (Event::Scalar(word, ..), Some(_)) if word.is_empty() => {
+                fault("a key is missing", "expected a name before the `:`")
+            }
+            (Event::Scalar(word, ScalarStyle::Plain, ..), Some(_)) if word.trim() != word => fault(
+                "a key holds a space of another kind",
+                "expected plain spaces alone",
+            ),
+            (Event::Scalar(word, ..), Some(_)) if word == "<<" => fault(
+                "merge keys (`<<`) are not read",
+                "expected the keys themselves",
+            ),
+            (Event::Scalar(word, ..), Some(seen)) if seen.contains(&**word) => {
+                let path = Path(self.path.clone()).key(&**word);
+                fault(&format!("`{path}` is given twice"), "the second one")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The keys that a mapping has so far, where it waits for the next one.
+    fn keys_before(&self) -> Option<&HashSet<String>> {
+        match &self.frames.last()?.kind {
+            Kind::Mapping { seen, key: None } => Some(seen),
+            _ => None,
+        }
+    }
+
+    fn follow(&mut self, event: Event, span: Span) {
+        match event {
+            Event::DocumentStart(_) => self.has_document = true,
+            Event::Scalar(word, ..) if self.keys_before().is_some() => {
+                self.take_key(word.into_owned(), span);
+            }
+            Event::Scalar(word, ScalarStyle::Plain, ..) if word.is_empty() => {
+                let key = self.enter();
+                self.leave(key, Span::empty(span.start), true);
+            }
+            Event::Scalar(..) | Event::Alias(_) => {
+                let key = self.enter();
+                self.leave(key, span, false);
+            }
+            Event::SequenceStart(..) => self.open(span, Kind::Sequence { next: 0 }),
+            Event::MappingStart(..) => {
+                let (seen, key) = (HashSet::new(), None);
+                self.open(span, Kind::Mapping { seen, key });
+            }
+            Event::SequenceEnd | Event::MappingEnd => self.close(span),
+            _ => {}
+        }
+    }
+
+    fn take_key(&mut self, word: String, span: Span) {
+        if let Some(Kind::Mapping { seen, key }) = self.innermost() {
+            *key = Some(span);
+            seen.insert(word.clone());
+            self.path.push(Step::Key(word));
+        }
+    }
+
+    fn open(&mut self, start: Span, kind: Kind) {
+        let key = self.enter();
+        self.frames.push(Frame { start, key, kind });
+    }
+
+    fn close(&mut self, end: Span) {
+        if let Some(Frame { start, key, .. }) = self.frames.pop() {
+            // A block collection ends without a character, anywhere below.
+            let end = if end.is_empty() { start } else { end };
+            self.leave(key, Span::new(start.start, end.end), false);
+        }
+    }
+
+    /// Steps into the next value; gives the key before it.
+    fn enter(&mut self) -> Option<Span> {
+        match self.innermost()? {
+            Kind::Mapping { key, .. } => *key,
+            Kind::Sequence { next } => {
+                let step = Step::Index(*next);
+                self.path.push(step);
+                None
+            }
+        }
+    }
+
+    /// Visits the value that ends here and steps out of it.
+    fn leave(&mut self, key: Option<Span>, value: Span, is_empty: bool) {
+        (self.visit)(Node {
+            path: &self.path,
+            key,
+            value,
+            is_empty,
+        });
+        match self.innermost() {
+            Some(Kind::Mapping { key, .. }) => *key = None,
+            Some(Kind::Sequence { next }) => *next += 1,
+            None => return,
+        }
+        self.path.pop();
+    }
+
+    fn innermost(&mut self) -> Option<&mut Kind> {
+        self.frames.last_mut().map(|frame| &mut frame.kind)
+    }
+}
+
+/// The tag of a value, but for those that YAML itself defines.
+fn tag<'a>(event: &'a Event) -> Option<&'a Tag> {
+    match event {
+        Event::Scalar(_, _, _, tag)
+        | Event::SequenceStart(_, tag)
+        | Event::MappingStart(_, tag) => tag.as_deref().filter(|tag| !tag.is_yaml_core_schema()),
+        _ => None,
+    }
+}
