@@ -34,14 +34,14 @@ impl Basis {
     /// Looking from `eye` to `target`, `up` upwards in the picture; `Err` says
     /// what is wrong with the three.
     pub(super) fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Result<Self, &'static str> {
-        let forward = (target - eye).try_normalize().ok_or(
-            "invalid value: a camera whose eye is its target, expected two different points",
-        )?;
+        let forward = (target - eye)
+            .try_normalize()
+            .ok_or("cannot have its eye in its target, expected two different points")?;
         // Right-handed, as in ParaView: seen toward -z, x points to the right.
         let right = forward.cross(up);
         if right.length_squared() < 1e-12 {
             return Err(
-                "invalid value: a camera whose `up` is the direction it looks in, \
+                "cannot have its `up` along the line from `eye` to `target`, \
                  expected an `up` at an angle to it",
             );
         }
@@ -74,7 +74,7 @@ pub(super) fn up() -> Vec3 {
 
 fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     let number = Number {
-        expected: "an angle in degrees between 0 and 180, both excluded",
+        expected: "an angle in degrees from 0.001 to 179.9",
         accepts: |deg| (0.001..=179.9).contains(&deg),
     };
     serde::de::DeserializeSeed::deserialize(number, d)

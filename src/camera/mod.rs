@@ -18,7 +18,10 @@ pub use window::{Window, WindowSamples};
 
 /// The scene file's `camera`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "a camera such as { look_at: { … } }"
+)]
 pub enum Camera {
     /// A perspective camera by eye, target and field of view.
     LookAt(LookAt),

@@ -23,7 +23,7 @@ pub struct Window {
 
 /// Where the pixels' sample points lie in the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", expecting = "`centers` or `edges`")]
 pub enum WindowSamples {
     /// In the middle of `width * height` equal cells.
     #[default]
@@ -53,9 +53,7 @@ impl TryFrom<Keys> for Window {
 
     fn try_from(keys: Keys) -> Result<Self, Self::Error> {
         match keys.eye.z == keys.z {
-            true => Err(
-                "invalid value: a window in the eye's own plane, expected a `z` other than the eye's",
-            ),
+            true => Err("cannot lie in the eye's own plane, expected a `z` other than the eye's"),
             false => Ok(Self { keys }),
         }
     }

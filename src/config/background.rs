@@ -29,7 +29,7 @@ enum Pattern {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "two colours: { bottom: …, top: … }")]
 struct Gradient {
     #[serde(deserialize_with = "yaml::color")]
     bottom: Vec3,

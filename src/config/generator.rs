@@ -92,7 +92,7 @@ pub struct SphereCloud {
     #[serde(deserialize_with = "yaml::positive_range")]
     pub radius: [f32; 2],
     /// Seed of places, radii and materials; 0 if not given.
-    #[serde(default)]
+    #[serde(deserialize_with = "yaml::seed", default)]
     pub seed: u64,
 }
 

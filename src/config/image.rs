@@ -17,7 +17,10 @@ pub const MAX_SIDE: u32 = 65_535;
 /// # assert_eq!(image.samples_per_pixel, 4);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a size such as { width: 400, height: 300 }"
+)]
 pub struct Image {
     /// Columns, 1 to 65,535.
     #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
@@ -29,7 +32,7 @@ pub struct Image {
     #[serde(deserialize_with = "yaml::count::<_, 65_536>", default = "one")]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
-    #[serde(default)]
+    #[serde(deserialize_with = "yaml::seed", default)]
     pub seed: u64,
 }
 

@@ -42,7 +42,7 @@ use crate::material::Material;
 /// # assert_eq!(config.objects.len(), 1);
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "sections such as `image: { … }`")]
 pub struct Config {
     /// Size and sampling of the picture.
     pub image: Image,
@@ -67,7 +67,7 @@ pub struct Config {
 
 /// How the nearest hit of a ray is found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", expecting = "`bvh` or `brute_force`")]
 pub enum Acceleration {
     /// A bounding volume hierarchy over all shapes but planes.
     #[default]

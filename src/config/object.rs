@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::LazyLock;
 
 use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
 use super::generator::Generator;
 use crate::geometry::{Shape, TransformStep};
@@ -90,26 +90,32 @@ impl<'de> Visitor<'de> for ObjectVisitor {
                 "name" => name = Some(map.next_value()?),
                 "material" => material = Some(map.next_value()?),
                 "transform" => transform = map.next_value()?,
-                _ if geometry.is_some() => {
-                    return Err(A::Error::invalid_value(
-                        Unexpected::Other("two shapes at once"),
-                        &"one shape an object: begin the second with `- `",
-                    ));
-                }
+                _ if geometry.is_some() => map.next_value::<SecondShape>().map(drop)?,
                 _ => geometry = next_geometry(key, &mut map)?,
             }
         }
         Ok(Object {
             name,
             geometry: geometry.ok_or_else(|| {
+                let keys = GEOMETRIES.join("`, `");
                 A::Error::custom(format!(
-                    "invalid value: an object without a shape, expected one of the keys {}",
-                    GEOMETRIES.join(", ")
+                    "cannot be without a shape, expected one of `{keys}`"
                 ))
             })?,
             material: material.ok_or_else(|| A::Error::missing_field("material"))?,
             transform,
         })
+    }
+}
+
+/// What is no value: its error stands at the value's place.
+struct SecondShape;
+
+impl<'de> Deserialize<'de> for SecondShape {
+    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Self, D::Error> {
+        Err(D::Error::custom(
+            "cannot be in the same object, expected one shape: begin the next with `- `",
+        ))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The `shading` section.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use crate::yaml;
 
@@ -23,18 +23,23 @@ pub struct Shading {
     #[serde(deserialize_with = "yaml::radiance")]
     pub ambient: Vec3,
     /// Longest path in bounces, 0 to 255; 0 reflects nothing; 8 if not given.
+    #[serde(deserialize_with = "depth")]
     pub max_depth: u8,
 }
 
 /// A shading model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", expecting = "`blinn_phong` or `seed`")]
 pub enum ShadingModel {
     /// Blinn and Phong with shadows, and mirrored rays as Whitted has them.
     #[default]
     BlinnPhong,
     /// The course's NumPy model with its quirks, for comparison with it.
     Seed,
+}
+
+fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
+    yaml::whole(d, 0..=u8::MAX)
 }
 
 impl Default for Shading {

@@ -33,7 +33,7 @@ impl TryFrom<Corners> for Cuboid {
     fn try_from(Corners { min, max }: Corners) -> Result<Self, Self::Error> {
         match min.cmplt(max).all() {
             true => Ok(Self::new(Aabb { min, max })),
-            false => Err("invalid value: a box without volume, expected min < max on every axis"),
+            false => Err("cannot be without volume, expected min < max on every axis"),
         }
     }
 }

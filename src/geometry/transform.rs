@@ -20,7 +20,7 @@ use crate::yaml;
 /// # assert_eq!(steps.len(), 3);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", expecting = "a step such as { scale: 2 }")]
 pub enum TransformStep {
     /// Moves by a vector.
     Translate(#[serde(deserialize_with = "yaml::vector")] Vec3),
@@ -32,7 +32,10 @@ pub enum TransformStep {
 
 /// A right-handed turn about an axis through the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a turn such as { axis: [0, 1, 0], angle_deg: 30 }"
+)]
 pub struct Rotation {
     /// The axis, a unit vector.
     #[serde(deserialize_with = "yaml::direction")]

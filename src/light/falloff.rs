@@ -4,7 +4,10 @@ use serde::Deserialize;
 
 /// A light's weakening with the distance `d` from it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "`none`, `inverse` or `inverse_square`"
+)]
 pub enum Falloff {
     /// None: as bright far away as near.
     #[default]

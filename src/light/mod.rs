@@ -16,7 +16,10 @@ pub use point::PointLight;
 
 /// One of the scene file's `lights`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "a light such as { point: { … } }"
+)]
 pub enum Light {
     /// A light at a point.
     Point(PointLight),

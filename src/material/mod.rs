@@ -22,7 +22,10 @@ use crate::yaml;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a material such as { color: [1, 0, 0] }"
+)]
 pub struct Material {
     /// The colour of its diffuse light.
     pub color: Texture,

@@ -62,7 +62,7 @@ pub struct Checker {
 
 /// Axes of the world.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "lowercase", expecting = "axes such as `x` or `xz`")]
 #[expect(missing_docs, reason = "each variant names its axes")]
 pub enum Axes {
     X,
@@ -77,7 +77,7 @@ pub enum Axes {
 
 /// How a coordinate becomes a cell's number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", expecting = "`floor` or `truncate`")]
 pub enum Rounding {
     /// Downwards: all cells are equal.
     #[default]
