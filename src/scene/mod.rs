@@ -87,16 +87,20 @@ pub fn n_primitives(config: &Config) -> usize {
 
 fn material_ids(config: &Config, object: &Object, path: &Path) -> Result<Vec<MaterialId>, Fault> {
     let names = &object.material.0;
+    let path = path.clone().key("material");
+    if let (Geometry::Shape(shape), true) = (&object.geometry, names.len() > 1) {
+        let message = format!("a {shape} has one material, not {}", names.len());
+        return Err(Fault::new(path, message, "expected one name")
+            .with_help("a list of names is for generators, which deal them out"));
+    }
     let id_of = |(i, name): (usize, &String)| match config.materials.get_index_of(name) {
         Some(id) => Ok(MaterialId(id as u32)),
-        None => Err(unknown_material(config, name, i, names.len(), path)),
+        None => Err(unknown_material(config, name, path.clone().index(i))),
     };
     names.iter().enumerate().map(id_of).collect()
 }
 
-fn unknown_material(config: &Config, name: &str, i: usize, n: usize, path: &Path) -> Fault {
-    let path = path.clone().key("material");
-    let path = if n > 1 { path.index(i) } else { path };
+fn unknown_material(config: &Config, name: &str, path: Path) -> Fault {
     let known: Vec<&str> = config.materials.keys().map(String::as_str).collect();
     let list = match known.is_empty() {
         true => "there are no `materials`".to_owned(),
@@ -122,23 +126,15 @@ fn place(
     path: &Path,
     primitives: &mut Vec<Primitive>,
 ) -> Result<(), Fault> {
-    let flat = || {
-        Fault::new(
-            path.clone().key("transform"),
-            "the transform leaves the object no volume",
-            "expected steps that can be undone within the range of 32-bit numbers",
-        )
-        .with_help("bring the `scale` factors nearer to 1")
-    };
     let transform = match object.transform.as_slice() {
         [] => None,
-        steps => Some(Transform::of_steps(steps).ok_or_else(flat)?),
+        steps => Some(Transform::of_steps(steps).ok_or_else(|| out_of_range(object, path))?),
     };
     let mut add = |shape, material| {
         let primitive = Primitive::new(shape, transform.as_ref(), id, material);
         let sane = primitive.is_sane();
         primitives.push(primitive);
-        sane.then_some(()).ok_or_else(flat)
+        sane.then_some(()).ok_or_else(|| out_of_range(object, path))
     };
     match &object.geometry {
         Geometry::Shape(shape) => add(shape.clone(), materials[0]),
@@ -147,4 +143,24 @@ fn place(
             add(crate::geometry::Shape::Sphere(sphere), materials[material])
         }),
     }
+}
+
+/// The fault of an object whose size 32-bit numbers cannot hold at its place.
+fn out_of_range(object: &Object, path: &Path) -> Fault {
+    let (key, help) = match object.transform.is_empty() {
+        true => (
+            object.geometry.to_string(),
+            "make it larger, or bring it nearer to the origin",
+        ),
+        false => (
+            "transform".to_owned(),
+            "bring the `scale` factors nearer to 1, and the object nearer to the origin",
+        ),
+    };
+    Fault::new(
+        path.clone().key(key),
+        format!("`{path}` is too small, too large or too far away"),
+        "expected coordinates within 1e16, and a size that shows in their 7 digits",
+    )
+    .with_help(help)
 }
