@@ -75,9 +75,7 @@ impl Memory {
 /// Memory that a new program may take, in bytes; all there could be where the
 /// system does not tell.
 pub fn available() -> u64 {
-    let Ok(mut system) = System::new() else {
-        return u64::MAX;
-    };
+    let mut system = System::new();
     system.refresh_memory();
     let of_group = system.cgroup_limits().map(|limits| limits.free_memory);
     match system.available_memory() {

@@ -143,13 +143,11 @@ fn totals(film: &Film) -> Value {
 }
 
 fn machine() -> Value {
-    // A machine that does not tell is no reason to fail.
-    let cpu = System::new().ok().and_then(|mut system| {
-        system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
-        Some(system.cpus().first()?.brand().trim().to_owned())
-    });
+    let mut system = System::new();
+    system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
+    let cpu = system.cpus().first().map(|cpu| cpu.brand().trim());
     json!({
-        "os": System::long_os_version().ok(),
+        "os": System::long_os_version(),
         "arch": std::env::consts::ARCH,
         "cpu": cpu,
     })
