@@ -113,7 +113,7 @@ fn kinds(config: &Config) -> String {
     }
     let kinds: Vec<String> = kinds
         .iter()
-        .map(|(kind, n)| format!("{n} {kind}"))
+        .map(|(kind, n)| format!("{} {kind}", count(*n)))
         .collect();
     kinds.join(", ")
 }
