@@ -236,11 +236,11 @@ struct Camera {
 const FILLED: [f32; 2] = [0.78, 0.76];
 
 impl Camera {
-    /// The camera through the middle of the plane, wide enough for all of it.
+    /// The camera of the plane's rays, wide enough for all of it.
     fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
         let (position, forward, is_parallel) = match plane.projection {
-            Projection::Perspective { eye } => (eye, (center - eye).normalize(), false),
+            Projection::Perspective { eye } => (eye, direction(plane, eye), false),
             Projection::Parallel { direction } => (center, direction, true),
         };
         let right = plane.right.reject_from(forward).normalize();
@@ -316,6 +316,18 @@ impl Camera {
     }
 }
 
+/// Where to look from `eye`: straight at the plane, which shows the picture
+/// undistorted, if that meets the picture; else at the picture's middle.
+fn direction(plane: &ImagePlane, eye: Vec3) -> Vec3 {
+    let to_center = plane.center() - eye;
+    let normal = plane.right.normalize().cross(plane.down.normalize());
+    let straight = to_center.project_onto_normalized(normal);
+    let steps = |axis: Vec3| (to_center - straight).dot(axis).abs() / axis.length_squared();
+    let [width, height] = plane.size.map(|n| n as f32);
+    let meets_picture = steps(plane.right) <= 0.5 * width && steps(plane.down) <= 0.5 * height;
+    if meets_picture { straight } else { to_center }.normalize()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -344,6 +356,19 @@ mod tests {
         let row: Vec<f32> = (0..4).map(|i| camera.mirror(i)).collect();
         assert_eq!(row, [-1.0, 0.0, 0.0, 6.0]);
         assert!((camera.up - Vec3::Y).length() < 1e-6);
+    }
+
+    #[test]
+    fn an_off_axis_camera_looks_straight_at_its_window_where_it_can() {
+        let focal_point = |eye: &str| {
+            let text = format!("window: {{ eye: {eye}, x: [-1, 1], y: [-1, 1], z: 0 }}");
+            let camera: crate::camera::Camera = crate::yaml::from_str(&text).unwrap();
+            Camera::of(&camera.image_plane(10, 10), Some(1.0)).focal_point
+        };
+        assert_eq!(focal_point("[0.9, -0.5, -1]"), Vec3::new(0.9, -0.5, 0.0));
+        let beside = focal_point("[4, 0, -3]");
+        let to_middle = Vec3::new(3.2, 0.0, -2.4);
+        assert!(beside.abs_diff_eq(to_middle, 1e-6), "{beside}");
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! What several test files need.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod data_set;
+
 use std::path::PathBuf;
+use std::process::{Command, Output};
 
 use raycost::accel::Accel;
 use raycost::config::Config;
@@ -14,6 +17,17 @@ use raycost::yaml::Source;
 /// A path below the repository's root.
 pub fn in_repository(path: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The program itself.
+pub fn raycost() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_raycost"))
+}
+
+/// Fails with all that the program said if it did not succeed.
+pub fn assert_success(output: &Output) {
+    let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    assert!(output.status.success(), "{out}{err}");
 }
 
 /// The config of a file in `configs/`.
@@ -30,14 +44,18 @@ pub fn parse(text: &str) -> Config {
 
 /// The film of a config, with cost, on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
+    film_with(config, n_threads, Some(&Clock::calibrated()))
+}
+
+/// The film of a config, with cost if there is a clock.
+pub fn film_with(config: &Config, n_threads: usize, clock: Option<&Clock>) -> Film {
     let scene = Scene::new(config).unwrap();
     let accel = Accel::new(&scene.primitives, config.acceleration);
-    let clock = Clock::calibrated();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()
         .unwrap();
-    pool.install(|| render(&scene, &accel, &config.image, Some(&clock), |_| {}))
+    pool.install(|| render(&scene, &accel, &config.image, clock, |_| {}))
 }
 
 /// The sum of one counter over all pixels.

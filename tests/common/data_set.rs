@@ -1,0 +1,153 @@
+//! What a VTK file holds, read with VTK or without.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde::Deserialize;
+
+use super::in_repository;
+
+/// A data set as a reader found it, or as it should be.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct DataSet {
+    /// `ImageData` or `UnstructuredGrid`.
+    pub kind: String,
+    pub n_points: usize,
+    /// Of a grid.
+    pub n_cells: Option<usize>,
+    /// Of an image, as the three below.
+    pub extent: Option<[i32; 6]>,
+    pub origin: Option<[f64; 3]>,
+    pub spacing: Option<[f64; 3]>,
+    /// The array that is to be used as normals.
+    pub normals: Option<String>,
+    pub arrays: Vec<Array>,
+}
+
+/// One of its arrays.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Array {
+    pub name: String,
+    /// Its numbers: `UInt8`, `Float32`, …
+    pub scalar: String,
+    pub n_components: usize,
+    /// In native order.
+    #[serde(skip)]
+    pub bytes: Vec<u8>,
+}
+
+impl DataSet {
+    /// Reads a file by what the format says of it: arrays behind an
+    /// underscore, at the offsets that the header names. Knows no more XML
+    /// than raycost writes.
+    pub fn read(path: &Path) -> Self {
+        let file = std::fs::read(path).unwrap();
+        let tag = b"<AppendedData encoding=\"raw\">";
+        let at = file.windows(tag.len()).position(|bytes| bytes == tag);
+        let (header, rest) = file.split_at(at.expect("no appended data"));
+        let header = str::from_utf8(header).unwrap();
+        let blanks_and_raw = rest[tag.len()..].trim_ascii_start();
+        let raw = blanks_and_raw.strip_prefix(b"_").unwrap();
+        let raw = raw
+            .strip_suffix(b"\n</AppendedData>\n</VTKFile>\n")
+            .unwrap();
+        assert!(header.contains(" header_type=\"UInt64\""), "{header}");
+
+        let mut next = 0;
+        let array = |element: &str| {
+            let offset: usize = number(element, "offset").unwrap();
+            assert_eq!(offset, next, "a gap between the arrays");
+            let bytes = block(&raw[offset..]).to_vec();
+            next += 8 + bytes.len();
+            Array {
+                name: attribute(element, "Name").unwrap().to_owned(),
+                scalar: attribute(element, "type").unwrap().to_owned(),
+                n_components: number(element, "NumberOfComponents").unwrap_or(1),
+                bytes,
+            }
+        };
+        let arrays = header.split("<DataArray").skip(1).map(array).collect();
+        assert_eq!(next, raw.len(), "bytes behind the last array");
+
+        let extent: Option<[i32; 6]> = numbers(header, "WholeExtent");
+        let n_points = extent.map(|[x0, x1, y0, y1, z0, z1]| {
+            ((x1 - x0 + 1) * (y1 - y0 + 1) * (z1 - z0 + 1)) as usize
+        });
+        Self {
+            kind: attribute(header, "type").unwrap().to_owned(),
+            n_points: n_points
+                .or_else(|| number(header, "NumberOfPoints"))
+                .unwrap(),
+            n_cells: number(header, "NumberOfCells"),
+            extent,
+            origin: numbers(header, "Origin"),
+            spacing: numbers(header, "Spacing"),
+            normals: attribute(header, "Normals").map(str::to_owned),
+            arrays,
+        }
+    }
+
+    /// Reads a file with VTK.
+    pub fn read_with_vtk(path: &Path) -> Self {
+        let python = std::env::var("RAYCOST_PYTHON").expect("run tests/with-paraview");
+        let script = in_repository("tests/vtk/read_back.py");
+        let output = Command::new(python).arg(script).arg(path).output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && errors.is_empty(), "{errors}");
+
+        let end = output
+            .stdout
+            .iter()
+            .position(|&byte| byte == b'\n')
+            .unwrap();
+        let (header, mut raw) = output.stdout.split_at(end + 1);
+        let mut data_set: Self = serde_json::from_slice(header).unwrap();
+        for array in &mut data_set.arrays {
+            array.bytes = block(raw).to_vec();
+            raw = &raw[8 + array.bytes.len()..];
+            // VTK forgets how wide the numbers of no cells were.
+            if array.bytes.is_empty() && array.scalar == "Int64" {
+                array.scalar = "Int32".to_owned();
+            }
+        }
+        data_set
+    }
+
+    /// The array with this name.
+    pub fn array(&self, name: &str) -> &Array {
+        let array = self.arrays.iter().find(|array| array.name == name);
+        array.unwrap_or_else(|| panic!("no array {name}"))
+    }
+}
+
+impl Array {
+    /// Its numbers, which are `UInt32`.
+    pub fn u32s(&self) -> impl Iterator<Item = u32> + '_ {
+        assert_eq!(self.scalar, "UInt32", "{}", self.name);
+        self.bytes
+            .chunks_exact(4)
+            .map(|bytes| u32::from_ne_bytes(bytes.try_into().unwrap()))
+    }
+}
+
+/// The bytes at the beginning of `raw`, behind their length in 64 bits.
+fn block(raw: &[u8]) -> &[u8] {
+    let (length, rest) = raw.split_first_chunk().unwrap();
+    &rest[..u64::from_ne_bytes(*length) as usize]
+}
+
+/// The value of the first attribute with this name.
+fn attribute<'a>(xml: &'a str, name: &str) -> Option<&'a str> {
+    let (_, value) = xml.split_once(&format!(" {name}=\""))?;
+    Some(value.split_once('"')?.0)
+}
+
+fn number(xml: &str, name: &str) -> Option<usize> {
+    attribute(xml, name)?.parse().ok()
+}
+
+fn numbers<T: std::str::FromStr, const N: usize>(xml: &str, name: &str) -> Option<[T; N]> {
+    let values = attribute(xml, name)?.split(' ');
+    let numbers: Option<Vec<T>> = values.map(|value| value.parse().ok()).collect();
+    numbers?.try_into().ok()
+}

@@ -1,0 +1,268 @@
+//! ParaView loads the states without a word of complaint, and shows what the
+//! camera saw. Screenshots stay in `target/paraview/`, to be looked at.
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use image::imageops::{self, FilterType};
+use image::{Rgb, RgbImage};
+
+use common::data_set::DataSet;
+use common::{assert_success, in_repository, raycost};
+
+/// Far from the origin, higher than wide, nothing in it symmetric.
+const TOWER: &str = "
+image: { width: 240, height: 360, samples_per_pixel: 2 }
+camera:
+  look_at: { eye: [1003, 260, -2990], target: [1000, 252, -3000], fov_y_deg: 45 }
+background:
+  gradient: { bottom: [0.9, 0.8, 0.6], top: [0.2, 0.4, 0.9] }
+materials:
+  stone: { color: [0.5, 0.5, 0.45] }
+  brick: { color: [0.7, 0.2, 0.1] }
+  gold: { color: [0.9, 0.7, 0.1], specular: 0.8, reflection: 0.3 }
+lights:
+  - directional: { direction: [-1, -2, -1] }
+objects:
+  - box: { min: [996, 248, -3004], max: [1004, 249, -2996] }
+    material: stone
+  - box: { min: [997.5, 249, -3001], max: [999.5, 253.5, -2999] }
+    material: brick
+  - sphere: { center: [998.5, 254.3, -3000], radius: 0.8 }
+    material: gold
+  - sphere: { center: [1001.5, 249.7, -2999], radius: 0.7 }
+    material: brick
+";
+
+/// A camera that looks away from the only object.
+const NOTHING: &str = "
+image: { width: 64, height: 48 }
+camera:
+  look_at: { eye: [0, 0, 5], target: [0, 0, 9], fov_y_deg: 40 }
+materials:
+  grey: { color: 0.5 }
+lights: []
+objects:
+  - sphere: { center: [0, 0, 0], radius: 1 }
+    material: grey
+";
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_extended_scene_is_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    shows_its_output(&render(&scene, "extended", &[]));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_tower_is_shown() {
+    shows_its_output(&render(&scene_file("tower", TOWER), "tower", &[]));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn an_orthographic_view_is_shown() {
+    let scene = in_repository("configs/orthographic_grid.yaml");
+    let size = ["--width=350", "--height=350"];
+    shows_its_output(&render(&scene, "orthographic", &size));
+}
+
+/// Both states of the folder load by their own paths, and the cloud looks like
+/// the picture.
+fn shows_its_output(out: &Path) {
+    for state in ["geometry", "heatmap"] {
+        let file = out.join(state).with_extension("pvsm");
+        let screenshot = screenshot(out, state);
+        let flags = ["--from-state", "--require=time_ns,RGB"];
+        assert_success(&load(&file, out, &screenshot, &flags));
+    }
+    assert_likeness(out);
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_state_without_measured_cost_shows_the_distance() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "no cost", &["--no-cost"]);
+    let state = out.join("geometry.pvsm");
+    let text = fs::read_to_string(&state).unwrap();
+    assert!(text.contains("Distance from the camera"));
+    let flags = ["--from-state", "--require=distance,RGB"];
+    assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+    assert_likeness(&out);
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_state_of_no_hits_loads() {
+    let out = render(&scene_file("nothing", NOTHING), "nothing", &[]);
+    let state = out.join("geometry.pvsm");
+    let flags = ["--from-state", "--allow-empty"];
+    assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_repositorys_states_show_any_output() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "repository", &[]);
+    for state in ["geometry", "heatmap"] {
+        let file = in_repository("paraview").join(state).with_extension("pvsm");
+        // `load` sets RAYCOST_OUT, which the paths begin with.
+        let by_variable = screenshot(&out, &format!("{state} by variable"));
+        assert_success(&load(&file, &out, &by_variable, &["--from-state"]));
+        let by_folder = screenshot(&out, &format!("{state} by folder"));
+        assert_success(&load(&file, &out, &by_folder, &[]));
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_moved_folder_is_found_by_its_new_name_alone() {
+    let before = render(&scene_file("moved", TOWER), "before the move", &[]);
+    let out = before.with_file_name("moved");
+    let _ = fs::remove_dir_all(&out);
+    fs::rename(before, &out).unwrap();
+    let state = out.join("heatmap.pvsm");
+    let screenshot = screenshot(&out, "heatmap");
+    let by_old_name = load(&state, &out, &screenshot, &["--from-state"]);
+    assert_eq!(by_old_name.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&by_old_name.stdout);
+    assert!(text.contains("FAIL frame.vti: there is no file"), "{text}");
+    assert_success(&load(&state, &out, &screenshot, &[]));
+}
+
+/// ParaView 5.12 and later opens `image.png` as a state.
+#[test]
+fn the_picture_carries_the_geometry_state() {
+    let out = render(&scene_file("carried", TOWER), "carried", &[]);
+    let picture = fs::File::open(out.join("image.png")).unwrap();
+    let reader = png::Decoder::new(std::io::BufReader::new(picture))
+        .read_info()
+        .unwrap();
+    let chunks = &reader.info().uncompressed_latin1_text;
+    assert_eq!(chunks.len(), 1);
+    assert_eq!(chunks[0].keyword, "ParaViewState");
+    let state = fs::read_to_string(out.join("geometry.pvsm")).unwrap();
+    assert!(chunks[0].text == state, "the text is not geometry.pvsm");
+}
+
+/// Renders into a folder whose name is a trial to states and shells.
+fn render(scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let out = folder("out ü & co").join(name);
+    let output = raycost()
+        .arg("render")
+        .arg(scene)
+        .args(["--quiet", "--out"])
+        .arg(&out)
+        .args(arguments)
+        .output();
+    assert_success(&output.unwrap());
+    out
+}
+
+fn scene_file(name: &str, text: &str) -> PathBuf {
+    let file = folder("scenes").join(name).with_extension("yaml");
+    fs::write(&file, text).unwrap();
+    file
+}
+
+fn screenshot(out: &Path, what: &str) -> PathBuf {
+    let name = out.file_name().unwrap().to_str().unwrap();
+    folder("").join(format!("{name}, {what}.png"))
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .with_file_name("paraview")
+        .join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Loads the state in ParaView and checks what it shows.
+fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
+    Command::new("xvfb-run")
+        // Without -noreset the screen is gone for a moment whenever ParaView
+        // closes a window.
+        .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+        .arg(in_repository("paraview/check_state.py"))
+        .args([state, out, screenshot])
+        .args(flags)
+        .env("RAYCOST_OUT", out)
+        .output()
+        .expect("run tests/with-paraview")
+}
+
+/// The screenshot's cloud in its own colours is the picture, and neither its
+/// mirror image nor the same upside down.
+fn assert_likeness(out: &Path) {
+    let picture = hits_on_white(&DataSet::read(&out.join("frame.vti")));
+    let screenshot = image::open(screenshot(out, "geometry")).unwrap().to_rgb8();
+    // The left one of two views, without its caption.
+    let [width, height] = [screenshot.width(), screenshot.height()];
+    let view = imageops::crop_imm(
+        &screenshot,
+        0,
+        height / 12,
+        width / 2 - 10,
+        height * 10 / 12,
+    )
+    .to_image();
+    let [picture, view] = [picture, view].map(|picture| cells(&picture));
+    let same = difference(&view, &picture);
+    let mirrored = difference(&view, &imageops::flip_horizontal(&picture));
+    let upside_down = difference(&view, &imageops::flip_vertical(&picture));
+    println!(
+        "{}: {same:.1}; mirrored {mirrored:.1}, upside down {upside_down:.1}",
+        out.display()
+    );
+    assert!(
+        same < 5.0 && same < 0.5 * mirrored.min(upside_down),
+        "{same}, {mirrored}, {upside_down}"
+    );
+}
+
+const WHITE: Rgb<u8> = Rgb([255; 3]);
+
+fn hits_on_white(frame: &DataSet) -> RgbImage {
+    let [_, right, _, top, _, _] = frame.extent.unwrap().map(|n| n as u32);
+    let [rgb, object] = ["RGB", "object"].map(|name| &frame.array(name).bytes);
+    RgbImage::from_fn(right + 1, top + 1, |x, y| {
+        let i = ((top - y) * (right + 1) + x) as usize;
+        match i32::from_ne_bytes(object[4 * i..][..4].try_into().unwrap()) {
+            -1 => WHITE,
+            _ => Rgb(rgb[3 * i..][..3].try_into().unwrap()),
+        }
+    })
+}
+
+/// What is not white, in a few cells.
+fn cells(picture: &RgbImage) -> RgbImage {
+    let drawn = || {
+        picture
+            .enumerate_pixels()
+            .filter(|(.., pixel)| **pixel != WHITE)
+    };
+    let span = |numbers: &mut dyn Iterator<Item = u32>| {
+        let (least, most) = numbers.fold((u32::MAX, 0), |(a, b), n| (a.min(n), b.max(n)));
+        (least, most - least + 1)
+    };
+    let (left, width) = span(&mut drawn().map(|(x, ..)| x));
+    let (top, height) = span(&mut drawn().map(|(_, y, _)| y));
+    let drawn = imageops::crop_imm(picture, left, top, width, height).to_image();
+    imageops::resize(&drawn, 20, 20, FilterType::Triangle)
+}
+
+/// Mean difference of the channels, 0 to 255.
+fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
+    let differences = a
+        .iter()
+        .zip(b.iter())
+        .map(|(a, b)| f64::from(a.abs_diff(*b)));
+    differences.sum::<f64>() / a.len() as f64
+}

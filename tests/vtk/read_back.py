@@ -1,0 +1,78 @@
+"""Reads a VTK file with VTK and hands over all that is in it.
+
+    python read_back.py FILE.vtu|FILE.vti
+
+Prints a line of JSON that tells what the data set is and lists its arrays, then the arrays
+themselves, each with its length in 64 bits before it. Fails if VTK says a word on the way.
+"""
+
+import json
+import struct
+import sys
+
+from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
+
+
+def main(path):
+    data = read(path)
+    normals = data.GetPointData().GetNormals()
+    header = dict(
+        kind=data.GetClassName().removeprefix("vtk"),
+        n_points=data.GetNumberOfPoints(),
+        normals=None if normals is None else normals.GetName(),
+    )
+    arrays = point_arrays(data)
+    if header["kind"] == "ImageData":
+        header.update(extent=data.GetExtent(), origin=data.GetOrigin(), spacing=data.GetSpacing())
+    else:
+        header.update(n_cells=data.GetNumberOfCells())
+        arrays += grid_arrays(data)
+    header["arrays"] = [array for array, _ in arrays]
+    sys.stdout.buffer.write(json.dumps(header).encode() + b"\n")
+    for _, content in arrays:
+        sys.stdout.buffer.write(struct.pack("=Q", len(content)) + content)
+
+
+def read(path):
+    reader = vtkXMLImageDataReader() if path.endswith(".vti") else vtkXMLUnstructuredGridReader()
+    complaints = []
+    for speaker in (reader, vtkOutputWindow.GetInstance()):
+        for event in ("ErrorEvent", "WarningEvent"):
+            speaker.AddObserver(event, lambda _, event: complaints.append(event))
+    if not reader.CanReadFile(path):
+        sys.exit(f"{path}: {reader.GetClassName()} cannot read it")
+    reader.SetFileName(path)
+    reader.Update()
+    if complaints or reader.GetErrorCode():
+        sys.exit(f"{path}: VTK's error code is {reader.GetErrorCode()}, its events are {complaints}")
+    return reader.GetOutput()
+
+
+def point_arrays(data):
+    arrays = data.GetPointData()
+    return [described(arrays.GetArrayName(i), arrays.GetArray(i)) for i in range(arrays.GetNumberOfArrays())]
+
+
+def grid_arrays(data):
+    cells = data.GetCells()
+    offsets, ends = described("offsets", cells.GetOffsetsArray())
+    types = bytes(data.GetCellType(i) for i in range(data.GetNumberOfCells()))
+    return [
+        described("Points", data.GetPoints().GetData()),
+        described("connectivity", cells.GetConnectivityArray()),
+        (offsets, ends[cells.GetOffsetsArray().GetDataTypeSize() :]),  # files leave out the 0 in front
+        (dict(name="types", scalar="UInt8", n_components=1), types),
+    ]
+
+
+def described(name, array):
+    """The array in words, its numbers called as in VTK's files, and its bytes."""
+    c_type = array.GetDataTypeAsString()
+    kind = "Float" if c_type in ("float", "double") else "UInt" if c_type.startswith("unsigned") else "Int"
+    scalar = f"{kind}{8 * array.GetDataTypeSize()}"
+    content = bytes(memoryview(array)) if array.GetNumberOfValues() else b""
+    return dict(name=name, scalar=scalar, n_components=array.GetNumberOfComponents()), content
+
+
+main(sys.argv[1])

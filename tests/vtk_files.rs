@@ -1,0 +1,292 @@
+//! The VTK files hold the film, bit for bit: as the format says, and as VTK
+//! reads them.
+
+mod common;
+
+use std::fs::File;
+use std::path::Path;
+
+use bytemuck::cast_slice_mut;
+use glam::Vec3;
+
+use common::data_set::{Array, DataSet};
+use common::{config, film, film_with, parse};
+use raycost::config::Config;
+use raycost::film::{Film, STRIP_ROWS, Strip};
+use raycost::output::{write_frame, write_hits};
+
+/// Two tests of each film.
+macro_rules! films {
+    ($($name:ident: $film:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[test]
+            fn as_the_format_says() {
+                check(&$film, DataSet::read);
+            }
+
+            #[test]
+            #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+            fn by_vtk() {
+                check(&$film, DataSet::read_with_vtk);
+            }
+        }
+    )*};
+}
+
+films! {
+    seed_extended: film(&config("seed_extended"), 2);
+    // The last tile of each row and the last strip are cut.
+    odd_size: film(&scene(33, 17, 1, SPHERE), 2);
+    four_samples: film(&scene(33, 17, 4, SPHERE), 2);
+    no_cost: film_with(&scene(33, 17, 1, SPHERE), 2, None);
+    one_pixel: film(&scene(1, 1, 1, SPHERE), 1);
+    no_hit: film_of_hits(0, &scene(33, 17, 1, "{ center: [0, 0, 9], radius: 1 }"));
+    one_hit: film_of_hits(1, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 0.1 }"));
+    all_hits: film_of_hits(33 * 17, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 9 }"));
+    noise: noise();
+}
+
+const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";
+
+/// A sphere before a gradient.
+fn scene(width: u32, height: u32, samples: u32, sphere: &str) -> Config {
+    parse(&format!(
+        "
+image: {{ width: {width}, height: {height}, samples_per_pixel: {samples} }}
+camera:
+  look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }}
+background:
+  gradient: {{ bottom: [0.9, 0.8, 0.1], top: [0.1, 0.2, 1] }}
+materials:
+  red: {{ color: [1, 0.2, 0.1], reflection: 0.3 }}
+lights:
+  - point: {{ position: [3, 5, 9] }}
+objects:
+  - sphere: {sphere}
+    material: red
+"
+    ))
+}
+
+fn film_of_hits(n_hits: usize, config: &Config) -> Film {
+    let film = film(config, 2);
+    assert_eq!(film.n_hits(), n_hits);
+    film
+}
+
+/// A film of noise: no array can be taken for another, and NaN comes in all
+/// its shapes.
+fn noise() -> Film {
+    let mut film = Film::new(33, 17, true);
+    let mut state = 0_u32;
+    let mut noise = || {
+        // The generator of Numerical Recipes.
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    };
+    for strip in &mut film.strips {
+        let arrays: [&mut [u8]; 17] = [
+            cast_slice_mut(&mut strip.rgb),
+            cast_slice_mut(&mut strip.position),
+            cast_slice_mut(&mut strip.normal),
+            cast_slice_mut(&mut strip.distance),
+            cast_slice_mut(&mut strip.footprint),
+            cast_slice_mut(&mut strip.object),
+            cast_slice_mut(&mut strip.material),
+            cast_slice_mut(&mut strip.time_ns),
+            cast_slice_mut(&mut strip.node_visits),
+            cast_slice_mut(&mut strip.primitive_tests),
+            cast_slice_mut(&mut strip.rays),
+            cast_slice_mut(&mut strip.shadow_rays),
+            cast_slice_mut(&mut strip.reflection_rays),
+            cast_slice_mut(&mut strip.refraction_rays),
+            cast_slice_mut(&mut strip.depth),
+            cast_slice_mut(&mut strip.tile),
+            cast_slice_mut(&mut strip.thread),
+        ];
+        for array in arrays {
+            array.fill_with(&mut noise);
+        }
+    }
+    film
+}
+
+/// Writes the film's two files and compares what `read` finds in them.
+fn check(film: &Film, read: fn(&Path) -> DataSet) {
+    let folder = tempfile::tempdir().unwrap();
+    let [frame, hits] = ["frame.vti", "hits.vtu"].map(|file| folder.path().join(file));
+    write_frame(film, &mut File::create(&frame).unwrap()).unwrap();
+    write_hits(film, &mut File::create(&hits).unwrap()).unwrap();
+    assert_same(read(&frame), expected_frame(film));
+    assert_same(read(&hits), expected_hits(film));
+}
+
+fn assert_same(mut found: DataSet, mut expected: DataSet) {
+    for (found, expected) in found.arrays.iter_mut().zip(&mut expected.arrays) {
+        let [found, expected_bytes] =
+            [found, expected].map(|array| std::mem::take(&mut array.bytes));
+        let differ = found.iter().zip(&expected_bytes).position(|(a, b)| a != b);
+        let lengths = [found.len(), expected_bytes.len()];
+        assert!(
+            found == expected_bytes,
+            "{}: from byte {differ:?} on; lengths {lengths:?}",
+            expected.name
+        );
+    }
+    assert_eq!(found, expected);
+}
+
+/// What `frame.vti` should hold: VTK's rows go up, the film's go down.
+fn expected_frame(film: &Film) -> DataSet {
+    let [right, top] = [film.width, film.height].map(|n| n as i32 - 1);
+    let upward = (0..film.height).rev();
+    let pixels: Vec<Pixel> = upward
+        .flat_map(|y| (0..film.width).map(move |x| Pixel { x, y }))
+        .collect();
+    DataSet {
+        kind: "ImageData".to_owned(),
+        n_points: pixels.len(),
+        n_cells: None,
+        extent: Some([0, right, 0, top, 0, 0]),
+        origin: Some([0.0; 3]),
+        spacing: Some([1.0; 3]),
+        normals: None,
+        arrays: point_data(film, &pixels),
+    }
+}
+
+/// What `hits.vtu` should hold: the pixels with an object, in reading order.
+fn expected_hits(film: &Film) -> DataSet {
+    let mut hits = Vec::new();
+    for y in 0..film.height {
+        for x in 0..film.width {
+            let pixel = Pixel { x, y };
+            if pixel.of(film, |strip| &strip.object) >= 0 {
+                hits.push(pixel);
+            }
+        }
+    }
+    let n = hits.len() as i32;
+    let numbers = hits
+        .iter()
+        .map(|pixel| (pixel.y * film.width + pixel.x) as i32);
+    let mut arrays = point_data(film, &hits);
+    arrays.push(integers("pixel", numbers));
+    arrays.push(Field::Vec3(|strip| &strip.position).array("Points", film, &hits));
+    arrays.push(integers("connectivity", 0..n));
+    arrays.push(integers("offsets", 1..=n));
+    arrays.push(Array {
+        name: "types".to_owned(),
+        scalar: "UInt8".to_owned(),
+        n_components: 1,
+        bytes: vec![1; hits.len()], // VTK_VERTEX
+    });
+    DataSet {
+        kind: "UnstructuredGrid".to_owned(),
+        n_points: hits.len(),
+        n_cells: Some(hits.len()),
+        extent: None,
+        origin: None,
+        spacing: None,
+        normals: Some("Normals".to_owned()),
+        arrays,
+    }
+}
+
+/// The arrays that both files have, in their order, for these pixels.
+fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
+    let fields = [
+        ("RGB", Field::Rgb(|strip| &strip.rgb)),
+        ("Normals", Field::Vec3(|strip| &strip.normal)),
+        ("distance", Field::F32(|strip| &strip.distance)),
+        ("footprint", Field::F32(|strip| &strip.footprint)),
+        ("object", Field::I32(|strip| &strip.object)),
+        ("material", Field::I32(|strip| &strip.material)),
+        ("time_ns", Field::F32(|strip| &strip.time_ns)),
+        ("node_visits", Field::U32(|strip| &strip.node_visits)),
+        (
+            "primitive_tests",
+            Field::U32(|strip| &strip.primitive_tests),
+        ),
+        ("rays", Field::U32(|strip| &strip.rays)),
+        ("shadow_rays", Field::U32(|strip| &strip.shadow_rays)),
+        (
+            "reflection_rays",
+            Field::U32(|strip| &strip.reflection_rays),
+        ),
+        (
+            "refraction_rays",
+            Field::U32(|strip| &strip.refraction_rays),
+        ),
+        ("depth", Field::U32(|strip| &strip.depth)),
+        ("tile", Field::I32(|strip| &strip.tile)),
+        ("thread", Field::I32(|strip| &strip.thread)),
+    ];
+    let n_fields = if film.has_cost { fields.len() } else { 6 };
+    let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
+    fields[..n_fields].iter().map(array).collect()
+}
+
+/// Where an array of the film is, by its kind.
+enum Field {
+    Rgb(fn(&Strip) -> &Vec<[u8; 3]>),
+    Vec3(fn(&Strip) -> &Vec<Vec3>),
+    F32(fn(&Strip) -> &Vec<f32>),
+    I32(fn(&Strip) -> &Vec<i32>),
+    U32(fn(&Strip) -> &Vec<u32>),
+}
+
+impl Field {
+    fn array(&self, name: &str, film: &Film, pixels: &[Pixel]) -> Array {
+        let (scalar, n_components) = match self {
+            Self::Rgb(_) => ("UInt8", 3),
+            Self::Vec3(_) => ("Float32", 3),
+            Self::F32(_) => ("Float32", 1),
+            Self::I32(_) => ("Int32", 1),
+            Self::U32(_) => ("UInt32", 1),
+        };
+        let mut bytes = Vec::new();
+        for pixel in pixels {
+            match *self {
+                Self::Rgb(field) => bytes.extend(pixel.of(film, field)),
+                Self::Vec3(field) => {
+                    let vector = pixel.of(film, field).to_array();
+                    bytes.extend(vector.iter().flat_map(|number| number.to_ne_bytes()));
+                }
+                Self::F32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
+                Self::I32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
+                Self::U32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
+            }
+        }
+        Array {
+            name: name.to_owned(),
+            scalar: scalar.to_owned(),
+            n_components,
+            bytes,
+        }
+    }
+}
+
+/// A pixel by its column and its row, row 0 on top.
+struct Pixel {
+    x: u32,
+    y: u32,
+}
+
+impl Pixel {
+    fn of<T: Copy>(&self, film: &Film, field: fn(&Strip) -> &Vec<T>) -> T {
+        let strip = &film.strips[(self.y / STRIP_ROWS) as usize];
+        field(strip)[(self.y % STRIP_ROWS * film.width + self.x) as usize]
+    }
+}
+
+fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
+    Array {
+        name: name.to_owned(),
+        scalar: "Int32".to_owned(),
+        n_components: 1,
+        bytes: numbers.flat_map(i32::to_ne_bytes).collect(),
+    }
+}
