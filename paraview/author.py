@@ -15,7 +15,9 @@ import math
 import sys
 from pathlib import Path
 
+import numpy as np
 from paraview import simple as pv
+from paraview.vtk.util.numpy_support import vtk_to_numpy
 from template import Fill, put, reader, save, vector
 
 N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
@@ -98,7 +100,7 @@ def histogram(frame, array, title):
     """A view of how many pixels took which value: bars over log10, labelled with the values."""
     log10 = pv.Calculator(Input=frame)
     put(log10, Function=f"log10({array})", ResultArrayName="log10", ResultArrayType="Float")
-    low, high = frame.PointData[array].GetRange()
+    low, high = spread(frame, array)
     bins = put(
         pv.Histogram(Input=log10),
         SelectInputArray=["POINTS", "log10"],
@@ -136,9 +138,15 @@ def histogram(frame, array, title):
     return view
 
 
+def spread(source, array):
+    """The array's range without the one value in 200 that is greatest: the system's interruptions."""
+    values = vtk_to_numpy(pv.servermanager.Fetch(source).GetPointData().GetArray(array))
+    return float(values.min()), float(np.percentile(values, 99.5))
+
+
 def colour_map(source, array, preset, scale, key=None):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
-    low, high = source.PointData[array].GetRange()
+    low, high = spread(source, array)
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
     colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]

@@ -113,6 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Loaded { source, config } = arguments.scene.load()?;
     let scene = Scene::new(&config).map_err(|fault| source.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), least_bytes(arguments, &config))?;
+    remove_unfinished_when_stopped(&folder)?;
     let pool = thread_pool(arguments.threads)?;
     stages.end("read");
 
@@ -153,6 +154,20 @@ fn least_bytes(arguments: &Arguments, config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
     let per_pixel = bytes_per_pixel(arguments.scene.has_cost()) - size_of::<glam::Vec3>();
     (config.image.n_pixels() * per_pixel) as u64
+}
+
+/// Lets Ctrl-C, or a request to end, leave no half-written file behind.
+fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
+    let folder = folder.clone();
+    let stop = move || {
+        folder.remove_unfinished();
+        // 128 and the number of SIGINT, as shells have it.
+        std::process::exit(130);
+    };
+    ctrlc::set_handler(stop).map_err(|error| {
+        let message = format!("cannot listen for Ctrl-C: {error}");
+        Failure::Machine(Diagnostic::new(message))
+    })
 }
 
 fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {

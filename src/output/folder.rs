@@ -12,7 +12,7 @@ use super::{Written, format};
 const BUFFER: usize = 1 << 20;
 
 /// A folder that files can be written to.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct OutputFolder {
     path: PathBuf,
 }
@@ -86,6 +86,21 @@ impl OutputFolder {
         Ok(Self { path })
     }
 
+    /// Removes what this process has not finished writing, as far as that
+    /// goes: for a process that is about to be stopped.
+    pub fn remove_unfinished(&self) {
+        let prefix = temporary_prefix();
+        for entry in std::fs::read_dir(&self.path)
+            .into_iter()
+            .flatten()
+            .flatten()
+        {
+            if entry.file_name().to_string_lossy().starts_with(&prefix) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
     /// The absolute path of a file in the folder.
     pub fn path_of(&self, file: &str) -> PathBuf {
         self.path.join(file)
@@ -123,6 +138,10 @@ impl OutputFolder {
         files: Vec<StagedFile>,
         stale: impl Iterator<Item = &'static str>,
     ) -> Result<(), WriteError> {
+        let paths = files.iter().map(|file| self.path_of(file.name));
+        if let Some(path) = paths.into_iter().find(|path| path.is_dir()) {
+            return Err(WriteError::new(path, io::ErrorKind::IsADirectory.into()));
+        }
         for file in files {
             let path = self.path_of(file.name);
             file.temporary
@@ -155,11 +174,17 @@ impl StagedFile {
 /// A file without a name of its own yet, removed when dropped.
 fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".raycost-").suffix(".part");
+    let prefix = temporary_prefix();
+    builder.prefix(&prefix).suffix(".part");
     // As any file that a program makes: the default is for secrets.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
+}
+
+/// How the names of this process's temporary files begin.
+fn temporary_prefix() -> String {
+    format!(".raycost-{}-", std::process::id())
 }
 
 #[cfg(test)]
@@ -204,6 +229,29 @@ mod tests {
         assert!(error.help().contains("free some space"));
         assert_eq!(names(temporary.path()), ["old"]);
         assert_eq!(std::fs::read(temporary.path().join("old")).unwrap(), b"old");
+    }
+
+    #[test]
+    fn a_folder_in_the_way_is_found_before_any_file_changes() {
+        let temporary = tempfile::tempdir().unwrap();
+        std::fs::create_dir(temporary.path().join("taken")).unwrap();
+        let folder = OutputFolder::create(temporary.path(), 0).unwrap();
+        let stage = |name| folder.stage(name, |out| out.write_all(b"x")).unwrap();
+        let files = vec![stage("free"), stage("taken")];
+        let error = folder.commit(files, [].into_iter()).unwrap_err();
+        assert!(error.to_string().contains("taken"), "{error}");
+        assert_eq!(names(temporary.path()), ["taken"]);
+    }
+
+    #[test]
+    fn a_stopped_process_leaves_nothing_unfinished() {
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(temporary.path(), 0).unwrap();
+        let file = folder.stage("half", |out| out.write_all(b"x")).unwrap();
+        assert_eq!(names(temporary.path()).len(), 1);
+        folder.remove_unfinished();
+        assert!(names(temporary.path()).is_empty());
+        drop(file);
     }
 
     #[test]

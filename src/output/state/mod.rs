@@ -1,0 +1,170 @@
+//! `geometry.pvsm` and `heatmap.pvsm`: ParaView's states for this output.
+//!
+//! The states in the repository's `paraview/` folder are the templates. Each
+//! value that hangs on the output carries its key there:
+//!
+//! ```xml
+//! <Element index="0" value="$RAYCOST_OUT/frame.vti" fill="frame.vti"/>
+//! ```
+//!
+//! Here the values take their places and the keys go.
+
+mod camera;
+mod template;
+
+use camera::{Camera, picture_camera};
+use template::fill;
+
+use super::cost_picture::Range;
+use super::{OutputFolder, Rendering, vtk};
+use crate::film::Film;
+
+const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
+const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
+
+/// The states of one output, in ASCII.
+pub(super) struct States {
+    hits: String,
+    frame: String,
+    has_cost: bool,
+    camera: Camera,
+    /// Width and height of the picture.
+    size: [f64; 2],
+    cost_range: [f64; 2],
+    visits_range: [f64; 2],
+    /// Hits farther away are not shown.
+    max_distance: f64,
+}
+
+impl States {
+    /// The states that show this rendering's files in this folder.
+    pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
+        let film = rendering.film;
+        let distances = Distances::of(film);
+        let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
+        Self {
+            hits: path_of(vtk::HITS),
+            frame: path_of(vtk::FRAME),
+            has_cost: film.has_cost,
+            camera: Camera::of(&rendering.scene.image_plane, distances.median),
+            size: [film.width, film.height].map(f64::from),
+            cost_range: cost_range(film),
+            visits_range: visits_range(film),
+            max_distance: distances.max_shown,
+        }
+    }
+
+    /// The cloud in its colours and by its cost.
+    pub(super) fn geometry(&self) -> String {
+        fill(GEOMETRY, |key| self.value(key))
+    }
+
+    /// The cost of all pixels.
+    pub(super) fn heatmap(&self) -> String {
+        fill(HEATMAP, |key| self.value(key))
+    }
+
+    fn value(&self, key: &str) -> Option<String> {
+        match key {
+            vtk::HITS => Some(self.hits.clone()),
+            vtk::FRAME => Some(self.frame.clone()),
+            "cost.array" => Some(self.cost().0.to_owned()),
+            "cost.title" => Some(self.cost().1.to_owned()),
+            _ => self.number(key).map(|number| number.to_string()),
+        }
+    }
+
+    /// The array that the cloud is coloured by, and its title.
+    fn cost(&self) -> (&'static str, &'static str) {
+        match self.has_cost {
+            true => ("time_ns", "Time per pixel (ns)"),
+            false => ("distance", "Distance from the camera"),
+        }
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        let logarithmic = key
+            .strip_prefix("time_ns.log(")
+            .or_else(|| key.strip_prefix("cost.log("));
+        if let Some(fraction) = logarithmic {
+            let [low, high] = self.cost_range;
+            return between(fraction, |f| low * (high / low).powf(f));
+        }
+        if let Some(fraction) = key.strip_prefix("time_ns.log10(") {
+            let [low, high] = self.cost_range.map(f64::log10);
+            return between(fraction, |f| low + (high - low) * f);
+        }
+        if let Some(fraction) = key.strip_prefix("node_visits.linear(") {
+            let [low, high] = self.visits_range;
+            return between(fraction, |f| low + (high - low) * f);
+        }
+        if let Some(rest) = key.strip_prefix("image.") {
+            return picture_camera(self.size, rest);
+        }
+        if key == "hits.max_distance" {
+            return Some(self.max_distance);
+        }
+        self.camera.number(key.strip_prefix("camera.")?)
+    }
+}
+
+/// The interpolated value for the text behind `log(` or `linear(`: a fraction
+/// from 0 to 1 and a closing bracket.
+fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
+    Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
+}
+
+/// The values that the colours of the cost span, without outliers as in
+/// `cost.png`; those of the distance where no cost was measured.
+fn cost_range(film: &Film) -> [f64; 2] {
+    let values: Vec<f32> = match film.has_cost {
+        true => film.values(|strip| &strip.time_ns).collect(),
+        false => film.values(|strip| &strip.distance).collect(),
+    };
+    let range = Range::of(&values);
+    [range.low, range.high]
+}
+
+/// Least and greatest node visits of a pixel, at least 1 apart.
+fn visits_range(film: &Film) -> [f64; 2] {
+    let visits = || film.values(|strip| &strip.node_visits);
+    let low = f64::from(visits().min().unwrap_or(0));
+    let high = f64::from(visits().max().unwrap_or(0));
+    [low, high.max(low + 1.0)]
+}
+
+/// How far the hits are along their camera rays.
+struct Distances {
+    /// `None` without hits.
+    median: Option<f32>,
+    /// Where the cloud is cut off, so that the near hits are seen: ParaView
+    /// clips all that is 1000 times nearer than the farthest point, and a
+    /// plane has hits up to its horizon.
+    max_shown: f64,
+}
+
+impl Distances {
+    fn of(film: &Film) -> Self {
+        let mut distances: Vec<f32> = film
+            .values(|strip| &strip.distance)
+            .filter(|distance| distance.is_finite())
+            .collect();
+        if distances.is_empty() {
+            return Self {
+                median: None,
+                max_shown: 1.0,
+            };
+        }
+        let n = distances.len();
+        let mut quantile = |percent: usize| {
+            let rank = (n - 1) * percent / 100;
+            *distances.select_nth_unstable_by(rank, f32::total_cmp).1
+        };
+        let [near, median, far, farthest] = [1, 50, 99, 100].map(&mut quantile);
+        let cut = f64::from(near) * 300.0;
+        Self {
+            median: Some(median),
+            max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
+        }
+    }
+}
