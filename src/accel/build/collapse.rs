@@ -7,11 +7,6 @@
 //! to seven: the least cost of the subtree as a forest of at most so many
 //! roots. An eight-wide node over it then has the cheapest eight roots from
 //! its two sides.
-//!
-//! In the best tree a node and a node below it have ten children together at
-//! least: with fewer, one node in place of both would be cheaper. So there are
-//! at most 9 nodes for 16 leaves: nodes of eight children in turn with nodes of
-//! two.
 
 use super::binary::{BinaryNode, Kind};
 use crate::accel::layout::{LeafKind, MAX_LEAF, NODE_LINES};

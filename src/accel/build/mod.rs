@@ -22,14 +22,15 @@ use reference::{Corners, Reference};
 
 pub(super) use binary::MAX_DEPTH;
 
-/// Bytes for each primitive at most: the indices, and what is largest of the
-/// two phases. While the binary tree grows there are two sets of references;
-/// then the arena, where a leaf of one primitive takes a line, and there are at
-/// most 9 nodes for 16 leaves (see `collapse`), and a few lines of slack.
+/// Bytes for each primitive at most: its index, its part of the binary tree,
+/// and the larger of what the two phases need beside. While the binary tree
+/// grows that is two sets of references; then the arena, where a leaf takes at
+/// most a line a primitive, and there are fewer nodes than leaves, since each
+/// has two children at least. (In practice an arena takes 40 to 60 bytes.)
 pub(super) const MAX_BYTES_PER_PRIMITIVE: usize = {
     let tree = 2 * size_of::<BinaryNode>();
     let references = 2 * size_of::<Reference>();
-    let arena = size_of::<Line>() + (9 * NODE_LINES).div_ceil(16) * size_of::<Line>();
+    let arena = (1 + NODE_LINES) * size_of::<Line>();
     let more = if references > arena {
         references
     } else {

@@ -99,3 +99,69 @@ impl<L: Lanes> Axis<L> {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::accel::simd::{Mask, Simd, Work};
+
+    /// Enters a node whose only child is the unit cube.
+    struct EnterCube {
+        ray: Ray,
+        t_max: f32,
+    }
+
+    impl Work for EnterCube {
+        type Output = Option<f32>;
+
+        #[inline(always)]
+        fn run<I: InstructionSet>(self, set: I) -> Option<f32> {
+            let mut node = Node::EMPTY;
+            for axis in 0..3 {
+                (node.min[axis][0], node.max[axis][0]) = (0.0, 1.0);
+            }
+            let slabs = Slabs::new(set, &self.ray, 1.0);
+            let (enter, hits) = slabs.enter(set, &node, set.splat(self.t_max));
+            assert_eq!(
+                hits.bits() & !1,
+                0,
+                "nothing enters a child that is not there"
+            );
+            (hits.bits() == 1).then_some(enter.to_array()[0])
+        }
+    }
+
+    /// Where the ray enters the unit cube, on all instruction sets alike.
+    fn enter(origin: [f32; 3], direction: [f32; 3], t_max: f32) -> Option<f32> {
+        let ray = Ray {
+            origin: origin.into(),
+            direction: Vec3::from(direction).normalize(),
+        };
+        let all = Simd::available()
+            .into_iter()
+            .map(|simd| simd.run(EnterCube { ray, t_max }));
+        let all: Vec<_> = all.collect();
+        assert!(all.iter().all(|t| *t == all[0]), "{all:?}");
+        all[0]
+    }
+
+    #[test]
+    fn rays_enter_hit_boxes_and_miss_others() {
+        let t = enter([0.5, 0.5, -2.0], [0.0, 0.0, 1.0], 9.0).unwrap();
+        assert!((t - 2.0).abs() < 1e-4);
+        assert_eq!(enter([0.5, 0.5, 0.5], [0.0, -1.0, 0.0], 9.0), Some(0.0));
+        assert_eq!(enter([0.5, 0.5, -2.0], [0.0, 0.0, 1.0], 1.5), None);
+        assert_eq!(enter([0.5, 0.5, -2.0], [0.0, 0.0, -1.0], 9.0), None);
+        assert_eq!(enter([1.5, 0.5, -2.0], [0.0, 0.0, 1.0], 9.0), None);
+    }
+
+    #[test]
+    fn rays_in_a_face_enter_the_box() {
+        for x in [0.0, 1.0] {
+            assert!(enter([x, 0.5, -2.0], [0.0, 0.0, 1.0], 9.0).is_some());
+            assert!(enter([x, 0.5, -2.0], [-0.0, 0.0, 1.0], 9.0).is_some());
+        }
+    }
+}

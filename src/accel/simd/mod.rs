@@ -151,3 +151,49 @@ pub(super) trait Mask: Copy + BitAnd<Output = Self> {
     /// Bit `i` for lane `i`.
     fn bits(self) -> u8;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WORDS: [u32; N_LANES] = [10, 11, 12, 13, 14, 15, 16, 17];
+    const DISTANCES: [f32; N_LANES] = [3.0, 0.0, 7.5, 3.0, f32::INFINITY, 1e-30, 2.0, 0.0];
+
+    /// Orders the lanes whose distance is at most the limit.
+    struct Order {
+        limit: f32,
+    }
+
+    impl Work for Order {
+        /// The words by distance, the distances, and the words by lane.
+        type Output = (Vec<u32>, Vec<f32>, Vec<u32>);
+
+        #[inline(always)]
+        fn run<I: InstructionSet>(self, set: I) -> Self::Output {
+            let distances = set.load(&DISTANCES);
+            let mask = distances.le(set.splat(self.limit));
+            let n = mask.bits().count_ones() as usize;
+            let (words, distances) = distances.far_to_near(mask, &WORDS);
+            let kept = I::Lanes::compress(mask, &WORDS);
+            (
+                words[..n].to_vec(),
+                distances[..n].to_vec(),
+                kept[..n].to_vec(),
+            )
+        }
+    }
+
+    #[test]
+    fn all_sets_order_lanes_alike() {
+        for simd in Simd::available() {
+            let (words, distances, kept) = simd.run(Order { limit: 3.0 });
+            assert_eq!(words, [13, 10, 16, 15, 17, 11], "{simd}");
+            assert_eq!(distances, [3.0, 3.0, 2.0, 1e-30, 0.0, 0.0], "{simd}");
+            assert_eq!(kept, [10, 11, 13, 15, 16, 17], "{simd}");
+            let (words, _, _) = simd.run(Order {
+                limit: f32::INFINITY,
+            });
+            assert_eq!(words, [14, 12, 13, 10, 16, 15, 17, 11], "{simd}");
+        }
+    }
+}
