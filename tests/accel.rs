@@ -5,11 +5,11 @@ mod common;
 use common::parse;
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::Accel;
+use raycost::accel::{Accel, Bvh, Simd};
 use raycost::config::Acceleration;
 use raycost::cost::{Cost, NoProbe};
-use raycost::geometry::Ray;
-use raycost::scene::{ObjectId, Scene};
+use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
 
 /// A number that is often one of a few round ones, so that rays run along
 /// axes and through edges, and primitives coincide.
@@ -102,23 +102,84 @@ fn ray() -> impl Strategy<Value = Ray> {
         })
 }
 
+/// A sphere or a triangle, often one of a few, so that some coincide.
+fn bare_primitive() -> impl Strategy<Value = Shape> {
+    let few = prop_oneof![Just(0.5_f32), Just(1.0), 0.01_f32..2.0];
+    prop_oneof![
+        (triple(), few).prop_map(|(center, radius)| {
+            let center = center.into();
+            Shape::Sphere(Sphere { center, radius })
+        }),
+        [triple(), triple(), triple()]
+            .prop_map(|vertices| vertices.map(Vec3::from))
+            .prop_filter("a triangle needs an area", |[a, b, c]| {
+                (*b - *a).cross(*c - *a).length() > 1e-2
+            })
+            .prop_map(|vertices| Shape::Triangle(Triangle { vertices })),
+    ]
+}
+
+/// The hierarchy on every instruction set of this machine.
+fn kernels(primitives: &[Primitive]) -> Vec<Accel<'_>> {
+    let built = Accel::new(primitives, Acceleration::Bvh);
+    let on = |simd| built.clone().with_simd(simd);
+    Simd::available().into_iter().map(on).collect()
+}
+
+/// All kernels give the answers of brute force and the counters of the first
+/// one.
+fn compare(kernels: &[Accel], brute: &Accel, ray: &Ray) -> Result<(), TestCaseError> {
+    let costs = |answer: &dyn Fn(&Accel, &mut Cost)| -> Vec<Cost> {
+        let mut costs = vec![Cost::default(); kernels.len()];
+        for (kernel, cost) in kernels.iter().zip(&mut costs) {
+            answer(kernel, cost);
+        }
+        costs
+    };
+    let expected = brute.nearest(ray, &mut NoProbe);
+    let all = costs(&|kernel, cost| assert_eq!(kernel.nearest(ray, cost), expected));
+    prop_assert!(all.iter().all(|cost| *cost == all[0]), "{all:?}");
+    for t_max in [f32::INFINITY, 2.0] {
+        for ignored in [None, Some(ObjectId(0))] {
+            let expected = brute.occluded(ray, t_max, ignored, &mut NoProbe);
+            let all = costs(&|kernel, cost| {
+                assert_eq!(kernel.occluded(ray, t_max, ignored, cost), expected);
+            });
+            prop_assert!(all.iter().all(|cost| *cost == all[0]), "{all:?}");
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
     #[test]
-    fn both_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
-        let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    fn all_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
+        let kernels = kernels(&scene.primitives);
         let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
         for ray in rays {
-            let expected = brute.nearest(&ray, &mut NoProbe);
-            prop_assert_eq!(bvh.nearest(&ray, &mut NoProbe), expected);
-            for t_max in [f32::INFINITY, 2.0] {
-                for ignored in [None, Some(ObjectId(0))] {
-                    prop_assert_eq!(
-                        bvh.occluded(&ray, t_max, ignored, &mut NoProbe),
-                        brute.occluded(&ray, t_max, ignored, &mut NoProbe)
-                    );
-                }
+            compare(&kernels, &brute, &ray)?;
+        }
+    }
+
+    #[test]
+    fn all_find_the_same_hits_at_any_scale(
+        primitives in prop::collection::vec(bare_primitive(), 1..200),
+        rays in prop::collection::vec(ray(), 20),
+        exponent in -12_i32..13,
+    ) {
+        let scale = 10_f32.powi(exponent);
+        let transform = Transform::of_steps(&[TransformStep::Scale(Vec3::splat(scale))]);
+        let scaled = |shape| Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0));
+        let primitives: Vec<Primitive> = primitives.into_iter().map(scaled).collect();
+        let kernels = kernels(&primitives);
+        let brute = Accel::new(&primitives, Acceleration::BruteForce);
+        for ray in rays {
+            let origin = scale * ray.origin;
+            compare(&kernels, &brute, &Ray { origin, ..ray })?;
+            for direction in [Vec3::X, -Vec3::Y, Vec3::new(-0.0, 0.0, -1.0), Vec3::new(0.6, -0.0, 0.8)] {
+                compare(&kernels, &brute, &Ray { origin, direction })?;
             }
         }
     }
@@ -187,4 +248,21 @@ fn a_geometric_series_of_spheres_is_found_whole() {
         assert_eq!(hit.unwrap().primitive, (i + 40) as u32);
         assert_eq!(bvh.nearest(&ray, &mut NoProbe), hit);
     }
+}
+
+/// The parallel build makes no choice by thread.
+#[test]
+fn the_tree_is_the_same_on_any_number_of_threads() {
+    let scene = spheres(
+        "  - sphere_cloud: { count: 100000, min: [-1, -1, -1], max: [1, 1, 1], radius: [0.001, 0.02], seed: 3 }\n    material: m\n",
+    );
+    let tree = |n_threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+        let build = || Accel::new(&scene.primitives, Acceleration::Bvh);
+        pool.build().unwrap().install(build)
+    };
+    let one = tree(1);
+    assert!(one == tree(2) && one == tree(5));
+    let per_primitive = one.statistics().unwrap().bytes / scene.primitives.len();
+    assert!(per_primitive < Bvh::MAX_BYTES_PER_PRIMITIVE);
 }

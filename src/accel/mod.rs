@@ -4,18 +4,28 @@
 //! tests everything and so is the truth that the other is held to. Planes have
 //! no bounds and stay outside the hierarchy. Of two hits at the same distance
 //! the primitive with the lower number counts.
+//!
+//! The hierarchy is built (`build`) into an arena of cache lines (`layout`)
+//! that rays go through (`kernel`) with eight lanes (`simd`) for what they
+//! look for (`search`).
 
-mod bvh;
+mod simd;
+mod layout;
 mod search;
-mod slab;
+mod build;
+mod kernel;
+mod statistics;
+mod bvh;
 
 use crate::config::Acceleration;
 use crate::cost::Probe;
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
-pub use bvh::{Bvh, BvhStatistics};
+pub use bvh::Bvh;
 use search::{Any, Nearest, Search};
+pub use simd::Simd;
+pub use statistics::BvhStatistics;
 
 /// A ray's hit on a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,16 +37,19 @@ pub struct Hit {
 }
 
 /// The structure that finds hits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Accel<'a> {
     primitives: &'a [Primitive],
     /// Primitives to test against every ray: the planes, or all.
     always: Vec<u32>,
     bvh: Option<Bvh>,
+    simd: Simd,
 }
 
 impl<'a> Accel<'a> {
-    /// Builds the structure of this kind over the primitives, fewer than 2^32.
+    /// Builds the structure of this kind over the primitives, fewer than 2^32
+    /// and as many as [`Bvh::new`] takes, for the best of the machine's
+    /// instruction sets.
     pub fn new(primitives: &'a [Primitive], kind: Acceleration) -> Self {
         let all = 0..primitives.len() as u32;
         let (always, bvh) = match kind {
@@ -51,7 +64,14 @@ impl<'a> Accel<'a> {
             primitives,
             always,
             bvh,
+            simd: Simd::best(),
         }
+    }
+
+    /// The same structure, searched with other instructions: same hits, same
+    /// counters.
+    pub fn with_simd(self, simd: Simd) -> Self {
+        Self { simd, ..self }
     }
 
     /// The hierarchy's size; `None` for brute force.
@@ -59,16 +79,16 @@ impl<'a> Accel<'a> {
         self.bvh.as_ref().map(Bvh::statistics)
     }
 
-    /// The nearest hit of the ray with `t > 0`.
+    /// The nearest hit with `t > 0` of the ray, whose direction is a unit
+    /// vector.
     pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let mut nearest = Nearest::new(self.primitives, ray);
-        let n_visits = self.search(ray, &mut nearest);
-        probe.traversal(n_visits, nearest.n_tests);
+        self.search(ray, &mut nearest, probe);
         nearest.hit
     }
 
     /// Whether anything is hit with `t` in (0, `t_max`) that does not belong
-    /// to `ignored`.
+    /// to `ignored`, by the ray, whose direction is a unit vector.
     ///
     /// Brute force tests all primitives even after a hit: its count of tests
     /// is rays times primitives.
@@ -80,19 +100,19 @@ impl<'a> Accel<'a> {
         probe: &mut P,
     ) -> bool {
         let mut any = Any::new(self.primitives, ray, t_max, ignored);
-        let n_visits = self.search(ray, &mut any);
-        probe.traversal(n_visits, any.n_tests);
+        self.search(ray, &mut any, probe);
         any.found
     }
 
-    /// Shows what the ray may hit to the search; gives the nodes entered.
-    fn search<S: Search>(&self, ray: &Ray, search: &mut S) -> u32 {
+    /// Shows what the ray may hit to the search, and tells the probe.
+    fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
         self.always
             .iter()
             .for_each(|&primitive| search.test(primitive));
+        let n_tests = self.always.len() as u32;
         match &self.bvh {
-            Some(bvh) => bvh.traverse(ray, search),
-            None => 0,
+            Some(bvh) if !search.is_done() => bvh.traverse(self.simd, ray, search, probe, n_tests),
+            _ => probe.traversal(0, n_tests),
         }
     }
 }

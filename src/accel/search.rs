@@ -6,12 +6,17 @@ use crate::scene::{ObjectId, Primitive};
 
 /// A search that a structure shows primitives to.
 pub(super) trait Search {
-    /// Hits beyond this parameter do not count.
-    fn t_max(&self) -> f32;
+    /// Whether near primitives should come before far ones.
+    const NEAREST_FIRST: bool;
+    /// Only hits before this parameter count.
+    fn limit(&self) -> f32;
     /// Whether no further primitive can change the answer.
     fn is_done(&self) -> bool;
     /// Tests the primitive with this index.
     fn test(&mut self, primitive: u32);
+    /// Hears of the hit of a primitive, at `t > 0` and before the limit that
+    /// was when a group of primitives was begun.
+    fn found(&mut self, t: f32, primitive: u32);
 }
 
 /// The search for a ray's nearest hit.
@@ -19,7 +24,8 @@ pub(super) struct Nearest<'a> {
     primitives: &'a [Primitive],
     ray: &'a Ray,
     pub(super) hit: Option<Hit>,
-    pub(super) n_tests: u32,
+    /// One step further than the hit so far, so that ties are seen.
+    limit: f32,
 }
 
 impl<'a> Nearest<'a> {
@@ -28,32 +34,37 @@ impl<'a> Nearest<'a> {
             primitives,
             ray,
             hit: None,
-            n_tests: 0,
+            limit: f32::INFINITY,
         }
     }
 }
 
 impl Search for Nearest<'_> {
-    #[inline]
-    fn t_max(&self) -> f32 {
-        self.hit.map_or(f32::INFINITY, |hit| hit.t)
+    const NEAREST_FIRST: bool = true;
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
     }
 
+    #[inline(always)]
     fn is_done(&self) -> bool {
         false
     }
 
     #[inline]
     fn test(&mut self, primitive: u32) {
-        self.n_tests += 1;
-        // One step further than the hit so far, so that ties are seen.
-        let limit = self.t_max().next_up();
-        let Some(t) = self.primitives[primitive as usize].intersect(self.ray, limit) else {
-            return;
-        };
-        let wins = |hit: Hit| t < hit.t || primitive < hit.primitive;
+        if let Some(t) = self.primitives[primitive as usize].intersect(self.ray, self.limit) {
+            self.found(t, primitive);
+        }
+    }
+
+    #[inline(always)]
+    fn found(&mut self, t: f32, primitive: u32) {
+        let wins = |hit: Hit| t < hit.t || t == hit.t && primitive < hit.primitive;
         if self.hit.is_none_or(wins) {
             self.hit = Some(Hit { t, primitive });
+            self.limit = t.next_up();
         }
     }
 }
@@ -65,7 +76,6 @@ pub(super) struct Any<'a> {
     t_max: f32,
     ignored: Option<ObjectId>,
     pub(super) found: bool,
-    pub(super) n_tests: u32,
 }
 
 impl<'a> Any<'a> {
@@ -81,27 +91,36 @@ impl<'a> Any<'a> {
             t_max,
             ignored,
             found: false,
-            n_tests: 0,
         }
     }
 }
 
 impl Search for Any<'_> {
-    #[inline]
-    fn t_max(&self) -> f32 {
+    const NEAREST_FIRST: bool = false;
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
         self.t_max
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_done(&self) -> bool {
         self.found
     }
 
     #[inline]
     fn test(&mut self, primitive: u32) {
-        self.n_tests += 1;
-        let primitive = &self.primitives[primitive as usize];
-        self.found |= primitive.intersect(self.ray, self.t_max).is_some()
-            && self.ignored != Some(primitive.object);
+        if let Some(t) = self.primitives[primitive as usize].intersect(self.ray, self.t_max) {
+            self.found(t, primitive);
+        }
+    }
+
+    #[inline(always)]
+    fn found(&mut self, _: f32, primitive: u32) {
+        // The primitive is far away in memory: look only if it matters.
+        self.found |= match self.ignored {
+            None => true,
+            ignored => ignored != Some(self.primitives[primitive as usize].object),
+        };
     }
 }

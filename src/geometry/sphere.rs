@@ -31,18 +31,18 @@ impl Surface for Sphere {
     /// so that small and far spheres keep their digits.
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let f = ray.origin - self.center;
-        let d = ray.direction;
+        let (c, d) = (self.center - ray.origin, ray.direction);
         let a = d.dot(d);
-        let b = -f.dot(d);
+        let inverse_a = a.recip();
+        let b = c.dot(d);
         let r2 = self.radius * self.radius;
-        let nearest = f + (b / a) * d;
+        let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
         if discriminant < 0.0 {
             return None;
         }
         let q = b + (a * discriminant).sqrt().copysign(b);
-        let (t0, t1) = ((f.dot(f) - r2) / q, q / a);
+        let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
         let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
         let t = if near > 0.0 { near } else { far };
         (t > 0.0 && t < t_max).then_some(t)

@@ -40,14 +40,19 @@ impl Surface for Triangle {
         let [v0, v1, v2] = self.vertices;
         let (e1, e2) = (v1 - v0, v2 - v0);
         let p = ray.direction.cross(e2);
-        let inverse_determinant = e1.dot(p).recip();
+        let determinant = e1.dot(p);
+        let side = 1.0_f32.copysign(determinant);
         let s = ray.origin - v0;
-        let u = s.dot(p) * inverse_determinant;
+        let u = s.dot(p) * side;
         let q = s.cross(e1);
-        let v = ray.direction.dot(q) * inverse_determinant;
-        let t = e2.dot(q) * inverse_determinant;
+        let v = ray.direction.dot(q) * side;
+        // The barycentric coordinates before the division, which few rays need.
+        if !(u >= 0.0 && v >= 0.0 && u + v <= determinant.abs()) {
+            return None;
+        }
+        let t = e2.dot(q) / determinant;
         // A ray in the triangle's plane gives NaN or infinities, which fail here.
-        let hit = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < t_max;
+        let hit = t > 0.0 && t < t_max;
         hit.then_some(t)
     }
 

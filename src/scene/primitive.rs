@@ -46,6 +46,11 @@ impl Primitive {
         }
     }
 
+    /// Its shape in world space; `None` if it is there by a transform alone.
+    pub fn world_shape(&self) -> Option<&Shape> {
+        self.placement.is_none().then_some(&self.shape)
+    }
+
     /// The least `t` in (0, `t_max`) at which the ray meets it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {

@@ -1,0 +1,132 @@
+//! Rays per second of every ray kernel that this machine can run:
+//! `cargo bench --bench kernel [-- --mesh FILE.obj]`.
+//!
+//! Three scenes, three kinds of rays each: primary rays of a picture, and from
+//! their hits one diffuse ray (cosine-distributed) and one shadow ray to a
+//! point light. One thread; the kernels take turns in one process, so that a
+//! drifting machine meets all of them alike; medians.
+
+mod scenes;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use glam::Vec3;
+use raycost::accel::{Accel, Simd};
+use raycost::config::Acceleration;
+use raycost::cost::{Cost, NoProbe, Probe};
+use raycost::geometry::Ray;
+use raycost::sampling::uniform;
+use raycost::scene::Primitive;
+use scenes::View;
+
+const N_ROUNDS: usize = 9;
+/// Rows and columns of the picture.
+const SIDE: usize = 512;
+
+fn main() {
+    println!("Mrays/s, one thread, medians of {N_ROUNDS} rounds; in brackets with counters");
+    compare("spheres", &scenes::sphere_cloud(), &scenes::CUBE);
+    compare("soup", &scenes::triangle_soup(), &scenes::CUBE);
+    let mut arguments = std::env::args().skip_while(|argument| argument != "--mesh");
+    if let Some(path) = arguments.nth(1) {
+        let (mesh, view) = scenes::mesh(path.as_ref());
+        compare("mesh", &mesh, &view);
+    }
+}
+
+/// Every kernel that there is, by name.
+fn kernels(primitives: &[Primitive]) -> Vec<(String, Accel<'_>)> {
+    let built = Accel::new(primitives, Acceleration::Bvh);
+    let on = |simd: Simd| (simd.to_string(), built.clone().with_simd(simd));
+    Simd::available().into_iter().map(on).collect()
+}
+
+fn compare(scene: &str, primitives: &[Primitive], view: &View) {
+    let start = Instant::now();
+    let kernels = kernels(primitives);
+    let build_ms = start.elapsed().as_secs_f64() * 1e3;
+    let statistics = kernels[0].1.statistics().unwrap();
+    println!(
+        "\n{scene}: {} primitives, built in {build_ms:.0} ms\n  {statistics:?}",
+        primitives.len()
+    );
+    let rays = Rays::new(&kernels[0].1, primitives, view);
+    let sets: [(&str, &[Ray], f32); 3] = [
+        ("primary", &rays.primary, 0.0),
+        ("diffuse", &rays.diffuse, 0.0),
+        ("shadow", &rays.shadow, f32::INFINITY),
+    ];
+    for (name, rays, t_max) in sets {
+        let mut times = vec![[[0.0; N_ROUNDS]; 2]; kernels.len()];
+        let mut cost = Cost::default();
+        for round in 0..N_ROUNDS {
+            for (times, (_, accel)) in times.iter_mut().zip(&kernels) {
+                cost = Cost::default();
+                times[0][round] = seconds(accel, rays, t_max, &mut NoProbe);
+                times[1][round] = seconds(accel, rays, t_max, &mut cost);
+            }
+        }
+        let n = rays.len() as f64;
+        let (nodes, tests) = (cost.node_visits as f64 / n, cost.primitive_tests as f64 / n);
+        print!("  {name:8} {nodes:5.1} nodes {tests:5.1} tests a ray");
+        for (times, (kernel, _)) in times.iter_mut().zip(&kernels) {
+            let [bare, counting] = times.each_mut().map(|times| n / median(times) / 1e6);
+            print!("   {kernel} {bare:.2} ({counting:.2})");
+        }
+        println!();
+    }
+}
+
+/// How long all rays take; `t_max` 0 asks for nearest hits.
+fn seconds(accel: &Accel, rays: &[Ray], t_max: f32, probe: &mut impl Probe) -> f64 {
+    let start = Instant::now();
+    let mut n_hits = 0;
+    for ray in rays {
+        n_hits += usize::from(match t_max > 0.0 {
+            true => accel.occluded(ray, t_max, None, probe),
+            false => black_box(accel.nearest(ray, probe)).is_some(),
+        });
+    }
+    black_box(n_hits);
+    start.elapsed().as_secs_f64()
+}
+
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+struct Rays {
+    primary: Vec<Ray>,
+    diffuse: Vec<Ray>,
+    shadow: Vec<Ray>,
+}
+
+impl Rays {
+    fn new(accel: &Accel, primitives: &[Primitive], view: &View) -> Self {
+        let primary: Vec<Ray> = (0..SIDE * SIDE).map(|i| view.ray(i, SIDE)).collect();
+        let (mut diffuse, mut shadow) = (Vec::new(), Vec::new());
+        for (i, ray) in primary.iter().enumerate() {
+            let Some(hit) = accel.nearest(ray, &mut NoProbe) else {
+                continue;
+            };
+            let (position, outward) = primitives[hit.primitive as usize].project(ray.at(hit.t));
+            let normal = outward * -outward.dot(ray.direction).signum();
+            let [u, v, w, _] = uniform([7, i as u64, 0]);
+            let z = 1.0 - 2.0 * v;
+            let (sin, cos) = (std::f32::consts::TAU * u).sin_cos();
+            let on_sphere = Vec3::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + Vec3::Z * z;
+            let up = (normal + 0.999 * on_sphere).normalize();
+            diffuse.push(Ray::leaving(position, normal, up));
+            let light = view.light + 0.1 * Vec3::new(u, v, w);
+            let to_light = (light - position).normalize();
+            shadow.push(Ray::leaving(position, normal, to_light));
+        }
+        Self {
+            primary,
+            diffuse,
+            shadow,
+        }
+    }
+}

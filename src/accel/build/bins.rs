@@ -1,0 +1,185 @@
+//! The cheapest way to part references in two.
+//!
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies"
+//! (2007): the references are counted into bins by their centres, and only
+//! planes between bins are weighed.
+
+use rayon::prelude::*;
+
+use super::reference::{Corners, Reference};
+
+/// From so many references on they are counted in parallel.
+const PARALLEL: usize = 1 << 16;
+
+/// A way to part references in two: by the bin of their centres on one axis.
+pub(super) struct Split {
+    axis: usize,
+    grid: Grid,
+    /// References in lower bins go left.
+    first_right_bin: usize,
+    pub(super) n_left: usize,
+    pub(super) left: Corners,
+    pub(super) right: Corners,
+}
+
+impl Split {
+    /// The cheapest one by the surface area heuristic, over `N` bins an axis, a
+    /// power of two; `None` if all centres coincide, in the bins' view.
+    pub(super) fn best<const N: usize>(
+        references: &[Reference],
+        centers: &Corners,
+    ) -> Option<Self> {
+        let grid = Grid::new::<N>(centers);
+        let bins = Bins::<N>::of(references, &grid);
+        let candidates = (0..3).filter(|&axis| grid.bins_per_length[axis] > 0.0);
+        let (axis, first_right_bin, _) = candidates
+            .filter_map(|axis| bins.cheapest_plane(axis))
+            .min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let (left, n_left) = bins.sum(axis, 0..first_right_bin);
+        let (right, _) = bins.sum(axis, first_right_bin..N);
+        Some(Self {
+            axis,
+            grid,
+            first_right_bin,
+            n_left,
+            left,
+            right,
+        })
+    }
+
+    /// On which side the reference goes.
+    #[inline]
+    pub(super) fn is_left(&self, reference: &Reference) -> bool {
+        self.grid.bins(reference)[self.axis] < self.first_right_bin
+    }
+}
+
+/// Where the bins are.
+#[derive(Clone, Copy)]
+struct Grid {
+    /// Least centres, all doubled.
+    from: [f32; 3],
+    /// 0 on an axis of no use.
+    bins_per_length: [f32; 3],
+    mask: u32,
+}
+
+impl Grid {
+    fn new<const N: usize>(centers: &Corners) -> Self {
+        let bins_per_length = |axis| {
+            // A little less, so that the last centre falls into the last bin.
+            let factor = N as f32 * 0.9999 / centers.extent(axis);
+            if factor.is_finite() && factor > 0.0 {
+                factor
+            } else {
+                0.0
+            }
+        };
+        Self {
+            from: std::array::from_fn(|axis| centers.min(axis)),
+            bins_per_length: std::array::from_fn(bins_per_length),
+            mask: N as u32 - 1,
+        }
+    }
+
+    /// The bin on each axis.
+    #[inline]
+    fn bins(&self, reference: &Reference) -> [usize; 3] {
+        // Beyond 2^23 floats are integers: adding it rounds, and the last bits
+        // are the number; cheaper than a conversion, which has to mind NaN.
+        const TWO_TO_23: f32 = 8_388_608.0;
+        let center = reference.center();
+        std::array::from_fn(|axis| {
+            let bin = (center[axis] - self.from[axis]) * self.bins_per_length[axis];
+            let above = bin - 0.5;
+            let rounded = if above > 0.0 { above } else { 0.0 } + TWO_TO_23;
+            (rounded.to_bits() & self.mask) as usize
+        })
+    }
+}
+
+/// Numbers of references and the boxes around them, `N` on each axis.
+struct Bins<const N: usize> {
+    boxes: [[Corners; N]; 3],
+    counts: [[u32; N]; 3],
+}
+
+impl<const N: usize> Bins<N> {
+    const EMPTY: Self = Self {
+        boxes: [[Corners::EMPTY; N]; 3],
+        counts: [[0; N]; 3],
+    };
+
+    fn of(references: &[Reference], grid: &Grid) -> Self {
+        if references.len() < PARALLEL {
+            return Self::of_few(references, grid);
+        }
+        // Maxima and sums of integers: the same in any order.
+        references
+            .par_chunks(PARALLEL / 4)
+            .map(|references| Self::of_few(references, grid))
+            .reduce(|| Self::EMPTY, Self::merged)
+    }
+
+    fn of_few(references: &[Reference], grid: &Grid) -> Self {
+        let mut bins = Self::EMPTY;
+        for reference in references {
+            let corners = reference.corners();
+            let at = grid.bins(reference);
+            for (axis, bin) in at.into_iter().enumerate() {
+                // The mask of the grid says that it is less than N.
+                let bin = bin % N;
+                bins.boxes[axis][bin] = bins.boxes[axis][bin].union(corners);
+                bins.counts[axis][bin] += 1;
+            }
+        }
+        bins
+    }
+
+    fn merged(mut self, other: Self) -> Self {
+        for axis in 0..3 {
+            for bin in 0..N {
+                self.boxes[axis][bin] = self.boxes[axis][bin].union(other.boxes[axis][bin]);
+                self.counts[axis][bin] += other.counts[axis][bin];
+            }
+        }
+        self
+    }
+
+    /// The box around some bins and their number of references.
+    fn sum(&self, axis: usize, range: std::ops::Range<usize>) -> (Corners, usize) {
+        let boxes = self.boxes[axis][range.clone()].iter();
+        let counts = self.counts[axis][range].iter();
+        (
+            boxes.fold(Corners::EMPTY, |sum, &bin| sum.union(bin)),
+            counts.sum::<u32>() as usize,
+        )
+    }
+
+    /// The axis, the cheapest plane's right bin and the cost: areas times
+    /// numbers. `None` if one bin holds all.
+    fn cheapest_plane(&self, axis: usize) -> Option<(usize, usize, f32)> {
+        let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
+        let mut right_costs = [f32::INFINITY; N];
+        let (mut corners, mut n) = (Corners::EMPTY, 0);
+        for bin in (1..N).rev() {
+            (corners, n) = (corners.union(boxes[bin]), n + counts[bin]);
+            if n > 0 {
+                right_costs[bin] = corners.half_area() * n as f32;
+            }
+        }
+        let (mut corners, mut n) = (Corners::EMPTY, 0);
+        let mut best: Option<(usize, usize, f32)> = None;
+        for bin in 1..N {
+            (corners, n) = (corners.union(boxes[bin - 1]), n + counts[bin - 1]);
+            if n == 0 || right_costs[bin] == f32::INFINITY {
+                continue;
+            }
+            let cost = corners.half_area() * n as f32 + right_costs[bin];
+            if best.is_none_or(|best| cost < best.2) {
+                best = Some((axis, bin, cost));
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,143 @@
+//! The chosen tree → lines of the arena.
+
+use bytemuck::Zeroable;
+use rayon::prelude::*;
+
+use super::binary::{BinaryNode, Kind};
+use super::collapse::{Forests, Roots, is_leaf};
+use crate::accel::layout::{
+    ID_BIT, LeafKind, Line, MAX_LEAF, MAX_LEAF_LINES, NODE_LINES, Node, Word,
+};
+use crate::geometry::Shape;
+use crate::scene::Primitive;
+
+/// From so many lines on subtrees are written in parallel.
+const PARALLEL: usize = 1 << 14;
+
+/// The arena of the tree: its root, all below it, and lines to spare.
+pub(super) fn lines(nodes: &[BinaryNode], whole: &Forests, primitives: &[Primitive]) -> Vec<Line> {
+    let mut roots = match is_leaf(&nodes[0]) {
+        true => Roots::alone(),
+        false => Roots::below(nodes),
+    };
+    let n_lines = match is_leaf(&nodes[0]) {
+        true => NODE_LINES + whole.n_lines(),
+        false => whole.n_lines(),
+    };
+    assert!(n_lines <= Word::MAX_LINES, "a hierarchy has 8 GiB at most");
+    let mut lines = vec![Line::zeroed(); n_lines + MAX_LEAF_LINES];
+    write_node(nodes, primitives, &mut roots, &mut lines[..n_lines], 0);
+    lines
+}
+
+/// Writes a node, its leaves and all below it. `lines` are its own, from
+/// `first_line` on.
+fn write_node(
+    nodes: &[BinaryNode],
+    primitives: &[Primitive],
+    roots: &mut Roots,
+    lines: &mut [Line],
+    first_line: u32,
+) {
+    let children = roots.places();
+    // Small ones first: a search without order takes the last one, and a large
+    // one is hit more often.
+    let area = |child: &usize| nodes[*child].bounds.surface_area();
+    children.sort_by(|a, b| area(a).total_cmp(&area(b)));
+    let n_lines = lines.len();
+    let (own, mut rest) = lines.split_at_mut(NODE_LINES);
+    let mut node = Node::EMPTY;
+    let mut line = first_line + NODE_LINES as u32;
+    for (lane, &child) in children.iter().enumerate() {
+        let bounds = &nodes[child].bounds;
+        for axis in 0..3 {
+            node.min[axis][lane] = bounds.min[axis];
+            node.max[axis][lane] = bounds.max[axis];
+        }
+    }
+    for (lane, &child) in children.iter().enumerate() {
+        if is_leaf(&nodes[child]) {
+            let lines = take(&mut rest, &nodes[child]);
+            node.children[lane] = write_leaf(&nodes[child..], primitives, lines, line).0;
+            line += nodes[child].n_lines;
+        }
+    }
+    let mut subtrees = [const { None }; 8];
+    for (lane, &child) in children.iter().enumerate() {
+        if !is_leaf(&nodes[child]) {
+            node.children[lane] = Word::node(line).0;
+            subtrees[lane] = Some((&nodes[child..], take(&mut rest, &nodes[child]), line));
+            line += nodes[child].n_lines;
+        }
+    }
+    let write = |(nodes, lines, line)| {
+        write_node(nodes, primitives, &mut Roots::below(nodes), lines, line);
+    };
+    match n_lines < PARALLEL {
+        true => subtrees.into_iter().flatten().for_each(write),
+        false => subtrees.into_par_iter().flatten().for_each(write),
+    }
+    own.copy_from_slice(bytemuck::cast_slice(&[node]));
+}
+
+/// Takes the subtree's lines off.
+fn take<'a>(rest: &mut &'a mut [Line], subtree: &BinaryNode) -> &'a mut [Line] {
+    rest.split_off_mut(..subtree.n_lines as usize)
+        .expect("the lines were counted")
+}
+
+/// Writes a leaf of all primitives of a subtree.
+fn write_leaf(
+    nodes: &[BinaryNode],
+    primitives: &[Primitive],
+    lines: &mut [Line],
+    line: u32,
+) -> Word {
+    let mut indices = [0; MAX_LEAF];
+    let mut n = 0;
+    let kind = gather(nodes, &mut indices, &mut n);
+    let indices = &mut indices[..n];
+    indices.sort_unstable();
+    let numbers: &mut [f32] = bytemuck::cast_slice_mut(lines);
+    let mut n_rows = 0;
+    for (lane, &index) in indices.iter().enumerate() {
+        let mut write = |rows: &[f32]| {
+            n_rows = rows.len();
+            for (row, &number) in rows.iter().enumerate() {
+                numbers[row * n + lane] = number;
+            }
+        };
+        match (kind, primitives[index as usize].world_shape()) {
+            (LeafKind::Triangles, Some(Shape::Triangle(triangle))) => {
+                let [v0, v1, v2] = triangle.vertices;
+                let [e1, e2] = [v1 - v0, v2 - v0];
+                write(bytemuck::cast_slice(&[v0, e1, e2]));
+            }
+            (LeafKind::Spheres, Some(Shape::Sphere(sphere))) => {
+                let [x, y, z] = sphere.center.into();
+                write(&[x, y, z, sphere.radius * sphere.radius]);
+            }
+            _ => {}
+        }
+    }
+    for (lane, &index) in indices.iter().enumerate() {
+        numbers[n_rows * n + lane] = f32::from_bits(index | ID_BIT);
+    }
+    Word::leaf(kind, n, line)
+}
+
+/// Collects the primitives of a subtree, which are all of the kind that it
+/// gives.
+fn gather(nodes: &[BinaryNode], indices: &mut [u32; MAX_LEAF], n: &mut usize) -> LeafKind {
+    match nodes[0].kind {
+        Kind::Leaf { primitive, kind } => {
+            indices[*n] = primitive;
+            *n += 1;
+            kind
+        }
+        Kind::Inner { second } => {
+            gather(&nodes[1..], indices, n);
+            gather(&nodes[second as usize..], indices, n)
+        }
+    }
+}

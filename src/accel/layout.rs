@@ -1,0 +1,163 @@
+//! How the hierarchy lies in memory: an arena of cache lines.
+//!
+//! A node is four lines: the boxes of up to eight children as six rows of
+//! eight numbers, and a [`Word`] for each child. After the node come its
+//! leaves, then the nodes below it, depth first.
+//!
+//! A leaf of `n` primitives is a block of rows of `n` numbers: for triangles
+//! the coordinates of one corner and of the two edges from it, for spheres
+//! those of the centre and the squared radius; then the primitives' indices,
+//! ascending. Eight lanes load a row in one go and what follows it with it, so
+//! that lanes from `n` on hold numbers of no meaning. None of them is
+//! subnormal, which would slow down arithmetic: hence [`ID_BIT`].
+
+use bytemuck::{Pod, Zeroable};
+
+use super::simd::N_LANES;
+use crate::geometry::Shape;
+use crate::scene::Primitive;
+
+/// A cache line.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(super) struct Line([f32; 16]);
+
+/// Lines of a [`Node`].
+pub(super) const NODE_LINES: usize = size_of::<Node>() / size_of::<Line>();
+/// Lines of the largest leaf; so many follow the start of each.
+pub(super) const MAX_LEAF_LINES: usize = 5;
+/// Numbers in those lines.
+pub(super) const MAX_LEAF_LEN: usize = MAX_LEAF_LINES * 16;
+/// Most primitives in a leaf.
+pub(super) const MAX_LEAF: usize = N_LANES;
+/// Rows of a triangle leaf before the indices.
+pub(super) const TRIANGLE_ROWS: usize = 9;
+/// Rows of a sphere leaf before the indices.
+pub(super) const SPHERE_ROWS: usize = 4;
+/// Set in the indices of leaves: read as a number they are then normal.
+pub(super) const ID_BIT: u32 = 1 << 30;
+
+/// Up to eight boxes; those that are not there are empty.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Least coordinates of the children, a row for each axis.
+    pub(super) min: [[f32; N_LANES]; 3],
+    /// Greatest coordinates of the children, a row for each axis.
+    pub(super) max: [[f32; N_LANES]; 3],
+    /// What the children are, as [`Word`]s.
+    pub(super) children: [u32; N_LANES],
+    pub(super) unused: [u32; N_LANES],
+}
+
+impl Node {
+    /// No child at all: boxes that no ray enters.
+    pub(super) const EMPTY: Self = Self {
+        min: [[f32::INFINITY; N_LANES]; 3],
+        max: [[f32::NEG_INFINITY; N_LANES]; 3],
+        children: [0; N_LANES],
+        unused: [0; N_LANES],
+    };
+
+    /// The number of children.
+    pub(super) fn n_children(&self) -> usize {
+        self.min[0].iter().take_while(|min| min.is_finite()).count()
+    }
+}
+
+/// What kind of primitives a leaf holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LeafKind {
+    /// Triangles, tested together.
+    Triangles = 1,
+    /// Spheres, tested together.
+    Spheres = 2,
+    /// Anything, tested one by one.
+    Others = 3,
+}
+
+impl LeafKind {
+    /// The kind of leaf for a primitive.
+    pub(super) fn of(primitive: &Primitive) -> Self {
+        match primitive.world_shape() {
+            Some(Shape::Triangle(_)) => Self::Triangles,
+            Some(Shape::Sphere(_)) => Self::Spheres,
+            _ => Self::Others,
+        }
+    }
+
+    /// Lines of a leaf of `n` primitives.
+    pub(super) fn n_lines(self, n: usize) -> usize {
+        let len = match self {
+            Self::Triangles => (TRIANGLE_ROWS + 1) * n,
+            // The last row is loaded whole, and nothing behind the leaf.
+            Self::Spheres => ((SPHERE_ROWS + 1) * n).max((SPHERE_ROWS - 1) * n + N_LANES),
+            Self::Others => n,
+        };
+        len.div_ceil(16)
+    }
+}
+
+/// A child: a node, or a leaf with its kind and size. From the top 2 bits of
+/// kind (0 for a node), 3 bits of size less one, 27 bits of line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Word(pub(super) u32);
+
+impl Word {
+    /// The node that the search starts with.
+    pub(super) const ROOT: Self = Self(0);
+    /// Lines that a leaf may start in, 8 GiB of them.
+    pub(super) const MAX_LINES: usize = 1 << 27;
+
+    /// The node at this line.
+    pub(super) fn node(line: u32) -> Self {
+        Self(line)
+    }
+
+    /// The leaf of `n` primitives at this line.
+    pub(super) fn leaf(kind: LeafKind, n: usize, line: u32) -> Self {
+        Self((kind as u32) << 30 | (n as u32 - 1) << 27 | line)
+    }
+
+    /// The kind of leaf; `None` for a node.
+    #[inline(always)]
+    pub(super) fn leaf_kind(self) -> Option<LeafKind> {
+        match self.0 >> 30 {
+            0 => None,
+            1 => Some(LeafKind::Triangles),
+            2 => Some(LeafKind::Spheres),
+            _ => Some(LeafKind::Others),
+        }
+    }
+
+    /// The number of primitives in the leaf, from 1 to 8.
+    #[inline(always)]
+    pub(super) fn leaf_size(self) -> usize {
+        (self.0 >> 27 & 7) as usize + 1
+    }
+
+    #[inline(always)]
+    fn line(self) -> usize {
+        (self.0 & (Self::MAX_LINES as u32 - 1)) as usize
+    }
+}
+
+/// The node that a word names.
+#[inline(always)]
+pub(super) fn node(lines: &[Line], word: Word) -> &Node {
+    let lines = lines[word.line()..].first_chunk::<NODE_LINES>();
+    bytemuck::cast_ref(lines.expect("nodes are whole"))
+}
+
+/// The numbers of the leaf that a word names, and what follows it.
+#[inline(always)]
+pub(super) fn leaf(lines: &[Line], word: Word) -> &[f32; MAX_LEAF_LEN] {
+    let lines = lines[word.line()..].first_chunk::<MAX_LEAF_LINES>();
+    bytemuck::cast_ref(lines.expect("the arena ends with lines to spare"))
+}
+
+/// The index of a primitive, from a leaf.
+#[inline(always)]
+pub(super) fn primitive_index(number: f32) -> u32 {
+    number.to_bits() & !ID_BIT
+}

@@ -1,0 +1,175 @@
+//! Lanes as plain arrays, which the compiler turns into whatever vectors the
+//! target has: SSE2, NEON.
+
+use std::ops::{Add, BitAnd, Div, Mul, Sub};
+
+use super::{InstructionSet, Lanes, Mask, N_LANES};
+
+/// What every machine has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Portable;
+
+impl InstructionSet for Portable {
+    type Lanes = F32x8;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> F32x8 {
+        F32x8([value; N_LANES])
+    }
+
+    #[inline(always)]
+    fn load(self, values: &[f32; N_LANES]) -> F32x8 {
+        F32x8(*values)
+    }
+}
+
+/// Eight numbers.
+#[derive(Clone, Copy)]
+pub(super) struct F32x8([f32; N_LANES]);
+
+/// Eight truths: bit `i` for lane `i`.
+#[derive(Clone, Copy)]
+pub(super) struct Bits(u8);
+
+impl Mask for Bits {
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        self.0
+    }
+}
+
+impl BitAnd for Bits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl F32x8 {
+    #[inline(always)]
+    fn zip(mut self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
+        // A loop, for `array::map` and `from_fn` are not always inlined.
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a = op(*a, b);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn compare(self, other: Self, op: impl Fn(&f32, &f32) -> bool) -> Bits {
+        let mut bits = 0;
+        for i in 0..N_LANES {
+            bits |= u8::from(op(&self.0[i], &other.0[i])) << i;
+        }
+        Bits(bits)
+    }
+}
+
+impl Lanes for F32x8 {
+    type Mask = Bits;
+
+    #[inline(always)]
+    fn to_array(self) -> [f32; N_LANES] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.zip(self, |a, _| a.sqrt())
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.zip(self, |a, _| a.abs())
+    }
+
+    #[inline(always)]
+    fn flip_sign_by(self, other: Self) -> Self {
+        let sign = |x: f32| x.to_bits() & (1 << 31);
+        self.zip(other, |a, b| f32::from_bits(a.to_bits() ^ sign(b)))
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Bits {
+        self.compare(other, f32::lt)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Bits {
+        self.compare(other, f32::le)
+    }
+
+    #[inline(always)]
+    fn select(mask: Bits, this: Self, other: Self) -> Self {
+        let mut picked = other;
+        for i in 0..N_LANES {
+            if mask.0 >> i & 1 != 0 {
+                picked.0[i] = this.0[i];
+            }
+        }
+        picked
+    }
+
+    /// Insertion: there are seldom more than three.
+    #[inline(always)]
+    fn far_to_near(self, mask: Bits, words: &[u32; N_LANES]) -> ([u32; N_LANES], [f32; N_LANES]) {
+        let mut keys = [0; N_LANES];
+        let mut n = 0;
+        for lane in (0..N_LANES).filter(|lane| mask.0 >> lane & 1 != 0) {
+            let key = self.0[lane].to_bits() & !7 | lane as u32;
+            let mut at = n;
+            while at > 0 && keys[at - 1] < key {
+                keys[at] = keys[at - 1];
+                at -= 1;
+            }
+            keys[at] = key;
+            n += 1;
+        }
+        let (mut sorted, mut distances) = ([0; N_LANES], [0.0; N_LANES]);
+        for (i, key) in keys.into_iter().enumerate().take(n) {
+            let lane = key as usize % N_LANES;
+            (sorted[i], distances[i]) = (words[lane], self.0[lane]);
+        }
+        (sorted, distances)
+    }
+
+    #[inline(always)]
+    fn compress(mask: Bits, words: &[u32; N_LANES]) -> [u32; N_LANES] {
+        let mut kept = [0; N_LANES];
+        let mut bits = mask.0;
+        for slot in kept.iter_mut().take(bits.count_ones() as usize) {
+            *slot = words[bits.trailing_zeros() as usize % N_LANES];
+            bits &= bits.wrapping_sub(1);
+        }
+        kept
+    }
+}
+
+/// An operator, lane by lane.
+macro_rules! operator {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl $trait for F32x8 {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $op b)
+            }
+        }
+    };
+}
+
+operator!(Add, add, +);
+operator!(Sub, sub, -);
+operator!(Mul, mul, *);
+operator!(Div, div, /);

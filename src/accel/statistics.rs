@@ -1,0 +1,81 @@
+//! The size of a hierarchy.
+
+use super::layout::{self, Line, MAX_LEAF, Node, Word};
+use crate::geometry::Aabb;
+
+/// Cost of a node, in primitive tests.
+const NODE_COST: f64 = 1.0;
+
+/// The size of a hierarchy.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct BvhStatistics {
+    /// Nodes of up to eight children.
+    pub n_nodes: usize,
+    /// Leaves of up to eight primitives.
+    pub n_leaves: usize,
+    /// Edges from the root to the deepest leaf.
+    pub depth: usize,
+    /// Expected cost of a ray through the root's box, in primitive tests, by
+    /// the surface area heuristic.
+    pub sah_cost: f32,
+    /// Memory of nodes and leaves.
+    pub bytes: usize,
+}
+
+impl BvhStatistics {
+    /// Of an arena, which may be empty.
+    pub(super) fn of(lines: &[Line]) -> Self {
+        let mut count = Count::default();
+        if !lines.is_empty() {
+            let root = layout::node(lines, Word::ROOT);
+            let bounds = (0..root.n_children()).map(|i| child_bounds(root, i));
+            let area = bounds.fold(Aabb::EMPTY, Aabb::union).surface_area();
+            count.node(lines, Word::ROOT, f64::from(area), 0);
+            count.cost /= f64::from(area).max(f64::MIN_POSITIVE);
+        }
+        Self {
+            n_nodes: count.n_nodes,
+            n_leaves: count.n_leaves,
+            depth: count.depth,
+            sah_cost: count.cost as f32,
+            bytes: size_of_val(lines),
+        }
+    }
+}
+
+#[derive(Default)]
+struct Count {
+    n_nodes: usize,
+    n_leaves: usize,
+    depth: usize,
+    /// Sum of costs times areas.
+    cost: f64,
+}
+
+impl Count {
+    fn node(&mut self, lines: &[Line], word: Word, area: f64, depth: usize) {
+        self.n_nodes += 1;
+        self.depth = self.depth.max(depth + 1);
+        self.cost += NODE_COST * area;
+        let node = layout::node(lines, word);
+        for i in 0..node.n_children() {
+            let child = Word(node.children[i]);
+            let area = f64::from(child_bounds(node, i).surface_area());
+            match child.leaf_kind() {
+                None => self.node(lines, child, area, depth + 1),
+                Some(_) => {
+                    debug_assert!(child.leaf_size() <= MAX_LEAF);
+                    self.n_leaves += 1;
+                    self.cost += child.leaf_size() as f64 * area;
+                }
+            }
+        }
+    }
+}
+
+fn child_bounds(node: &Node, i: usize) -> Aabb {
+    Aabb {
+        min: node.min.map(|row| row[i]).into(),
+        max: node.max.map(|row| row[i]).into(),
+    }
+}
