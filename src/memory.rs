@@ -19,6 +19,7 @@ pub struct Memory {
     pub film: u64,
     /// Primitives and the structure over them.
     pub scene: u64,
+    n_primitives: usize,
 }
 
 impl Memory {
@@ -31,9 +32,11 @@ impl Memory {
                 Acceleration::BruteForce => size_of::<u32>(),
             };
         let n_pixels = config.image.n_pixels() as u64;
+        let n_primitives = scene::n_primitives(config);
         Self {
             film: n_pixels * (film::bytes_per_pixel(has_cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
-            scene: scene::n_primitives(config) as u64 * per_primitive as u64,
+            scene: n_primitives as u64 * per_primitive as u64,
+            n_primitives,
         }
     }
 
@@ -42,11 +45,21 @@ impl Memory {
         self.film + self.scene
     }
 
-    /// Makes sure that `available` bytes are enough.
+    /// Makes sure that `available` bytes are enough, and that the primitives
+    /// are no more than a hierarchy can hold.
     ///
     /// # Errors
     /// A fault of the section that needs most.
     pub fn check(&self, available: u64) -> Result<(), Fault> {
+        if self.n_primitives > Bvh::MAX_PRIMITIVES {
+            let most = Bvh::MAX_PRIMITIVES;
+            let message = format!("the scene has {} primitives", self.n_primitives);
+            let objects = Path::default().key("objects");
+            return Err(
+                Fault::of_key(objects, message, format!("expected at most {most}"))
+                    .with_help("ask the generators for fewer spheres"),
+            );
+        }
         if self.total() <= available {
             return Ok(());
         }

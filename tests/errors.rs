@@ -185,9 +185,7 @@ fn line_ends_of_other_systems_change_no_message() {
 #[test]
 fn what_memory_cannot_hold_is_refused() {
     let image = FINE.replace("width: 4, height: 3", "width: 60000, height: 60000");
-    let n_spheres =
-        "sphere_cloud: { count: 1000000000, min: [0, 0, 0], max: [1, 1, 1], radius: 1 }";
-    let cloud = FINE.replace("sphere: { center: [0, 0, 0], radius: 1 }", n_spheres);
+    let cloud = cloud_of(20_000_000);
     for (scene, what, line, help) in [
         (image, "image", 1, "choose a smaller `width` or `height`"),
         (cloud, "scene", 5, "ask the generators for fewer spheres"),
@@ -205,6 +203,24 @@ fn what_memory_cannot_hold_is_refused() {
         );
         assert!(error.ends_with(&format!("= help: {help}")), "{error}");
     }
+}
+
+/// The fine scene with so many spheres.
+fn cloud_of(n_spheres: u32) -> String {
+    let cloud = format!(
+        "sphere_cloud: {{ count: {n_spheres}, min: [0, 0, 0], max: [1, 1, 1], radius: 1 }}"
+    );
+    FINE.replace("sphere: { center: [0, 0, 0], radius: 1 }", &cloud)
+}
+
+#[test]
+fn more_primitives_than_a_hierarchy_can_hold_are_refused() {
+    let error = check(&cloud_of(1_000_000_000), u64::MAX)
+        .unwrap_err()
+        .to_string();
+    let title = "error: the scene has 1000000000 primitives\n --> scene.yaml:5:1\n";
+    assert!(error.starts_with(title), "{error}");
+    assert!(error.contains("expected at most 26843543"), "{error}");
 }
 
 #[test]

@@ -20,6 +20,9 @@ pub struct Bvh {
 }
 
 impl Bvh {
+    /// Most primitives that are sure to fit.
+    pub const MAX_PRIMITIVES: usize = build::MAX_PRIMITIVES;
+
     /// Bytes of memory for each primitive, at most, while it is built.
     pub const MAX_BYTES_PER_PRIMITIVE: usize = build::MAX_BYTES_PER_PRIMITIVE;
 
@@ -27,7 +30,8 @@ impl Bvh {
     /// one on any number of threads.
     ///
     /// # Panics
-    /// If it is larger than 8 GiB, as with 100 million primitives or more.
+    /// If it is larger than 8 GiB, which takes more than
+    /// [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES), and commonly ten times as many.
     pub fn new(primitives: &[Primitive], indices: Vec<u32>) -> Self {
         let (lines, bounds) = build::arena(primitives, indices);
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();

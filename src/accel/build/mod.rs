@@ -14,7 +14,7 @@ mod emit;
 
 use rayon::prelude::*;
 
-use super::layout::{Line, NODE_LINES};
+use super::layout::{Line, MAX_LEAF_LINES, NODE_LINES, Word};
 use crate::geometry::Aabb;
 use crate::scene::Primitive;
 use binary::BinaryNode;
@@ -22,15 +22,22 @@ use reference::{Corners, Reference};
 
 pub(super) use binary::MAX_DEPTH;
 
+/// Lines of the arena for each primitive at most: one of a leaf, and there are
+/// fewer nodes than leaves, since each has two children at least. (In practice
+/// a primitive takes less than one line.)
+const MAX_LINES_PER_PRIMITIVE: usize = 1 + NODE_LINES;
+
+/// Most primitives whose arena is sure to be no larger than words can tell.
+pub(super) const MAX_PRIMITIVES: usize =
+    (Word::MAX_LINES - NODE_LINES - MAX_LEAF_LINES) / MAX_LINES_PER_PRIMITIVE;
+
 /// Bytes for each primitive at most: its index, its part of the binary tree,
 /// and the larger of what the two phases need beside. While the binary tree
-/// grows that is two sets of references; then the arena, where a leaf takes at
-/// most a line a primitive, and there are fewer nodes than leaves, since each
-/// has two children at least. (In practice an arena takes 40 to 60 bytes.)
+/// grows that is two sets of references; then the arena.
 pub(super) const MAX_BYTES_PER_PRIMITIVE: usize = {
     let tree = 2 * size_of::<BinaryNode>();
     let references = 2 * size_of::<Reference>();
-    let arena = (1 + NODE_LINES) * size_of::<Line>();
+    let arena = MAX_LINES_PER_PRIMITIVE * size_of::<Line>();
     let more = if references > arena {
         references
     } else {
