@@ -4,12 +4,12 @@
 //! it reads that counter, calibrated once against the operating system's
 //! clock; elsewhere it reads the operating system's clock itself.
 
-use std::time::{Duration, Instant as OsInstant};
+use std::time::Instant as OsInstant;
 
 /// How long the calibration waits. The operating system's clock is good to
 /// about 50 ns, so that 2 ms make the rate good to 0.003 %.
 #[cfg(target_arch = "x86_64")]
-const CALIBRATION: Duration = Duration::from_millis(2);
+const CALIBRATION: std::time::Duration = std::time::Duration::from_millis(2);
 
 /// How many back-to-back readings the clock's own cost is the median of.
 const N_READINGS: usize = 1001;
@@ -146,6 +146,8 @@ mod tsc {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
 
     #[test]
