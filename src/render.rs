@@ -38,10 +38,11 @@ pub fn render(
 ) -> Film {
     let mut film = Film::new(image.width, image.height, clock.is_some());
     let strips: Vec<_> = film.strips.iter_mut().map(Mutex::new).collect();
+    let tracer = Tracer::new(scene, accel);
     let renderer = Renderer {
         scene,
-        shader: Shader::new(scene, Tracer::new(scene, accel)),
-        tracer: Tracer::new(scene, accel),
+        shader: Shader::new(scene, tracer),
+        tracer,
         pattern: PixelPattern::new(image.samples_per_pixel, image.seed),
         image,
     };

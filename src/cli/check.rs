@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::Failure;
 use super::render::SceneArguments;
-use crate::config::{Acceleration, Config, Geometry};
+use crate::config::{Acceleration, Config};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
@@ -36,7 +36,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String 
     };
     let files = Artifact::ALL
         .iter()
-        .filter(|artifact| arguments.has_cost() || !artifact.needs_cost())
+        .filter(|artifact| artifact.has_data(arguments.has_cost()))
         .map(|artifact| artifact.file_name())
         .collect::<Vec<_>>();
     let lines = [
@@ -105,11 +105,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String 
 fn kinds(config: &Config) -> String {
     let mut kinds: indexmap::IndexMap<String, u64> = indexmap::IndexMap::new();
     for object in &config.objects {
-        let name = match &object.geometry {
-            Geometry::Shape(shape) => shape.to_string(),
-            Geometry::Generator(generator) => generator.to_string(),
-        };
-        *kinds.entry(name).or_default() += 1;
+        *kinds.entry(object.geometry.to_string()).or_default() += 1;
     }
     let kinds: Vec<String> = kinds
         .iter()

@@ -117,6 +117,11 @@ impl Film {
         self.strips.iter().map(hits).sum()
     }
 
+    /// The sum of `time_ns` over all pixels.
+    pub fn total_time_ns(&self) -> f64 {
+        self.values(|strip| &strip.time_ns).map(f64::from).sum()
+    }
+
     /// One array's rows, the film's uppermost first, each a slice of its strip.
     pub fn rows<'a, T: 'a>(
         &'a self,

@@ -14,14 +14,13 @@ use super::format;
 pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<()> {
     let film = rendering.film;
     let times: Vec<f32> = film.values(|strip| &strip.time_ns).collect();
-    let total_ns: f64 = times.iter().copied().map(f64::from).sum();
     let picture = draw(&CostMap {
         values: &times,
         width: film.width,
         height: film.height,
         title: &format!("{}: time per pixel", rendering.name),
         unit: "ns",
-        subtitle: &subtitle(rendering, total_ns, median(&times)),
+        subtitle: &subtitle(rendering, median(&times)),
     });
     PngEncoder::new(out)
         .write_image(
@@ -33,7 +32,7 @@ pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<(
         .map_err(io::Error::other)
 }
 
-fn subtitle(rendering: &Rendering, total_ns: f64, median_ns: f32) -> String {
+fn subtitle(rendering: &Rendering, median_ns: f32) -> String {
     let image = &rendering.config.image;
     let n_threads = rendering.threads.used;
     let duration = |ns: f64| format::duration(Duration::from_nanos(ns as u64));
@@ -44,7 +43,7 @@ fn subtitle(rendering: &Rendering, total_ns: f64, median_ns: f32) -> String {
         format::counted(image.samples_per_pixel.into(), "sample"),
         format::counted(n_threads as u64, "thread"),
         duration(median_ns.into()),
-        duration(total_ns),
+        duration(rendering.film.total_time_ns()),
     )
 }
 

@@ -100,9 +100,9 @@ impl Artifact {
         }
     }
 
-    /// Whether there is nothing to say without measured costs.
-    pub fn needs_cost(self) -> bool {
-        matches!(self, Self::Cost | Self::HeatmapState)
+    /// Whether there is something to write for a film with or without cost.
+    pub fn has_data(self, has_cost: bool) -> bool {
+        has_cost || !matches!(self, Self::Cost | Self::HeatmapState)
     }
 
     fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
@@ -129,8 +129,9 @@ pub fn write(
     mut stages: Stages,
 ) -> Result<(Vec<Written>, Stages), WriteError> {
     let states = States::new(rendering, folder);
-    let has_data = |artifact: &Artifact| rendering.film.has_cost || !artifact.needs_cost();
-    let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL.into_iter().partition(has_data);
+    let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL
+        .into_iter()
+        .partition(|artifact| artifact.has_data(rendering.film.has_cost));
     let stage = |artifact: &Artifact| {
         folder.stage(artifact.file_name(), |out| {
             artifact.write(rendering, &states, out)

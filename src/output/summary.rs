@@ -128,9 +128,8 @@ fn objects(rendering: &Rendering) -> Value {
 /// The sums of the film's arrays, by the arrays' names.
 fn totals(film: &Film) -> Value {
     let totals = &film.totals;
-    let time_ns: f64 = film.values(|strip| &strip.time_ns).map(f64::from).sum();
     json!({
-        "time_ns": time_ns,
+        "time_ns": film.total_time_ns(),
         "node_visits": totals.node_visits,
         "primitive_tests": totals.primitive_tests,
         "rays": totals.n_rays(),

@@ -8,7 +8,7 @@ mod primitive;
 
 use crate::camera::ImagePlane;
 use crate::config::{Background, Config, Geometry, Object, Shading};
-use crate::geometry::Transform;
+use crate::geometry::{Shape, Transform};
 use crate::light::Light;
 use crate::material::Material;
 use crate::yaml::{Fault, Path, did_you_mean};
@@ -140,7 +140,7 @@ fn place(
         Geometry::Shape(shape) => add(shape.clone(), materials[0]),
         Geometry::Generator(generator) => (0..generator.n_spheres()).try_for_each(|i| {
             let (sphere, material) = generator.sphere(i, materials.len());
-            add(crate::geometry::Shape::Sphere(sphere), materials[material])
+            add(Shape::Sphere(sphere), materials[material])
         }),
     }
 }

@@ -32,7 +32,8 @@ impl Avx512 {
     }
 }
 
-/// Eight truths: bit `i` for lane `i`.
+/// Eight truths: bit `i` for lane `i`. A type of its own beside the portable
+/// one: who has a value of it has the instructions.
 #[derive(Clone, Copy)]
 pub(in crate::accel) struct Bits(__mmask8);
 

@@ -31,9 +31,14 @@ pub struct Range {
 
 impl Range {
     /// The range for `values`, in any order; 1 to 2 where none can be drawn.
-    pub fn of(values: &[f32]) -> Self {
+    pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let census = Census::of(values);
-        let Census { n, min, max, .. } = census;
+        let Census {
+            min,
+            max,
+            n_undrawable,
+            ..
+        } = census;
         let (low, high) = at_least_one_percent(census.robust_ends());
         // An end that cuts values off is moved to the edge of its bin, so that the counts are exact.
         let low = if low > min.into() {
@@ -53,7 +58,7 @@ impl Range {
             max,
             n_below: census.n_in(0..bin(min.max(low as f32))),
             n_above: census.n_in(bin(max.min(high as f32)) + 1..N_BINS),
-            n_undrawable: values.len() as u64 - n,
+            n_undrawable,
         }
     }
 
@@ -90,6 +95,7 @@ fn upper_edge(bin: usize) -> f64 {
 struct Census {
     n_by_bin: Vec<u64>,
     n: u64,
+    n_undrawable: u64,
     /// 1 where there is no value.
     min: f32,
     /// 1 where there is no value.
@@ -97,13 +103,16 @@ struct Census {
 }
 
 impl Census {
-    fn of(values: &[f32]) -> Self {
+    fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let mut n_by_bin = vec![0; N_BINS];
         let (mut min, mut max, mut n) = (f32::INFINITY, 0.0_f32, 0);
+        let mut n_undrawable = 0;
         for &value in values {
             if is_drawable(value) {
                 n_by_bin[bin(value)] += 1;
                 (min, max, n) = (min.min(value), max.max(value), n + 1);
+            } else {
+                n_undrawable += 1;
             }
         }
         if n == 0 {
@@ -112,6 +121,7 @@ impl Census {
         Self {
             n_by_bin,
             n,
+            n_undrawable,
             min,
             max,
         }

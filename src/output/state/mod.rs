@@ -117,11 +117,10 @@ fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
 /// The values that the colours of the cost span, without outliers as in
 /// `cost.png`; those of the distance where no cost was measured.
 fn cost_range(film: &Film) -> [f64; 2] {
-    let values: Vec<f32> = match film.has_cost {
-        true => film.values(|strip| &strip.time_ns).collect(),
-        false => film.values(|strip| &strip.distance).collect(),
+    let range = match film.has_cost {
+        true => Range::of(film.rows(|strip| &strip.time_ns).flatten()),
+        false => Range::of(film.rows(|strip| &strip.distance).flatten()),
     };
-    let range = Range::of(&values);
     [range.low, range.high]
 }
 
