@@ -18,7 +18,7 @@ mod statistics;
 mod bvh;
 
 use crate::config::Acceleration;
-use crate::cost::Probe;
+use crate::cost::{Cost, Probe, StreamProbe};
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
@@ -34,6 +34,17 @@ pub struct Hit {
     pub t: f32,
     /// The primitive's index in the scene.
     pub primitive: u32,
+}
+
+/// A ray that asks whether anything is in its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShadowRay {
+    /// The ray, whose direction is a unit vector.
+    pub ray: Ray,
+    /// Only hits with `t` in (0, `t_max`) count.
+    pub t_max: f32,
+    /// An object whose hits do not count.
+    pub ignored: Option<ObjectId>,
 }
 
 /// The structure that finds hits.
@@ -102,6 +113,41 @@ impl<'a> Accel<'a> {
         let mut any = Any::new(self.primitives, ray, t_max, ignored);
         self.search(ray, &mut any, probe);
         any.found
+    }
+
+    /// [`nearest`](Self::nearest) of many rays at once: `hits` becomes one entry
+    /// for each ray, and the probe hears of each ray by its index, in any
+    /// order.
+    pub fn nearest_stream<P: StreamProbe>(
+        &self,
+        rays: &[Ray],
+        hits: &mut Vec<Option<Hit>>,
+        probe: &mut P,
+    ) {
+        hits.clear();
+        hits.extend(rays.iter().enumerate().map(|(i, ray)| {
+            let mut cost = Cost::default();
+            let hit = self.nearest(ray, &mut cost);
+            probe.traversal(i, cost.node_visits as u32, cost.primitive_tests as u32);
+            hit
+        }));
+    }
+
+    /// [`occluded`](Self::occluded) of many rays at once, as
+    /// [`nearest_stream`](Self::nearest_stream) does it.
+    pub fn occluded_stream<P: StreamProbe>(
+        &self,
+        rays: &[ShadowRay],
+        occluded: &mut Vec<bool>,
+        probe: &mut P,
+    ) {
+        occluded.clear();
+        occluded.extend(rays.iter().enumerate().map(|(i, shadow)| {
+            let mut cost = Cost::default();
+            let found = self.occluded(&shadow.ray, shadow.t_max, shadow.ignored, &mut cost);
+            probe.traversal(i, cost.node_visits as u32, cost.primitive_tests as u32);
+            found
+        }));
     }
 
     /// Shows what the ray may hit to the search, and tells the probe.

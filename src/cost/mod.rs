@@ -7,7 +7,7 @@ mod clock;
 mod probe;
 
 pub use clock::{Clock, Instant};
-pub use probe::{NoProbe, Probe};
+pub use probe::{NoProbe, Probe, StreamProbe};
 
 /// Why a ray was shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -43,3 +43,18 @@ impl Probe for Cost {
         self.depth = self.depth.max(depth.into());
     }
 }
+
+/// Listens to rays that are traced many at a time.
+pub trait StreamProbe {
+    /// Whether [`traversal`](Self::traversal) wants to be called.
+    const COUNTS: bool;
+    /// Ray number `ray` of the stream has ended after so many nodes and tests.
+    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32);
+}
+
+impl StreamProbe for NoProbe {
+    const COUNTS: bool = false;
+
+    #[inline(always)]
+    fn traversal(&mut self, _: usize, _: u32, _: u32) {}
+}
