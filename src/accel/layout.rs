@@ -5,7 +5,7 @@
 //! leaves, then the nodes below it, depth first.
 //!
 //! A leaf of `n` primitives is a block of rows of `n` numbers: for triangles
-//! the coordinates of one corner and of the two edges from it, for spheres
+//! the coordinates of the three corners, for spheres
 //! those of the centre and the squared radius; then the primitives' indices,
 //! ascending. Eight lanes load a row in one go and what follows it with it, so
 //! that lanes from `n` on hold numbers of no meaning. None of them is

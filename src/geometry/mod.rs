@@ -6,6 +6,7 @@
 //! its file, its `mod` line and its line in [`shape::Shape`].
 
 mod ray;
+mod shear;
 mod aabb;
 mod transform;
 mod shape;
@@ -21,6 +22,7 @@ pub use disk::Disk;
 pub use plane::Plane;
 pub use ray::Ray;
 pub use shape::{Shape, Surface};
+pub use shear::Shear;
 pub use sphere::Sphere;
 pub use transform::{Transform, TransformStep};
 pub use triangle::Triangle;

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
 
-use super::{Aabb, Ray, Surface, Transform};
+use super::{Aabb, Ray, Shear, Surface, Transform};
 use crate::yaml;
 
 /// The points between three corners.
@@ -33,27 +33,24 @@ impl Triangle {
 }
 
 impl Surface for Triangle {
-    /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection",
-    /// Journal of Graphics Tools 2(1), 1997.
+    /// Watertight: see [`Shear`].
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let [v0, v1, v2] = self.vertices;
-        let (e1, e2) = (v1 - v0, v2 - v0);
-        let p = ray.direction.cross(e2);
-        let determinant = e1.dot(p);
-        let side = 1.0_f32.copysign(determinant);
-        let s = ray.origin - v0;
-        let u = s.dot(p) * side;
-        let q = s.cross(e1);
-        let v = ray.direction.dot(q) * side;
-        // The barycentric coordinates before the division, which few rays need.
-        if !(u >= 0.0 && v >= 0.0 && u + v <= determinant.abs()) {
+        let shear = Shear::along(ray.direction);
+        let [a, b, c] = self.vertices.map(|vertex| shear.point(ray, vertex));
+        // Twice the areas that the ray's axis makes with each edge.
+        let u = b.x * c.y - b.y * c.x;
+        let v = c.x * a.y - c.y * a.x;
+        let w = a.x * b.y - a.y * b.x;
+        let area = u + v + w;
+        let side = 1.0_f32.copysign(area);
+        if !(u * side >= 0.0 && v * side >= 0.0 && w * side >= 0.0) {
             return None;
         }
-        let t = e2.dot(q) / determinant;
+        let inverse = area.recip();
+        let t = (u * inverse) * a.z + (v * inverse) * b.z + (w * inverse) * c.z;
         // A ray in the triangle's plane gives NaN or infinities, which fail here.
-        let hit = t > 0.0 && t < t_max;
-        hit.then_some(t)
+        (t > 0.0 && t < t_max).then_some(t)
     }
 
     fn project(&self, near: Vec3) -> (Vec3, Vec3) {

@@ -109,9 +109,7 @@ fn write_leaf(
         };
         match (kind, primitives[index as usize].world_shape()) {
             (LeafKind::Triangles, Some(Shape::Triangle(triangle))) => {
-                let [v0, v1, v2] = triangle.vertices;
-                let [e1, e2] = [v1 - v0, v2 - v0];
-                write(bytemuck::cast_slice(&[v0, e1, e2]));
+                write(bytemuck::cast_slice(&triangle.vertices));
             }
             (LeafKind::Spheres, Some(Shape::Sphere(sphere))) => {
                 let [x, y, z] = sphere.center.into();

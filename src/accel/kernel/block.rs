@@ -4,19 +4,22 @@
 //! each lane gives the very `t` of [`Triangle`](crate::geometry::Triangle) or
 //! [`Sphere`](crate::geometry::Sphere).
 
+use glam::Vec3;
+
 use crate::accel::layout::{MAX_LEAF_LEN, SPHERE_ROWS, TRIANGLE_ROWS, primitive_index};
 use crate::accel::search::Search;
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
-use crate::geometry::Ray;
+use crate::geometry::{Ray, Shear};
 
 /// What a ray's tests against many leaves have in common.
-pub(super) struct Blocks<I: InstructionSet> {
+pub(super) struct Blocks<I> {
     set: I,
-    origin: Vec3Lanes<I::Lanes>,
-    direction: Vec3Lanes<I::Lanes>,
+    origin: Vec3,
+    direction: Vec3,
+    shear: Shear,
     /// The direction's squared length.
-    a: I::Lanes,
-    inverse_a: I::Lanes,
+    a: f32,
+    inverse_a: f32,
 }
 
 /// The rows of a leaf of `n` primitives.
@@ -68,10 +71,11 @@ impl<I: InstructionSet> Blocks<I> {
         let a = ray.direction.dot(ray.direction);
         Self {
             set,
-            origin: Vec3Lanes::splat(set, ray.origin),
-            direction: Vec3Lanes::splat(set, ray.direction),
-            a: set.splat(a),
-            inverse_a: set.splat(a.recip()),
+            origin: ray.origin,
+            direction: ray.direction,
+            shear: Shear::along(ray.direction),
+            a,
+            inverse_a: a.recip(),
         }
     }
 
@@ -91,20 +95,48 @@ impl<I: InstructionSet> Blocks<I> {
     ) {
         let rows = self.rows(numbers, n);
         let zero = self.set.splat(0.0);
-        let (v0, e1, e2) = (rows.vectors(0), rows.vectors(3), rows.vectors(6));
-        let p = self.direction.cross(e2);
-        let determinant = e1.dot(p);
-        let s = self.origin - v0;
-        let u = s.dot(p).flip_sign_by(determinant);
-        let q = s.cross(e1);
-        let v = self.direction.dot(q).flip_sign_by(determinant);
-        let inside = zero.le(u) & zero.le(v) & (u + v).le(determinant.abs());
+        // No `array::map` here: it is not always inlined.
+        let (a, b, c) = (
+            self.sheared(&rows, 0),
+            self.sheared(&rows, 3),
+            self.sheared(&rows, 6),
+        );
+        let u = b.x * c.y - b.y * c.x;
+        let v = c.x * a.y - c.y * a.x;
+        let w = a.x * b.y - a.y * b.x;
+        let area = u + v + w;
+        let (u, v, w) = (
+            u.flip_sign_by(area),
+            v.flip_sign_by(area),
+            w.flip_sign_by(area),
+        );
+        let inside = zero.le(u.min(v).min(w));
         if inside.bits() & rows.in_use() == 0 {
             return;
         }
-        let t = e2.dot(q) / determinant;
+        let inverse = self.set.splat(1.0) / area.abs();
+        let scale = self.set.splat(self.shear.scale);
+        let t = (u * inverse) * (a.z * scale)
+            + (v * inverse) * (b.z * scale)
+            + (w * inverse) * (c.z * scale);
         let hits = inside & zero.lt(t) & t.lt(self.set.splat(search.limit()));
         rows.report(TRIANGLE_ROWS, t, hits.bits() & rows.in_use(), search);
+    }
+
+    /// Points of three rows in the space of [`Shear`], but for the last
+    /// coordinate's scale.
+    #[inline(always)]
+    fn sheared(&self, rows: &Rows<I>, first: usize) -> Vec3Lanes<I::Lanes> {
+        let [x, y, z] = self.shear.axes;
+        let x = rows.row(first + x) - self.set.splat(self.origin[x]);
+        let y = rows.row(first + y) - self.set.splat(self.origin[y]);
+        let z = rows.row(first + z) - self.set.splat(self.origin[z]);
+        let [slope_x, slope_y] = self.shear.slopes;
+        Vec3Lanes {
+            x: x - self.set.splat(slope_x) * z,
+            y: y - self.set.splat(slope_y) * z,
+            z,
+        }
     }
 
     /// Tests `n` spheres.
@@ -118,17 +150,19 @@ impl<I: InstructionSet> Blocks<I> {
         let rows = self.rows(numbers, n);
         let zero = self.set.splat(0.0);
         let (center, r2) = (rows.vectors(0), rows.row(3));
-        let (c, d) = (center - self.origin, self.direction);
+        let origin = Vec3Lanes::splat(self.set, self.origin);
+        let (c, d) = (center - origin, Vec3Lanes::splat(self.set, self.direction));
+        let (a, inverse_a) = (self.set.splat(self.a), self.set.splat(self.inverse_a));
         let b = c.dot(d);
-        let nearest = c - d * (b * self.inverse_a);
+        let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
         let met = zero.le(discriminant);
         if met.bits() & rows.in_use() == 0 {
             return;
         }
         // A discriminant below 0 gives NaN, in lanes that are out already.
-        let q = b + (self.a * discriminant).sqrt().flip_sign_by(b);
-        let (t0, t1) = ((c.dot(c) - r2) / q, q * self.inverse_a);
+        let q = b + (a * discriminant).sqrt().flip_sign_by(b);
+        let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
         let (near, far) = (t0.min(t1), t1.max(t0));
         let t = I::Lanes::select(zero.lt(near), near, far);
         let hits = met & zero.lt(t) & t.lt(self.set.splat(search.limit()));

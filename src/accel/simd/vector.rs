@@ -29,15 +29,6 @@ impl<L: Lanes> Vec3Lanes<L> {
     pub(in crate::accel) fn dot(self, other: Self) -> L {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
-
-    #[inline(always)]
-    pub(in crate::accel) fn cross(self, other: Self) -> Self {
-        Self {
-            x: self.y * other.z - other.y * self.z,
-            y: self.z * other.x - other.z * self.x,
-            z: self.x * other.y - other.x * self.y,
-        }
-    }
 }
 
 impl<L: Lanes> Add for Vec3Lanes<L> {

@@ -1,0 +1,57 @@
+//! The shear that makes rays of one direction run along an axis.
+
+use glam::Vec3;
+
+use super::Ray;
+
+/// A space in which a ray starts at the origin and runs along the last axis.
+///
+/// Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of
+/// Computer Graphics Techniques 2(1), 2013. A point has the same coordinates
+/// here in whatever triangle it is a corner of, and the sign of an edge's
+/// function is never wrong: rounding at most makes it zero, which counts as
+/// inside. So no ray slips through between triangles that share corners.
+/// (Nothing here may be contracted to a fused product and sum.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shear {
+    /// The axes that become the first, the second and the last one; the last is
+    /// the one along which the ray goes farthest.
+    pub axes: [usize; 3],
+    /// What is taken off the first and the second coordinate for each unit of
+    /// the last one; at most 1 in magnitude.
+    pub slopes: [f32; 2],
+    /// The ray's parameter for each unit of the last coordinate.
+    pub scale: f32,
+}
+
+impl Shear {
+    /// The shear for a ray in this direction, which is not zero.
+    #[inline(always)]
+    pub fn along(direction: Vec3) -> Self {
+        let d = direction.abs();
+        let last = match (d.x > d.y, d.x > d.z, d.y > d.z) {
+            (true, true, _) => 0,
+            (false, _, true) => 1,
+            _ => 2,
+        };
+        let axes = [(last + 1) % 3, (last + 2) % 3, last];
+        let scale = direction[last].recip();
+        Self {
+            axes,
+            slopes: [direction[axes[0]] * scale, direction[axes[1]] * scale],
+            scale,
+        }
+    }
+
+    /// The point in this space, its last coordinate as the ray's parameter.
+    #[inline(always)]
+    pub fn point(&self, ray: &Ray, point: Vec3) -> Vec3 {
+        let from_origin = point - ray.origin;
+        let [x, y, z] = self.axes.map(|axis| from_origin[axis]);
+        Vec3::new(
+            x - self.slopes[0] * z,
+            y - self.slopes[1] * z,
+            self.scale * z,
+        )
+    }
+}
