@@ -46,12 +46,15 @@ impl Shear {
     /// The point in this space, its last coordinate as the ray's parameter.
     #[inline(always)]
     pub fn point(&self, ray: &Ray, point: Vec3) -> Vec3 {
-        let from_origin = point - ray.origin;
-        let [x, y, z] = self.axes.map(|axis| from_origin[axis]);
-        Vec3::new(
-            x - self.slopes[0] * z,
-            y - self.slopes[1] * z,
-            self.scale * z,
-        )
+        let Vec3 { x, y, z } = self.turn(point - ray.origin);
+        let [slope_x, slope_y] = self.slopes;
+        Vec3::new(x - slope_x * z, y - slope_y * z, self.scale * z)
+    }
+
+    /// The vector's coordinates in the order of this space.
+    #[inline(always)]
+    pub fn turn(&self, v: Vec3) -> Vec3 {
+        let [x, y, z] = self.axes;
+        Vec3::new(v[x], v[y], v[z])
     }
 }

@@ -17,6 +17,8 @@ pub(super) struct Blocks<I> {
     origin: Vec3,
     direction: Vec3,
     shear: Shear,
+    /// The origin with the axes of the shear.
+    turned_origin: Vec3,
     /// The direction's squared length.
     a: f32,
     inverse_a: f32,
@@ -69,11 +71,13 @@ impl<I: InstructionSet> Blocks<I> {
     #[inline(always)]
     pub(super) fn new(set: I, ray: &Ray) -> Self {
         let a = ray.direction.dot(ray.direction);
+        let shear = Shear::along(ray.direction);
         Self {
             set,
             origin: ray.origin,
             direction: ray.direction,
-            shear: Shear::along(ray.direction),
+            turned_origin: shear.turn(ray.origin),
+            shear,
             a,
             inverse_a: a.recip(),
         }
@@ -128,9 +132,9 @@ impl<I: InstructionSet> Blocks<I> {
     #[inline(always)]
     fn sheared(&self, rows: &Rows<I>, first: usize) -> Vec3Lanes<I::Lanes> {
         let [x, y, z] = self.shear.axes;
-        let x = rows.row(first + x) - self.set.splat(self.origin[x]);
-        let y = rows.row(first + y) - self.set.splat(self.origin[y]);
-        let z = rows.row(first + z) - self.set.splat(self.origin[z]);
+        let x = rows.row(first + x) - self.set.splat(self.turned_origin.x);
+        let y = rows.row(first + y) - self.set.splat(self.turned_origin.y);
+        let z = rows.row(first + z) - self.set.splat(self.turned_origin.z);
         let [slope_x, slope_y] = self.shear.slopes;
         Vec3Lanes {
             x: x - self.set.splat(slope_x) * z,
