@@ -1,8 +1,8 @@
 //! A bounding volume hierarchy of eight children a node.
 
+use super::arena::Arena;
 use super::build;
 use super::kernel::Traversal;
-use super::layout::Line;
 use super::search::Search;
 use super::simd::Simd;
 use super::statistics::BvhStatistics;
@@ -13,10 +13,7 @@ use crate::scene::Primitive;
 /// A bounding volume hierarchy over some of a scene's primitives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bvh {
-    /// The root first; empty if there are no primitives.
-    lines: Vec<Line>,
-    /// The largest coordinate in magnitude.
-    largest: f32,
+    arena: Arena,
 }
 
 impl Bvh {
@@ -33,18 +30,21 @@ impl Bvh {
     /// If it is larger than 8 GiB, which takes more than
     /// [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES), and commonly ten times as many.
     pub fn new(primitives: &[Primitive], indices: Vec<u32>) -> Self {
-        let (lines, bounds) = build::arena(primitives, indices);
-        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-        Self { lines, largest }
+        let arena = build::arena(primitives, indices);
+        Self { arena }
     }
 
     /// Its size and expected cost.
     pub fn statistics(&self) -> BvhStatistics {
-        BvhStatistics::of(&self.lines)
+        BvhStatistics::of(&self.arena)
     }
 
-    /// Shows the primitives that the ray may hit to the search; tells the probe
-    /// of the nodes, and of the tests with `n_tests` more.
+    /// Where a ray's way through it leads.
+    pub(super) fn arena(&self) -> &Arena {
+        &self.arena
+    }
+
+    /// The way of a ray through it; `n_tests` tests were before.
     #[inline]
     pub(super) fn traverse<S: Search, P: Probe>(
         &self,
@@ -54,12 +54,11 @@ impl Bvh {
         probe: &mut P,
         n_tests: u32,
     ) {
-        if self.lines.is_empty() {
+        if self.arena.is_empty() {
             return probe.traversal(0, n_tests);
         }
         simd.run(Traversal {
-            lines: &self.lines,
-            largest: self.largest,
+            arena: &self.arena,
             ray,
             search,
             probe,

@@ -24,10 +24,10 @@ pub(super) struct Line([f32; 16]);
 
 /// Lines of a [`Node`].
 pub(super) const NODE_LINES: usize = size_of::<Node>() / size_of::<Line>();
-/// Lines of the largest leaf; so many follow the start of each.
-pub(super) const MAX_LEAF_LINES: usize = 5;
+/// Lines that are there from the start of each leaf; the largest has five.
+pub(super) const LEAF_WINDOW_LINES: usize = 9;
 /// Numbers in those lines.
-pub(super) const MAX_LEAF_LEN: usize = MAX_LEAF_LINES * 16;
+pub(super) const LEAF_WINDOW: usize = LEAF_WINDOW_LINES * 16;
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = N_LANES;
 /// Rows of a triangle leaf before the indices.
@@ -47,7 +47,9 @@ pub(super) struct Node {
     pub(super) max: [[f32; N_LANES]; 3],
     /// What the children are, as [`Word`]s.
     pub(super) children: [u32; N_LANES],
-    pub(super) unused: [u32; N_LANES],
+    /// In bits `3 * octant..` of entry `i`: the child that comes at place `i`
+    /// for rays into that octant, the farthest first.
+    pub(super) order: [u32; N_LANES],
 }
 
 impl Node {
@@ -56,8 +58,18 @@ impl Node {
         min: [[f32::INFINITY; N_LANES]; 3],
         max: [[f32::NEG_INFINITY; N_LANES]; 3],
         children: [0; N_LANES],
-        unused: [0; N_LANES],
+        order: [0; N_LANES],
     };
+
+    /// The row of the boxes' coordinates that begins at number `start`: from 0
+    /// to 16 those of `min`, from 24 to 40 those of `max`.
+    #[inline(always)]
+    pub(super) fn row(&self, start: usize) -> &[f32; N_LANES] {
+        let numbers: &[f32; 64] = bytemuck::cast_ref(self);
+        // The mask changes nothing, and spares a check.
+        let row = numbers[start & 56..].first_chunk();
+        row.expect("eight numbers follow the last multiple of eight")
+    }
 
     /// The number of children.
     pub(super) fn n_children(&self) -> usize {
@@ -109,6 +121,10 @@ impl Word {
     /// Lines that a leaf may start in, 8 GiB of them.
     pub(super) const MAX_LINES: usize = 1 << 27;
 
+    /// What a ray has come to that has been everywhere: a leaf where the root
+    /// is. It may be prefetched, which is slow for memory that is not there.
+    pub(super) const END: Self = Self((LeafKind::Others as u32) << 30);
+
     /// The node at this line.
     pub(super) fn node(line: u32) -> Self {
         Self(line)
@@ -119,14 +135,19 @@ impl Word {
         Self((kind as u32) << 30 | (n as u32 - 1) << 27 | line)
     }
 
-    /// The kind of leaf; `None` for a node.
+    /// Whether this is no node.
     #[inline(always)]
-    pub(super) fn leaf_kind(self) -> Option<LeafKind> {
+    pub(super) fn is_leaf(self) -> bool {
+        self.0 >> 30 != 0
+    }
+
+    /// What the leaf holds.
+    #[inline(always)]
+    pub(super) fn leaf_kind(self) -> LeafKind {
         match self.0 >> 30 {
-            0 => None,
-            1 => Some(LeafKind::Triangles),
-            2 => Some(LeafKind::Spheres),
-            _ => Some(LeafKind::Others),
+            1 => LeafKind::Triangles,
+            2 => LeafKind::Spheres,
+            _ => LeafKind::Others,
         }
     }
 
@@ -136,28 +157,15 @@ impl Word {
         (self.0 >> 27 & 7) as usize + 1
     }
 
+    /// Where it begins.
     #[inline(always)]
-    fn line(self) -> usize {
+    pub(super) fn line(self) -> usize {
         (self.0 & (Self::MAX_LINES as u32 - 1)) as usize
     }
 }
 
 /// The node that a word names.
-#[inline(always)]
 pub(super) fn node(lines: &[Line], word: Word) -> &Node {
     let lines = lines[word.line()..].first_chunk::<NODE_LINES>();
     bytemuck::cast_ref(lines.expect("nodes are whole"))
-}
-
-/// The numbers of the leaf that a word names, and what follows it.
-#[inline(always)]
-pub(super) fn leaf(lines: &[Line], word: Word) -> &[f32; MAX_LEAF_LEN] {
-    let lines = lines[word.line()..].first_chunk::<MAX_LEAF_LINES>();
-    bytemuck::cast_ref(lines.expect("the arena ends with lines to spare"))
-}
-
-/// The index of a primitive, from a leaf.
-#[inline(always)]
-pub(super) fn primitive_index(number: f32) -> u32 {
-    number.to_bits() & !ID_BIT
 }

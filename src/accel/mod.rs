@@ -11,6 +11,7 @@
 
 mod simd;
 mod layout;
+mod arena;
 mod search;
 mod build;
 mod kernel;
@@ -18,12 +19,14 @@ mod statistics;
 mod bvh;
 
 use crate::config::Acceleration;
-use crate::cost::{Cost, Probe, StreamProbe};
+use crate::cost::{Probe, StreamProbe};
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
+use arena::Arena;
 pub use bvh::Bvh;
-use search::{Any, Nearest, Search};
+use kernel::Stream;
+use search::{Any, Nearest, Query, Search};
 pub use simd::Simd;
 pub use statistics::BvhStatistics;
 
@@ -95,7 +98,7 @@ impl<'a> Accel<'a> {
     pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let mut nearest = Nearest::new(self.primitives, ray);
         self.search(ray, &mut nearest, probe);
-        nearest.hit
+        nearest.hit()
     }
 
     /// Whether anything is hit with `t` in (0, `t_max`) that does not belong
@@ -124,13 +127,7 @@ impl<'a> Accel<'a> {
         hits: &mut Vec<Option<Hit>>,
         probe: &mut P,
     ) {
-        hits.clear();
-        hits.extend(rays.iter().enumerate().map(|(i, ray)| {
-            let mut cost = Cost::default();
-            let hit = self.nearest(ray, &mut cost);
-            probe.traversal(i, cost.node_visits as u32, cost.primitive_tests as u32);
-            hit
-        }));
+        self.stream(rays, hits, probe);
     }
 
     /// [`occluded`](Self::occluded) of many rays at once, as
@@ -141,13 +138,27 @@ impl<'a> Accel<'a> {
         occluded: &mut Vec<bool>,
         probe: &mut P,
     ) {
-        occluded.clear();
-        occluded.extend(rays.iter().enumerate().map(|(i, shadow)| {
-            let mut cost = Cost::default();
-            let found = self.occluded(&shadow.ray, shadow.t_max, shadow.ignored, &mut cost);
-            probe.traversal(i, cost.node_visits as u32, cost.primitive_tests as u32);
-            found
-        }));
+        self.stream(rays, occluded, probe);
+    }
+
+    /// Answers all queries.
+    fn stream<Q: Query, P: StreamProbe>(
+        &self,
+        queries: &[Q],
+        answers: &mut Vec<Q::Answer>,
+        probe: &mut P,
+    ) {
+        answers.clear();
+        answers.resize_with(queries.len(), Q::Answer::default);
+        let nothing = Arena::default();
+        self.simd.run(Stream {
+            arena: self.bvh.as_ref().map_or(&nothing, Bvh::arena),
+            primitives: self.primitives,
+            always: &self.always,
+            queries,
+            answers,
+            probe,
+        });
     }
 
     /// Shows what the ray may hit to the search, and tells the probe.

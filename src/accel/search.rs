@@ -1,6 +1,6 @@
 //! What a ray looks for: its nearest hit, or any.
 
-use super::Hit;
+use super::{Hit, ShadowRay};
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
@@ -19,11 +19,69 @@ pub(super) trait Search {
     fn found(&mut self, t: f32, primitive: u32);
 }
 
+/// What is asked about a ray.
+pub(super) trait Query {
+    /// How the answer is found.
+    type Search<'a>: Search
+    where
+        Self: 'a;
+    /// The answer.
+    type Answer: Default;
+    /// The ray that it is about.
+    fn ray(&self) -> &Ray;
+    /// The search for the answer among these primitives.
+    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Self::Search<'a>;
+    /// What a search has found.
+    fn answer(search: &Self::Search<'_>) -> Self::Answer;
+}
+
+/// A ray asks for its nearest hit.
+impl Query for Ray {
+    type Search<'a> = Nearest<'a>;
+    type Answer = Option<Hit>;
+
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        self
+    }
+
+    #[inline(always)]
+    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Nearest<'a> {
+        Nearest::new(primitives, self)
+    }
+
+    #[inline(always)]
+    fn answer(search: &Nearest) -> Option<Hit> {
+        search.hit()
+    }
+}
+
+impl Query for ShadowRay {
+    type Search<'a> = Any<'a>;
+    type Answer = bool;
+
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Any<'a> {
+        Any::new(primitives, &self.ray, self.t_max, self.ignored)
+    }
+
+    #[inline(always)]
+    fn answer(search: &Any) -> bool {
+        search.found
+    }
+}
+
 /// The search for a ray's nearest hit.
 pub(super) struct Nearest<'a> {
     primitives: &'a [Primitive],
     ray: &'a Ray,
-    pub(super) hit: Option<Hit>,
+    /// The hit so far; none is at infinity.
+    nearest: Hit,
     /// One step further than the hit so far, so that ties are seen.
     limit: f32,
 }
@@ -33,9 +91,18 @@ impl<'a> Nearest<'a> {
         Self {
             primitives,
             ray,
-            hit: None,
+            nearest: Hit {
+                t: f32::INFINITY,
+                primitive: u32::MAX,
+            },
             limit: f32::INFINITY,
         }
+    }
+
+    /// The hit, if there is one.
+    #[inline(always)]
+    pub(super) fn hit(&self) -> Option<Hit> {
+        (self.limit < f32::INFINITY).then_some(self.nearest)
     }
 }
 
@@ -61,10 +128,11 @@ impl Search for Nearest<'_> {
 
     #[inline(always)]
     fn found(&mut self, t: f32, primitive: u32) {
-        let wins = |hit: Hit| t < hit.t || t == hit.t && primitive < hit.primitive;
-        if self.hit.is_none_or(wins) {
-            self.hit = Some(Hit { t, primitive });
-            self.limit = t.next_up();
+        let nearest = self.nearest;
+        if t < nearest.t || t == nearest.t && primitive < nearest.primitive {
+            self.nearest = Hit { t, primitive };
+            // The next greater number, since it is finite and not negative.
+            self.limit = f32::from_bits(t.to_bits() + 1);
         }
     }
 }

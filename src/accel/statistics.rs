@@ -1,6 +1,7 @@
 //! The size of a hierarchy.
 
-use super::layout::{self, Line, MAX_LEAF, Node, Word};
+use super::arena::Arena;
+use super::layout::{self, Line, Node, Word};
 use crate::geometry::Aabb;
 
 /// Cost of a node, in primitive tests.
@@ -24,7 +25,8 @@ pub struct BvhStatistics {
 
 impl BvhStatistics {
     /// Of an arena, which may be empty.
-    pub(super) fn of(lines: &[Line]) -> Self {
+    pub(super) fn of(arena: &Arena) -> Self {
+        let lines = arena.lines();
         let mut count = Count::default();
         if !lines.is_empty() {
             let root = layout::node(lines, Word::ROOT);
@@ -61,13 +63,11 @@ impl Count {
         for i in 0..node.n_children() {
             let child = Word(node.children[i]);
             let area = f64::from(child_bounds(node, i).surface_area());
-            match child.leaf_kind() {
-                None => self.node(lines, child, area, depth + 1),
-                Some(_) => {
-                    debug_assert!(child.leaf_size() <= MAX_LEAF);
-                    self.n_leaves += 1;
-                    self.cost += child.leaf_size() as f64 * area;
-                }
+            if child.is_leaf() {
+                self.n_leaves += 1;
+                self.cost += child.leaf_size() as f64 * area;
+            } else {
+                self.node(lines, child, area, depth + 1);
             }
         }
     }

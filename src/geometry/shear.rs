@@ -28,17 +28,17 @@ impl Shear {
     /// The shear for a ray in this direction, which is not zero.
     #[inline(always)]
     pub fn along(direction: Vec3) -> Self {
+        // No branch on the direction, which nobody can foretell.
         let d = direction.abs();
-        let last = match (d.x > d.y, d.x > d.z, d.y > d.z) {
-            (true, true, _) => 0,
-            (false, _, true) => 1,
-            _ => 2,
-        };
+        let is_y = usize::from(d.y > d.x);
+        let is_z = usize::from(d.z > d.x.max(d.y));
+        let last = (is_y | is_z) << is_z;
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
-        let scale = direction[last].recip();
+        let [x, y, z] = turned(direction, axes);
+        let scale = z.recip();
         Self {
             axes,
-            slopes: [direction[axes[0]] * scale, direction[axes[1]] * scale],
+            slopes: [x * scale, y * scale],
             scale,
         }
     }
@@ -46,15 +46,21 @@ impl Shear {
     /// The point in this space, its last coordinate as the ray's parameter.
     #[inline(always)]
     pub fn point(&self, ray: &Ray, point: Vec3) -> Vec3 {
-        let Vec3 { x, y, z } = self.turn(point - ray.origin);
+        let [x, y, z] = self.turn(point - ray.origin);
         let [slope_x, slope_y] = self.slopes;
         Vec3::new(x - slope_x * z, y - slope_y * z, self.scale * z)
     }
 
     /// The vector's coordinates in the order of this space.
     #[inline(always)]
-    pub fn turn(&self, v: Vec3) -> Vec3 {
-        let [x, y, z] = self.axes;
-        Vec3::new(v[x], v[y], v[z])
+    pub fn turn(&self, v: Vec3) -> [f32; 3] {
+        turned(v, self.axes)
     }
+}
+
+#[inline(always)]
+fn turned(v: Vec3, [x, y, z]: [usize; 3]) -> [f32; 3] {
+    // An array, since the index of a `Vec3` is a branch.
+    let v = v.to_array();
+    [v[x % 3], v[y % 3], v[z % 3]]
 }

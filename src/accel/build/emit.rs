@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::binary::{BinaryNode, Kind};
 use super::collapse::{Forests, Roots, is_leaf};
+use super::order;
 use crate::accel::layout::{
-    ID_BIT, LeafKind, Line, MAX_LEAF, MAX_LEAF_LINES, NODE_LINES, Node, Word,
+    ID_BIT, LEAF_WINDOW_LINES, LeafKind, Line, MAX_LEAF, NODE_LINES, Node, Word,
 };
 use crate::geometry::Shape;
 use crate::scene::Primitive;
@@ -25,7 +26,7 @@ pub(super) fn lines(nodes: &[BinaryNode], whole: &Forests, primitives: &[Primiti
         false => whole.n_lines(),
     };
     assert!(n_lines <= Word::MAX_LINES, "a hierarchy has 8 GiB at most");
-    let mut lines = vec![Line::zeroed(); n_lines + MAX_LEAF_LINES];
+    let mut lines = vec![Line::zeroed(); n_lines + LEAF_WINDOW_LINES];
     write_node(nodes, primitives, &mut roots, &mut lines[..n_lines], 0);
     lines
 }
@@ -55,6 +56,7 @@ fn write_node(
             node.max[axis][lane] = bounds.max[axis];
         }
     }
+    node.order = order::by_octant(&node);
     for (lane, &child) in children.iter().enumerate() {
         if is_leaf(&nodes[child]) {
             let lines = take(&mut rest, &nodes[child]);

@@ -10,12 +10,13 @@ mod reference;
 mod bins;
 mod binary;
 mod collapse;
+mod order;
 mod emit;
 
 use rayon::prelude::*;
 
-use super::layout::{Line, MAX_LEAF_LINES, NODE_LINES, Word};
-use crate::geometry::Aabb;
+use super::arena::Arena;
+use super::layout::{LEAF_WINDOW_LINES, Line, NODE_LINES, Word};
 use crate::scene::Primitive;
 use binary::BinaryNode;
 use reference::{Corners, Reference};
@@ -29,7 +30,7 @@ const MAX_LINES_PER_PRIMITIVE: usize = 1 + NODE_LINES;
 
 /// Most primitives whose arena is sure to be no larger than words can tell.
 pub(super) const MAX_PRIMITIVES: usize =
-    (Word::MAX_LINES - NODE_LINES - MAX_LEAF_LINES) / MAX_LINES_PER_PRIMITIVE;
+    (Word::MAX_LINES - NODE_LINES - LEAF_WINDOW_LINES) / MAX_LINES_PER_PRIMITIVE;
 
 /// Bytes for each primitive at most: its index, its part of the binary tree,
 /// and the larger of what the two phases need beside. While the binary tree
@@ -46,17 +47,17 @@ pub(super) const MAX_BYTES_PER_PRIMITIVE: usize = {
     size_of::<u32>() + tree + more
 };
 
-/// Builds the hierarchy over the primitives with these indices; also gives the
-/// box around all of them. No lines for no primitives.
-pub(super) fn arena(primitives: &[Primitive], indices: Vec<u32>) -> (Vec<Line>, Aabb) {
+/// Builds the hierarchy over the primitives with these indices. No lines for no
+/// primitives.
+pub(super) fn arena(primitives: &[Primitive], indices: Vec<u32>) -> Arena {
     if indices.is_empty() {
-        return (Vec::new(), Aabb::EMPTY);
+        return Arena::default();
     }
     let mut nodes = vec![BinaryNode::default(); 2 * indices.len() - 1];
     grow(primitives, indices, &mut nodes);
     let whole = collapse::choose(&mut nodes);
     let lines = emit::lines(&nodes, &whole, primitives);
-    (lines, nodes[0].bounds)
+    Arena::new(lines, nodes[0].bounds)
 }
 
 /// Grows the binary tree over these primitives.

@@ -1,14 +1,19 @@
-//! A ray through the hierarchy, nearest children first.
+//! Rays through the hierarchy, nearest children first.
 //!
-//! One generic function, compiled once for each instruction set, search and
-//! probe; no allocation, no recursion. The order of visits is the same on
-//! every instruction set, and so are the counters.
+//! Two ways with the same visits, tests and answers: one ray at a time
+//! ([`Traversal`]), whose time can be told, and many rays in flight
+//! ([`Stream`]), which wait for memory and for each other's results together.
+//! Both are generic functions, compiled once for each instruction set, search
+//! and probe; no allocation, no recursion.
+#![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
 
 mod block;
 mod slab;
 mod stack;
+mod stream;
 
-use super::layout::{self, LeafKind, Line, MAX_LEAF_LEN, Word};
+use super::arena::{Arena, Leaf};
+use super::layout::{LeafKind, Node, Word};
 use super::search::Search;
 use super::simd::{InstructionSet, Lanes, Mask, N_LANES, Work};
 use crate::cost::Probe;
@@ -16,12 +21,11 @@ use crate::geometry::Ray;
 use block::Blocks;
 use slab::Slabs;
 use stack::Stack;
+pub(super) use stream::Stream;
 
 /// One ray's way through an arena, which is not empty.
 pub(super) struct Traversal<'a, S, P> {
-    pub(super) lines: &'a [Line],
-    /// The boxes' largest coordinate in magnitude.
-    pub(super) largest: f32,
+    pub(super) arena: &'a Arena,
     pub(super) ray: &'a Ray,
     /// What is shown the primitives that the ray may hit.
     pub(super) search: &'a mut S,
@@ -31,95 +35,96 @@ pub(super) struct Traversal<'a, S, P> {
     pub(super) n_tests: u32,
 }
 
-/// Where a ray goes next.
-enum Step {
-    Into(Word),
-    Back,
-}
-
 impl<S: Search, P: Probe> Work for Traversal<'_, S, P> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
-        let slabs = Slabs::new(set, self.ray, self.largest);
+        let slabs = Slabs::new(set, self.ray, self.arena.largest());
         let blocks = Blocks::new(set, self.ray);
         let mut stack = Stack::new();
         let (mut n_visits, mut n_tests) = (0, self.n_tests);
         let mut limit = set.splat(self.search.limit());
         let mut word = Word::ROOT;
         loop {
-            let step = match word.leaf_kind() {
-                None => {
-                    n_visits += 1;
-                    let node = layout::node(self.lines, word);
-                    let (enter, hits) = slabs.enter(set, node, limit);
-                    descend::<I, S>(enter, hits, &node.children, &mut stack)
+            let next = if word.is_leaf() {
+                n_tests += word.leaf_size() as u32;
+                // SAFETY: the word is a child of a node, and no node.
+                let leaf = unsafe { self.arena.leaf(word) };
+                test_leaf(&blocks, leaf, word.leaf_kind(), self.search);
+                if self.search.is_done() {
+                    break;
                 }
-                Some(kind) => {
-                    let (numbers, n) = (layout::leaf(self.lines, word), word.leaf_size());
-                    n_tests += n as u32;
-                    match kind {
-                        LeafKind::Triangles => blocks.triangles(numbers, n, self.search),
-                        LeafKind::Spheres => blocks.spheres(numbers, n, self.search),
-                        LeafKind::Others => others(numbers, n, self.search),
-                    }
-                    if self.search.is_done() {
-                        break;
-                    }
-                    limit = set.splat(self.search.limit());
-                    Step::Back
-                }
+                limit = set.splat(self.search.limit());
+                None
+            } else {
+                n_visits += 1;
+                // SAFETY: the word is the root or a child of a node, and no leaf.
+                let node = unsafe { self.arena.node(word) };
+                descend::<I, S>(set, &slabs, node, limit, &mut stack)
             };
-            word = match step {
-                Step::Into(word) => word,
-                Step::Back => match next_waiting(&mut stack, self.search) {
-                    Some(word) => word,
-                    None => break,
-                },
+            word = match next.or_else(|| next_waiting(&mut stack, self.search)) {
+                Some(word) => word,
+                None => break,
             };
         }
         self.probe.traversal(n_visits, n_tests);
     }
 }
 
-/// Leaves all children that were hit but one on the stack and goes into that
-/// one: the nearest, where the search asks for order.
+/// Goes into the first of the children that the ray enters, if there is one,
+/// and leaves the others on the stack.
 #[inline(always)]
 fn descend<I: InstructionSet, S: Search>(
-    enter: I::Lanes,
-    hits: <I::Lanes as Lanes>::Mask,
-    children: &[u32; N_LANES],
+    set: I,
+    slabs: &Slabs<I>,
+    node: &Node,
+    limit: I::Lanes,
     stack: &mut Stack,
-) -> Step {
-    let bits = hits.bits();
-    let first = bits.trailing_zeros() as usize % N_LANES;
-    let others = bits & bits.wrapping_sub(1);
-    if bits == 0 {
-        return Step::Back;
+) -> Option<Word> {
+    let (enter, exit) = slabs.span(set, node, limit);
+    let entered = enter.le(exit).bits();
+    if entered == 0 {
+        return None;
     }
-    if others == 0 {
-        return Step::Into(Word(children[first]));
+    if entered & (entered - 1) == 0 {
+        let only = entered.trailing_zeros() as usize % N_LANES;
+        return Some(Word(node.children[only]));
     }
-    let n = bits.count_ones() as usize;
-    if !S::NEAREST_FIRST {
-        let words = I::Lanes::compress(hits, children);
-        stack.push_all(words, [0.0; N_LANES], n - 1);
-        return Step::Into(Word(words[(n - 1) % N_LANES]));
+    push_entered::<I, S>(set, node, enter, exit, slabs.order_shift(), stack);
+    Some(stack.pop()?.0)
+}
+
+/// Puts the children that the ray enters before it leaves them on the stack,
+/// the one to visit first on top. No branch depends on them.
+#[inline(always)]
+fn push_entered<I: InstructionSet, S: Search>(
+    set: I,
+    node: &Node,
+    enter: I::Lanes,
+    exit: I::Lanes,
+    order_shift: I::Lanes,
+    stack: &mut Stack,
+) {
+    let children = set.load_bits(&node.children);
+    if S::NEAREST_FIRST {
+        let children = children.permute(&node.order, order_shift);
+        let enter = enter.permute(&node.order, order_shift);
+        let exit = exit.permute(&node.order, order_shift);
+        let entered = enter.le(exit);
+        stack.push_all(
+            children.compress(entered).to_bits(),
+            enter.compress(entered).to_array(),
+            entered.bits().count_ones() as usize,
+        );
+    } else {
+        let entered = enter.le(exit);
+        stack.push_all(
+            children.compress(entered).to_bits(),
+            [0.0; N_LANES],
+            entered.bits().count_ones() as usize,
+        );
     }
-    if others & (others - 1) == 0 {
-        let second = others.trailing_zeros() as usize % N_LANES;
-        let enter = enter.to_array();
-        let (near, far) = match enter[first] <= enter[second] {
-            true => (first, second),
-            false => (second, first),
-        };
-        stack.push(children[far], enter[far]);
-        return Step::Into(Word(children[near]));
-    }
-    let (words, enter) = enter.far_to_near(hits, children);
-    stack.push_all(words, enter, n - 1);
-    Step::Into(Word(words[(n - 1) % N_LANES]))
 }
 
 /// The next child that the ray may still hit something in.
@@ -133,10 +138,17 @@ fn next_waiting<S: Search>(stack: &mut Stack, search: &S) -> Option<Word> {
     }
 }
 
-/// Tests primitives one by one.
+/// Shows the search the hits in a leaf.
 #[inline(always)]
-fn others<S: Search>(numbers: &[f32; MAX_LEAF_LEN], n: usize, search: &mut S) {
-    for &number in &numbers[..n] {
-        search.test(layout::primitive_index(number));
+fn test_leaf<I: InstructionSet, S: Search>(
+    blocks: &Blocks<I>,
+    leaf: Leaf,
+    kind: LeafKind,
+    search: &mut S,
+) {
+    match kind {
+        LeafKind::Triangles => blocks.triangles(leaf, search),
+        LeafKind::Spheres => blocks.spheres(leaf, search),
+        LeafKind::Others => (0..leaf.len()).for_each(|i| search.test(leaf.primitive(0, i))),
     }
 }

@@ -1,7 +1,7 @@
 //! The test of a ray against the eight boxes of a node.
 
 use crate::accel::layout::Node;
-use crate::accel::simd::{InstructionSet, Lanes, N_LANES};
+use crate::accel::simd::{InstructionSet, Lanes};
 use crate::geometry::Ray;
 
 /// Directions below this along an axis count as this: their reciprocals stay
@@ -16,83 +16,79 @@ const MIN_DIRECTION: f32 = 1e-18;
 /// finds: 1e-6 of the largest coordinate of the ray's origin and the boxes.
 /// Growing costs nothing a box: it moves the origin, once for the lower planes
 /// and once for the upper ones.
-pub(super) struct Slabs<L> {
-    axes: [Axis<L>; 3],
-    zero: L,
+pub(super) struct Slabs<I: InstructionSet> {
+    axes: [Axis<I>; 3],
+    /// Where the order of a node's children for this ray begins, in bits.
+    order_shift: I::Lanes,
+    /// No ray enters a box before this.
+    zero: I::Lanes,
 }
 
-/// One axis: its two planes of a box by where the ray meets them first.
-#[derive(Clone, Copy)]
-struct Axis<L> {
-    /// Whether the ray goes down and meets the upper plane first.
-    is_downward: bool,
-    inverse_direction: L,
-    origin_of_near: L,
-    origin_of_far: L,
+/// One axis.
+struct Axis<I: InstructionSet> {
+    inverse_direction: I::Lanes,
+    origin_of_near: I::Lanes,
+    origin_of_far: I::Lanes,
+    /// Where the rows of a node begin that hold the planes that the ray meets
+    /// first, and the others.
+    near_row: usize,
+    far_row: usize,
 }
 
-impl<L: Lanes> Slabs<L> {
+impl<I: InstructionSet> Slabs<I> {
     /// For tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
-    pub(super) fn new<I: InstructionSet<Lanes = L>>(set: I, ray: &Ray, largest: f32) -> Self {
+    pub(super) fn new(set: I, ray: &Ray, largest: f32) -> Self {
         let margin = 1e-6 * largest.max(ray.origin.abs().max_element());
-        let (o, d) = (ray.origin, ray.direction);
+        let axis = |i: usize| Axis::new(set, i, ray.origin[i], ray.direction[i], margin);
+        let down = |i: usize| u32::from(ray.direction[i].is_sign_negative()) << i;
         Self {
-            axes: [
-                Axis::new(set, o.x, d.x, margin),
-                Axis::new(set, o.y, d.y, margin),
-                Axis::new(set, o.z, d.z, margin),
-            ],
+            axes: [axis(0), axis(1), axis(2)],
+            order_shift: set.splat_bits(3 * (down(0) | down(1) | down(2))),
             zero: set.splat(0.0),
         }
     }
 
-    /// Where the ray enters each box, at least 0, and whether it does so at
-    /// `limit` at the latest.
+    /// Where the order of a node's children for this ray begins, in bits.
     #[inline(always)]
-    pub(super) fn enter<I>(&self, set: I, node: &Node, limit: L) -> (L, L::Mask)
-    where
-        I: InstructionSet<Lanes = L>,
-    {
+    pub(super) fn order_shift(&self) -> I::Lanes {
+        self.order_shift
+    }
+
+    /// Where the ray enters each box, at least 0, and where it leaves it or
+    /// meets its `limit`; it misses the box if that comes first.
+    #[inline(always)]
+    pub(super) fn span(&self, set: I, node: &Node, limit: I::Lanes) -> (I::Lanes, I::Lanes) {
         let [x, y, z] = &self.axes;
-        let (near_x, far_x) = x.planes(set, &node.min[0], &node.max[0]);
-        let (near_y, far_y) = y.planes(set, &node.min[1], &node.max[1]);
-        let (near_z, far_z) = z.planes(set, &node.min[2], &node.max[2]);
-        // Zero last: of -0 and 0 that gives 0, whose bits can be sorted.
+        let (near_x, far_x) = x.planes(set, node);
+        let (near_y, far_y) = y.planes(set, node);
+        let (near_z, far_z) = z.planes(set, node);
         let enter = near_x.max(near_y.max(near_z)).max(self.zero);
         let exit = far_x.min(far_y).min(far_z.min(limit));
-        (enter, enter.le(exit))
+        (enter, exit)
     }
 }
 
-impl<L: Lanes> Axis<L> {
+impl<I: InstructionSet> Axis<I> {
     #[inline(always)]
-    fn new<I>(set: I, origin: f32, direction: f32, margin: f32) -> Self
-    where
-        I: InstructionSet<Lanes = L>,
-    {
-        let is_downward = direction.is_sign_negative();
-        let outward = if is_downward { -margin } else { margin };
+    fn new(set: I, axis: usize, origin: f32, direction: f32, margin: f32) -> Self {
+        // No branch on the sign, which nobody can foretell.
+        let is_downward = usize::from(direction.is_sign_negative());
+        let outward = margin.copysign(direction);
         let steep = direction.abs().max(MIN_DIRECTION).copysign(direction);
         Self {
-            is_downward,
             inverse_direction: set.splat(steep.recip()),
             origin_of_near: set.splat(origin + outward),
             origin_of_far: set.splat(origin - outward),
+            near_row: 8 * (axis + 3 * is_downward),
+            far_row: 8 * (axis + 3 * (1 - is_downward)),
         }
     }
 
     /// Where the ray meets the nearer and the farther plane of each box.
     #[inline(always)]
-    fn planes<I>(&self, set: I, min: &[f32; N_LANES], max: &[f32; N_LANES]) -> (L, L)
-    where
-        I: InstructionSet<Lanes = L>,
-    {
-        let (near, far) = if self.is_downward {
-            (max, min)
-        } else {
-            (min, max)
-        };
+    fn planes(&self, set: I, node: &Node) -> (I::Lanes, I::Lanes) {
+        let (near, far) = (node.row(self.near_row), node.row(self.far_row));
         (
             (set.load(near) - self.origin_of_near) * self.inverse_direction,
             (set.load(far) - self.origin_of_far) * self.inverse_direction,
@@ -105,7 +101,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accel::simd::{Mask, Simd, Work};
+    use crate::accel::simd::{Lanes, Mask, Simd, Work};
 
     /// Enters a node whose only child is the unit cube.
     struct EnterCube {
@@ -123,7 +119,8 @@ mod tests {
                 (node.min[axis][0], node.max[axis][0]) = (0.0, 1.0);
             }
             let slabs = Slabs::new(set, &self.ray, 1.0);
-            let (enter, hits) = slabs.enter(set, &node, set.splat(self.t_max));
+            let (enter, exit) = slabs.span(set, &node, set.splat(self.t_max));
+            let hits = enter.le(exit);
             assert_eq!(
                 hits.bits() & !1,
                 0,

@@ -7,24 +7,28 @@ use std::ops::BitAnd;
 use super::x86::Registers;
 use super::{Mask, Work};
 
-/// Proof that the CPU has AVX2.
+/// Proof that the CPU has AVX2, and what every CPU with it has for bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Avx2(());
 
 impl Avx2 {
     /// The proof, if it holds.
     pub(super) fn detect() -> Option<Self> {
-        is_x86_feature_detected!("avx2").then_some(Self(()))
+        let is_there = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("popcnt");
+        is_there.then_some(Self(()))
     }
 
     /// Does the work with these instructions.
     #[inline]
     pub(super) fn run<W: Work>(self, work: W) -> W::Output {
-        #[target_feature(enable = "avx2")]
+        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
         fn with_avx2<W: Work>(set: Avx2, work: W) -> W::Output {
             work.run(set)
         }
-        // SAFETY: `self` proves AVX2.
+        // SAFETY: `self` proves AVX2, BMI1, BMI2 and POPCNT.
         unsafe { with_avx2(self, work) }
     }
 }
@@ -72,18 +76,12 @@ impl Registers for Avx2 {
     }
 
     #[inline(always)]
-    fn keep(mask: WideMask, words: __m256i) -> __m256i {
-        // SAFETY: only lanes come here, which prove AVX2.
-        unsafe { _mm256_and_si256(_mm256_castps_si256(mask.0), words) }
-    }
-
-    #[inline(always)]
-    fn compress(mask: WideMask, words: __m256i) -> __m256i {
+    fn compress(mask: WideMask, lanes: __m256) -> __m256 {
         let order = TRUE_LANES[usize::from(mask.bits())];
         // SAFETY: only lanes come here, which prove AVX2.
         unsafe {
-            let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
-            _mm256_permutevar8x32_epi32(words, lanes)
+            let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
+            _mm256_permutevar8x32_ps(lanes, order)
         }
     }
 }

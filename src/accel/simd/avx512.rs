@@ -4,6 +4,7 @@
 use std::arch::x86_64::*;
 use std::ops::BitAnd;
 
+use super::avx2::Avx2;
 use super::x86::Registers;
 use super::{Mask, Work};
 
@@ -14,20 +15,18 @@ pub(super) struct Avx512(());
 impl Avx512 {
     /// The proof, if it holds.
     pub(super) fn detect() -> Option<Self> {
-        let is_there = is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512vl");
-        is_there.then_some(Self(()))
+        let is_there = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
+        Avx2::detect().filter(|_| is_there).map(|_| Self(()))
     }
 
     /// Does the work with these instructions.
     #[inline]
     pub(super) fn run<W: Work>(self, work: W) -> W::Output {
-        #[target_feature(enable = "avx2,avx512f,avx512vl")]
+        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,avx512f,avx512vl")]
         fn with_avx512<W: Work>(set: Avx512, work: W) -> W::Output {
             work.run(set)
         }
-        // SAFETY: `self` proves AVX2, AVX-512F and AVX-512VL.
+        // SAFETY: `self` proves what `Avx2` does, AVX-512F and AVX-512VL.
         unsafe { with_avx512(self, work) }
     }
 }
@@ -74,14 +73,8 @@ impl Registers for Avx512 {
     }
 
     #[inline(always)]
-    fn keep(mask: Bits, words: __m256i) -> __m256i {
+    fn compress(mask: Bits, lanes: __m256) -> __m256 {
         // SAFETY: only lanes come here, which prove AVX-512.
-        unsafe { _mm256_maskz_mov_epi32(mask.0, words) }
-    }
-
-    #[inline(always)]
-    fn compress(mask: Bits, words: __m256i) -> __m256i {
-        // SAFETY: only lanes come here, which prove AVX-512.
-        unsafe { _mm256_maskz_compress_epi32(mask.0, words) }
+        unsafe { _mm256_maskz_compress_ps(mask.0, lanes) }
     }
 }

@@ -103,6 +103,13 @@ pub(super) trait InstructionSet: Copy {
     fn splat(self, value: f32) -> Self::Lanes;
     /// One number a lane.
     fn load(self, values: &[f32; N_LANES]) -> Self::Lanes;
+    /// One bit pattern a lane, to be moved about and not to be reckoned with.
+    fn load_bits(self, bits: &[u32; N_LANES]) -> Self::Lanes;
+    /// The same bit pattern in all lanes.
+    fn splat_bits(self, bits: u32) -> Self::Lanes;
+    /// Asks for the cache line at this address, if there is one, to be at hand
+    /// soon.
+    fn prefetch<T>(self, address: *const T);
 }
 
 /// Eight numbers. Comparisons with NaN are false.
@@ -131,19 +138,14 @@ pub(super) trait Lanes:
     /// `self` where `mask` is true, else `other`.
     fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
 
-    /// The lanes of `mask`, at least one, as (`words`, distances), the
-    /// farthest first: by the distance without its last three bits, then by
-    /// the lane. `self` is not negative. What follows the masked lanes has no
+    /// The bit patterns, lane by lane.
+    fn to_bits(self) -> [u32; N_LANES];
+    /// At place `i` the lane whose number the last three bits of
+    /// `order[i] >> shift[i]` tell, shifts being bit patterns less than 32.
+    fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self;
+    /// The lanes of `mask` first, in their order. What follows them has no
     /// meaning.
-    fn far_to_near(
-        self,
-        mask: Self::Mask,
-        words: &[u32; N_LANES],
-    ) -> ([u32; N_LANES], [f32; N_LANES]);
-
-    /// The words of the lanes of `mask`, in their order. What follows them has
-    /// no meaning.
-    fn compress(mask: Self::Mask, words: &[u32; N_LANES]) -> [u32; N_LANES];
+    fn compress(self, mask: Self::Mask) -> Self;
 }
 
 /// Eight truths.
@@ -159,41 +161,34 @@ mod tests {
     const WORDS: [u32; N_LANES] = [10, 11, 12, 13, 14, 15, 16, 17];
     const DISTANCES: [f32; N_LANES] = [3.0, 0.0, 7.5, 3.0, f32::INFINITY, 1e-30, 2.0, 0.0];
 
-    /// Orders the lanes whose distance is at most the limit.
-    struct Order {
-        limit: f32,
-    }
+    /// The words of the lanes whose distance is at most 3, as they stand and
+    /// from the last to the first.
+    struct Pack;
 
-    impl Work for Order {
-        /// The words by distance, the distances, and the words by lane.
-        type Output = (Vec<u32>, Vec<f32>, Vec<u32>);
+    impl Work for Pack {
+        type Output = [Vec<u32>; 2];
 
         #[inline(always)]
         fn run<I: InstructionSet>(self, set: I) -> Self::Output {
-            let distances = set.load(&DISTANCES);
-            let mask = distances.le(set.splat(self.limit));
-            let n = mask.bits().count_ones() as usize;
-            let (words, distances) = distances.far_to_near(mask, &WORDS);
-            let kept = I::Lanes::compress(mask, &WORDS);
-            (
-                words[..n].to_vec(),
-                distances[..n].to_vec(),
-                kept[..n].to_vec(),
-            )
+            let reversed = [7, 6, 5, 4, 3, 2, 1, 0].map(|lane: u32| lane << 6 | 0b101);
+            let (words, distances) = (set.load_bits(&WORDS), set.load(&DISTANCES));
+            let limit = set.splat(3.0);
+            let kept = words.compress(distances.le(limit));
+            let last_first = distances.permute(&reversed, set.splat_bits(6)).le(limit);
+            let kept_last_first = words
+                .permute(&reversed, set.splat_bits(6))
+                .compress(last_first);
+            let n = last_first.bits().count_ones() as usize;
+            [kept, kept_last_first].map(|words| words.to_bits()[..n].to_vec())
         }
     }
 
     #[test]
-    fn all_sets_order_lanes_alike() {
+    fn all_sets_pack_lanes_alike() {
         for simd in Simd::available() {
-            let (words, distances, kept) = simd.run(Order { limit: 3.0 });
-            assert_eq!(words, [13, 10, 16, 15, 17, 11], "{simd}");
-            assert_eq!(distances, [3.0, 3.0, 2.0, 1e-30, 0.0, 0.0], "{simd}");
+            let [kept, kept_last_first] = simd.run(Pack);
             assert_eq!(kept, [10, 11, 13, 15, 16, 17], "{simd}");
-            let (words, _, _) = simd.run(Order {
-                limit: f32::INFINITY,
-            });
-            assert_eq!(words, [14, 12, 13, 10, 16, 15, 17, 11], "{simd}");
+            assert_eq!(kept_last_first, [17, 16, 15, 13, 11, 10], "{simd}");
         }
     }
 }

@@ -21,6 +21,20 @@ impl InstructionSet for Portable {
     fn load(self, values: &[f32; N_LANES]) -> F32x8 {
         F32x8(*values)
     }
+
+    #[inline(always)]
+    fn load_bits(self, bits: &[u32; N_LANES]) -> F32x8 {
+        F32x8(bytemuck::cast(*bits))
+    }
+
+    #[inline(always)]
+    fn splat_bits(self, bits: u32) -> F32x8 {
+        F32x8([f32::from_bits(bits); N_LANES])
+    }
+
+    /// Left to the machine.
+    #[inline(always)]
+    fn prefetch<T>(self, _: *const T) {}
 }
 
 /// Eight numbers.
@@ -121,35 +135,26 @@ impl Lanes for F32x8 {
         picked
     }
 
-    /// Insertion: there are seldom more than three.
     #[inline(always)]
-    fn far_to_near(self, mask: Bits, words: &[u32; N_LANES]) -> ([u32; N_LANES], [f32; N_LANES]) {
-        let mut keys = [0; N_LANES];
-        let mut n = 0;
-        for lane in (0..N_LANES).filter(|lane| mask.0 >> lane & 1 != 0) {
-            let key = self.0[lane].to_bits() & !7 | lane as u32;
-            let mut at = n;
-            while at > 0 && keys[at - 1] < key {
-                keys[at] = keys[at - 1];
-                at -= 1;
-            }
-            keys[at] = key;
-            n += 1;
-        }
-        let (mut sorted, mut distances) = ([0; N_LANES], [0.0; N_LANES]);
-        for (i, key) in keys.into_iter().enumerate().take(n) {
-            let lane = key as usize % N_LANES;
-            (sorted[i], distances[i]) = (words[lane], self.0[lane]);
-        }
-        (sorted, distances)
+    fn to_bits(self) -> [u32; N_LANES] {
+        bytemuck::cast(self.0)
     }
 
     #[inline(always)]
-    fn compress(mask: Bits, words: &[u32; N_LANES]) -> [u32; N_LANES] {
-        let mut kept = [0; N_LANES];
+    fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self {
+        let mut permuted = self;
+        for ((lane, order), shift) in permuted.0.iter_mut().zip(order).zip(shift.to_bits()) {
+            *lane = self.0[(order >> (shift % 32)) as usize % N_LANES];
+        }
+        permuted
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: Bits) -> Self {
+        let mut kept = self;
         let mut bits = mask.0;
-        for slot in kept.iter_mut().take(bits.count_ones() as usize) {
-            *slot = words[bits.trailing_zeros() as usize % N_LANES];
+        for slot in kept.0.iter_mut().take(bits.count_ones() as usize) {
+            *slot = self.0[bits.trailing_zeros() as usize % N_LANES];
             bits &= bits.wrapping_sub(1);
         }
         kept

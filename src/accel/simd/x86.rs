@@ -21,10 +21,8 @@ pub(in crate::accel) trait Registers: Copy {
     fn le(a: __m256, b: __m256) -> Self::Mask;
     /// `this` where `mask` is true, else `other`.
     fn select(mask: Self::Mask, this: __m256, other: __m256) -> __m256;
-    /// `words` where `mask` is true, else 0.
-    fn keep(mask: Self::Mask, words: __m256i) -> __m256i;
-    /// The words of the true lanes first.
-    fn compress(mask: Self::Mask, words: __m256i) -> __m256i;
+    /// The true lanes first.
+    fn compress(mask: Self::Mask, lanes: __m256) -> __m256;
 }
 
 /// Eight numbers in a register of the set `R`.
@@ -45,6 +43,25 @@ impl<R: Registers> InstructionSet for R {
         // SAFETY: `self` proves AVX2; the pointer is to eight numbers, at any
         // alignment.
         Ymm::of(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn load_bits(self, bits: &[u32; N_LANES]) -> Ymm<R> {
+        // SAFETY: as in `load`.
+        Ymm::of(unsafe { _mm256_loadu_ps(bits.as_ptr().cast()) })
+    }
+
+    #[inline(always)]
+    fn splat_bits(self, bits: u32) -> Ymm<R> {
+        // SAFETY: `self` proves AVX2.
+        Ymm::of(unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(bits as i32)) })
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, address: *const T) {
+        // SAFETY: every x86-64 CPU can prefetch, and at no address does that
+        // fail or show.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
     }
 }
 
@@ -126,66 +143,24 @@ impl<R: Registers> Lanes for Ymm<R> {
     }
 
     #[inline(always)]
-    fn far_to_near(
-        self,
-        mask: R::Mask,
-        words: &[u32; N_LANES],
-    ) -> ([u32; N_LANES], [f32; N_LANES]) {
-        // SAFETY: lanes are made by a set that proves AVX2; arrays and
-        // registers are eight words each.
-        unsafe {
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let without_last_bits =
-                _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(self.0));
-            // Above 0, which stands for the other lanes and so comes last.
-            let keys = _mm256_or_si256(without_last_bits, lanes);
-            let keys = _mm256_add_epi32(keys, _mm256_set1_epi32(8));
-            let order = descending(R::keep(mask, keys));
-            let words = _mm256_loadu_si256(words.as_ptr().cast());
-            (
-                std::mem::transmute::<__m256i, [u32; 8]>(_mm256_permutevar8x32_epi32(words, order)),
-                Self::of(_mm256_permutevar8x32_ps(self.0, order)).to_array(),
-            )
-        }
+    fn to_bits(self) -> [u32; N_LANES] {
+        // SAFETY: both are eight words.
+        unsafe { std::mem::transmute(self.0) }
     }
 
     #[inline(always)]
-    fn compress(mask: R::Mask, words: &[u32; N_LANES]) -> [u32; N_LANES] {
-        // SAFETY: masks come of lanes; arrays and registers are eight words.
-        unsafe {
-            let words = _mm256_loadu_si256(words.as_ptr().cast());
-            std::mem::transmute(R::compress(mask, words))
-        }
+    fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self {
+        // SAFETY: lanes are made by a set that proves AVX2; the pointer is to
+        // eight words, at any alignment. The permutation heeds three bits.
+        Self::of(unsafe {
+            let order = _mm256_loadu_si256(order.as_ptr().cast());
+            let order = _mm256_srlv_epi32(order, _mm256_castps_si256(shift.0));
+            _mm256_permutevar8x32_ps(self.0, order)
+        })
     }
-}
 
-/// One step of the network: each lane keeps the lesser of itself and its
-/// partner where `LESSER` has a bit, else the greater.
-macro_rules! step {
-    ($keys:expr, $partners:expr, $lesser:expr) => {{
-        let (keys, partners) = ($keys, $partners);
-        let lesser = _mm256_min_epu32(keys, partners);
-        let greater = _mm256_max_epu32(keys, partners);
-        _mm256_blend_epi32::<$lesser>(greater, lesser)
-    }};
-}
-
-/// Sorts by Batcher's bitonic network (AFIPS 1968), the greatest first.
-///
-/// # Safety
-/// The CPU has AVX2.
-#[inline(always)]
-unsafe fn descending(keys: __m256i) -> __m256i {
-    const BY_1: i32 = 0b10_11_00_01;
-    const BY_2: i32 = 0b01_00_11_10;
-    // SAFETY: the caller's promise.
-    unsafe {
-        let keys = step!(keys, _mm256_shuffle_epi32::<BY_1>(keys), 0b0110_0110);
-        let keys = step!(keys, _mm256_shuffle_epi32::<BY_2>(keys), 0b0011_1100);
-        let keys = step!(keys, _mm256_shuffle_epi32::<BY_1>(keys), 0b0101_1010);
-        let by_4 = _mm256_permute2x128_si256::<1>(keys, keys);
-        let keys = step!(keys, by_4, 0b1111_0000);
-        let keys = step!(keys, _mm256_shuffle_epi32::<BY_2>(keys), 0b1100_1100);
-        step!(keys, _mm256_shuffle_epi32::<BY_1>(keys), 0b1010_1010)
+    #[inline(always)]
+    fn compress(self, mask: R::Mask) -> Self {
+        Self::of(R::compress(mask, self.0))
     }
 }
