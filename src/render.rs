@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::accel::Accel;
 use crate::config::Image;
-use crate::cost::{Clock, Cost, NoProbe, Probe, RayKind};
+use crate::cost::{Clock, Cost, Meter, NoProbe, Probe, RayKind};
 use crate::film::{Film, Pixel, PixelCost, STRIP_ROWS, Strip};
 use crate::sampling::PixelPattern;
 use crate::scene::Scene;
@@ -27,16 +27,16 @@ pub struct Progress {
     pub n_rays: u64,
 }
 
-/// Renders the scene on the current rayon pool; with a clock it counts and
-/// times every pixel. `report` hears of each tile, from any thread.
+/// Renders the scene on the current rayon pool and measures every pixel with
+/// the `meter`. `report` hears of each tile, from any thread.
 pub fn render(
     scene: &Scene,
     accel: &Accel,
     image: &Image,
-    clock: Option<&Clock>,
+    meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> Film {
-    let mut film = Film::new(image.width, image.height, clock.is_some());
+    let mut film = Film::new(image.width, image.height, meter.mode());
     let strips: Vec<_> = film.strips.iter_mut().map(Mutex::new).collect();
     let tracer = Tracer::new(scene, accel);
     let renderer = Renderer {
@@ -50,9 +50,10 @@ pub fn render(
     let n_tiles = n_columns * image.height.div_ceil(TILE_SIDE);
     let render_tile = |pixels: &mut Vec<Pixel>, number| {
         let tile = Tile::new(number, n_columns, image);
-        let counted = match clock {
-            Some(clock) => renderer.timed_tile(&tile, clock, pixels),
-            None => renderer.tile(&tile, pixels),
+        let counted = match meter {
+            Meter::Off => renderer.tile(&tile, pixels),
+            Meter::Counters => renderer.counted_tile(&tile, pixels),
+            Meter::Time(clock) => renderer.timed_tile(&tile, clock, pixels),
         };
         // The film is written a tile at a time, outside of any pixel's time:
         // first touches of its memory would show in the heatmap.
@@ -141,6 +142,26 @@ impl Renderer<'_> {
         Cost::default()
     }
 
+    /// Renders the tile into `pixels`, counting; gives the sum of the counters.
+    fn counted_tile(&self, tile: &Tile, pixels: &mut Vec<Pixel>) -> Cost {
+        pixels.clear();
+        let thread = rayon::current_thread_index().unwrap_or(0) as u32;
+        let mut total = Cost::default();
+        for (x, y) in tile.pixels() {
+            let mut counted = Cost::default();
+            let mut pixel = self.pixel(x, y, &mut counted);
+            pixel.cost = Some(PixelCost {
+                counted,
+                time_ns: None,
+                tile: tile.number,
+                thread,
+            });
+            pixels.push(pixel);
+            total = total.with(counted);
+        }
+        total
+    }
+
     /// Renders the tile into `pixels`, counting and timing each of them; gives
     /// the sum of the counters. One reading of the clock ends a pixel and
     /// begins the next.
@@ -155,7 +176,7 @@ impl Renderer<'_> {
             let end = clock.now();
             pixel.cost = Some(PixelCost {
                 counted,
-                time_ns: clock.elapsed_ns(begin, end),
+                time_ns: Some(clock.elapsed_ns(begin, end)),
                 tile: tile.number,
                 thread,
             });

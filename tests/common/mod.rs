@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 
 use raycost::accel::Accel;
-use raycost::config::Config;
-use raycost::cost::Clock;
+use raycost::config::{Config, CostMode};
+use raycost::cost::Meter;
 use raycost::film::{Film, Strip};
 use raycost::render::render;
 use raycost::scene::Scene;
@@ -42,20 +42,28 @@ pub fn parse(text: &str) -> Config {
     source.parse().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The film of a config, with cost, on `n_threads` threads.
+/// The film of a config, with its cost, on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
-    film_with(config, n_threads, Some(&Clock::calibrated()))
-}
-
-/// The film of a config, with cost if there is a clock.
-pub fn film_with(config: &Config, n_threads: usize, clock: Option<&Clock>) -> Film {
     let scene = Scene::new(config).unwrap();
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()
         .unwrap();
-    pool.install(|| render(&scene, &accel, &config.image, clock, |_| {}))
+    pool.install(|| {
+        render(
+            &scene,
+            &accel,
+            &config.image,
+            &Meter::new(config.cost),
+            |_| {},
+        )
+    })
+}
+
+/// The config, measured otherwise.
+pub fn with_cost(config: Config, cost: CostMode) -> Config {
+    Config { cost, ..config }
 }
 
 /// The sum of one counter over all pixels.
