@@ -34,15 +34,6 @@ impl CostMode {
         self == Self::Time
     }
 
-    /// Its name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Counters => "counters",
-            Self::Time => "time",
-        }
-    }
-
     /// How rays are traced: many at once, or, where each pixel is timed, one
     /// after the other.
     pub fn kernel(self) -> &'static str {

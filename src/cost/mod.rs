@@ -10,7 +10,7 @@ mod probe;
 
 pub use clock::{Clock, Instant};
 pub use meter::Meter;
-pub use probe::{NoProbe, Probe, StreamProbe};
+pub use probe::{ByPixel, NoProbe, Probe, StreamProbe};
 
 /// Why a ray was shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ pub mod data_set;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-use raycost::accel::Accel;
+use raycost::accel::{Accel, Simd};
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::{Film, Strip};
@@ -44,8 +44,13 @@ pub fn parse(text: &str) -> Config {
 
 /// The film of a config, with its cost, on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
+    film_on(config, n_threads, Simd::best())
+}
+
+/// The film of a config with rays traced by these instructions.
+pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
     let scene = Scene::new(config).unwrap();
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene.primitives, config.acceleration).with_simd(simd);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()
@@ -64,6 +69,27 @@ pub fn film(config: &Config, n_threads: usize) -> Film {
 /// The config, measured otherwise.
 pub fn with_cost(config: Config, cost: CostMode) -> Config {
     Config { cost, ..config }
+}
+
+/// The film without what may differ: time and thread.
+pub fn lasting(mut film: Film) -> Vec<Strip> {
+    for strip in &mut film.strips {
+        strip.time_ns.clear();
+        strip.thread.clear();
+        // NaN is equal to nothing, itself included: compare its bits.
+        let misses = strip
+            .object
+            .iter()
+            .enumerate()
+            .filter(|(_, object)| **object < 0);
+        for i in misses.map(|(i, _)| i).collect::<Vec<_>>() {
+            assert!(strip.position[i].is_nan() && strip.normal[i].is_nan());
+            assert!(strip.distance[i].is_nan() && strip.footprint[i].is_nan());
+            (strip.position[i], strip.normal[i]) = Default::default();
+            (strip.distance[i], strip.footprint[i]) = Default::default();
+        }
+    }
+    film.strips
 }
 
 /// The sum of one counter over all pixels.
