@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case", expecting = "`none`, `counters` or `time`")]
 pub enum CostMode {
-    /// Nothing: the fastest, on streams of rays
+    /// Nothing; rays are traced in streams
     None,
-    /// Nodes, tests and rays, on streams of rays
+    /// Nodes, tests and rays; rays are traced in streams
     Counters,
-    /// Counters and nanoseconds, each pixel and each ray alone
+    /// Counters and nanoseconds; each ray is traced alone
     #[default]
     Time,
 }

@@ -1,8 +1,9 @@
 //! The tile loop: scene → film, on all threads.
 //!
 //! A thread takes a tile and renders it in one of two ways: many rays at once
-//! (`stream`), which is fast, or ray after ray (`timed`), which gives every
-//! pixel a time of its own. Both give the same pixels and the same counters.
+//! (`stream`), so that the ray kernel always has one that need not wait for
+//! memory, or ray after ray (`timed`), which gives every pixel a time of its
+//! own. Both give the same pixels and the same counters.
 
 mod tile;
 mod view;
