@@ -80,13 +80,12 @@ pub struct ByPixel<'a, P> {
 }
 
 impl<'a, P: Probe> ByPixel<'a, P> {
-    /// For rays each of which belongs to the pixel, an index into `probes`,
-    /// that `pixels` has for it.
+    /// The pixel of ray `i` is `pixels[i]`, an index into `probes`.
     pub fn new(probes: &'a mut [P], pixels: &'a [u32]) -> Self {
         Self { probes, pixels }
     }
 
-    /// All rays of the stream start.
+    /// All rays of the stream, of one kind, start.
     pub fn rays(&mut self, kind: RayKind) {
         if P::COUNTS {
             for &pixel in self.pixels {

@@ -18,8 +18,9 @@ use crate::film::{Pixel, PixelCost};
 use crate::shade::Path;
 use crate::trace::SurfacePoint;
 
-/// About how many rays are on their way at the same time, at most: enough to
-/// keep the kernel busy, few enough to stay in the cache between two steps.
+/// Paths that are followed at the same time, at most, if a tile's pixels are no
+/// more: enough to keep the kernel busy, few enough to stay in the cache between
+/// two steps.
 const WAVE_LEN: usize = 2048;
 
 /// Renders tiles in waves of rays; a `P` hears of each pixel's cost. All

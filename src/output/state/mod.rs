@@ -132,9 +132,10 @@ fn cost_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
 /// Least and greatest value of the second measure, at least 1 apart.
 fn counter_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
     let counts = measures.map_or_else(Vec::new, |[_, counter]| counter.of(film));
-    let low = counts.iter().copied().reduce(f32::min).unwrap_or(0.0);
-    let high = counts.iter().copied().fold(low + 1.0, f32::max);
-    [low, high].map(f64::from)
+    let least = counts.iter().copied().reduce(f32::min);
+    let low = f64::from(least.unwrap_or(0.0));
+    let high = counts.iter().copied().map(f64::from);
+    [low, high.fold(low + 1.0, f64::max)]
 }
 
 /// How far the hits are along their camera rays.
