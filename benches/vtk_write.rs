@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use raycost::accel::Accel;
-use raycost::config::Config;
-use raycost::cost::Clock;
+use raycost::config::{Config, CostMode};
+use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
 use raycost::render::render;
@@ -92,7 +92,7 @@ fn film(width: u32, height: u32) -> Film {
         &scene,
         &accel,
         &config.image,
-        Some(&Clock::calibrated()),
+        &Meter::new(CostMode::Time),
         |_| {},
     )
 }

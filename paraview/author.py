@@ -38,7 +38,7 @@ def geometry(out):
     colour, cost = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
     put(cloud(hits, colour), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
     caption("True colours", colour)
-    inferno = colour_map(hits, "time_ns", INFERNO, "log", key="cost")
+    inferno = colour_map(hits, "time_ns", INFERNO, "log", "cost")
     put(cloud(hits, cost), ColorArrayName=["POINTS", Fill("cost.array", "time_ns")], LookupTable=inferno)
     colour_bar(inferno, cost, Fill("cost.title", "Time per pixel (ns)"))
     caption("False colours", cost)
@@ -47,12 +47,16 @@ def geometry(out):
 
 
 def heatmap(out):
-    """Time and node visits of every pixel as pictures, above the histogram of the time."""
+    """Time and node visits of every pixel as pictures, above the histogram of the time.
+
+    Where no time was measured, `cost` is the node visits, and `counter` what comes next.
+    """
     frame = reader(pv.XMLImageDataReader, out / "frame.vti")
-    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)")
-    visits = picture(frame, "node_visits", VIRIDIS, "linear", "BVH nodes visited per pixel")
+    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)", key="cost")
+    visits = picture(frame, "node_visits", VIRIDIS, "linear", "BVH nodes visited per pixel", key="counter")
     pv.AddCameraLink(time, visits, "heatmap")
-    layout("Heatmap", above(0.68, beside(time, visits), histogram(frame, "time_ns", "Time per pixel (ns)")))
+    times = histogram(frame, "time_ns", "Time per pixel (ns)", key="cost")
+    layout("Heatmap", above(0.68, beside(time, visits), times))
 
 
 STATES = (geometry, heatmap)
@@ -87,19 +91,20 @@ def cloud(hits, view):
     )
 
 
-def picture(frame, array, preset, scale, title):
+def picture(frame, array, preset, scale, title, key):
     """A view of one array as a flat picture: a slice shows each pixel as it is, unlit and unblended."""
     view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    colours = colour_map(frame, array, preset, scale)
-    put(pv.Show(frame, view), Representation="Slice", ColorArrayName=["POINTS", array], LookupTable=colours)
-    colour_bar(colours, view, title)
+    colours = colour_map(frame, array, preset, scale, key)
+    shown = ["POINTS", Fill(f"{key}.array", array)]
+    put(pv.Show(frame, view), Representation="Slice", ColorArrayName=shown, LookupTable=colours)
+    colour_bar(colours, view, Fill(f"{key}.title", title))
     return view
 
 
-def histogram(frame, array, title):
+def histogram(frame, array, title, key):
     """A view of how many pixels took which value: bars over log10, labelled with the values."""
     log10 = pv.Calculator(Input=frame)
-    put(log10, Function=f"log10({array})", ResultArrayName="log10", ResultArrayType="Float")
+    put(log10, Function=Fill(f"{key}.log10", f"log10({array})"), ResultArrayName="log10", ResultArrayType="Float")
     low, high = spread(frame, array)
     bins = put(
         pv.Histogram(Input=log10),
@@ -107,15 +112,15 @@ def histogram(frame, array, title):
         BinCount=100,
         UseCustomBinRanges=1,
         CustomBinRanges=[
-            Fill(f"{array}.log10(0)", math.log10(low)),
-            Fill(f"{array}.log10(1)", math.log10(high)),
+            Fill(f"{key}.log10(0)", math.log10(low)),
+            Fill(f"{key}.log10(1)", math.log10(high)),
         ],
     )
-    pv.RenameSource(f"log10({array})", log10)
+    pv.RenameSource("log10", log10)
     pv.RenameSource("Histogram", bins)
     view = put(
         pv.CreateView("XYBarChartView"),
-        BottomAxisTitle=f"{title}, log scale",
+        BottomAxisTitle=Fill(f"{key}.log10.title", f"{title}, log scale"),
         BottomAxisTitleFontSize=18,
         BottomAxisLabelFontSize=14,
         BottomAxisUseCustomLabels=1,
@@ -144,7 +149,7 @@ def spread(source, array):
     return float(values.min()), float(np.percentile(values, 99.5))
 
 
-def colour_map(source, array, preset, scale, key=None):
+def colour_map(source, array, preset, scale, key):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
     low, high = spread(source, array)
     lut = pv.GetColorTransferFunction(array)
@@ -155,7 +160,7 @@ def colour_map(source, array, preset, scale, key=None):
         f = step / (N_COLOURS - 1)
         at = low * (high / low) ** f if scale == "log" else low + (high - low) * f
         colour = colours[round(f * (len(colours) - 1))]
-        points += [Fill(f"{key or array}.{scale}({f:g})", at), *(round(c, 4) for c in colour)]
+        points += [Fill(f"{key}.{scale}({f:g})", at), *(round(c, 4) for c in colour)]
     return put(
         lut,
         RGBPoints=points,

@@ -9,7 +9,8 @@ use crate::scene::{self, Primitive};
 use crate::yaml::{Fault, Path};
 
 /// What the pictures and files take for each pixel while they are made: a copy
-/// of the times, another to find their median, the cost map and its PNG.
+/// of the times or counts, another to find their median, the cost map and its
+/// PNG.
 const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
 
 /// What one rendering needs, in bytes.
@@ -23,9 +24,9 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// What the config needs, with or without the cost arrays; never less
-    /// than is used in the end, but for a few MiB of program and buffers.
-    pub fn of(config: &Config, has_cost: bool) -> Self {
+    /// What the config needs; never less than is used in the end, but for a
+    /// few MiB of program and buffers.
+    pub fn of(config: &Config) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {
                 Acceleration::Bvh => Bvh::MAX_BYTES_PER_PRIMITIVE,
@@ -34,7 +35,7 @@ impl Memory {
         let n_pixels = config.image.n_pixels() as u64;
         let n_primitives = scene::n_primitives(config);
         Self {
-            film: n_pixels * (film::bytes_per_pixel(has_cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
+            film: n_pixels * (film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
             scene: n_primitives as u64 * per_primitive as u64,
             n_primitives,
         }

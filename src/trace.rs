@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::accel::Accel;
-use crate::cost::{Probe, RayKind};
+use crate::accel::{Accel, Hit, ShadowRay};
+use crate::cost::{ByPixel, Probe, RayKind};
 use crate::geometry::Ray;
 use crate::scene::{MaterialId, ObjectId, Scene};
 
@@ -39,28 +39,52 @@ impl<'a> Tracer<'a> {
     pub fn trace<P: Probe>(&self, ray: &Ray, kind: RayKind, probe: &mut P) -> Option<SurfacePoint> {
         probe.ray(kind);
         let hit = self.accel.nearest(ray, probe)?;
+        Some(self.surface_point(ray, hit))
+    }
+
+    /// Whether anything is in the shadow ray's way.
+    pub fn is_shadowed<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> bool {
+        probe.ray(RayKind::Shadow);
+        self.accel
+            .occluded(&shadow.ray, shadow.t_max, shadow.ignored, probe)
+    }
+
+    /// The nearest hits of many rays of one kind: `hits` becomes one entry a
+    /// ray.
+    pub fn nearest_stream<P: Probe>(
+        &self,
+        rays: &[Ray],
+        kind: RayKind,
+        hits: &mut Vec<Option<Hit>>,
+        mut probes: ByPixel<P>,
+    ) {
+        probes.rays(kind);
+        self.accel.nearest_stream(rays, hits, &mut probes);
+    }
+
+    /// [`is_shadowed`](Self::is_shadowed) of many rays: `shadowed` becomes one
+    /// entry a ray.
+    pub fn shadow_stream<P: Probe>(
+        &self,
+        rays: &[ShadowRay],
+        shadowed: &mut Vec<bool>,
+        mut probes: ByPixel<P>,
+    ) {
+        probes.rays(RayKind::Shadow);
+        self.accel.occluded_stream(rays, shadowed, &mut probes);
+    }
+
+    /// The surface point of a ray's hit.
+    pub fn surface_point(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
         let faces_ray = outward.dot(ray.direction) <= 0.0;
-        Some(SurfacePoint {
+        SurfacePoint {
             position,
             normal: if faces_ray { outward } else { -outward },
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,
-        })
-    }
-
-    /// Whether a shadow ray is stopped before `t_max` by anything but the
-    /// `ignored` object.
-    pub fn is_shadowed<P: Probe>(
-        &self,
-        ray: &Ray,
-        t_max: f32,
-        ignored: Option<ObjectId>,
-        probe: &mut P,
-    ) -> bool {
-        probe.ray(RayKind::Shadow);
-        self.accel.occluded(ray, t_max, ignored, probe)
+        }
     }
 }

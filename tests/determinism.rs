@@ -2,29 +2,9 @@
 
 mod common;
 
-use common::{config, film};
-use raycost::film::{Film, Strip};
-
-/// The film without what may differ: time and thread.
-fn lasting(mut film: Film) -> Vec<Strip> {
-    for strip in &mut film.strips {
-        strip.time_ns.clear();
-        strip.thread.clear();
-        // NaN is equal to nothing, itself included: compare its bits.
-        let misses = strip
-            .object
-            .iter()
-            .enumerate()
-            .filter(|(_, object)| **object < 0);
-        for i in misses.map(|(i, _)| i).collect::<Vec<_>>() {
-            assert!(strip.position[i].is_nan() && strip.normal[i].is_nan());
-            assert!(strip.distance[i].is_nan() && strip.footprint[i].is_nan());
-            (strip.position[i], strip.normal[i]) = Default::default();
-            (strip.distance[i], strip.footprint[i]) = Default::default();
-        }
-    }
-    film.strips
-}
+use common::{config, film, lasting};
+use raycost::config::CostMode;
+use raycost::film::Film;
 
 #[test]
 fn threads_change_no_byte() {
@@ -32,12 +12,13 @@ fn threads_change_no_byte() {
         let mut config = config(name);
         (config.image.width, config.image.height) = (101, 67);
         config.image.samples_per_pixel = 3;
-        let one = lasting(film(&config, 1));
-        for n_threads in [2, 5] {
-            assert!(
-                one == lasting(film(&config, n_threads)),
-                "{name}, {n_threads} threads"
-            );
+        for mode in [CostMode::None, CostMode::Counters, CostMode::Time] {
+            config.cost = mode;
+            let one = lasting(film(&config, 1));
+            for n_threads in [2, 5] {
+                let many = lasting(film(&config, n_threads));
+                assert!(one == many, "{name}, {mode:?}, {n_threads} threads");
+            }
         }
     }
 }

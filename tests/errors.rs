@@ -117,7 +117,7 @@ fn cases() -> impl Iterator<Item = Case> {
 fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let source = Source::new("scene.yaml", text);
     let config: Config = source.parse()?;
-    Memory::of(&config, true)
+    Memory::of(&config)
         .check(available)
         .and_then(|()| Scene::new(&config).map(drop))
         .map_err(|fault| source.point_at(fault))

@@ -169,7 +169,7 @@ fn a_folder_that_cannot_be_written_ends_with_1() {
 #[test]
 fn a_wrong_command_line_ends_with_2() {
     let folder = folder();
-    let lines: [&[&str]; 10] = [
+    let lines: [&[&str]; 12] = [
         &["render"],
         &["paint", "scene.yaml"],
         &["check", "scene.yaml", "scene.yaml"],
@@ -178,6 +178,8 @@ fn a_wrong_command_line_ends_with_2() {
         &["render", "scene.yaml", "--height", "tall"],
         &["render", "scene.yaml", "--spp", "-1"],
         &["render", "scene.yaml", "--seed", "1.5"],
+        &["render", "scene.yaml", "--cost", "timer"],
+        &["render", "scene.yaml", "--cost", "time", "--no-cost"],
         &["render", "scene.yaml", "--threads", "0"],
         &["render", "scene.yaml", "--treads", "2"],
     ];

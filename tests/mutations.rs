@@ -152,7 +152,7 @@ fn originals() -> Vec<String> {
 /// All that `raycost check` does, on a machine with little memory.
 fn check(source: &Source) -> Result<(), Diagnostic> {
     let config: Config = source.parse()?;
-    Memory::of(&config, true)
+    Memory::of(&config)
         .check(64 << 20)
         .and_then(|()| Scene::new(&config).map(drop))
         .map_err(|fault| source.point_at(fault))

@@ -73,8 +73,31 @@ fn without_cost_the_files_of_an_earlier_cost_go() {
     ];
     assert_eq!(names(out), left);
     let summary = summary(out);
-    assert_eq!(summary["cost"], Value::Null);
+    assert_eq!(summary["cost"]["mode"], "none");
+    assert_eq!(summary["cost"]["totals"], Value::Null);
     assert_eq!(summary["files"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn counters_alone_come_without_a_time() {
+    let temporary = temporary();
+    let out = temporary.path();
+    assert_success(&render(out).arg("--cost=counters").output().unwrap());
+    assert_eq!(names(out), FILES);
+    let frame = DataSet::read(&out.join("frame.vti"));
+    assert!(frame.arrays.iter().all(|array| array.name != "time_ns"));
+    let cost = &summary(out)["cost"];
+    assert_eq!(
+        (&cost["mode"], &cost["kernel"]),
+        (&"counters".into(), &"stream".into())
+    );
+    assert_eq!(
+        (&cost["clock"], &cost["totals"]["time_ns"]),
+        (&Value::Null, &Value::Null)
+    );
+    let state = fs::read_to_string(out.join("heatmap.pvsm")).unwrap();
+    assert!(state.contains("log10(node_visits)") && state.contains("primitive_tests"));
+    assert!(!state.contains("\"time_ns\""), "{state}");
 }
 
 #[test]

@@ -54,13 +54,32 @@ objects:
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_extended_scene_is_shown() {
     let scene = in_repository("configs/seed_extended.yaml");
-    shows_its_output(&render(&scene, "extended", &[]));
+    shows_its_output(&render(&scene, "extended", &[]), "time_ns");
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn counters_without_a_time_are_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "counters", &["--cost=counters"]);
+    shows_its_output(&out, "node_visits");
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn counters_of_brute_force_are_shown() {
+    let tower = format!("{TOWER}acceleration: brute_force\ncost: counters\n");
+    let out = render(&scene_file("brute", &tower), "brute force", &[]);
+    shows_its_output(&out, "primitive_tests");
 }
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_tower_is_shown() {
-    shows_its_output(&render(&scene_file("tower", TOWER), "tower", &[]));
+    shows_its_output(
+        &render(&scene_file("tower", TOWER), "tower", &[]),
+        "time_ns",
+    );
 }
 
 #[test]
@@ -68,17 +87,18 @@ fn the_tower_is_shown() {
 fn an_orthographic_view_is_shown() {
     let scene = in_repository("configs/orthographic_grid.yaml");
     let size = ["--width=350", "--height=350"];
-    shows_its_output(&render(&scene, "orthographic", &size));
+    shows_its_output(&render(&scene, "orthographic", &size), "time_ns");
 }
 
-/// Both states of the folder load by their own paths, and the cloud looks like
-/// the picture.
-fn shows_its_output(out: &Path) {
+/// Both states of the folder load by their own paths, with this array of the
+/// cost, and the cloud looks like the picture.
+fn shows_its_output(out: &Path, cost: &str) {
     for state in ["geometry", "heatmap"] {
         let file = out.join(state).with_extension("pvsm");
         let screenshot = screenshot(out, state);
-        let flags = ["--from-state", "--require=time_ns,RGB"];
-        assert_success(&load(&file, out, &screenshot, &flags));
+        assert!(fs::read_to_string(&file).unwrap().contains(cost));
+        let require = format!("--require={cost},RGB");
+        assert_success(&load(&file, out, &screenshot, &["--from-state", &require]));
     }
     assert_likeness(out);
 }

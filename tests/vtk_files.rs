@@ -10,8 +10,8 @@ use bytemuck::cast_slice_mut;
 use glam::Vec3;
 
 use common::data_set::{Array, DataSet};
-use common::{config, film, film_with, parse};
-use raycost::config::Config;
+use common::{config, film, parse, with_cost};
+use raycost::config::{Config, CostMode};
 use raycost::film::{Film, STRIP_ROWS, Strip};
 use raycost::output::{write_frame, write_hits};
 
@@ -40,7 +40,8 @@ films! {
     // The last tile of each row and the last strip are cut.
     odd_size: film(&scene(33, 17, 1, SPHERE), 2);
     four_samples: film(&scene(33, 17, 4, SPHERE), 2);
-    no_cost: film_with(&scene(33, 17, 1, SPHERE), 2, None);
+    counters: film(&with_cost(scene(33, 17, 1, SPHERE), CostMode::Counters), 2);
+    no_cost: film(&with_cost(scene(33, 17, 1, SPHERE), CostMode::None), 2);
     one_pixel: film(&scene(1, 1, 1, SPHERE), 1);
     no_hit: film_of_hits(0, &scene(33, 17, 1, "{ center: [0, 0, 9], radius: 1 }"));
     one_hit: film_of_hits(1, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 0.1 }"));
@@ -79,7 +80,7 @@ fn film_of_hits(n_hits: usize, config: &Config) -> Film {
 /// A film of noise: no array can be taken for another, and NaN comes in all
 /// its shapes.
 fn noise() -> Film {
-    let mut film = Film::new(33, 17, true);
+    let mut film = Film::new(33, 17, CostMode::Time);
     let mut state = 0_u32;
     let mut noise = || {
         // The generator of Numerical Recipes.
@@ -224,9 +225,14 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         ("tile", Field::I32(|strip| &strip.tile)),
         ("thread", Field::I32(|strip| &strip.thread)),
     ];
-    let n_fields = if film.has_cost { fields.len() } else { 6 };
     let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
-    fields[..n_fields].iter().map(array).collect()
+    let (geometry, cost) = fields.split_at(6);
+    let cost = match film.cost {
+        CostMode::None => &[],
+        CostMode::Counters => &cost[1..],
+        CostMode::Time => cost,
+    };
+    geometry.iter().chain(cost).map(array).collect()
 }
 
 /// Where an array of the film is, by its kind.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::Failure;
 use super::render::SceneArguments;
-use crate::config::{Acceleration, Config};
+use crate::config::{Acceleration, Config, CostMode};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
@@ -29,14 +29,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String {
     let image = &config.image;
     let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
-    let memory = Memory::of(config, arguments.has_cost());
+    let memory = Memory::of(config);
     let structure = match config.acceleration {
         Acceleration::Bvh => "a BVH",
         Acceleration::BruteForce => "brute force",
     };
     let files = Artifact::ALL
         .iter()
-        .filter(|artifact| artifact.has_data(arguments.has_cost()))
+        .filter(|artifact| artifact.has_data(config.cost))
         .map(|artifact| artifact.file_name())
         .collect::<Vec<_>>();
     let lines = [
@@ -76,6 +76,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String 
                 count(n_samples)
             ),
         ),
+        ("cost", cost(config.cost).to_owned()),
         (
             "memory",
             format!(
@@ -99,6 +100,15 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String 
         .iter()
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect()
+}
+
+/// What would be measured, and how.
+fn cost(mode: CostMode) -> &'static str {
+    match mode {
+        CostMode::None => "none; rays are traced in streams",
+        CostMode::Counters => "counters, no time; rays are traced in streams",
+        CostMode::Time => "counters and time; each ray is traced alone",
+    }
 }
 
 /// "3 sphere, 1 plane", in the order of the file.

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::progress::Bar;
 use crate::accel::Accel;
-use crate::config::{Config, MAX_SIDE};
-use crate::cost::Clock;
+use crate::config::{Config, CostMode, MAX_SIDE};
+use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
 use crate::memory::{self, Memory};
 use crate::output::{
@@ -62,8 +62,12 @@ pub(super) struct SceneArguments {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
-    /// Render without counters and clock, and leave the cost arrays out
-    #[arg(long)]
+    /// What is measured of each pixel, instead of the file's
+    #[arg(long, value_name = "MODE")]
+    cost: Option<CostMode>,
+
+    /// Short for `--cost none`
+    #[arg(long, conflicts_with = "cost")]
     no_cost: bool,
 }
 
@@ -83,14 +87,19 @@ impl SceneArguments {
         image.height = self.height.unwrap_or(image.height);
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
-        Memory::of(&config, self.has_cost())
+        config.cost = self.cost().unwrap_or(config.cost);
+        Memory::of(&config)
             .check(memory::available())
             .map_err(|fault| source.point_at(fault))?;
         Ok(Loaded { source, config })
     }
 
-    pub(super) fn has_cost(&self) -> bool {
-        !self.no_cost
+    /// What the command line says of the cost, if anything.
+    fn cost(&self) -> Option<CostMode> {
+        match self.no_cost {
+            true => Some(CostMode::None),
+            false => self.cost,
+        }
     }
 
     /// The folder to write to.
@@ -112,19 +121,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut stages = Stages::start();
     let Loaded { source, config } = arguments.scene.load()?;
     let scene = Scene::new(&config).map_err(|fault| source.point_at(fault))?;
-    let folder = OutputFolder::create(&arguments.scene.out(), least_bytes(arguments, &config))?;
+    let folder = OutputFolder::create(&arguments.scene.out(), least_bytes(&config))?;
     remove_unfinished_when_stopped(&folder)?;
     let pool = thread_pool(arguments.threads)?;
     stages.end("read");
 
     let accel = Accel::new(&scene.primitives, config.acceleration);
     stages.end("build");
-    let clock = arguments.scene.has_cost().then(Clock::calibrated);
-    stages.end("calibrate");
+    let meter = Meter::new(config.cost);
+    if meter.clock().is_some() {
+        stages.end("calibrate");
+    }
 
     let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
     let report = |progress| bar.advance(progress);
-    let film = pool.install(|| render(&scene, &accel, &config.image, clock.as_ref(), report));
+    let film = pool.install(|| render(&scene, &accel, &config.image, &meter, report));
     bar.clear();
     stages.end("render");
 
@@ -134,7 +145,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         config: &config,
         scene: &scene,
         bvh: accel.statistics(),
-        clock: clock.as_ref(),
+        meter: &meter,
         film: &film,
         threads: Threads {
             used: pool.current_num_threads(),
@@ -150,9 +161,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The bytes that the files take at least, whatever the camera sees.
-fn least_bytes(arguments: &Arguments, config: &Config) -> u64 {
+fn least_bytes(config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
-    let per_pixel = bytes_per_pixel(arguments.scene.has_cost()) - size_of::<glam::Vec3>();
+    let per_pixel = bytes_per_pixel(config.cost) - size_of::<glam::Vec3>();
     (config.image.n_pixels() * per_pixel) as u64
 }
 
@@ -198,7 +209,7 @@ fn closing_lines(
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
-    let state = match arguments.scene.has_cost() {
+    let state = match rendering.film.cost.has_counters() {
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
     };
@@ -225,7 +236,7 @@ fn closing_lines(
 fn speed(rendering: &Rendering, stages: &Stages) -> String {
     let seconds = stages.wall("render").as_secs_f64();
     let millions = |n: u64| n as f64 / seconds / 1e6;
-    match rendering.film.has_cost {
+    match rendering.film.cost.has_counters() {
         true => {
             let n_rays = rendering.film.totals.n_rays();
             format!("{:.1} Mrays/s, {} rays", millions(n_rays), count(n_rays))

@@ -5,6 +5,7 @@
 //! material's name, say) is resolved in [`scene`](crate::scene).
 
 mod background;
+mod cost_mode;
 mod generator;
 mod image;
 mod object;
@@ -14,6 +15,7 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 
 pub use background::Background;
+pub use cost_mode::CostMode;
 pub use generator::{Generator, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
@@ -57,6 +59,9 @@ pub struct Config {
     /// How hits are found.
     #[serde(default)]
     pub acceleration: Acceleration,
+    /// What is measured of each pixel.
+    #[serde(default)]
+    pub cost: CostMode,
     /// Materials by name; their ids count from 0 in this order.
     pub materials: IndexMap<String, Material>,
     /// The lights; `[]` for none but the ambient light.

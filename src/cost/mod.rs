@@ -1,13 +1,16 @@
-//! What work costs: counters, the probes that feed them, and the clock.
+//! What work costs: counters, the probes that feed them, the clock, and the
+//! choice among them.
 //!
 //! The kernels are generic over a [`Probe`]. With [`Cost`] they count; with
 //! [`NoProbe`] the same source compiles to a kernel without counters.
 
 mod clock;
+mod meter;
 mod probe;
 
 pub use clock::{Clock, Instant};
-pub use probe::{NoProbe, Probe, StreamProbe};
+pub use meter::Meter;
+pub use probe::{ByPixel, NoProbe, Probe, StreamProbe};
 
 /// Why a ray was shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,6 +5,8 @@ use super::{Cost, RayKind};
 /// Listens to the work on one pixel. Kernels count in locals and report once
 /// a ray.
 pub trait Probe {
+    /// Whether it listens at all.
+    const COUNTS: bool;
     /// A ray starts.
     fn ray(&mut self, kind: RayKind);
     /// A ray has ended after so many nodes and tests.
@@ -18,6 +20,8 @@ pub trait Probe {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
+    const COUNTS: bool = false;
+
     #[inline(always)]
     fn ray(&mut self, _: RayKind) {}
     #[inline(always)]
@@ -26,7 +30,16 @@ impl Probe for NoProbe {
     fn bounce(&mut self, _: u32) {}
 }
 
+impl From<NoProbe> for Cost {
+    /// Nothing.
+    fn from(_: NoProbe) -> Self {
+        Self::default()
+    }
+}
+
 impl Probe for Cost {
+    const COUNTS: bool = true;
+
     #[inline]
     fn ray(&mut self, kind: RayKind) {
         self.rays[kind as usize] += 1;
@@ -57,4 +70,39 @@ impl StreamProbe for NoProbe {
 
     #[inline(always)]
     fn traversal(&mut self, _: usize, _: u32, _: u32) {}
+}
+
+/// Passes on what a stream's rays tell to the probes of their pixels.
+#[derive(Debug)]
+pub struct ByPixel<'a, P> {
+    probes: &'a mut [P],
+    pixels: &'a [u32],
+}
+
+impl<'a, P: Probe> ByPixel<'a, P> {
+    /// The pixel of ray `i` is `pixels[i]`, an index into `probes`.
+    pub fn new(probes: &'a mut [P], pixels: &'a [u32]) -> Self {
+        Self { probes, pixels }
+    }
+
+    /// All rays of the stream, of one kind, start.
+    pub fn rays(&mut self, kind: RayKind) {
+        if P::COUNTS {
+            for &pixel in self.pixels {
+                self.probes[pixel as usize].ray(kind);
+            }
+        }
+    }
+}
+
+impl<P: Probe> StreamProbe for ByPixel<'_, P> {
+    const COUNTS: bool = P::COUNTS;
+
+    #[inline(always)]
+    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32) {
+        if P::COUNTS {
+            let pixel = self.pixels[ray] as usize;
+            self.probes[pixel].traversal(node_visits, primitive_tests);
+        }
+    }
 }

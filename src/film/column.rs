@@ -3,6 +3,7 @@
 use vtkio::model::ScalarType;
 
 use super::Strip;
+use crate::config::CostMode;
 
 /// An array of the film as files have it.
 pub struct Column {
@@ -43,9 +44,10 @@ const GEOMETRY: [Column; 6] = [
     column!("material", material, I32 x 1),
 ];
 
-const COST: [Column; 10] = [
-    // Thread time, the clock's own cost taken off, at least 1.
-    column!("time_ns", time_ns, F32 x 1),
+// Thread time, the clock's own cost taken off, at least 1.
+const TIME: [Column; 1] = [column!("time_ns", time_ns, F32 x 1)];
+
+const COUNTERS: [Column; 9] = [
     // BVH nodes entered by all rays of the pixel.
     column!("node_visits", node_visits, U32 x 1),
     // Ray-primitive tests of all rays of the pixel.
@@ -66,10 +68,14 @@ const COST: [Column; 10] = [
     column!("thread", thread, I32 x 1),
 ];
 
-/// The arrays of a film with or without cost, in the order of the files.
-pub fn columns(has_cost: bool) -> impl Iterator<Item = &'static Column> {
-    let cost: &[Column] = if has_cost { &COST } else { &[] };
-    GEOMETRY.iter().chain(cost)
+/// The arrays of a film of this mode, in the order of the files.
+pub fn columns(cost: CostMode) -> impl Iterator<Item = &'static Column> {
+    let (time, counters): (&[_], &[_]) = match cost {
+        CostMode::None => (&[], &[]),
+        CostMode::Counters => (&[], &COUNTERS),
+        CostMode::Time => (&TIME, &COUNTERS),
+    };
+    GEOMETRY.iter().chain(time).chain(counters)
 }
 
 impl Column {
@@ -90,11 +96,14 @@ mod tests {
 
     #[test]
     fn every_column_has_its_stride_of_bytes_a_pixel() {
-        let film = Film::new(5, 4, true);
-        for column in columns(true) {
-            let bytes = (column.bytes)(&film.strips[0]);
-            assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
+        let modes = [CostMode::None, CostMode::Counters, CostMode::Time];
+        for (mode, expected) in modes.into_iter().zip([43, 79, 83]) {
+            let film = Film::new(5, 4, mode);
+            for column in columns(mode) {
+                let bytes = (column.bytes)(&film.strips[0]);
+                assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
+            }
+            assert_eq!(bytes_per_pixel(mode), expected);
         }
-        assert_eq!(bytes_per_pixel(true), 83);
     }
 }

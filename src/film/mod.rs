@@ -11,6 +11,7 @@ use glam::Vec3;
 
 pub use column::{Column, columns};
 
+use crate::config::CostMode;
 use crate::cost::{Cost, RayKind};
 use crate::trace::SurfacePoint;
 
@@ -24,16 +25,16 @@ pub struct Film {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Whether the cost arrays are there.
-    pub has_cost: bool,
-    /// The counters of all pixels together; zero in a film without cost.
+    /// Which of the cost arrays are there.
+    pub cost: CostMode,
+    /// The counters of all pixels together; zero where nothing was counted.
     pub totals: Cost,
     /// The rows, top strip first.
     pub strips: Vec<Strip>,
 }
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, the
-/// uppermost row first; the cost arrays are empty in a film without cost.
+/// uppermost row first; cost arrays that were not asked for are empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[expect(missing_docs, reason = "each array is told in `columns`")]
 pub struct Strip {
@@ -79,8 +80,8 @@ pub struct Pixel {
 pub struct PixelCost {
     /// The counters.
     pub counted: Cost,
-    /// Thread time in nanoseconds.
-    pub time_ns: f32,
+    /// Thread time in nanoseconds, where it was measured.
+    pub time_ns: Option<f32>,
     /// The tile that it was in.
     pub tile: u32,
     /// The thread that rendered it.
@@ -88,21 +89,21 @@ pub struct PixelCost {
 }
 
 /// Bytes of memory that a film takes for each pixel.
-pub fn bytes_per_pixel(has_cost: bool) -> usize {
-    size_of::<Vec3>() + columns(has_cost).map(Column::stride).sum::<usize>()
+pub fn bytes_per_pixel(cost: CostMode) -> usize {
+    size_of::<Vec3>() + columns(cost).map(Column::stride).sum::<usize>()
 }
 
 impl Film {
     /// An empty film of `width * height` pixels.
-    pub fn new(width: u32, height: u32, has_cost: bool) -> Self {
+    pub fn new(width: u32, height: u32, cost: CostMode) -> Self {
         let strip = |first_row| {
             let n_rows = STRIP_ROWS.min(height - first_row);
-            Strip::new(first_row, n_rows, width, has_cost)
+            Strip::new(first_row, n_rows, width, cost)
         };
         Self {
             width,
             height,
-            has_cost,
+            cost,
             totals: Cost::default(),
             strips: (0..height)
                 .step_by(STRIP_ROWS as usize)
@@ -117,7 +118,7 @@ impl Film {
         self.strips.iter().map(hits).sum()
     }
 
-    /// The sum of `time_ns` over all pixels.
+    /// The sum of `time_ns` over all pixels; 0 where no time was measured.
     pub fn total_time_ns(&self) -> f64 {
         self.values(|strip| &strip.time_ns).map(f64::from).sum()
     }
@@ -143,9 +144,10 @@ impl Film {
 }
 
 impl Strip {
-    fn new(first_row: u32, n_rows: u32, width: u32, has_cost: bool) -> Self {
+    fn new(first_row: u32, n_rows: u32, width: u32, cost: CostMode) -> Self {
         let n = n_rows as usize * width as usize;
-        let n_cost = if has_cost { n } else { 0 };
+        let n_times = if cost.has_time() { n } else { 0 };
+        let n_counters = if cost.has_counters() { n } else { 0 };
         Self {
             first_row,
             n_rows,
@@ -156,16 +158,16 @@ impl Strip {
             footprint: vec![0.0; n],
             object: vec![0; n],
             material: vec![0; n],
-            time_ns: vec![0.0; n_cost],
-            node_visits: vec![0; n_cost],
-            primitive_tests: vec![0; n_cost],
-            rays: vec![0; n_cost],
-            shadow_rays: vec![0; n_cost],
-            reflection_rays: vec![0; n_cost],
-            refraction_rays: vec![0; n_cost],
-            depth: vec![0; n_cost],
-            tile: vec![0; n_cost],
-            thread: vec![0; n_cost],
+            time_ns: vec![0.0; n_times],
+            node_visits: vec![0; n_counters],
+            primitive_tests: vec![0; n_counters],
+            rays: vec![0; n_counters],
+            shadow_rays: vec![0; n_counters],
+            reflection_rays: vec![0; n_counters],
+            refraction_rays: vec![0; n_counters],
+            depth: vec![0; n_counters],
+            tile: vec![0; n_counters],
+            thread: vec![0; n_counters],
         }
     }
 
@@ -199,7 +201,9 @@ impl Strip {
         // A pixel with more than 2^32 of anything shows 2^32 - 1.
         let shown = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
         let counted = &cost.counted;
-        self.time_ns[i] = cost.time_ns;
+        if let Some(time_ns) = cost.time_ns {
+            self.time_ns[i] = time_ns;
+        }
         self.node_visits[i] = shown(counted.node_visits);
         self.primitive_tests[i] = shown(counted.primitive_tests);
         self.rays[i] = shown(counted.n_rays());
@@ -227,7 +231,7 @@ mod tests {
     #[test]
     fn strips_cover_every_row_once() {
         for height in [1, 15, 16, 17, 40] {
-            let film = Film::new(3, height, true);
+            let film = Film::new(3, height, CostMode::Time);
             let rows: Vec<u32> = film
                 .strips
                 .iter()

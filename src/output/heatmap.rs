@@ -1,7 +1,6 @@
-//! `cost.png`: the time of each pixel as a picture.
+//! `cost.png`: what each pixel cost as a picture.
 
 use std::io::{self, Write};
-use std::time::Duration;
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -9,18 +8,22 @@ use image::{ExtendedColorType, ImageEncoder};
 use super::Rendering;
 use super::cost_picture::{CostMap, draw};
 use super::format;
+use super::measure::Measure;
 
-/// Writes the map of `time_ns`.
+/// Writes the map of the film's best measure; nothing for a film without cost.
 pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<()> {
     let film = rendering.film;
-    let times: Vec<f32> = film.values(|strip| &strip.time_ns).collect();
+    let Some([measure, _]) = Measure::best_two(film) else {
+        return Ok(());
+    };
+    let values = measure.of(film);
     let picture = draw(&CostMap {
-        values: &times,
+        values: &values,
         width: film.width,
         height: film.height,
-        title: &format!("{}: time per pixel", rendering.name),
-        unit: "ns",
-        subtitle: &subtitle(rendering, median(&times)),
+        title: &format!("{}: {}", rendering.name, measure.name),
+        unit: measure.unit,
+        subtitle: &subtitle(rendering, measure, &values),
     });
     PngEncoder::new(out)
         .write_image(
@@ -32,18 +35,17 @@ pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<(
         .map_err(io::Error::other)
 }
 
-fn subtitle(rendering: &Rendering, median_ns: f32) -> String {
+fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {
     let image = &rendering.config.image;
     let n_threads = rendering.threads.used;
-    let duration = |ns: f64| format::duration(Duration::from_nanos(ns as u64));
     format!(
         "{} × {} pixels, {} per pixel, {}; median {}, sum {}",
         image.width,
         image.height,
         format::counted(image.samples_per_pixel.into(), "sample"),
         format::counted(n_threads as u64, "thread"),
-        duration(median_ns.into()),
-        duration(rendering.film.total_time_ns()),
+        measure.label(median(values).into()),
+        measure.label(values.iter().copied().map(f64::from).sum()),
     )
 }
 

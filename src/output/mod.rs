@@ -8,6 +8,7 @@ mod cost_picture;
 mod folder;
 pub mod format;
 mod heatmap;
+mod measure;
 mod picture;
 mod state;
 mod summary;
@@ -25,8 +26,8 @@ use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;
-use crate::config::Config;
-use crate::cost::Clock;
+use crate::config::{Config, CostMode};
+use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
 
@@ -43,8 +44,8 @@ pub struct Rendering<'a> {
     pub scene: &'a Scene,
     /// The hierarchy's size, if there is one.
     pub bvh: Option<BvhStatistics>,
-    /// The clock of the pixels' times; `None` if none were taken.
-    pub clock: Option<&'a Clock>,
+    /// What measured the pixels.
+    pub meter: &'a Meter,
     /// The pixels.
     pub film: &'a Film,
     /// How many threads rendered.
@@ -56,7 +57,7 @@ pub struct Rendering<'a> {
 pub enum Artifact {
     /// `image.png`: the picture.
     Image,
-    /// `cost.png`: the time of each pixel as a picture with a colour bar.
+    /// `cost.png`: what each pixel cost as a picture with a colour bar.
     Cost,
     /// `hits.vtu`: the hit points as a cloud.
     Hits,
@@ -100,9 +101,9 @@ impl Artifact {
         }
     }
 
-    /// Whether there is something to write for a film with or without cost.
-    pub fn has_data(self, has_cost: bool) -> bool {
-        has_cost || !matches!(self, Self::Cost | Self::HeatmapState)
+    /// Whether there is something to write for a film of this mode.
+    pub fn has_data(self, cost: CostMode) -> bool {
+        cost.has_counters() || !matches!(self, Self::Cost | Self::HeatmapState)
     }
 
     fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
@@ -131,7 +132,7 @@ pub fn write(
     let states = States::new(rendering, folder);
     let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL
         .into_iter()
-        .partition(|artifact| artifact.has_data(rendering.film.has_cost));
+        .partition(|artifact| artifact.has_data(rendering.film.cost));
     let stage = |artifact: &Artifact| {
         folder.stage(artifact.file_name(), |out| {
             artifact.write(rendering, &states, out)

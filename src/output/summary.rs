@@ -81,14 +81,6 @@ pub(super) fn write(
 ) -> io::Result<()> {
     let config = rendering.config;
     let image = &config.image;
-    let cost = rendering.clock.map(|clock| {
-        json!({
-            "clock": { "source": clock.source_name(), "overhead_ns": clock.overhead_ns() },
-            "totals": totals(rendering.film),
-            "mrays_per_second": rendering.film.totals.n_rays() as f64
-                / stages.wall("render").as_secs_f64() / 1e6,
-        })
-    });
     let summary = json!({
         "raycost": env!("CARGO_PKG_VERSION"),
         "scene": { "name": rendering.name, "file": rendering.scene_file },
@@ -107,11 +99,29 @@ pub(super) fn write(
         "stages": stages.ended,
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
-        "cost": cost,
+        "cost": cost(rendering, stages),
         "files": files,
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;
     writeln!(out)
+}
+
+/// What was measured, how, and the sums of it.
+fn cost(rendering: &Rendering, stages: &Stages) -> Value {
+    let film = rendering.film;
+    let clock = rendering
+        .meter
+        .clock()
+        .map(|clock| json!({ "source": clock.source_name(), "overhead_ns": clock.overhead_ns() }));
+    let seconds = stages.wall("render").as_secs_f64();
+    let has_counters = film.cost.has_counters();
+    json!({
+        "mode": film.cost,
+        "kernel": film.cost.kernel(),
+        "clock": clock,
+        "totals": has_counters.then(|| totals(film)),
+        "mrays_per_second": has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
+    })
 }
 
 fn objects(rendering: &Rendering) -> Value {
@@ -129,7 +139,7 @@ fn objects(rendering: &Rendering) -> Value {
 fn totals(film: &Film) -> Value {
     let totals = &film.totals;
     json!({
-        "time_ns": film.total_time_ns(),
+        "time_ns": film.cost.has_time().then(|| film.total_time_ns()),
         "node_visits": totals.node_visits,
         "primitive_tests": totals.primitive_tests,
         "rays": totals.n_rays(),

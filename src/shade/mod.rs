@@ -1,88 +1,95 @@
-//! Surface points → colour and the ray to follow next.
+//! Surface points → colour and the rays to follow next.
 //!
-//! Both models shade a point to its own light and at most one mirrored ray, so
-//! that a path is a loop: colour += weight * own light, weight *= reflection.
+//! Nothing here traces a ray, so that the same shading serves rays that are
+//! traced one by one and rays in streams. A point tells which lights may reach
+//! it, and the shadow ray of each ([`Shader::light_samples`]); given those that
+//! do, it gives its light to the path and the mirrored ray that the path goes
+//! on with ([`Shader::shade`]).
 
 mod blinn_phong;
+mod path;
 mod seed;
 mod standard;
 
 use glam::Vec3;
 
+use crate::accel::ShadowRay;
 use crate::config::ShadingModel;
-use crate::cost::{Probe, RayKind};
 use crate::geometry::Ray;
+use crate::light::Illumination;
 use crate::scene::Scene;
-use crate::trace::{SurfacePoint, Tracer};
+use crate::trace::SurfacePoint;
+
+pub use path::Path;
 
 /// Colours what rays meet.
 #[derive(Debug, Clone, Copy)]
 pub struct Shader<'a> {
     scene: &'a Scene,
-    tracer: Tracer<'a>,
+}
+
+/// Light from one source, if it reaches the point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightSample {
+    /// What arrives unless something is in the shadow ray's way.
+    pub light: Illumination,
+    /// From the point to the light.
+    pub shadow: ShadowRay,
 }
 
 /// What one point of a path gives.
 struct Shaded {
     /// Its own light.
     color: Vec3,
-    /// The ray to follow and the share of its light; none ends the path.
-    mirrored: Option<(Ray, f32)>,
+    /// The mirrored ray; none ends the path.
+    mirrored: Option<Ray>,
 }
 
 impl<'a> Shader<'a> {
-    /// Colours the scene that `tracer` follows rays through.
-    pub fn new(scene: &'a Scene, tracer: Tracer<'a>) -> Self {
-        Self { scene, tracer }
+    /// Colours this scene.
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene }
     }
 
-    /// The light that comes along a camera ray, given what the ray met; each
-    /// channel at least 0, not yet limited to 1.
-    pub fn radiance<P: Probe>(
-        &self,
-        camera_ray: &Ray,
-        first: Option<&SurfacePoint>,
-        probe: &mut P,
-    ) -> Vec3 {
-        let mut color = Vec3::ZERO;
-        let mut weight = 1.0;
-        let mut ray = *camera_ray;
-        let mut met = first.copied();
-        for depth in 1.. {
-            let Some(point) = met else {
-                color += weight * self.scene.background.color(ray.direction);
-                break;
-            };
-            let shaded = self.shade(camera_ray, &ray, &point, probe);
-            color += weight * shaded.color;
-            let Some((mirrored, share)) = shaded.mirrored else {
-                break;
-            };
-            if depth > u32::from(self.scene.shading.max_depth) {
-                break;
+    /// The lights that may reach the point, in the order of the scene file.
+    pub fn light_samples(&self, point: &SurfacePoint) -> impl Iterator<Item = LightSample> {
+        let model = self.scene.shading.model;
+        self.scene.lights.iter().filter_map(move |light| {
+            let light = light.illuminate(point.position);
+            match model {
+                ShadingModel::BlinnPhong => standard::light_sample(light, point),
+                ShadingModel::Seed => Some(seed::light_sample(light, point)),
             }
-            probe.bounce(depth);
-            met = self.tracer.trace(&mirrored, RayKind::Reflection, probe);
-            ray = mirrored;
-            weight *= share;
-        }
-        color
+        })
     }
 
-    fn shade<P: Probe>(
+    /// Adds the light of the point that the path's `ray` met, lit by those of
+    /// its light samples that reach it, in their order; gives the ray that the
+    /// path goes on with, if it does.
+    pub fn shade(
         &self,
-        camera_ray: &Ray,
+        path: &mut Path,
         ray: &Ray,
         point: &SurfacePoint,
-        probe: &mut P,
-    ) -> Shaded {
-        match self.scene.shading.model {
-            ShadingModel::BlinnPhong => {
-                standard::shade(self.scene, &self.tracer, ray, point, probe)
-            }
-            ShadingModel::Seed => {
-                seed::shade(self.scene, &self.tracer, camera_ray, ray, point, probe)
-            }
-        }
+        lights: impl Iterator<Item = Illumination>,
+    ) -> Option<Ray> {
+        let material = self.scene.material(point.material);
+        let ambient = self.scene.shading.ambient;
+        let shaded = match self.scene.shading.model {
+            ShadingModel::BlinnPhong => standard::shade(material, ambient, ray, point, lights),
+            ShadingModel::Seed => seed::shade(material, ambient, path.eye, ray, point, lights),
+        };
+        path.add(shaded.color);
+        let mirrored = shaded.mirrored?;
+        let may_bounce = path.depth < u32::from(self.scene.shading.max_depth);
+        may_bounce.then(|| {
+            path.bounce(material.reflection);
+            mirrored
+        })
+    }
+
+    /// Adds the light that comes along the path's `ray`, which met nothing.
+    pub fn miss(&self, path: &mut Path, ray: &Ray) {
+        path.add(self.scene.background.color(ray.direction));
     }
 }

@@ -8,39 +8,42 @@
 
 use glam::Vec3;
 
-use super::{Shaded, blinn_phong};
-use crate::cost::Probe;
+use super::{LightSample, Shaded, blinn_phong};
+use crate::accel::ShadowRay;
 use crate::geometry::Ray;
-use crate::scene::Scene;
-use crate::trace::{SurfacePoint, Tracer};
+use crate::light::Illumination;
+use crate::material::Material;
+use crate::trace::SurfacePoint;
 
 /// How far off the surface new rays start, in world units.
 const OFFSET: f32 = 1e-4;
 
-pub(super) fn shade<P: Probe>(
-    scene: &Scene,
-    tracer: &Tracer,
-    camera_ray: &Ray,
+pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> LightSample {
+    LightSample {
+        light,
+        shadow: ShadowRay {
+            ray: leaving(point, light.direction),
+            t_max: f32::INFINITY,
+            ignored: Some(point.object),
+        },
+    }
+}
+
+pub(super) fn shade(
+    material: &Material,
+    ambient: Vec3,
+    eye: Vec3,
     ray: &Ray,
     point: &SurfacePoint,
-    probe: &mut P,
+    lights: impl Iterator<Item = Illumination>,
 ) -> Shaded {
-    let material = scene.material(point.material);
     let base = material.color.color_at(point.position);
-    let to_camera = (camera_ray.origin - point.position).normalize_or_zero();
-    let origin = point.position + OFFSET * point.normal;
-    let mut color = material.ambient * scene.shading.ambient;
+    let to_camera = (eye - point.position).normalize_or_zero();
+    let mut color = material.ambient * ambient;
     let mut is_lit = false;
-    for light in &scene.lights {
-        let light = light.illuminate(point.position);
-        let shadow = Ray {
-            origin,
-            direction: light.direction,
-        };
-        if !tracer.is_shadowed(&shadow, f32::INFINITY, Some(point.object), probe) {
-            is_lit = true;
-            color += blinn_phong::reflected(material, base, point.normal, &light, to_camera);
-        }
+    for light in lights {
+        is_lit = true;
+        color += blinn_phong::reflected(material, base, point.normal, &light, to_camera);
     }
     if !is_lit {
         return Shaded {
@@ -50,7 +53,14 @@ pub(super) fn shade<P: Probe>(
     }
     let mirrored = (material.reflection > 0.0).then(|| {
         let direction = ray.direction.reflect(point.normal).normalize();
-        (Ray { origin, direction }, material.reflection)
+        leaving(point, direction)
     });
     Shaded { color, mirrored }
+}
+
+fn leaving(point: &SurfacePoint, direction: Vec3) -> Ray {
+    Ray {
+        origin: point.position + OFFSET * point.normal,
+        direction,
+    }
 }

@@ -6,37 +6,41 @@
 
 use glam::Vec3;
 
-use super::{Shaded, blinn_phong};
-use crate::cost::Probe;
+use super::{LightSample, Shaded, blinn_phong};
+use crate::accel::ShadowRay;
 use crate::geometry::Ray;
-use crate::scene::Scene;
-use crate::trace::{SurfacePoint, Tracer};
+use crate::light::Illumination;
+use crate::material::Material;
+use crate::trace::SurfacePoint;
 
-pub(super) fn shade<P: Probe>(
-    scene: &Scene,
-    tracer: &Tracer,
+/// A light behind the surface is in the surface's own shadow.
+pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> Option<LightSample> {
+    let may_reach = point.normal.dot(light.direction) > 0.0 && light.radiance != Vec3::ZERO;
+    may_reach.then(|| LightSample {
+        light,
+        shadow: ShadowRay {
+            ray: Ray::leaving(point.position, point.normal, light.direction),
+            t_max: light.distance,
+            ignored: None,
+        },
+    })
+}
+
+pub(super) fn shade(
+    material: &Material,
+    ambient: Vec3,
     ray: &Ray,
     point: &SurfacePoint,
-    probe: &mut P,
+    lights: impl Iterator<Item = Illumination>,
 ) -> Shaded {
-    let material = scene.material(point.material);
     let base = material.color.color_at(point.position);
-    let mut color = material.ambient * scene.shading.ambient * base;
-    for light in &scene.lights {
-        let light = light.illuminate(point.position);
-        // A light behind the surface is in the surface's own shadow.
-        if point.normal.dot(light.direction) <= 0.0 || light.radiance == Vec3::ZERO {
-            continue;
-        }
-        let shadow = Ray::leaving(point.position, point.normal, light.direction);
-        if !tracer.is_shadowed(&shadow, light.distance, None, probe) {
-            color += blinn_phong::reflected(material, base, point.normal, &light, -ray.direction);
-        }
+    let mut color = material.ambient * ambient * base;
+    for light in lights {
+        color += blinn_phong::reflected(material, base, point.normal, &light, -ray.direction);
     }
     let mirrored = (material.reflection > 0.0).then(|| {
         let direction = ray.direction.reflect(point.normal).normalize();
-        let ray = Ray::leaving(point.position, point.normal, direction);
-        (ray, material.reflection)
+        Ray::leaving(point.position, point.normal, direction)
     });
     Shaded { color, mirrored }
 }

@@ -6,9 +6,9 @@ pub mod data_set;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-use raycost::accel::Accel;
-use raycost::config::Config;
-use raycost::cost::Clock;
+use raycost::accel::{Accel, Simd};
+use raycost::config::{Config, CostMode};
+use raycost::cost::Meter;
 use raycost::film::{Film, Strip};
 use raycost::render::render;
 use raycost::scene::Scene;
@@ -42,20 +42,54 @@ pub fn parse(text: &str) -> Config {
     source.parse().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The film of a config, with cost, on `n_threads` threads.
+/// The film of a config, with its cost, on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
-    film_with(config, n_threads, Some(&Clock::calibrated()))
+    film_on(config, n_threads, Simd::best())
 }
 
-/// The film of a config, with cost if there is a clock.
-pub fn film_with(config: &Config, n_threads: usize, clock: Option<&Clock>) -> Film {
+/// The film of a config with rays traced by these instructions.
+pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
     let scene = Scene::new(config).unwrap();
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene.primitives, config.acceleration).with_simd(simd);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()
         .unwrap();
-    pool.install(|| render(&scene, &accel, &config.image, clock, |_| {}))
+    pool.install(|| {
+        render(
+            &scene,
+            &accel,
+            &config.image,
+            &Meter::new(config.cost),
+            |_| {},
+        )
+    })
+}
+
+/// The config, measured otherwise.
+pub fn with_cost(config: Config, cost: CostMode) -> Config {
+    Config { cost, ..config }
+}
+
+/// The film without what may differ: time and thread.
+pub fn lasting(mut film: Film) -> Vec<Strip> {
+    for strip in &mut film.strips {
+        strip.time_ns.clear();
+        strip.thread.clear();
+        // NaN is equal to nothing, itself included: compare its bits.
+        let misses = strip
+            .object
+            .iter()
+            .enumerate()
+            .filter(|(_, object)| **object < 0);
+        for i in misses.map(|(i, _)| i).collect::<Vec<_>>() {
+            assert!(strip.position[i].is_nan() && strip.normal[i].is_nan());
+            assert!(strip.distance[i].is_nan() && strip.footprint[i].is_nan());
+            (strip.position[i], strip.normal[i]) = Default::default();
+            (strip.distance[i], strip.footprint[i]) = Default::default();
+        }
+    }
+    film.strips
 }
 
 /// The sum of one counter over all pixels.

@@ -16,6 +16,7 @@ use camera::{Camera, picture_camera};
 use template::fill;
 
 use super::cost_picture::Range;
+use super::measure::Measure;
 use super::{OutputFolder, Rendering, vtk};
 use crate::film::Film;
 
@@ -26,12 +27,13 @@ const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
 pub(super) struct States {
     hits: String,
     frame: String,
-    has_cost: bool,
+    /// What tells most of the cost, and what comes next.
+    measures: Option<[Measure; 2]>,
     camera: Camera,
     /// Width and height of the picture.
     size: [f64; 2],
     cost_range: [f64; 2],
-    visits_range: [f64; 2],
+    counter_range: [f64; 2],
     /// Hits farther away are not shown.
     max_distance: f64,
 }
@@ -41,15 +43,16 @@ impl States {
     pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
         let film = rendering.film;
         let distances = Distances::of(film);
+        let measures = Measure::best_two(film);
         let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
             hits: path_of(vtk::HITS),
             frame: path_of(vtk::FRAME),
-            has_cost: film.has_cost,
+            measures,
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size: [film.width, film.height].map(f64::from),
-            cost_range: cost_range(film),
-            visits_range: visits_range(film),
+            cost_range: cost_range(film, measures),
+            counter_range: counter_range(film, measures),
             max_distance: distances.max_shown,
         }
     }
@@ -70,32 +73,34 @@ impl States {
             vtk::FRAME => Some(self.frame.clone()),
             "cost.array" => Some(self.cost().0.to_owned()),
             "cost.title" => Some(self.cost().1.to_owned()),
+            "cost.log10" => Some(format!("log10({})", self.cost().0)),
+            "cost.log10.title" => Some(format!("{}, log scale", self.cost().1)),
+            "counter.array" => Some(self.measures?[1].array.to_owned()),
+            "counter.title" => Some(self.measures?[1].axis.to_owned()),
             _ => self.number(key).map(|number| number.to_string()),
         }
     }
 
-    /// The array that the cloud is coloured by, and its title.
+    /// The array that the cloud is coloured by, and its title: the distance
+    /// where no cost was measured.
     fn cost(&self) -> (&'static str, &'static str) {
-        match self.has_cost {
-            true => ("time_ns", "Time per pixel (ns)"),
-            false => ("distance", "Distance from the camera"),
+        match self.measures {
+            Some([cost, _]) => (cost.array, cost.axis),
+            None => ("distance", "Distance from the camera"),
         }
     }
 
     fn number(&self, key: &str) -> Option<f64> {
-        let logarithmic = key
-            .strip_prefix("time_ns.log(")
-            .or_else(|| key.strip_prefix("cost.log("));
-        if let Some(fraction) = logarithmic {
+        if let Some(fraction) = key.strip_prefix("cost.log(") {
             let [low, high] = self.cost_range;
             return between(fraction, |f| low * (high / low).powf(f));
         }
-        if let Some(fraction) = key.strip_prefix("time_ns.log10(") {
+        if let Some(fraction) = key.strip_prefix("cost.log10(") {
             let [low, high] = self.cost_range.map(f64::log10);
             return between(fraction, |f| low + (high - low) * f);
         }
-        if let Some(fraction) = key.strip_prefix("node_visits.linear(") {
-            let [low, high] = self.visits_range;
+        if let Some(fraction) = key.strip_prefix("counter.linear(") {
+            let [low, high] = self.counter_range;
             return between(fraction, |f| low + (high - low) * f);
         }
         if let Some(rest) = key.strip_prefix("image.") {
@@ -116,20 +121,21 @@ fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
 
 /// The values that the colours of the cost span, without outliers as in
 /// `cost.png`; those of the distance where no cost was measured.
-fn cost_range(film: &Film) -> [f64; 2] {
-    let range = match film.has_cost {
-        true => Range::of(film.rows(|strip| &strip.time_ns).flatten()),
-        false => Range::of(film.rows(|strip| &strip.distance).flatten()),
+fn cost_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
+    let range = match measures {
+        Some([cost, _]) => Range::of(&cost.of(film)),
+        None => Range::of(film.rows(|strip| &strip.distance).flatten()),
     };
     [range.low, range.high]
 }
 
-/// Least and greatest node visits of a pixel, at least 1 apart.
-fn visits_range(film: &Film) -> [f64; 2] {
-    let visits = || film.values(|strip| &strip.node_visits);
-    let low = f64::from(visits().min().unwrap_or(0));
-    let high = f64::from(visits().max().unwrap_or(0));
-    [low, high.max(low + 1.0)]
+/// Least and greatest value of the second measure, at least 1 apart.
+fn counter_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
+    let counts = measures.map_or_else(Vec::new, |[_, counter]| counter.of(film));
+    let least = counts.iter().copied().reduce(f32::min);
+    let low = f64::from(least.unwrap_or(0.0));
+    let high = counts.iter().copied().map(f64::from);
+    [low, high.fold(low + 1.0, f64::max)]
 }
 
 /// How far the hits are along their camera rays.

@@ -1,0 +1,73 @@
+//! Rays per second of whole renderings, in each mode of the cost:
+//! `cargo bench --bench render [-- SCENE.yaml …]`.
+//!
+//! Without scenes it takes those in `configs/`. One thread; the modes take
+//! turns in one process, so that a drifting machine meets all of them alike;
+//! medians. In brackets the speed relative to `time`, which traces ray after
+//! ray: what streams gain, and what counters cost.
+
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use raycost::accel::Accel;
+use raycost::config::{Config, CostMode};
+use raycost::cost::Meter;
+use raycost::render::render;
+use raycost::scene::Scene;
+use raycost::yaml::Source;
+
+const N_ROUNDS: usize = 9;
+const MODES: [CostMode; 3] = [CostMode::Time, CostMode::Counters, CostMode::None];
+
+fn main() {
+    let named = std::env::args_os().skip(1).map(PathBuf::from);
+    let mut scenes: Vec<PathBuf> = named
+        .filter(|path| path.extension() == Some("yaml".as_ref()))
+        .collect();
+    if scenes.is_empty() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+        let entries = std::fs::read_dir(folder).unwrap();
+        scenes.extend(entries.map(|entry| entry.unwrap().path()));
+        scenes.sort();
+    }
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1);
+    let pool = one_thread.build().unwrap();
+    println!("Mrays/s, one thread, medians of {N_ROUNDS} rounds");
+    for scene in scenes {
+        pool.install(|| compare(&scene));
+    }
+}
+
+fn compare(path: &Path) {
+    let config: Config = Source::read(path)
+        .and_then(|source| source.parse())
+        .unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::new(&config).unwrap();
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let meters = MODES.map(Meter::new);
+    let mut times = [[0.0; N_ROUNDS]; 3];
+    let mut n_rays = 0;
+    for round in 0..N_ROUNDS {
+        for (meter, times) in meters.iter().zip(&mut times) {
+            let start = Instant::now();
+            let film = render(&scene, &accel, &config.image, meter, |_| {});
+            times[round] = start.elapsed().as_secs_f64();
+            n_rays = n_rays.max(black_box(film).totals.n_rays());
+        }
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    print!("{name:18} {n_rays:9} rays");
+    let medians = times.map(median);
+    for (mode, seconds) in MODES.iter().zip(medians) {
+        let speed = n_rays as f64 / seconds / 1e6;
+        let relative = medians[0] / seconds;
+        print!("   {mode:?} {speed:6.2} ({relative:.2})");
+    }
+    println!();
+}
+
+fn median(mut times: [f64; N_ROUNDS]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[N_ROUNDS / 2]
+}

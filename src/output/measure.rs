@@ -1,0 +1,87 @@
+//! The measures of cost that heatmaps show.
+
+use std::time::Duration;
+
+use super::format;
+use crate::film::{Film, Strip};
+
+/// A number a pixel that tells what the pixel cost.
+#[derive(Clone, Copy)]
+pub(super) struct Measure {
+    /// The array's name in files.
+    pub(super) array: &'static str,
+    /// What it is, in a sentence.
+    pub(super) name: &'static str,
+    /// What it is, along an axis.
+    pub(super) axis: &'static str,
+    /// Its unit.
+    pub(super) unit: &'static str,
+    values: Values,
+}
+
+#[derive(Clone, Copy)]
+enum Values {
+    Times(fn(&Strip) -> &Vec<f32>),
+    Counts(fn(&Strip) -> &Vec<u32>),
+}
+
+/// What tells most first.
+const MEASURES: [Measure; 4] = [
+    Measure {
+        array: "time_ns",
+        name: "time per pixel",
+        axis: "Time per pixel (ns)",
+        unit: "ns",
+        values: Values::Times(|strip| &strip.time_ns),
+    },
+    Measure {
+        array: "node_visits",
+        name: "BVH nodes visited per pixel",
+        axis: "BVH nodes visited per pixel",
+        unit: "node visits",
+        values: Values::Counts(|strip| &strip.node_visits),
+    },
+    Measure {
+        array: "primitive_tests",
+        name: "primitive tests per pixel",
+        axis: "Primitive tests per pixel",
+        unit: "primitive tests",
+        values: Values::Counts(|strip| &strip.primitive_tests),
+    },
+    Measure {
+        array: "rays",
+        name: "rays per pixel",
+        axis: "Rays per pixel",
+        unit: "rays",
+        values: Values::Counts(|strip| &strip.rays),
+    },
+];
+
+impl Measure {
+    /// The two measures that tell most of those that the film has: without a
+    /// hierarchy, say, there are no node visits. `None` for a film without
+    /// cost.
+    pub(super) fn best_two(film: &Film) -> Option<[Self; 2]> {
+        let mut shown = MEASURES.into_iter().filter(|measure| match measure.values {
+            Values::Times(_) => film.cost.has_time(),
+            Values::Counts(array) => film.values(array).any(|count| count > 0),
+        });
+        Some([shown.next()?, shown.next()?])
+    }
+
+    /// Its values, row-major, row 0 on top; counts above 2^24 are rounded.
+    pub(super) fn of(self, film: &Film) -> Vec<f32> {
+        match self.values {
+            Values::Times(array) => film.values(array).collect(),
+            Values::Counts(array) => film.values(array).map(|count| count as f32).collect(),
+        }
+    }
+
+    /// One of its values, or some together, with the unit where it is a time.
+    pub(super) fn label(self, value: f64) -> String {
+        match self.values {
+            Values::Times(_) => format::duration(Duration::from_nanos(value as u64)),
+            Values::Counts(_) => format::count(value as u64),
+        }
+    }
+}

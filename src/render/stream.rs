@@ -1,0 +1,179 @@
+//! Many rays at once: all of a tile's camera rays, then their shadow rays,
+//! then the mirrored rays, and so on until no path goes on.
+//!
+//! Wavefront path tracing after Laine, Karras and Aila, "Megakernels Considered
+//! Harmful: Wavefront Path Tracing on GPUs", HPG 2013.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::tile::Tile;
+use super::view::{View, limited};
+use super::wave::{Shadows, Wave};
+use super::{TileRenderer, thread_number};
+use crate::accel::Hit;
+use crate::cost::{ByPixel, Cost, Probe, RayKind};
+use crate::film::{Pixel, PixelCost};
+use crate::shade::Path;
+use crate::trace::SurfacePoint;
+
+/// Paths that are followed at the same time, at most, if a tile's pixels are no
+/// more: enough to keep the kernel busy, few enough to stay in the cache between
+/// two steps.
+const WAVE_LEN: usize = 2048;
+
+/// Renders tiles in waves of rays; a `P` hears of each pixel's cost. All
+/// buffers are kept from tile to tile.
+pub(super) struct StreamRenderer<'a, P> {
+    view: View<'a>,
+    /// Column and row of each of the tile's pixels.
+    places: Vec<(u32, u32)>,
+    pixels: Vec<Pixel>,
+    /// One a pixel.
+    probes: Vec<P>,
+    wave: Wave,
+    /// The wave that follows.
+    next: Wave,
+    hits: Vec<Option<Hit>>,
+    /// What each ray of the wave met.
+    met: Vec<Option<SurfacePoint>>,
+    shadows: Shadows,
+    /// The light of each path, by slot: the first pixel's paths come first.
+    colors: Vec<Vec3>,
+}
+
+impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
+    pub(super) fn new(view: View<'a>) -> Self {
+        Self {
+            view,
+            places: Vec::new(),
+            pixels: Vec::new(),
+            probes: Vec::new(),
+            wave: Wave::default(),
+            next: Wave::default(),
+            hits: Vec::new(),
+            met: Vec::new(),
+            shadows: Shadows::default(),
+            colors: Vec::new(),
+        }
+    }
+
+    /// Renders these samples of all pixels.
+    fn render_samples(&mut self, samples: Range<u32>) {
+        self.shoot(samples.clone());
+        self.trace(RayKind::Camera);
+        if samples.contains(&self.view.middle) {
+            let middle = (self.view.middle - samples.start) as usize;
+            let met = self.met.iter().skip(middle).step_by(samples.len());
+            for (pixel, met) in self.pixels.iter_mut().zip(met) {
+                pixel.surface = *met;
+            }
+        }
+        self.shade();
+        while !self.wave.rays.is_empty() {
+            self.trace(RayKind::Reflection);
+            self.shade();
+        }
+        let colors = self.colors.chunks_exact(samples.len());
+        for (pixel, colors) in self.pixels.iter_mut().zip(colors) {
+            colors
+                .iter()
+                .for_each(|&color| pixel.color += limited(color));
+        }
+    }
+
+    /// Begins a path for each of these samples of all pixels.
+    fn shoot(&mut self, samples: Range<u32>) {
+        self.wave.clear();
+        let mut slot = 0;
+        for (pixel, &place) in (0..).zip(&self.places) {
+            for sample in samples.clone() {
+                let ray = self.view.camera_ray(place, sample);
+                self.wave.push(ray, pixel, Path::from_eye(ray.origin), slot);
+                slot += 1;
+            }
+        }
+        self.colors.clear();
+        self.colors.resize(slot as usize, Vec3::ZERO);
+    }
+
+    /// Finds what the wave's rays meet.
+    fn trace(&mut self, kind: RayKind) {
+        let Self { view, wave, .. } = self;
+        let probes = ByPixel::new(&mut self.probes, &wave.pixels);
+        view.tracer
+            .nearest_stream(&wave.rays, kind, &mut self.hits, probes);
+        let met = wave
+            .rays
+            .iter()
+            .zip(&self.hits)
+            .map(|(ray, hit)| hit.map(|hit| view.tracer.surface_point(ray, hit)));
+        self.met.clear();
+        self.met.extend(met);
+    }
+
+    /// Shades what the wave's rays have met; the mirrored rays become the wave.
+    fn shade(&mut self) {
+        let View { tracer, shader, .. } = &self.view;
+        self.shadows.gather(shader, &self.met, &self.wave.pixels);
+        self.shadows.trace(tracer, &mut self.probes);
+        self.next.clear();
+        for (i, (ray, met)) in self.wave.rays.iter().zip(&self.met).enumerate() {
+            let path = &mut self.wave.paths[i];
+            let mirrored = match met {
+                Some(point) => shader.shade(path, ray, point, self.shadows.lights_at(i)),
+                None => {
+                    shader.miss(path, ray);
+                    None
+                }
+            };
+            let (pixel, slot) = (self.wave.pixels[i], self.wave.slots[i]);
+            match mirrored {
+                Some(ray) => {
+                    self.probes[pixel as usize].bounce(path.depth);
+                    self.next.push(ray, pixel, *path, slot);
+                }
+                None => self.colors[slot as usize] = path.color,
+            }
+        }
+        std::mem::swap(&mut self.wave, &mut self.next);
+    }
+
+    /// Hands the probes' counts over to the pixels.
+    fn measure(&mut self, tile: &Tile) {
+        let thread = thread_number();
+        for (pixel, &probe) in self.pixels.iter_mut().zip(&self.probes) {
+            pixel.cost = Some(PixelCost {
+                counted: probe.into(),
+                time_ns: None,
+                tile: tile.number,
+                thread,
+            });
+        }
+    }
+}
+
+impl<P: Probe + Copy + Default + Into<Cost>> TileRenderer for StreamRenderer<'_, P> {
+    fn render(&mut self, tile: &Tile) -> &[Pixel] {
+        self.places.clear();
+        self.places.extend(tile.pixels());
+        let n_pixels = self.places.len();
+        self.pixels.clear();
+        self.pixels.resize(n_pixels, Pixel::default());
+        self.probes.clear();
+        self.probes.resize(n_pixels, P::default());
+        let n_samples = self.view.n_samples;
+        let n_together = (WAVE_LEN / n_pixels).max(1);
+        for first in (0..n_samples).step_by(n_together) {
+            self.render_samples(first..n_samples.min(first + n_together as u32));
+        }
+        if P::COUNTS {
+            self.measure(tile);
+        }
+        for (pixel, &place) in self.pixels.iter_mut().zip(&self.places) {
+            self.view.finish(pixel, place);
+        }
+        &self.pixels
+    }
+}

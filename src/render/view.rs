@@ -1,0 +1,66 @@
+//! Pixels → camera rays, and what became of them → pixels.
+
+use glam::Vec3;
+
+use crate::accel::Accel;
+use crate::config::Image;
+use crate::film::Pixel;
+use crate::geometry::Ray;
+use crate::sampling::PixelPattern;
+use crate::scene::Scene;
+use crate::shade::Shader;
+use crate::trace::Tracer;
+
+/// All that rendering a pixel needs.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    pub(super) tracer: Tracer<'a>,
+    pub(super) shader: Shader<'a>,
+    /// Samples a pixel.
+    pub(super) n_samples: u32,
+    /// The sample whose camera ray goes through the pixel's middle.
+    pub(super) middle: u32,
+    scene: &'a Scene,
+    pattern: PixelPattern,
+    width: u32,
+}
+
+impl<'a> View<'a> {
+    pub(super) fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
+        let pattern = PixelPattern::new(image.samples_per_pixel, image.seed);
+        Self {
+            tracer: Tracer::new(scene, accel),
+            shader: Shader::new(scene),
+            n_samples: image.samples_per_pixel,
+            middle: pattern.center(),
+            scene,
+            pattern,
+            width: image.width,
+        }
+    }
+
+    /// The camera ray of one of the pixel's samples.
+    pub(super) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
+        let pixel = u64::from(y) * u64::from(self.width) + u64::from(x);
+        let offset = self.pattern.point(pixel, sample);
+        let plane = &self.scene.image_plane;
+        plane.ray(x as f32 + offset.x, y as f32 + offset.y)
+    }
+
+    /// Makes the sum of the samples' colours their mean, and adds what follows
+    /// from the place.
+    pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
+        let plane = &self.scene.image_plane;
+        let footprint_at = |distance| plane.footprint(x as f32, y as f32, distance);
+        pixel.color /= self.n_samples as f32;
+        pixel.footprint = pixel
+            .surface
+            .map_or(f32::NAN, |point| footprint_at(point.distance));
+    }
+}
+
+/// A sample's share of its pixel: limited a sample at a time, so that a bright
+/// edge stays smooth.
+pub(super) fn limited(color: Vec3) -> Vec3 {
+    color.min(Vec3::ONE)
+}

@@ -1,0 +1,89 @@
+//! The rays that a tile has on their way at the same time.
+//!
+//! Structures of arrays: what the ray kernel reads lies close together.
+
+use crate::accel::ShadowRay;
+use crate::cost::{ByPixel, Probe};
+use crate::geometry::Ray;
+use crate::light::Illumination;
+use crate::shade::{Path, Shader};
+use crate::trace::{SurfacePoint, Tracer};
+
+/// The rays of one kind, an entry each in every array.
+#[derive(Default)]
+pub(super) struct Wave {
+    pub(super) rays: Vec<Ray>,
+    /// The pixel of each ray, as its index in the tile.
+    pub(super) pixels: Vec<u32>,
+    /// The path that each ray is the end of.
+    pub(super) paths: Vec<Path>,
+    /// Where the path's colour goes.
+    pub(super) slots: Vec<u32>,
+}
+
+impl Wave {
+    pub(super) fn push(&mut self, ray: Ray, pixel: u32, path: Path, slot: u32) {
+        self.rays.push(ray);
+        self.pixels.push(pixel);
+        self.paths.push(path);
+        self.slots.push(slot);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.rays.clear();
+        self.pixels.clear();
+        self.paths.clear();
+        self.slots.clear();
+    }
+}
+
+/// The shadow rays of a wave's points, point after point.
+#[derive(Default)]
+pub(super) struct Shadows {
+    rays: Vec<ShadowRay>,
+    /// What comes along each ray unless it is occluded.
+    lights: Vec<Illumination>,
+    /// The pixel of each ray, as its index in the tile.
+    pixels: Vec<u32>,
+    occluded: Vec<bool>,
+    /// For each ray of the wave the number of shadow rays up to and with its
+    /// point's.
+    ends: Vec<usize>,
+}
+
+impl Shadows {
+    /// Takes the shadow rays of all points that the rays of a wave, of these
+    /// pixels, have met.
+    pub(super) fn gather(&mut self, shader: &Shader, met: &[Option<SurfacePoint>], pixels: &[u32]) {
+        self.clear();
+        for (met, &pixel) in met.iter().zip(pixels) {
+            for sample in met.iter().flat_map(|point| shader.light_samples(point)) {
+                self.rays.push(sample.shadow);
+                self.lights.push(sample.light);
+                self.pixels.push(pixel);
+            }
+            self.ends.push(self.rays.len());
+        }
+    }
+
+    /// Finds out which of them are occluded.
+    pub(super) fn trace<P: Probe>(&mut self, tracer: &Tracer, probes: &mut [P]) {
+        let probes = ByPixel::new(probes, &self.pixels);
+        tracer.shadow_stream(&self.rays, &mut self.occluded, probes);
+    }
+
+    /// The lights that reach the point of the wave's ray with this index.
+    pub(super) fn lights_at(&self, ray: usize) -> impl Iterator<Item = Illumination> {
+        let first = ray.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let rays = first..self.ends[ray];
+        let reached = self.lights[rays.clone()].iter().zip(&self.occluded[rays]);
+        reached.filter_map(|(light, is_occluded)| (!is_occluded).then_some(*light))
+    }
+
+    fn clear(&mut self) {
+        self.rays.clear();
+        self.lights.clear();
+        self.pixels.clear();
+        self.ends.clear();
+    }
+}
