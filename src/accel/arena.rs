@@ -118,7 +118,7 @@ impl Leaf<'_> {
     #[inline(always)]
     pub(super) fn row(&self, i: usize) -> &[f32; N_LANES] {
         // The mask changes nothing, and spares a check.
-        let row = self.numbers[self.n * i & 127..].first_chunk();
+        let row = self.numbers[(self.n * i) & 127..].first_chunk();
         row.expect("the window is larger than 127 and a row")
     }
 
