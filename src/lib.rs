@@ -18,6 +18,7 @@
 pub mod yaml;
 pub mod sampling;
 pub mod geometry;
+pub mod import;
 pub mod camera;
 pub mod light;
 pub mod material;

@@ -1,5 +1,5 @@
 //! Rays per second of every ray kernel that this machine can run:
-//! `cargo bench --bench kernel [-- --mesh FILE.obj]`.
+//! `cargo bench --bench kernel [-- --mesh FILE]`.
 //!
 //! Three scenes, three kinds of rays each: primary rays of a picture, and from
 //! their hits one diffuse ray (cosine-distributed) and one shadow ray to a

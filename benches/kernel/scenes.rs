@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use raycost::geometry::{Ray, Shape, Sphere, Triangle};
+use raycost::import::read_mesh;
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
 
@@ -69,29 +70,12 @@ pub fn triangle_soup() -> Vec<Primitive> {
     (0..200_000).map(triangle).collect()
 }
 
-/// The triangles of an OBJ file, of which it reads no more than `v` and `f`,
-/// and a view of them.
+/// The triangles of a mesh file and a view of them.
 pub fn mesh(path: &Path) -> (Vec<Primitive>, View) {
-    let text = std::fs::read_to_string(path).expect("the mesh is readable");
-    let (mut points, mut primitives) = (Vec::new(), Vec::new());
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let mut next = || words.next().unwrap().parse::<f32>().unwrap();
-                points.push(Vec3::new(next(), next(), next()));
-            }
-            Some("f") => {
-                let index = |word: &str| word.split('/').next().unwrap().parse::<usize>().unwrap();
-                let corners: Vec<Vec3> = words.map(|word| points[index(word) - 1]).collect();
-                for pair in corners[1..].windows(2) {
-                    let vertices = [corners[0], pair[0], pair[1]];
-                    primitives.push(primitive(Shape::Triangle(Triangle { vertices })));
-                }
-            }
-            _ => {}
-        }
-    }
+    let mesh = read_mesh(path).unwrap_or_else(|fault| panic!("{fault}"));
+    let triangles = mesh.triangles.iter().map(|&indices| mesh.triangle(indices));
+    let primitives = triangles.map(Shape::Triangle).map(primitive).collect();
+    let points = mesh.vertices;
     let min = points.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let max = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
     let (target, size) = (0.5 * (min + max), (max - min).length());

@@ -26,7 +26,7 @@ pub struct Triangle {
 
 impl Triangle {
     /// The unit normal; `None` if the corners lie on one line.
-    fn normal(&self) -> Option<Vec3> {
+    pub fn normal(&self) -> Option<Vec3> {
         let [a, b, c] = self.vertices;
         (b - a).cross(c - a).try_normalize()
     }

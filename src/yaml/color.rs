@@ -27,6 +27,16 @@ pub fn radiance<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Color(NON_NEGATIVE))
 }
 
+/// Red, green and blue of `#rrggbb`.
+pub fn hex_color(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6)?;
+    // `from_str_radix` takes a sign, too.
+    let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let rgb = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex)?;
+    let [_, r, g, b] = rgb.to_be_bytes();
+    Some([r, g, b])
+}
+
 /// For types that are one colour or, as a mapping, something richer:
 /// `#[serde(from = "ColorOr<Richer>")]`.
 pub enum ColorOr<T> {
@@ -74,14 +84,8 @@ impl<'de> Visitor<'de> for Color {
     }
 
     fn visit_str<E: Error>(self, found: &str) -> Result<Vec3, E> {
-        let digits = found.strip_prefix('#').filter(|hex| hex.len() == 6);
-        // `from_str_radix` takes a sign, too.
-        let digits = digits.filter(|hex| hex.bytes().all(|digit| digit.is_ascii_hexdigit()));
-        match digits.and_then(|hex| u32::from_str_radix(hex, 16).ok()) {
-            Some(rgb) => {
-                let [_, r, g, b] = rgb.to_be_bytes();
-                Ok(Vec3::from([r, g, b].map(f32::from)) / 255.0)
-            }
+        match hex_color(found) {
+            Some(rgb) => Ok(Vec3::from(rgb.map(f32::from)) / 255.0),
             None => Err(E::invalid_value(Unexpected::Str(found), &EXPECTED)),
         }
     }

@@ -15,7 +15,7 @@ mod syntax;
 mod translate;
 mod walk;
 
-pub use color::{ColorOr, color, radiance};
+pub use color::{ColorOr, color, hex_color, radiance};
 pub use diagnostic::{Diagnostic, Fault, Spot};
 pub use number::{
     Number, coordinate, count, direction, fraction, non_negative, point, positive, positive_range,

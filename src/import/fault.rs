@@ -1,0 +1,85 @@
+//! What is wrong with a geometry file, and where.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// A mistake in a geometry file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileFault {
+    /// The file, as it was asked for; empty until it is known.
+    file: String,
+    /// Where in the file, if that can be told.
+    pub place: Option<Place>,
+    /// What is wrong.
+    pub problem: String,
+    /// What would be right, as it follows the word "expected".
+    pub expected: String,
+}
+
+/// A place in a geometry file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a text, 1 is the first.
+    Line(u64),
+    /// An element of a binary file: its kind and its number, 0 is the first.
+    Element(String, u64),
+}
+
+impl FileFault {
+    /// A fault of the file as a whole.
+    pub(super) fn new(problem: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self {
+            file: String::new(),
+            place: None,
+            problem: problem.into(),
+            expected: expected.into(),
+        }
+    }
+
+    /// The same at a place, where none is known yet.
+    pub(super) fn at(mut self, place: Place) -> Self {
+        self.place.get_or_insert(place);
+        self
+    }
+
+    /// The same in this file.
+    pub(super) fn in_file(mut self, path: &Path) -> Self {
+        self.file = path.display().to_string();
+        self
+    }
+
+    /// File, place and problem in one line.
+    pub fn message(&self) -> String {
+        let Self { file, problem, .. } = self;
+        match &self.place {
+            None => format!("`{file}`: {problem}"),
+            Some(place) => format!("`{file}`, {place}: {problem}"),
+        }
+    }
+}
+
+impl From<io::Error> for FileFault {
+    fn from(error: io::Error) -> Self {
+        let problem = format!("cannot read it: {error}");
+        Self::new(problem, "a file that can be read")
+    }
+}
+
+/// `line 7` or `face 12`
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(number) => write!(f, "line {number}"),
+            Self::Element(kind, number) => write!(f, "{kind} {number}"),
+        }
+    }
+}
+
+impl fmt::Display for FileFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, expected {}", self.message(), self.expected)
+    }
+}
+
+impl std::error::Error for FileFault {}

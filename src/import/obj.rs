@@ -1,0 +1,173 @@
+//! Wavefront OBJ: its polygons and their normals.
+//!
+//! The format is told in appendix B1 of the Advanced Visualizer's manual
+//! (Wavefront, 1992). Read by hand, because tobj 4 panics on some indices and
+//! knows no line numbers, obj-rs 0.7 panics on statements it does not know,
+//! and both hold every face in memory of its own.
+
+use glam::Vec3;
+
+use super::lines::Lines;
+use super::mesh::{Mesh, Normals, fan, finite, index_of};
+use super::{FileFault, Input, Place, Result};
+
+/// Statements that say nothing of polygons: other elements, texture
+/// coordinates, groups, materials and how to draw.
+const IGNORED: &[&str] = &[
+    "vt",
+    "vp",
+    "p",
+    "l",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+];
+
+/// The normals of a triangle whose corners have none, until the end.
+const MISSING: [u32; 3] = [u32::MAX; 3];
+
+pub(super) fn read(file: Input) -> Result<Mesh> {
+    let mut lines = Lines::new(file);
+    let mut reader = Reader::default();
+    loop {
+        let read = match lines.next()? {
+            Some(line) => reader.statement(&line),
+            None => return Ok(reader.finish()),
+        };
+        read.map_err(|fault| fault.at(Place::Line(lines.number())))?;
+    }
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Reader {
+    mesh: Mesh,
+    normals: Normals,
+    /// Vertices and normals of one face's corners.
+    face: Vec<u32>,
+    face_normals: Vec<u32>,
+}
+
+impl Reader {
+    /// Takes one line in.
+    fn statement(&mut self, line: &str) -> Result<()> {
+        let mut words = line.split_ascii_whitespace();
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
+        match keyword {
+            // What follows the coordinates is a weight or a colour.
+            "v" => {
+                index_of(self.mesh.vertices.len() + 1)?;
+                self.mesh.vertices.push(vector(words)?);
+            }
+            "vn" => {
+                index_of(self.normals.vectors.len() + 1)?;
+                self.normals.vectors.push(vector(words)?);
+            }
+            "f" | "fo" => return self.face(words),
+            _ if keyword.starts_with('#') || IGNORED.contains(&keyword) => {}
+            _ => return Err(unknown_statement(keyword)),
+        }
+        Ok(())
+    }
+
+    fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<()> {
+        self.face.clear();
+        self.face_normals.clear();
+        for word in words.take_while(|word| !word.starts_with('#')) {
+            let mut indices = word.split('/');
+            let vertex = indices.next().unwrap_or_default();
+            self.face
+                .push(index(vertex, "vertex", self.mesh.vertices.len())?);
+            if let Some(normal) = indices.nth(1).filter(|word| !word.is_empty()) {
+                let n = self.normals.vectors.len();
+                self.face_normals.push(index(normal, "normal", n)?);
+            }
+        }
+        let (n, n_normals) = (self.face.len(), self.face_normals.len());
+        if n < 3 {
+            let problem = format!("a face has {n} corners");
+            return Err(FileFault::new(problem, "at least 3"));
+        }
+        if n_normals == n {
+            let n_before = self.mesh.triangles.len();
+            self.normals.triangles.resize(n_before, MISSING);
+            self.normals.triangles.extend(fan(&self.face_normals));
+        } else if n_normals > 0 {
+            let problem = format!("{n_normals} of {n} corners have a normal");
+            return Err(FileFault::new(problem, "normals at all corners or at none"));
+        }
+        self.mesh.triangles.extend(fan(&self.face));
+        Ok(())
+    }
+
+    /// The mesh; triangles without normals of their own get their face's
+    /// where others have some.
+    fn finish(mut self) -> Mesh {
+        let Normals { vectors, triangles } = &mut self.normals;
+        if triangles.is_empty() {
+            return self.mesh;
+        }
+        triangles.resize(self.mesh.triangles.len(), MISSING);
+        for (normals, vertices) in triangles.iter_mut().zip(&self.mesh.triangles) {
+            if *normals == MISSING {
+                *normals = [vectors.len() as u32; 3];
+                vectors.push(self.mesh.triangle(*vertices).normal().unwrap_or_default());
+            }
+        }
+        self.mesh.normals = Some(self.normals);
+        self.mesh
+    }
+}
+
+/// The first three words as numbers.
+fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Vec3> {
+    let mut numbers = [0.0; 3];
+    for (i, number) in numbers.iter_mut().enumerate() {
+        let word = words
+            .next()
+            .ok_or_else(|| FileFault::new(format!("{i} coordinates"), "three: x, y and z"))?;
+        *number = word
+            .parse()
+            .map_err(|_| FileFault::new(format!("`{word}` is no number"), "a coordinate"))?;
+    }
+    finite(numbers)
+}
+
+/// The index of one of `n` things, from 0, for one that counts from 1, or
+/// from -1 backwards.
+fn index(word: &str, kind: &str, n: usize) -> Result<u32> {
+    let n = n as i64;
+    let found = word.parse::<i64>().ok();
+    let index = found.map(|found| if found < 0 { n + found } else { found - 1 });
+    match index {
+        Some(index) if (0..n).contains(&index) => Ok(index as u32),
+        Some(_) => Err(FileFault::new(
+            format!("there is no {kind} {word}"),
+            format!("one of the {n} above"),
+        )),
+        None => Err(FileFault::new(
+            format!("`{word}` is no {kind}"),
+            "a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
+        )),
+    }
+}
+
+fn unknown_statement(keyword: &str) -> FileFault {
+    FileFault::new(
+        format!("unknown statement `{keyword}`"),
+        "an OBJ file of polygons: `v`, `vn` and `f`",
+    )
+}

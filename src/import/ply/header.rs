@@ -1,0 +1,111 @@
+//! What a header has to tell of a mesh.
+
+use serde_ply::{ElementDef, PlyHeader, PropertyType, ScalarType};
+
+use crate::import::{FileFault, Result};
+
+/// The names of a face's list of vertices.
+const FACE_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// What is known of a mesh before its first row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Header {
+    pub(super) n_vertices: u32,
+    /// Whether vertices have normals.
+    pub(super) has_normals: bool,
+}
+
+impl Header {
+    /// Of a header that tells of vertices and faces, each thing once.
+    pub(super) fn new(header: &PlyHeader) -> Result<Self> {
+        let mut names: Vec<&str> = Vec::new();
+        for element in &header.elem_defs {
+            expect_new(&names, &element.name, "element")?;
+            names.push(&element.name);
+            check(element)?;
+        }
+        let vertex = find(header, "vertex")?;
+        for name in ["x", "y", "z"] {
+            expect_scalar(vertex, name)?;
+        }
+        let has_normals = vertex.has_property("nx");
+        if has_normals {
+            expect_scalar(vertex, "nx")?;
+            expect_scalar(vertex, "ny")?;
+            expect_scalar(vertex, "nz")?;
+        }
+        expect_list(find(header, "face")?)?;
+        let n_vertices = u32::try_from(vertex.count)
+            .map_err(|_| FileFault::new("too many vertices", "at most 4294967295"))?;
+        Ok(Self {
+            n_vertices,
+            has_normals,
+        })
+    }
+}
+
+/// Makes sure that reading the element's rows comes to an end, and that no
+/// property stands for another.
+fn check(element: &ElementDef) -> Result<()> {
+    let mut names: Vec<&str> = Vec::new();
+    for property in &element.properties {
+        expect_new(&names, &property.name, "property")?;
+        names.push(&property.name);
+    }
+    match names.is_empty() {
+        true => Err(FileFault::new(
+            format!("element `{}` has no properties", element.name),
+            "at least one",
+        )),
+        false => Ok(()),
+    }
+}
+
+fn expect_new(names: &[&str], name: &str, kind: &str) -> Result<()> {
+    match names.contains(&name) {
+        true => Err(FileFault::new(
+            format!("the header has {kind} `{name}` twice"),
+            "different names",
+        )),
+        false => Ok(()),
+    }
+}
+
+fn find<'a>(header: &'a PlyHeader, name: &str) -> Result<&'a ElementDef> {
+    header.get_element(name).ok_or_else(|| {
+        FileFault::new(
+            format!("the header has no element `{name}`"),
+            "elements `vertex` and `face`",
+        )
+    })
+}
+
+fn expect_scalar(vertex: &ElementDef, name: &str) -> Result<()> {
+    let property = vertex.get_property(name);
+    match property.map(|property| &property.property_type) {
+        Some(PropertyType::Scalar(_)) => Ok(()),
+        _ => Err(FileFault::new(
+            format!("element `vertex` has no number `{name}`"),
+            format!("`property float {name}` in the header"),
+        )),
+    }
+}
+
+fn expect_list(face: &ElementDef) -> Result<()> {
+    let is_whole = |kind: &ScalarType| !matches!(kind, ScalarType::F32 | ScalarType::F64);
+    let lists = FACE_LISTS.map(|name| face.get_property(name));
+    let mut lists = lists.iter().flatten().map(|list| &list.property_type);
+    match (lists.next(), lists.next()) {
+        (
+            Some(PropertyType::List {
+                count_type,
+                data_type,
+            }),
+            None,
+        ) if is_whole(count_type) && is_whole(data_type) => Ok(()),
+        _ => Err(FileFault::new(
+            "element `face` has no list of vertices",
+            "`property list uchar int vertex_indices` in the header",
+        )),
+    }
+}

@@ -1,0 +1,170 @@
+//! The Stanford polygon format: `vertex` and `face` elements, as text or
+//! binary.
+//!
+//! serde-ply knows the encodings. It tells no place of an error, takes any
+//! header and cannot read a last word without a line end behind it: the
+//! [`Cursor`] below it and the checks of the [`header`] make up for that.
+
+mod cursor;
+mod header;
+mod rows;
+
+use serde::Deserialize;
+use serde::de::MapAccess;
+use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
+
+use super::mesh::{Mesh, Normals, fan, finite};
+use super::{FileFault, Input, Place, Result};
+use cursor::{Cursor, Position};
+use header::Header;
+use rows::Rows;
+
+pub(super) fn read(file: Input) -> Result<Mesh> {
+    let position = Position::default();
+    let mut cursor = Cursor::new(file, &position);
+    let mut reader = PlyReader::from_reader(&mut cursor).map_err(|error| {
+        let problem = format!("the header is damaged: {}", error.0);
+        FileFault::new(problem, "a PLY file").at(Place::Line(position.line()))
+    })?;
+    let header = Header::new(reader.header())?;
+    let elements = reader.header().elem_defs.clone();
+    let is_text = reader.header().format == PlyFormat::Ascii;
+    position.end_with_a_line(is_text);
+    let mut body = Body::new(header);
+    for element in &elements {
+        let mut n_rows = 0;
+        body.read(element, &mut reader, &mut n_rows)
+            .map_err(|fault| {
+                fault.at(match is_text {
+                    true => Place::Line(position.line()),
+                    false => Place::Element(element.name.clone(), u64::max(n_rows, 1) - 1),
+                })
+            })?;
+    }
+    match cursor.is_at_end()? {
+        true => Ok(body.mesh()),
+        false => Err(FileFault::new(
+            "there is more than the header tells of",
+            "as many numbers in each row as it has properties",
+        )),
+    }
+}
+
+/// A row of a `vertex` element.
+#[derive(Deserialize)]
+struct Vertex {
+    x: f32,
+    y: f32,
+    z: f32,
+    #[serde(default)]
+    nx: f32,
+    #[serde(default)]
+    ny: f32,
+    #[serde(default)]
+    nz: f32,
+}
+
+/// A row of a `face` element.
+#[derive(Deserialize)]
+struct Face {
+    #[serde(alias = "vertex_index")]
+    vertex_indices: Vec<i64>,
+}
+
+/// A row of an element that says nothing of polygons.
+#[derive(Deserialize)]
+struct Skipped {}
+
+/// What was read so far.
+struct Body {
+    header: Header,
+    mesh: Mesh,
+    normals: Vec<glam::Vec3>,
+    /// The corners of one face.
+    face: Vec<u32>,
+}
+
+impl Body {
+    fn new(header: Header) -> Self {
+        Self {
+            header,
+            mesh: Mesh::default(),
+            normals: Vec::new(),
+            face: Vec::new(),
+        }
+    }
+
+    /// Takes all rows of the next element in; `n_rows` counts those begun.
+    fn read(
+        &mut self,
+        element: &ElementDef,
+        reader: &mut PlyReader<&mut Cursor>,
+        n_rows: &mut u64,
+    ) -> Result<()> {
+        let mut fault = None;
+        // The elements of a file are a map to the crate, and its reader the access to it.
+        let mut elements = reader;
+        let read = match element.name.as_str() {
+            "vertex" => {
+                elements.next_value_seed(Rows::new(|row| self.vertex(&row), n_rows, &mut fault))
+            }
+            "face" => {
+                elements.next_value_seed(Rows::new(|row| self.face(&row), n_rows, &mut fault))
+            }
+            _ => elements.next_value_seed(Rows::new(|_: Skipped| Ok(()), n_rows, &mut fault)),
+        };
+        read.map_err(|error| fault.unwrap_or_else(|| of_row(&error, element)))
+    }
+
+    fn vertex(&mut self, row: &Vertex) -> Result<()> {
+        self.mesh.vertices.push(finite([row.x, row.y, row.z])?);
+        if self.header.has_normals {
+            self.normals.push(finite([row.nx, row.ny, row.nz])?);
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, row: &Face) -> Result<()> {
+        let n = self.header.n_vertices;
+        self.face.clear();
+        for &index in &row.vertex_indices {
+            let vertex = u32::try_from(index).ok().filter(|vertex| *vertex < n);
+            self.face.push(vertex.ok_or_else(|| {
+                let problem = format!("there is no vertex {index}");
+                FileFault::new(problem, format!("one of the {n} vertices, from 0"))
+            })?);
+        }
+        if self.face.len() < 3 {
+            let problem = format!("a face has {} corners", self.face.len());
+            return Err(FileFault::new(problem, "at least 3"));
+        }
+        self.mesh.triangles.extend(fan(&self.face));
+        Ok(())
+    }
+
+    fn mesh(mut self) -> Mesh {
+        if self.header.has_normals {
+            self.mesh.normals = Some(Normals {
+                vectors: self.normals,
+                triangles: self.mesh.triangles.clone(),
+            });
+        }
+        self.mesh
+    }
+}
+
+/// The fault of a row that the crate could not read.
+fn of_row(error: &DeserializeError, element: &ElementDef) -> FileFault {
+    let ElementDef { name, count, .. } = element;
+    match error.0.kind() {
+        std::io::ErrorKind::UnexpectedEof => FileFault::new(
+            format!("the file ends within its `{name}` elements"),
+            format!("{count} of them"),
+        ),
+        std::io::ErrorKind::InvalidData => FileFault::new(
+            format!("a row of `{name}` is damaged: {}", error.0),
+            "numbers of the types in the header",
+        ),
+        _ => FileFault::from(std::io::Error::new(error.0.kind(), error.0.to_string())),
+    }
+}

@@ -1,0 +1,158 @@
+//! Spheres from a table of comma-separated values.
+
+use csv::{ByteRecord, ErrorKind, Position, ReaderBuilder, Trim};
+
+use super::mesh::finite;
+use super::{FileFault, Input, Place, Result};
+use crate::geometry::Sphere;
+use crate::yaml::{did_you_mean, hex_color};
+
+/// A table's spheres.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Spheres {
+    /// The spheres, at least one.
+    pub spheres: Vec<Sphere>,
+    /// The colour of each sphere, red, green and blue; `None` if the table
+    /// has no colours.
+    pub colors: Option<Vec<[u8; 3]>>,
+}
+
+impl Spheres {
+    /// Bytes of memory that it takes.
+    pub fn n_bytes(&self) -> u64 {
+        let n_color_bytes = self
+            .colors
+            .as_ref()
+            .map_or(0, |colors| size_of_val(&colors[..]));
+        (size_of_val(&self.spheres[..]) + n_color_bytes) as u64
+    }
+}
+
+pub(super) fn read(file: Input, radius: Option<f32>) -> Result<Spheres> {
+    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let columns = Columns::of(table.byte_headers().map_err(of_table)?, radius)
+        .map_err(|fault| fault.at(Place::Line(1)))?;
+    let mut found = Spheres {
+        spheres: Vec::new(),
+        colors: columns.color.map(|_| Vec::new()),
+    };
+    let mut row = ByteRecord::new();
+    while table.read_byte_record(&mut row).map_err(of_table)? {
+        let line = row.position().map_or(0, Position::line);
+        let at_line = |fault: FileFault| fault.at(Place::Line(line));
+        found.spheres.push(columns.sphere(&row).map_err(at_line)?);
+        if let (Some(column), Some(colors)) = (columns.color, &mut found.colors) {
+            colors.push(color(word(&row, column)).map_err(at_line)?);
+        }
+    }
+    match found.spheres.is_empty() {
+        true => Err(FileFault::new("no sphere in the file", "a line for each")),
+        false => Ok(found),
+    }
+}
+
+/// Where the columns stand that a table may have.
+struct Columns {
+    center: [usize; 3],
+    radius: Radius,
+    color: Option<usize>,
+}
+
+enum Radius {
+    Column(usize),
+    OfAll(f32),
+}
+
+impl Columns {
+    /// The names of all columns.
+    const NAMES: [&str; 5] = ["x", "y", "z", "r", "color"];
+
+    /// Of the table's first line; `radius` is for a table without.
+    fn of(header: &ByteRecord, radius: Option<f32>) -> Result<Self> {
+        let mut columns = [None; 5];
+        for (i, name) in header.iter().enumerate() {
+            let name = String::from_utf8_lossy(name);
+            let known = Self::NAMES.iter().position(|known| *known == name);
+            let column = &mut columns[known.ok_or_else(|| unknown_column(&name))?];
+            if column.replace(i).is_some() {
+                let problem = format!("two columns are named `{name}`");
+                return Err(FileFault::new(problem, "different names"));
+            }
+        }
+        let [x, y, z, r, color] = columns;
+        let column = |column: Option<usize>, name: &str| {
+            let problem = || format!("there is no column `{name}`");
+            column.ok_or_else(|| FileFault::new(problem(), "a first line such as `x,y,z,r,color`"))
+        };
+        Ok(Self {
+            center: [column(x, "x")?, column(y, "y")?, column(z, "z")?],
+            radius: match (r, radius) {
+                (Some(column), _) => Radius::Column(column),
+                (None, Some(radius)) => Radius::OfAll(radius),
+                (None, None) => {
+                    let expected = "one, or a `radius` for all spheres in the scene";
+                    return Err(FileFault::new("there is no column `r`", expected));
+                }
+            },
+            color,
+        })
+    }
+
+    fn sphere(&self, row: &ByteRecord) -> Result<Sphere> {
+        let [x, y, z] = self.center.map(|column| number(word(row, column)));
+        let radius = match self.radius {
+            Radius::OfAll(radius) => radius,
+            Radius::Column(column) => number(word(row, column))?,
+        };
+        if !(radius.is_finite() && radius > 0.0) {
+            let problem = format!("a radius is {radius}");
+            return Err(FileFault::new(problem, "a number greater than 0"));
+        }
+        Ok(Sphere {
+            center: finite([x?, y?, z?])?,
+            radius,
+        })
+    }
+}
+
+fn unknown_column(name: &str) -> FileFault {
+    let problem = match did_you_mean(name, Columns::NAMES) {
+        Some(suggestion) => format!("unknown column `{name}`, {suggestion}"),
+        None => format!("unknown column `{name}`"),
+    };
+    FileFault::new(problem, "a first line of `x`, `y`, `z`, `r` and `color`")
+}
+
+/// One field of a row, all of which are as long as the header.
+fn word(row: &ByteRecord, column: usize) -> &str {
+    str::from_utf8(&row[column]).unwrap_or("\u{fffd}")
+}
+
+fn number(word: &str) -> Result<f32> {
+    word.parse()
+        .map_err(|_| FileFault::new(format!("`{word}` is no number"), "a number"))
+}
+
+fn color(word: &str) -> Result<[u8; 3]> {
+    hex_color(word).ok_or_else(|| FileFault::new(format!("`{word}` is no colour"), "`#rrggbb`"))
+}
+
+fn of_table(error: csv::Error) -> FileFault {
+    let line = error
+        .position()
+        .map(|position| Place::Line(position.line()));
+    let fault = match error.into_kind() {
+        ErrorKind::Io(error) => FileFault::from(error),
+        ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => FileFault::new(
+            format!("{len} fields"),
+            format!("{expected_len}, as in line 1"),
+        ),
+        _ => FileFault::new("the table is damaged", "comma-separated values"),
+    };
+    match line {
+        Some(line) => fault.at(line),
+        None => fault,
+    }
+}
