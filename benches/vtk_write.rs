@@ -17,7 +17,7 @@ use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
 use raycost::render::render;
-use raycost::scene::Scene;
+use raycost::scene::{Geometries, Scene};
 use raycost::yaml::Source;
 
 const N_ROUNDS: usize = 9;
@@ -86,7 +86,8 @@ fn film(width: u32, height: u32) -> Film {
         .and_then(|source| source.parse())
         .unwrap();
     (config.image.width, config.image.height) = (width, height);
-    let scene = Scene::new(&config).unwrap();
+    let geometries = Geometries::read(&config, "configs".as_ref(), u64::MAX).unwrap();
+    let scene = Scene::new(&config, geometries).unwrap();
     let accel = Accel::new(&scene.primitives, config.acceleration);
     render(
         &scene,

@@ -1,11 +1,14 @@
 //! A ray tracer that shows its work.
 //!
 //! ```no_run
-//! use raycost::{accel::Accel, config::Config, cost::Meter, render::render, scene::Scene, yaml::Source};
+//! # use raycost::scene::{Geometries, Scene};
+//! use raycost::{accel::Accel, config::Config, cost::Meter, render::render, yaml::Source};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let source = Source::read("configs/seed_sphere.yaml".as_ref())?;       // the text,
 //! let config: Config = source.parse()?;                                  // checked values,
-//! let scene = Scene::new(&config).map_err(|fault| source.point_at(fault))?; // world space,
+//! let point_at = |fault| source.point_at(fault);
+//! let geometries = Geometries::read(&config, source.folder(), u64::MAX).map_err(point_at)?; // files read,
+//! let scene = Scene::new(&config, geometries).map_err(point_at)?;        // world space,
 //! let accel = Accel::new(&scene.primitives, config.acceleration);        // a way to find hits,
 //! let meter = Meter::new(config.cost);                                   // time and counters,
 //! let film = render(&scene, &accel, &config.image, &meter, |_| {});      // pixels and their cost:

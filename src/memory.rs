@@ -5,7 +5,7 @@ use sysinfo::System;
 use crate::accel::Bvh;
 use crate::config::{Acceleration, Config};
 use crate::film;
-use crate::scene::{self, Primitive};
+use crate::scene::{Geometries, Primitive};
 use crate::yaml::{Fault, Path};
 
 /// What the pictures and files take for each pixel while they are made: a copy
@@ -24,19 +24,20 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// What the config needs; never less than is used in the end, but for a
-    /// few MiB of program and buffers.
-    pub fn of(config: &Config) -> Self {
+    /// What the config and its geometries need; never less than is used in the
+    /// end, but for a few MiB of program and buffers.
+    pub fn of(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {
                 Acceleration::Bvh => Bvh::MAX_BYTES_PER_PRIMITIVE,
                 Acceleration::BruteForce => size_of::<u32>(),
             };
         let n_pixels = config.image.n_pixels() as u64;
-        let n_primitives = scene::n_primitives(config);
+        let n_primitives = geometries.n_primitives();
         Self {
             film: n_pixels * (film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
-            scene: n_primitives as u64 * per_primitive as u64,
+            // What was read, and its attributes in world space.
+            scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,
         }
     }
@@ -58,7 +59,7 @@ impl Memory {
             let objects = Path::default().key("objects");
             return Err(
                 Fault::of_key(objects, message, format!("expected at most {most}"))
-                    .with_help("ask the generators for fewer spheres"),
+                    .with_help("ask the generators for fewer spheres, or take smaller files"),
             );
         }
         if self.total() <= available {
@@ -69,7 +70,7 @@ impl Memory {
             false => (
                 "objects",
                 "the scene",
-                "ask the generators for fewer spheres",
+                "ask the generators for fewer spheres, or take smaller files",
             ),
         };
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);

@@ -19,14 +19,39 @@ pub struct Tracer<'a> {
 pub struct SurfacePoint {
     /// The point, brought back onto the surface after rounding.
     pub position: Vec3,
-    /// The unit normal on the side that the ray came from.
+    /// The unit normal to shade with, on the same side as the geometric one.
     pub normal: Vec3,
+    /// The surface's own unit normal, on the side that the ray came from: what
+    /// tells the sides of the surface apart.
+    pub geometric_normal: Vec3,
+    /// Its colour there.
+    pub color: Vec3,
     /// Distance along the ray, greater than 0.
     pub distance: f32,
     /// The object that was met.
     pub object: ObjectId,
     /// What it is made of there.
     pub material: MaterialId,
+}
+
+impl SurfacePoint {
+    /// Whether a direction leaves the surface on the seen side, by both of its
+    /// normals.
+    pub fn is_faced_by(&self, direction: Vec3) -> bool {
+        self.normal.dot(direction) > 0.0 && self.geometric_normal.dot(direction) > 0.0
+    }
+
+    /// The unit direction of the mirror image of one that comes to the point,
+    /// by the shading normal; by the geometric one where that would lead into
+    /// the surface.
+    pub fn mirrored(&self, direction: Vec3) -> Vec3 {
+        let by = |normal| direction.reflect(normal).normalize();
+        let mirrored = by(self.normal);
+        match mirrored.dot(self.geometric_normal) > 0.0 {
+            true => mirrored,
+            false => by(self.geometric_normal),
+        }
+    }
 }
 
 impl<'a> Tracer<'a> {
@@ -79,9 +104,17 @@ impl<'a> Tracer<'a> {
         let primitive = &self.scene.primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
         let faces_ray = outward.dot(ray.direction) <= 0.0;
+        let geometric_normal = if faces_ray { outward } else { -outward };
+        let normal = match self.scene.shading_normal(hit.primitive, position) {
+            None => geometric_normal,
+            Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
+            Some(normal) => normal,
+        };
         SurfacePoint {
             position,
-            normal: if faces_ray { outward } else { -outward },
+            normal,
+            geometric_normal,
+            color: self.scene.color(hit.primitive, position),
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::parse;
+use common::{parse, scene_of};
 use glam::Vec3;
 use proptest::prelude::*;
 use raycost::accel::{Accel, Bvh, Simd};
@@ -86,7 +86,7 @@ fn scene() -> impl Strategy<Value = Scene> {
              camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
              materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{objects}"
         );
-        Scene::new(&parse(&text)).unwrap()
+        scene_of(&parse(&text))
     })
 }
 
@@ -201,7 +201,7 @@ fn spheres(text: &str) -> Scene {
          camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{text}"
     );
-    Scene::new(&parse(&text)).unwrap()
+    scene_of(&parse(&text))
 }
 
 /// Thousands of spheres at one point: no plane parts their centres, so the

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{config, film, parse, sum};
+use common::{config, film, parse, scene_of, sum};
 use raycost::config::Acceleration;
 
 const SCENE: &str = "
@@ -31,7 +31,7 @@ fn brute_force_tests_every_primitive_with_every_ray() {
         config.acceleration = Acceleration::BruteForce;
         (config.image.width, config.image.height) = (60, 45);
         let film = film(&config, 2);
-        let n_primitives = raycost::scene::n_primitives(&config) as u64;
+        let n_primitives = scene_of(&config).primitives.len() as u64;
         let n_rays = sum(&film, |strip| &strip.rays);
         assert_eq!(
             sum(&film, |strip| &strip.primitive_tests),

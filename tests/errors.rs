@@ -23,7 +23,7 @@ use std::path::PathBuf;
 
 use raycost::config::Config;
 use raycost::memory::Memory;
-use raycost::scene::Scene;
+use raycost::scene::{Geometries, Scene};
 use raycost::yaml::{Diagnostic, Source};
 
 /// A scene without a mistake, a section a line.
@@ -117,10 +117,12 @@ fn cases() -> impl Iterator<Item = Case> {
 fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let source = Source::new("scene.yaml", text);
     let config: Config = source.parse()?;
-    Memory::of(&config)
-        .check(available)
-        .and_then(|()| Scene::new(&config).map(drop))
-        .map_err(|fault| source.point_at(fault))
+    let check = || {
+        let geometries = Geometries::read(&config, source.folder(), available)?;
+        Memory::of(&config, &geometries).check(available)?;
+        Scene::new(&config, geometries).map(drop)
+    };
+    check().map_err(|fault| source.point_at(fault))
 }
 
 /// The message of a broken scene, without blanks at the ends of its lines.
@@ -188,7 +190,12 @@ fn what_memory_cannot_hold_is_refused() {
     let cloud = cloud_of(20_000_000);
     for (scene, what, line, help) in [
         (image, "image", 1, "choose a smaller `width` or `height`"),
-        (cloud, "scene", 5, "ask the generators for fewer spheres"),
+        (
+            cloud,
+            "scene",
+            5,
+            "ask the generators for fewer spheres, or take smaller files",
+        ),
     ] {
         let error = check(&scene, 3 << 30).unwrap_err().to_string();
         let title = format!("error: the {what} is too large: ");

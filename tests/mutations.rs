@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use raycost::config::Config;
 use raycost::memory::Memory;
-use raycost::scene::Scene;
+use raycost::scene::{Geometries, Scene};
 use raycost::yaml::{Diagnostic, Source};
 
 /// What damages YAML, or turns a value into another.
@@ -145,17 +145,24 @@ const FULL: &str = include_str!("full.yaml");
 fn originals() -> Vec<String> {
     let folder = common::in_repository("configs");
     let entries = std::fs::read_dir(folder).unwrap();
-    let configs = entries.map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap());
-    configs.chain([FULL.to_owned()]).collect()
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let configs = paths.filter(|path| path.is_file());
+    let texts = configs.map(|path| std::fs::read_to_string(path).unwrap());
+    texts.chain([FULL.to_owned()]).collect()
 }
+
+/// Bytes of memory that there are.
+const MEMORY: u64 = 64 << 20;
 
 /// All that `raycost check` does, on a machine with little memory.
 fn check(source: &Source) -> Result<(), Diagnostic> {
     let config: Config = source.parse()?;
-    Memory::of(&config)
-        .check(64 << 20)
-        .and_then(|()| Scene::new(&config).map(drop))
-        .map_err(|fault| source.point_at(fault))
+    let check = || {
+        let geometries = Geometries::read(&config, "configs".as_ref(), MEMORY)?;
+        Memory::of(&config, &geometries).check(MEMORY)?;
+        Scene::new(&config, geometries).map(drop)
+    };
+    check().map_err(|fault| source.point_at(fault))
 }
 
 #[test]

@@ -31,6 +31,15 @@ fn the_scene_renders() {
 }
 
 #[test]
+fn the_files_of_the_second_scene_are_read() {
+    let scene = scene();
+    let (before, _) = scene.split_once("objects:").unwrap();
+    let mut config = parse(&format!("{before}{}", blocks("yaml")[1]));
+    (config.image.width, config.image.height) = (64, 48);
+    assert!(film(&config, 1).n_hits() > 300);
+}
+
+#[test]
 fn the_error_is_the_one_that_the_mistake_gives() {
     let broken = scene().replace("radius: 0.8", "radios: 0.8");
     let error = Source::new("scene.yaml", broken)
@@ -74,6 +83,9 @@ fn the_tables_name_every_scene_and_array() {
     let readme = std::fs::read_to_string(in_repository("README.md")).unwrap();
     for entry in std::fs::read_dir(in_repository("configs")).unwrap() {
         let path = entry.unwrap().path();
+        if path.is_dir() {
+            continue;
+        }
         let name = path.file_stem().unwrap().to_str().unwrap();
         assert!(readme.contains(&format!("| `{name}` |")), "{name}");
     }

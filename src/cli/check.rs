@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::Failure;
-use super::render::SceneArguments;
+use super::render::{Loaded, SceneArguments, primitives};
 use crate::config::{Acceleration, Config, CostMode};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
@@ -21,15 +21,20 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loaded = arguments.scene.load()?;
-    let scene = Scene::new(&loaded.config).map_err(|fault| loaded.source.point_at(fault))?;
-    Ok(io::stdout().write_all(report(&arguments.scene, &loaded.config, &scene).as_bytes())?)
+    let Loaded {
+        source,
+        config,
+        geometries,
+    } = arguments.scene.load()?;
+    let memory = Memory::of(&config, &geometries);
+    let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
+    let report = report(&arguments.scene, &config, &scene, &memory);
+    Ok(io::stdout().write_all(report.as_bytes())?)
 }
 
-fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String {
+fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &Memory) -> String {
     let image = &config.image;
     let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
-    let memory = Memory::of(config);
     let structure = match config.acceleration {
         Acceleration::Bvh => "a BVH",
         Acceleration::BruteForce => "brute force",
@@ -57,7 +62,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene) -> String 
                 "{} ({}), {}",
                 counted(config.objects.len() as u64, "object"),
                 kinds(config),
-                counted(scene.primitives.len() as u64, "primitive")
+                primitives(scene)
             ),
         ),
         (

@@ -15,7 +15,7 @@ use crate::output::{
     format::{bytes, count, counted, duration},
 };
 use crate::render::render;
-use crate::scene::Scene;
+use crate::scene::{Geometries, Scene};
 use crate::yaml::{Diagnostic, Source};
 
 /// Render a scene and write its files
@@ -71,10 +71,11 @@ pub(super) struct SceneArguments {
     no_cost: bool,
 }
 
-/// A scene file and what it says.
+/// A scene file, what it says, and what the files hold that it names.
 pub(super) struct Loaded {
     pub(super) source: Source,
     pub(super) config: Config,
+    pub(super) geometries: Geometries,
 }
 
 impl SceneArguments {
@@ -88,10 +89,18 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         config.cost = self.cost().unwrap_or(config.cost);
-        Memory::of(&config)
-            .check(memory::available())
+        let available = memory::available();
+        let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
-        Ok(Loaded { source, config })
+        // What was read is part of the need, and no longer of what is free.
+        Memory::of(&config, &geometries)
+            .check(available)
+            .map_err(|fault| source.point_at(fault))?;
+        Ok(Loaded {
+            source,
+            config,
+            geometries,
+        })
     }
 
     /// What the command line says of the cost, if anything.
@@ -119,8 +128,12 @@ impl SceneArguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut stages = Stages::start();
-    let Loaded { source, config } = arguments.scene.load()?;
-    let scene = Scene::new(&config).map_err(|fault| source.point_at(fault))?;
+    let Loaded {
+        source,
+        config,
+        geometries,
+    } = arguments.scene.load()?;
+    let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), least_bytes(&config))?;
     remove_unfinished_when_stopped(&folder)?;
     let pool = thread_pool(arguments.threads)?;
@@ -214,7 +227,7 @@ fn closing_lines(
         false => "geometry.pvsm",
     };
     format!(
-        "image   {} x {} pixels, {} per pixel, {} primitives, {}\n\
+        "image   {} x {} pixels, {} per pixel, {}, {}\n\
          time    {}\n\
          speed   {}\n\
          wrote   {}: {}\n\
@@ -222,7 +235,7 @@ fn closing_lines(
         image.width,
         image.height,
         counted(image.samples_per_pixel.into(), "sample"),
-        count(rendering.scene.primitives.len() as u64),
+        primitives(rendering.scene),
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering, stages),
@@ -230,6 +243,15 @@ fn closing_lines(
         files.join(", "),
         shell_word(&out.join(state)),
     )
+}
+
+/// "1,234 primitives", and how many were left out.
+pub(super) fn primitives(scene: &Scene) -> String {
+    let kept = counted(scene.primitives.len() as u64, "primitive");
+    match scene.n_degenerate {
+        0 => kept,
+        n => format!("{kept} ({} without area left out)", counted(n, "triangle")),
+    }
 }
 
 /// Rays a second, or samples where nothing was counted.

@@ -6,6 +6,7 @@
 
 mod background;
 mod cost_mode;
+mod file;
 mod generator;
 mod image;
 mod object;
@@ -16,6 +17,7 @@ use serde::Deserialize;
 
 pub use background::Background;
 pub use cost_mode::CostMode;
+pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use generator::{Generator, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
+use super::file::GeometryFile;
 use super::generator::Generator;
 use crate::geometry::{Shape, TransformStep};
 
@@ -30,7 +31,7 @@ pub struct Object {
     pub name: Option<String>,
     /// What it is made of.
     pub geometry: Geometry,
-    /// The key of its material; several for a generator to deal out.
+    /// The key of its material; several for many spheres to deal out.
     pub material: MaterialNames,
     /// Its placement; none for an object that is given in world space.
     pub transform: Vec<TransformStep>,
@@ -43,6 +44,8 @@ pub enum Geometry {
     Shape(Shape),
     /// Many shapes from a rule.
     Generator(Generator),
+    /// Many shapes from a file.
+    File(GeometryFile),
 }
 
 /// One or more material names: `red` or `[red, green]`.
@@ -55,6 +58,7 @@ impl fmt::Display for Geometry {
         match self {
             Self::Shape(shape) => shape.fmt(f),
             Self::Generator(generator) => generator.fmt(f),
+            Self::File(file) => file.fmt(f),
         }
     }
 }
@@ -63,7 +67,8 @@ impl fmt::Display for Geometry {
 const COMMON: [&str; 3] = ["material", "name", "transform"];
 
 /// The keys that are a geometry's.
-static GEOMETRIES: LazyLock<Vec<&str>> = LazyLock::new(|| [Shape::KEYS, Generator::KEYS].concat());
+static GEOMETRIES: LazyLock<Vec<&str>> =
+    LazyLock::new(|| [Shape::KEYS, Generator::KEYS, GeometryFile::KEYS].concat());
 
 /// All keys.
 static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| [&GEOMETRIES, &COMMON[..]].concat());
@@ -126,7 +131,10 @@ fn next_geometry<'de, A: MapAccess<'de>>(
     if let Some(shape) = Shape::next_value(key, map)? {
         return Ok(Some(Geometry::Shape(shape)));
     }
-    Ok(Generator::next_value(key, map)?.map(Geometry::Generator))
+    if let Some(generator) = Generator::next_value(key, map)? {
+        return Ok(Some(Geometry::Generator(generator)));
+    }
+    Ok(GeometryFile::next_value(key, map)?.map(Geometry::File))
 }
 
 /// One of [`KEYS`].

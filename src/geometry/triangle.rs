@@ -30,6 +30,18 @@ impl Triangle {
         let [a, b, c] = self.vertices;
         (b - a).cross(c - a).try_normalize()
     }
+
+    /// The shares of the three corners in a point of the triangle's plane: at
+    /// least 0, and 1 together. Of a point outside they are those of a point on
+    /// its edge.
+    pub fn barycentrics(&self, point: Vec3) -> Vec3 {
+        let [a, b, c] = self.vertices;
+        let normal = (b - a).cross(c - a);
+        // Signed areas of the triangles that the point makes with two corners.
+        let areas = [(b, c), (c, a), (a, b)]
+            .map(|(from, to)| (to - from).cross(point - from).dot(normal).max(0.0));
+        Vec3::from(areas) / areas.iter().sum::<f32>()
+    }
 }
 
 impl Surface for Triangle {

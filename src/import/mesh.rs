@@ -87,8 +87,8 @@ pub(super) fn finite(numbers: [f32; 3]) -> Result<Vec3> {
     }
 }
 
-/// The number of things in a list whose indices are 32 bits wide.
-pub(super) fn index_of(n: usize) -> Result<u32> {
+/// A number of vertices or normals, which indices of 32 bits tell apart.
+pub(super) fn count(n: usize) -> Result<u32> {
     u32::try_from(n).map_err(|_| FileFault::new("too many vertices", "at most 4294967295"))
 }
 

@@ -20,7 +20,8 @@ pub use fault::{FileFault, Place};
 pub use mesh::{Mesh, Normals};
 pub use spheres::Spheres;
 
-type Result<T> = std::result::Result<T, FileFault>;
+/// What a reader gives.
+pub type Result<T> = std::result::Result<T, FileFault>;
 
 /// An open file on its way through a reader.
 type Input = BufReader<File>;

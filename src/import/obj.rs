@@ -8,7 +8,7 @@
 use glam::Vec3;
 
 use super::lines::Lines;
-use super::mesh::{Mesh, Normals, fan, finite, index_of};
+use super::mesh::{Mesh, Normals, count, fan, finite};
 use super::{FileFault, Input, Place, Result};
 
 /// Statements that say nothing of polygons: other elements, texture
@@ -69,11 +69,11 @@ impl Reader {
         match keyword {
             // What follows the coordinates is a weight or a colour.
             "v" => {
-                index_of(self.mesh.vertices.len() + 1)?;
+                count(self.mesh.vertices.len() + 1)?;
                 self.mesh.vertices.push(vector(words)?);
             }
             "vn" => {
-                index_of(self.normals.vectors.len() + 1)?;
+                count(self.normals.vectors.len() + 1)?;
                 self.normals.vectors.push(vector(words)?);
             }
             "f" | "fo" => return self.face(words),

@@ -93,6 +93,7 @@ pub(super) fn write(
         "objects": objects(rendering),
         "materials": config.materials.keys().collect::<Vec<_>>(),
         "n_primitives": rendering.scene.primitives.len(),
+        "n_degenerate_triangles": rendering.scene.n_degenerate,
         "acceleration": { "kind": config.acceleration, "bvh": rendering.bvh },
         "machine": machine(),
         "threads": rendering.threads,

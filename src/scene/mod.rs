@@ -1,18 +1,26 @@
 //! Config → [`Scene`]: everything placed in world space, ids instead of names.
 //!
-//! Takes a checked [`Config`]; gives what the tracer reads, or a
-//! [`Fault`] where two places of the file do not fit together: a material that
-//! nobody defines, a transform that flattens its object.
+//! Takes a checked [`Config`] and its [`Geometries`]; gives what the tracer
+//! reads, or a [`Fault`] where two places of the file do not fit together: a
+//! material that nobody defines, a transform that flattens its object.
 
 mod primitive;
+mod geometries;
+mod attributes;
+mod place;
+
+use glam::Vec3;
 
 use crate::camera::ImagePlane;
-use crate::config::{Background, Config, Geometry, Object, Shading};
-use crate::geometry::{Shape, Transform};
+use crate::config::{Background, Config, Geometry, GeometryFile, Object, Shading};
 use crate::light::Light;
 use crate::material::Material;
 use crate::yaml::{Fault, Path, did_you_mean};
 
+use attributes::Attributes;
+use place::Place;
+
+pub use geometries::Geometries;
 pub use primitive::{MaterialId, ObjectId, Primitive};
 
 /// A scene in world space.
@@ -30,14 +38,25 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// All that rays can hit, object by object.
     pub primitives: Vec<Primitive>,
+    /// How many triangles of meshes were left out because they have no area.
+    pub n_degenerate: u64,
+    /// What the primitives of an object have beside, by [`ObjectId`].
+    attributes: Vec<ObjectAttributes>,
+}
+
+#[derive(Debug, Clone)]
+struct ObjectAttributes {
+    /// The object's first primitive.
+    first: u32,
+    attributes: Attributes,
 }
 
 impl Scene {
-    /// The scene of a config.
+    /// The scene of a config whose objects are made of `geometries`.
     ///
     /// # Errors
     /// The first place of the file that does not fit the others.
-    pub fn new(config: &Config) -> Result<Self, Fault> {
+    pub fn new(config: &Config, geometries: Geometries) -> Result<Self, Fault> {
         if config.objects.is_empty() {
             return Err(Fault::new(
                 Path::default().key("objects"),
@@ -46,19 +65,7 @@ impl Scene {
             )
             .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
         }
-        let mut primitives = Vec::with_capacity(n_primitives(config));
-        for (index, object) in config.objects.iter().enumerate() {
-            let path = Path::default().key("objects").index(index);
-            let materials = material_ids(config, object, &path)?;
-            place(
-                object,
-                ObjectId(index as u32),
-                &materials,
-                &path,
-                &mut primitives,
-            )?;
-        }
-        Ok(Self {
+        let mut scene = Self {
             image_plane: config
                 .camera
                 .image_plane(config.image.width, config.image.height),
@@ -66,30 +73,71 @@ impl Scene {
             shading: config.shading,
             lights: config.lights.clone(),
             materials: config.materials.values().cloned().collect(),
-            primitives,
-        })
+            primitives: Vec::with_capacity(geometries.n_primitives()),
+            n_degenerate: 0,
+            attributes: Vec::with_capacity(config.objects.len()),
+        };
+        for (index, (object, solid)) in config.objects.iter().zip(geometries.0).enumerate() {
+            let path = Path::default().key("objects").index(index);
+            let materials = material_ids(config, object, &path)?;
+            let first = scene.primitives.len() as u32;
+            let place = Place::new(object, ObjectId(index as u32), &materials, &path)?;
+            let attributes = place.solid(solid, &mut scene)?;
+            scene
+                .attributes
+                .push(ObjectAttributes { first, attributes });
+        }
+        Ok(scene)
     }
 
     /// The material with this id.
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.0 as usize]
     }
-}
 
-/// How many primitives the config's objects make.
-pub fn n_primitives(config: &Config) -> usize {
-    let of_object = |object: &Object| match &object.geometry {
-        Geometry::Shape(_) => 1,
-        Geometry::Generator(generator) => generator.n_spheres(),
-    };
-    config.objects.iter().map(of_object).sum()
+    /// The colour of this primitive at a point of it: its own if it has one,
+    /// or its material's.
+    pub fn color(&self, primitive: u32, point: Vec3) -> Vec3 {
+        let found = &self.primitives[primitive as usize];
+        match self.attributes(primitive) {
+            (Attributes::Colors(colors), i) => Vec3::from(colors[i].map(f32::from)) / 255.0,
+            _ => self.material(found.material).color.color_at(point),
+        }
+    }
+
+    /// The unit normal that this primitive is shaded with at a point of it, on
+    /// either side; `None` for that of its shape.
+    pub fn shading_normal(&self, primitive: u32, point: Vec3) -> Option<Vec3> {
+        match self.attributes(primitive) {
+            (Attributes::Normals(normals), i) => {
+                normals.at(&self.primitives[primitive as usize], i, point)
+            }
+            _ => None,
+        }
+    }
+
+    /// The attributes of the primitive's object, and its number among that
+    /// object's primitives.
+    fn attributes(&self, primitive: u32) -> (&Attributes, usize) {
+        let object = self.primitives[primitive as usize].object;
+        let ObjectAttributes { first, attributes } = &self.attributes[object.0 as usize];
+        (attributes, (primitive - first) as usize)
+    }
 }
 
 fn material_ids(config: &Config, object: &Object, path: &Path) -> Result<Vec<MaterialId>, Fault> {
     let names = &object.material.0;
     let path = path.clone().key("material");
-    if let (Geometry::Shape(shape), true) = (&object.geometry, names.len() > 1) {
-        let message = format!("a {shape} has one material, not {}", names.len());
+    let takes_many = matches!(
+        object.geometry,
+        Geometry::Generator(_) | Geometry::File(GeometryFile::Spheres(_))
+    );
+    if names.len() > 1 && !takes_many {
+        let message = format!(
+            "a {} has one material, not {}",
+            object.geometry,
+            names.len()
+        );
         return Err(Fault::new(path, message, "expected one name")
             .with_help("a list of names is for generators, which deal them out"));
     }
@@ -114,53 +162,6 @@ fn unknown_material(config: &Config, name: &str, path: Path) -> Fault {
         path,
         format!("unknown material `{name}`"),
         "expected a key of `materials`",
-    )
-    .with_help(help)
-}
-
-/// Adds the object's primitives.
-fn place(
-    object: &Object,
-    id: ObjectId,
-    materials: &[MaterialId],
-    path: &Path,
-    primitives: &mut Vec<Primitive>,
-) -> Result<(), Fault> {
-    let transform = match object.transform.as_slice() {
-        [] => None,
-        steps => Some(Transform::of_steps(steps).ok_or_else(|| out_of_range(object, path))?),
-    };
-    let mut add = |shape, material| {
-        let primitive = Primitive::new(shape, transform.as_ref(), id, material);
-        let sane = primitive.is_sane();
-        primitives.push(primitive);
-        sane.then_some(()).ok_or_else(|| out_of_range(object, path))
-    };
-    match &object.geometry {
-        Geometry::Shape(shape) => add(shape.clone(), materials[0]),
-        Geometry::Generator(generator) => (0..generator.n_spheres()).try_for_each(|i| {
-            let (sphere, material) = generator.sphere(i, materials.len());
-            add(Shape::Sphere(sphere), materials[material])
-        }),
-    }
-}
-
-/// The fault of an object whose size 32-bit numbers cannot hold at its place.
-fn out_of_range(object: &Object, path: &Path) -> Fault {
-    let (key, help) = match object.transform.is_empty() {
-        true => (
-            object.geometry.to_string(),
-            "make it larger, or bring it nearer to the origin",
-        ),
-        false => (
-            "transform".to_owned(),
-            "bring the `scale` factors nearer to 1, and the object nearer to the origin",
-        ),
-    };
-    Fault::new(
-        path.clone().key(key),
-        format!("`{path}` is too small, too large or too far away"),
-        "expected coordinates within 1e16, and a size that shows in their 7 digits",
     )
     .with_help(help)
 }

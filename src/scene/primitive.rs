@@ -85,13 +85,18 @@ impl Primitive {
         self.shape.bounds() == Aabb::ALL
     }
 
-    /// Whether it kept finite coordinates and an extent in world space.
-    pub(super) fn is_sane(&self) -> bool {
+    /// Whether it kept coordinates that 32-bit numbers can calculate with.
+    pub(super) fn is_in_range(&self) -> bool {
         if self.is_unbounded() {
             return self.project(Vec3::ZERO).0.is_finite();
         }
         let bounds = self.bounds();
-        let size = (bounds.max - bounds.min).max_element();
-        bounds.min.abs().max(bounds.max.abs()).max_element() <= 1e16 && size > 1e-16
+        bounds.min.abs().max(bounds.max.abs()).max_element() <= 1e16
+    }
+
+    /// Whether it kept an extent in world space.
+    pub(super) fn has_extent(&self) -> bool {
+        let bounds = self.bounds();
+        (bounds.max - bounds.min).max_element() > 1e-16
     }
 }

@@ -37,13 +37,12 @@ pub(super) fn shade(
     point: &SurfacePoint,
     lights: impl Iterator<Item = Illumination>,
 ) -> Shaded {
-    let base = material.color.color_at(point.position);
     let to_camera = (eye - point.position).normalize_or_zero();
     let mut color = material.ambient * ambient;
     let mut is_lit = false;
     for light in lights {
         is_lit = true;
-        color += blinn_phong::reflected(material, base, point.normal, &light, to_camera);
+        color += blinn_phong::reflected(material, point.color, point.normal, &light, to_camera);
     }
     if !is_lit {
         return Shaded {
@@ -52,15 +51,14 @@ pub(super) fn shade(
         };
     }
     let mirrored = (material.reflection > 0.0).then(|| {
-        let direction = ray.direction.reflect(point.normal).normalize();
-        leaving(point, direction)
+        leaving(point, point.mirrored(ray.direction))
     });
     Shaded { color, mirrored }
 }
 
 fn leaving(point: &SurfacePoint, direction: Vec3) -> Ray {
     Ray {
-        origin: point.position + OFFSET * point.normal,
+        origin: point.position + OFFSET * point.geometric_normal,
         direction,
     }
 }

@@ -15,11 +15,11 @@ use crate::trace::SurfacePoint;
 
 /// A light behind the surface is in the surface's own shadow.
 pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> Option<LightSample> {
-    let may_reach = point.normal.dot(light.direction) > 0.0 && light.radiance != Vec3::ZERO;
+    let may_reach = point.is_faced_by(light.direction) && light.radiance != Vec3::ZERO;
     may_reach.then(|| LightSample {
         light,
         shadow: ShadowRay {
-            ray: Ray::leaving(point.position, point.normal, light.direction),
+            ray: Ray::leaving(point.position, point.geometric_normal, light.direction),
             t_max: light.distance,
             ignored: None,
         },
@@ -33,14 +33,14 @@ pub(super) fn shade(
     point: &SurfacePoint,
     lights: impl Iterator<Item = Illumination>,
 ) -> Shaded {
-    let base = material.color.color_at(point.position);
-    let mut color = material.ambient * ambient * base;
+    let mut color = material.ambient * ambient * point.color;
     for light in lights {
-        color += blinn_phong::reflected(material, base, point.normal, &light, -ray.direction);
+        color +=
+            blinn_phong::reflected(material, point.color, point.normal, &light, -ray.direction);
     }
     let mirrored = (material.reflection > 0.0).then(|| {
-        let direction = ray.direction.reflect(point.normal).normalize();
-        Ray::leaving(point.position, point.normal, direction)
+        let direction = point.mirrored(ray.direction);
+        Ray::leaving(point.position, point.geometric_normal, direction)
     });
     Shaded { color, mirrored }
 }

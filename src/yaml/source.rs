@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
+use std::path::Path;
 use std::string::FromUtf8Error;
 
 use serde::de::DeserializeOwned;
@@ -36,7 +37,7 @@ impl Source {
     /// # Errors
     /// A diagnostic when the file cannot be read, is longer than 256 MiB or is
     /// not UTF-8.
-    pub fn read(path: &std::path::Path) -> Result<Self, Diagnostic> {
+    pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         let name = path.display().to_string();
         let mut bytes = Vec::new();
         File::open(path)
@@ -89,6 +90,11 @@ impl Source {
     /// The name to call the source in messages.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The folder that it stands in, if its name is a path.
+    pub fn folder(&self) -> &Path {
+        Path::new(&self.name).parent().unwrap_or(Path::new(""))
     }
 
     /// The whole text.

@@ -11,7 +11,7 @@ use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::{Film, Strip};
 use raycost::render::render;
-use raycost::scene::Scene;
+use raycost::scene::{Geometries, Scene};
 use raycost::yaml::Source;
 
 /// A path below the repository's root.
@@ -42,6 +42,13 @@ pub fn parse(text: &str) -> Config {
     source.parse().unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The scene of a config whose files stand relative to `configs/`.
+pub fn scene_of(config: &Config) -> Scene {
+    let folder = in_repository("configs");
+    let geometries = Geometries::read(config, &folder, u64::MAX);
+    Scene::new(config, geometries.unwrap()).unwrap()
+}
+
 /// The film of a config, with its cost, on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
     film_on(config, n_threads, Simd::best())
@@ -49,7 +56,7 @@ pub fn film(config: &Config, n_threads: usize) -> Film {
 
 /// The film of a config with rays traced by these instructions.
 pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
-    let scene = Scene::new(config).unwrap();
+    let scene = scene_of(config);
     let accel = Accel::new(&scene.primitives, config.acceleration).with_simd(simd);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)

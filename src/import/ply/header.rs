@@ -2,6 +2,7 @@
 
 use serde_ply::{ElementDef, PlyHeader, PropertyType, ScalarType};
 
+use crate::import::mesh::count;
 use crate::import::{FileFault, Result};
 
 /// The names of a face's list of vertices.
@@ -35,10 +36,8 @@ impl Header {
             expect_scalar(vertex, "nz")?;
         }
         expect_list(find(header, "face")?)?;
-        let n_vertices = u32::try_from(vertex.count)
-            .map_err(|_| FileFault::new("too many vertices", "at most 4294967295"))?;
         Ok(Self {
-            n_vertices,
+            n_vertices: count(vertex.count)?,
             has_normals,
         })
     }

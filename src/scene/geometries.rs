@@ -1,0 +1,112 @@
+//! What objects are made of, with all files read.
+
+use std::path::Path as FilePath;
+
+use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
+use crate::geometry::Shape;
+use crate::import::{self, FileFault, Mesh, Spheres};
+use crate::yaml::{Fault, Path};
+
+/// What the objects of a config are made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometries(pub(super) Vec<Solid>);
+
+/// What one object is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Solid {
+    Shape(Shape),
+    Generator(Generator),
+    Mesh(Mesh),
+    Spheres(Spheres),
+}
+
+impl Geometries {
+    /// Those of the config, with files that stand relative to `folder`. Takes
+    /// at most `available` bytes of memory.
+    ///
+    /// # Errors
+    /// The first file that cannot be read, is damaged, or may be too large for
+    /// the memory.
+    pub fn read(config: &Config, folder: &FilePath, available: u64) -> Result<Self, Fault> {
+        let mut found = Self(Vec::with_capacity(config.objects.len()));
+        for (index, object) in config.objects.iter().enumerate() {
+            found.0.push(match &object.geometry {
+                Geometry::Shape(shape) => Solid::Shape(shape.clone()),
+                Geometry::Generator(generator) => Solid::Generator(generator.clone()),
+                Geometry::File(file) => {
+                    let path = Path::default().key("objects").index(index);
+                    let path = path.key(file.to_string()).key("file");
+                    let available = available.saturating_sub(found.n_bytes());
+                    check_size(&folder.join(file.file()), available, &path)
+                        .and_then(|()| read(file, folder).map_err(|fault| at(&path, &fault)))?
+                }
+            });
+        }
+        Ok(found)
+    }
+
+    /// How many primitives they make, at most.
+    pub fn n_primitives(&self) -> usize {
+        let of_object = |solid: &Solid| match solid {
+            Solid::Shape(_) => 1,
+            Solid::Generator(generator) => generator.n_spheres(),
+            Solid::Mesh(mesh) => mesh.triangles.len(),
+            Solid::Spheres(spheres) => spheres.spheres.len(),
+        };
+        self.0.iter().map(of_object).sum()
+    }
+
+    /// Bytes of memory that the contents of files take.
+    pub fn n_bytes(&self) -> u64 {
+        let of_object = |solid: &Solid| match solid {
+            Solid::Shape(_) | Solid::Generator(_) => 0,
+            Solid::Mesh(mesh) => mesh.n_bytes(),
+            Solid::Spheres(spheres) => spheres.n_bytes(),
+        };
+        self.0.iter().map(of_object).sum()
+    }
+}
+
+/// Makes sure that the file's contents fit into memory, whatever they are.
+fn check_size(file: &FilePath, available: u64, path: &Path) -> Result<(), Fault> {
+    let n_bytes = import::n_bytes(file).map_err(|fault| at(path, &fault))?;
+    let needed = n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE);
+    if needed <= available {
+        return Ok(());
+    }
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let message = format!(
+        "`{}` is too large: up to {:.1} GiB of memory are needed to read it, {:.1} GiB are free",
+        file.display(),
+        gib(needed),
+        gib(available)
+    );
+    Err(Fault::new(path.clone(), message, "expected a smaller file"))
+}
+
+fn read(file: &GeometryFile, folder: &FilePath) -> import::Result<Solid> {
+    let path = folder.join(file.file());
+    match file {
+        GeometryFile::Mesh(file) => read_mesh(file, &path).map(Solid::Mesh),
+        GeometryFile::Spheres(file) => import::read_spheres(&path, file.radius).map(Solid::Spheres),
+    }
+}
+
+fn read_mesh(file: &MeshFile, path: &FilePath) -> import::Result<Mesh> {
+    let mut mesh = import::read_mesh(path)?;
+    match file.normals {
+        MeshNormals::File => {}
+        MeshNormals::Smooth => mesh.normals = Some(mesh.smooth_normals()),
+        MeshNormals::Flat => mesh.normals = None,
+    }
+    Ok(mesh)
+}
+
+/// The file's fault as one of the scene's value at `path`.
+fn at(path: &Path, fault: &FileFault) -> Fault {
+    Fault::new(
+        path.clone(),
+        fault.message(),
+        format!("expected {}", fault.expected),
+    )
+}

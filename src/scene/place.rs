@@ -1,0 +1,160 @@
+//! An object's solid → primitives in world space.
+
+use glam::Vec3;
+
+use super::attributes::{Attributes, CornerNormals};
+use super::geometries::Solid;
+use super::{MaterialId, ObjectId, Primitive, Scene};
+use crate::config::Object;
+use crate::geometry::{Shape, Transform};
+use crate::import::{Mesh, Spheres};
+use crate::yaml::{Fault, Path};
+
+/// Where and as what an object stands.
+pub(super) struct Place<'a> {
+    object: &'a Object,
+    id: ObjectId,
+    /// At least one.
+    materials: &'a [MaterialId],
+    transform: Option<Transform>,
+    path: &'a Path,
+}
+
+impl<'a> Place<'a> {
+    /// That of the object at `path`.
+    ///
+    /// # Errors
+    /// A transform that leaves no volume.
+    pub(super) fn new(
+        object: &'a Object,
+        id: ObjectId,
+        materials: &'a [MaterialId],
+        path: &'a Path,
+    ) -> Result<Self, Fault> {
+        let transform = match object.transform.as_slice() {
+            [] => None,
+            steps => Some(Transform::of_steps(steps).ok_or_else(|| out_of_range(object, path))?),
+        };
+        Ok(Self {
+            object,
+            id,
+            materials,
+            transform,
+            path,
+        })
+    }
+
+    /// Adds the solid's primitives to the scene; gives what they have beside.
+    ///
+    /// # Errors
+    /// A place where 32-bit numbers cannot hold them.
+    pub(super) fn solid(&self, solid: Solid, scene: &mut Scene) -> Result<Attributes, Fault> {
+        let primitives = &mut scene.primitives;
+        match solid {
+            Solid::Shape(shape) => self.add(shape, 0, primitives)?,
+            Solid::Generator(generator) => {
+                for i in 0..generator.n_spheres() {
+                    let (sphere, material) = generator.sphere(i, self.materials.len());
+                    self.add(Shape::Sphere(sphere), material, primitives)?;
+                }
+            }
+            Solid::Spheres(Spheres { spheres, colors }) => {
+                for (i, sphere) in spheres.into_iter().enumerate() {
+                    self.add(Shape::Sphere(sphere), i % self.materials.len(), primitives)?;
+                }
+                return Ok(colors.map_or(Attributes::None, Attributes::Colors));
+            }
+            Solid::Mesh(mesh) => return self.mesh(mesh, scene),
+        }
+        Ok(Attributes::None)
+    }
+
+    /// Adds the mesh's triangles but for degenerate ones.
+    fn mesh(&self, mut mesh: Mesh, scene: &mut Scene) -> Result<Attributes, Fault> {
+        let n_before = scene.primitives.len();
+        let normals = mesh.normals.take();
+        let mut triangles = Vec::with_capacity(normals.as_ref().map_or(0, |n| n.triangles.len()));
+        for (i, &indices) in mesh.triangles.iter().enumerate() {
+            let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0);
+            if !primitive.is_in_range() {
+                return Err(out_of_range(self.object, self.path));
+            }
+            if is_degenerate(&primitive) {
+                scene.n_degenerate += 1;
+                continue;
+            }
+            scene.primitives.push(primitive);
+            triangles.extend(normals.as_ref().map(|normals| normals.triangles[i]));
+        }
+        if scene.primitives.len() == n_before {
+            let path = self.path.clone().key("mesh").key("file");
+            let message = "no triangle of the mesh has an area";
+            let expected = "expected corners that are not on one line";
+            return Err(Fault::new(path, message, expected));
+        }
+        Ok(normals.map_or(Attributes::None, |normals| {
+            let vectors = self.world_normals(normals.vectors);
+            Attributes::Normals(CornerNormals { vectors, triangles })
+        }))
+    }
+
+    /// Directions of the mesh as unit vectors in world space; NaN for zero.
+    fn world_normals(&self, mut vectors: Vec<Vec3>) -> Vec<Vec3> {
+        for vector in &mut vectors {
+            *vector = match &self.transform {
+                None => vector.normalize(),
+                Some(transform) => transform.world_normal(*vector),
+            };
+        }
+        vectors
+    }
+
+    /// Adds one primitive.
+    fn add(
+        &self,
+        shape: Shape,
+        material: usize,
+        primitives: &mut Vec<Primitive>,
+    ) -> Result<(), Fault> {
+        let primitive = self.primitive(shape, material);
+        if !primitive.is_in_range() || !primitive.has_extent() {
+            return Err(out_of_range(self.object, self.path));
+        }
+        primitives.push(primitive);
+        Ok(())
+    }
+
+    fn primitive(&self, shape: Shape, material: usize) -> Primitive {
+        let material = self.materials[material];
+        Primitive::new(shape, self.transform.as_ref(), self.id, material)
+    }
+}
+
+/// Whether it is a triangle without an area.
+fn is_degenerate(primitive: &Primitive) -> bool {
+    let triangle = match primitive.world_shape() {
+        Some(Shape::Triangle(triangle)) => Some(triangle),
+        _ => None,
+    };
+    triangle.is_some_and(|triangle| triangle.normal().is_none())
+}
+
+/// The fault of an object whose size 32-bit numbers cannot hold at its place.
+fn out_of_range(object: &Object, path: &Path) -> Fault {
+    let (key, help) = match object.transform.is_empty() {
+        true => (
+            object.geometry.to_string(),
+            "make it larger, or bring it nearer to the origin",
+        ),
+        false => (
+            "transform".to_owned(),
+            "bring the `scale` factors nearer to 1, and the object nearer to the origin",
+        ),
+    };
+    Fault::new(
+        path.clone().key(key),
+        format!("`{path}` is too small, too large or too far away"),
+        "expected coordinates within 1e16, and a size that shows in their 7 digits",
+    )
+    .with_help(help)
+}

@@ -1,0 +1,217 @@
+//! What is told of each mistake, and where.
+
+use raycost::import::read_spheres;
+
+use super::{mesh_of, message, reading};
+
+#[test]
+fn each_mistake_is_told_at_its_place() {
+    let ply = |body: &str| format!("ply\nformat ascii 1.0\n{body}");
+    let triangle = |header: &str, rows: &str| {
+        ply(&format!(
+            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\n{header}end_header\n{rows}"
+        ))
+    };
+    let list = "property list uchar int vertex_indices\n";
+    let rows = "0 0 0\n1 0 0\n0 1 0\n";
+    let cases: &[(&str, &str, &str)] = &[
+        (
+            "a.stl",
+            "",
+            ": unknown mesh format `.stl`, expected a file that ends in .obj or .ply",
+        ),
+        (
+            "mesh",
+            "",
+            ": its name does not tell its format, expected a file that ends in .obj or .ply",
+        ),
+        ("a.obj", "", ": no triangle in the file, expected faces"),
+        (
+            "a.obj",
+            "v 1 2\n",
+            ", line 1: 2 coordinates, expected three: x, y and z",
+        ),
+        (
+            "a.obj",
+            "# x\nv 1 b 2\n",
+            ", line 2: `b` is no number, expected a coordinate",
+        ),
+        (
+            "a.obj",
+            "v 1 nan 2\n",
+            ", line 1: a coordinate is NaN, expected finite numbers",
+        ),
+        (
+            "a.obj",
+            "v 1 2 1e39\n",
+            ", line 1: a coordinate is inf, expected finite numbers",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nf 1 1\n",
+            ", line 2: a face has 2 corners, expected at least 3",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nf 1 1 2\n",
+            ", line 2: there is no vertex 2, expected one of the 1 above",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nf 1 1 0\n",
+            ", line 2: there is no vertex 0, expected one of the 1 above",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nf 1 1 -2\n",
+            ", line 2: there is no vertex -2, expected one of the 1 above",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nf 1//1 1 1\n",
+            ", line 2: there is no normal 1, expected one of the 0 above",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nvn 0 0 1\nf 1//1 1 1\n",
+            ", line 3: 1 of 3 corners have a normal, expected normals at all corners or at none",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\nf 1 1 one\n",
+            ", line 2: `one` is no vertex, expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
+        ),
+        (
+            "a.obj",
+            "solid cube\n",
+            ", line 1: unknown statement `solid`, expected an OBJ file of polygons: `v`, `vn` and `f`",
+        ),
+        (
+            "a.ply",
+            "",
+            ", line 1: the header is damaged: File must start with 'ply', expected a PLY file",
+        ),
+        (
+            "a.ply",
+            &ply("element vertex 3\nproperty quaternion q\n"),
+            ", line 4: the header is damaged: Unknown scalar type: quaternion, expected a PLY file",
+        ),
+        (
+            "a.ply",
+            &ply("element vertex 3\nproperty float x\nend_header\n"),
+            ": element `vertex` has no number `y`, expected `property float y` in the header",
+        ),
+        (
+            "a.ply",
+            &ply("element stars 9000000000000000000\nend_header\n"),
+            ": element `stars` has no properties, expected at least one",
+        ),
+        (
+            "a.ply",
+            &ply("element star 1\nproperty float x\nproperty float x\nend_header\n"),
+            ": the header has property `x` twice, expected different names",
+        ),
+        (
+            "a.ply",
+            &triangle("property list uchar float vertex_indices\n", ""),
+            ": element `face` has no list of vertices, expected `property list uchar int vertex_indices` in the header",
+        ),
+        (
+            "a.ply",
+            &triangle(list, &format!("{rows}3 0 1 3\n")),
+            ", line 13: there is no vertex 3, expected one of the 3 vertices, from 0",
+        ),
+        (
+            "a.ply",
+            &triangle(list, &format!("{rows}3 0 1 -1")),
+            ", line 13: there is no vertex -1, expected one of the 3 vertices, from 0",
+        ),
+        (
+            "a.ply",
+            &triangle(list, &format!("{rows}2 0 1\n")),
+            ", line 13: a face has 2 corners, expected at least 3",
+        ),
+        (
+            "a.ply",
+            &triangle(list, "0 0 0\n0 inf 0\n0 0 0\n3 0 1 2\n"),
+            ", line 11: a coordinate is inf, expected finite numbers",
+        ),
+        (
+            "a.ply",
+            &triangle(list, rows),
+            ", line 12: the file ends within its `face` elements, expected 1 of them",
+        ),
+        (
+            "a.ply",
+            &triangle(list, &format!("{rows}3 0 1 2\n\n 4\n")),
+            ": there is more than the header tells of, expected as many numbers in each row as it has properties",
+        ),
+    ];
+    for (name, text, expected) in cases {
+        assert_eq!(
+            message(mesh_of(name, text.as_bytes())),
+            *expected,
+            "{name}: {text}"
+        );
+    }
+}
+
+#[test]
+fn a_mistake_in_a_table_is_told_at_its_line() {
+    let cases = [
+        (
+            "",
+            ", line 1: there is no column `x`, expected a first line such as `x,y,z,r,color`",
+        ),
+        (
+            "x,y,r\n",
+            ", line 1: there is no column `z`, expected a first line such as `x,y,z,r,color`",
+        ),
+        (
+            "x,y,z\n",
+            ", line 1: there is no column `r`, expected one, or a `radius` for all spheres in the scene",
+        ),
+        (
+            "x,y,z,r,x\n",
+            ", line 1: two columns are named `x`, expected different names",
+        ),
+        (
+            "x,y,z,r,colour\n",
+            ", line 1: unknown column `colour`, did you mean `color`?, \
+             expected a first line of `x`, `y`, `z`, `r` and `color`",
+        ),
+        (
+            "x,y,z,r\n",
+            ": no sphere in the file, expected a line for each",
+        ),
+        (
+            "x,y,z,r\n1,2,3,4\n1,2,3\n",
+            ", line 3: 3 fields, expected 4, as in line 1",
+        ),
+        (
+            "x,y,z,r\n1,2,3,\n",
+            ", line 2: `` is no number, expected a number",
+        ),
+        (
+            "x,y,z,r\n1,inf,3,4\n",
+            ", line 2: a coordinate is inf, expected finite numbers",
+        ),
+        (
+            "x,y,z,r\n1,2,3,0\n",
+            ", line 2: a radius is 0, expected a number greater than 0",
+        ),
+        (
+            "x,y,z,r\n1,2,3,NaN\n",
+            ", line 2: a radius is NaN, expected a number greater than 0",
+        ),
+        (
+            "x,y,z,r,color\n1,2,3,1,red\n",
+            ", line 2: `red` is no colour, expected `#rrggbb`",
+        ),
+    ];
+    for (text, expected) in cases {
+        let read = reading("a.csv", text.as_bytes(), |path| read_spheres(path, None));
+        assert_eq!(message(read), expected, "{text}");
+    }
+}

@@ -1,0 +1,198 @@
+//! Geometry files: what was written is read, and what is damaged is refused
+//! at its place.
+
+mod faults;
+mod write;
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use raycost::import::{FileFault, Mesh, Normals, read_mesh, read_spheres};
+use write::{Encoding, obj, ply};
+
+/// Writes `bytes` to a file of this name, which `read` reads.
+fn reading<T>(name: &str, bytes: &[u8], read: impl Fn(&Path) -> T) -> T {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    read(&path)
+}
+
+fn mesh_of(name: &str, bytes: &[u8]) -> Result<Mesh, FileFault> {
+    reading(name, bytes, read_mesh)
+}
+
+/// The message of a damaged file, from behind its name.
+fn message<T: std::fmt::Debug>(read: Result<T, FileFault>) -> String {
+    let message = read.unwrap_err().to_string();
+    message
+        .split_once("`")
+        .unwrap()
+        .1
+        .split_once('`')
+        .unwrap()
+        .1
+        .to_owned()
+}
+
+fn vector() -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-1e6_f32..1e6).prop_map(Vec3::from)
+}
+
+/// A mesh, with normals at its vertices or with none.
+fn mesh() -> impl Strategy<Value = Mesh> {
+    (
+        prop::collection::vec((vector(), vector()), 3..20),
+        any::<bool>(),
+    )
+        .prop_flat_map(|(points, has_normals)| {
+            let index = 0..points.len() as u32;
+            let triangles = prop::collection::vec(prop::array::uniform3(index), 1..30);
+            triangles.prop_map(move |triangles| {
+                let (vertices, vectors) = points.iter().copied().unzip();
+                let normals = has_normals.then(|| Normals {
+                    vectors,
+                    triangles: triangles.clone(),
+                });
+                Mesh {
+                    vertices,
+                    triangles,
+                    normals,
+                }
+            })
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn what_was_written_is_read(mesh in mesh()) {
+        prop_assert_eq!(mesh_of("a.OBJ", &obj(&mesh)).unwrap(), mesh.clone());
+        for encoding in [Encoding::Text, Encoding::Little, Encoding::Big] {
+            let read = mesh_of("a.ply", &ply(&mesh, encoding)).unwrap();
+            prop_assert_eq!(&read, &mesh, "{:?}", encoding);
+        }
+    }
+
+    #[test]
+    fn damage_never_panics(mesh in mesh(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
+        let files = [
+            ("a.obj", obj(&mesh)),
+            ("a.ply", ply(&mesh, Encoding::Text)),
+            ("b.ply", ply(&mesh, Encoding::Little)),
+            ("c.ply", ply(&mesh, Encoding::Big)),
+        ];
+        for (name, mut bytes) in files {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+            if let Ok(mesh) = mesh_of(name, &bytes) {
+                prop_assert!(mesh.triangles.iter().flatten().all(|i| (*i as usize) < mesh.vertices.len()));
+                prop_assert!(mesh.vertices.iter().all(|vertex| vertex.is_finite()));
+            }
+        }
+    }
+}
+
+/// A tetrahedron with normals.
+fn tetrahedron() -> Mesh {
+    let vertices = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let normals = Normals {
+        vectors: vertices
+            .iter()
+            .map(|vertex| vertex - Vec3::splat(0.25))
+            .collect(),
+        triangles: triangles.clone(),
+    };
+    Mesh {
+        vertices,
+        triangles,
+        normals: Some(normals),
+    }
+}
+
+#[test]
+fn a_binary_file_that_ends_early_is_refused() {
+    for encoding in [Encoding::Little, Encoding::Big] {
+        let whole = ply(&tetrahedron(), encoding);
+        mesh_of("a.ply", &whole).unwrap();
+        for n in 0..whole.len() {
+            mesh_of("a.ply", &whole[..n]).unwrap_err();
+        }
+    }
+}
+
+#[test]
+fn a_text_that_ends_early_is_refused_or_a_mesh() {
+    let (obj, ply) = (obj(&tetrahedron()), ply(&tetrahedron(), Encoding::Text));
+    for n in 0..obj.len() {
+        let _ = mesh_of("a.obj", &obj[..n]);
+    }
+    // The last number, 0.75, may be cut and still be one.
+    for n in 0..ply.len() - 5 {
+        let _ = mesh_of("a.ply", &ply[..n]).unwrap_err();
+    }
+}
+
+#[test]
+fn a_binary_mistake_is_told_by_its_element() {
+    let mut mesh = tetrahedron();
+    mesh.triangles[2][1] = 4;
+    let read = mesh_of("a.ply", &ply(&mesh, Encoding::Big));
+    let expected = ", face 2: there is no vertex 4, expected one of the 4 vertices, from 0";
+    assert_eq!(message(read), expected);
+}
+
+#[test]
+fn polygons_are_cut_into_triangles() {
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\n";
+    let mesh = mesh_of("a.obj", format!("{corners}f -5 -4 -3 -2 -1\n").as_bytes()).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+}
+
+#[test]
+fn a_face_without_normals_keeps_its_own_among_others() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1 3 2\n";
+    let normals = mesh_of("a.obj", text.as_bytes()).unwrap().normals.unwrap();
+    let of_triangle =
+        |i: usize| normals.triangles[i].map(|normal| normals.vectors[normal as usize]);
+    assert_eq!(of_triangle(0), [Vec3::Z; 3]);
+    assert_eq!(of_triangle(1), [Vec3::X; 3]);
+    assert_eq!(of_triangle(2), [-Vec3::Z; 3]);
+}
+
+#[test]
+fn what_is_no_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in [folder.path().join("none.obj"), PathBuf::from("none.csv")] {
+        let error = message(raycost::import::n_bytes(&path));
+        assert!(error.starts_with(": cannot read it: "), "{error}");
+    }
+    assert_eq!(
+        message(raycost::import::n_bytes(folder.path())),
+        ": it is no file, expected a file"
+    );
+}
+
+#[test]
+fn a_table_gives_its_spheres() {
+    let read = |text: &str, radius| {
+        reading("a.csv", text.as_bytes(), |path| read_spheres(path, radius)).unwrap()
+    };
+    let plain = read("x,y,z\n1,2,3\n-4, 5e0 ,6\n", Some(0.5));
+    assert_eq!(plain.colors, None);
+    assert_eq!(plain.spheres[1].center, Vec3::new(-4.0, 5.0, 6.0));
+    assert_eq!(plain.spheres[1].radius, 0.5);
+    let full = read("color,r,z,y,x\r\n#0a0B0c,7,3,2,1\r\n", Some(0.5));
+    assert_eq!(full.colors, Some(vec![[10, 11, 12]]));
+    assert_eq!(full.spheres[0].center, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(full.spheres[0].radius, 7.0);
+}

@@ -1,0 +1,112 @@
+//! Writers of meshes, plain enough to be right.
+
+use glam::Vec3;
+use raycost::import::Mesh;
+
+/// The mesh as OBJ, in as many of its forms as it has.
+pub fn obj(mesh: &Mesh) -> Vec<u8> {
+    let mut text = String::from("# a comment\r\no thing\n");
+    for v in &mesh.vertices {
+        text += &format!("v {:e}   {} {} 0.5 0.5 0.5\r\n", v.x, v.y, v.z);
+    }
+    for (i, [a, b, c]) in mesh.triangles.iter().map(|t| t.map(|i| i + 1)).enumerate() {
+        match &mesh.normals {
+            None => text += &format!("f {a} \\\n {b}/1 {c}/2/\n"),
+            Some(normals) => {
+                if i == 0 {
+                    let line = |n: &Vec3| format!("vn {} {} {}\n", n.x, n.y, n.z);
+                    text.extend(normals.vectors.iter().map(line));
+                }
+                let n = normals.vectors.len() as i64;
+                let [p, q, r] = normals.triangles[i].map(|normal| i64::from(normal) - n);
+                text += &format!("f {a}//{p} {b}/1/{q} {c}//{r} # behind\n");
+            }
+        }
+    }
+    text.into_bytes()
+}
+
+/// The three encodings of PLY.
+#[derive(Debug, Clone, Copy)]
+pub enum Encoding {
+    Text,
+    Little,
+    Big,
+}
+
+/// Numbers of a row, as they are encoded.
+enum Number {
+    U8(u8),
+    I32(i32),
+    F32(f32),
+    F64(f64),
+}
+
+impl Encoding {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Text => "ascii",
+            Self::Little => "binary_little_endian",
+            Self::Big => "binary_big_endian",
+        }
+    }
+
+    fn row(self, numbers: &[Number], out: &mut Vec<u8>) {
+        for number in numbers {
+            match (self, number) {
+                (Self::Text, Number::U8(n)) => out.extend(format!("{n} ").bytes()),
+                (Self::Text, Number::I32(n)) => out.extend(format!("{n} ").bytes()),
+                (Self::Text, Number::F32(n)) => out.extend(format!("{n} ").bytes()),
+                (Self::Text, Number::F64(n)) => out.extend(format!("{n} ").bytes()),
+                (_, Number::U8(n)) => out.push(*n),
+                (Self::Little, Number::I32(n)) => out.extend(n.to_le_bytes()),
+                (Self::Little, Number::F32(n)) => out.extend(n.to_le_bytes()),
+                (Self::Little, Number::F64(n)) => out.extend(n.to_le_bytes()),
+                (Self::Big, Number::I32(n)) => out.extend(n.to_be_bytes()),
+                (Self::Big, Number::F32(n)) => out.extend(n.to_be_bytes()),
+                (Self::Big, Number::F64(n)) => out.extend(n.to_be_bytes()),
+            }
+        }
+        if matches!(self, Self::Text) {
+            out.push(b'\n');
+        }
+    }
+}
+
+/// With properties and an element that are no mesh's, and its faces first.
+pub fn ply(mesh: &Mesh, encoding: Encoding) -> Vec<u8> {
+    let normals = mesh.normals.as_ref();
+    let (n_vertices, n_faces) = (mesh.vertices.len(), mesh.triangles.len());
+    let of_normals = match normals {
+        Some(_) => "property float nx\nproperty float ny\nproperty float nz\n",
+        None => "",
+    };
+    let header = format!(
+        "ply\nformat {} 1.0\ncomment a comment\nelement face {n_faces}\n\
+         property uchar quality\nproperty list uchar int vertex_index\n\
+         element camera 1\nproperty list uchar float view\nelement vertex {n_vertices}\n\
+         property double x\nproperty float y\nproperty uchar red\nproperty float z\n\
+         {of_normals}end_header\n",
+        encoding.name()
+    );
+    let mut out = header.into_bytes();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| Number::I32(i as i32));
+        encoding.row(&[Number::U8(7), Number::U8(3), a, b, c], &mut out);
+    }
+    encoding.row(
+        &[Number::U8(2), Number::F32(0.5), Number::F32(1.0)],
+        &mut out,
+    );
+    for (i, v) in mesh.vertices.iter().enumerate() {
+        let mut row = vec![Number::F64(v.x.into()), Number::F32(v.y)];
+        row.extend([Number::U8(255), Number::F32(v.z)]);
+        row.extend(
+            normals
+                .iter()
+                .flat_map(|normals| normals.vectors[i].to_array().map(Number::F32)),
+        );
+        encoding.row(&row, &mut out);
+    }
+    out
+}
