@@ -14,8 +14,8 @@ use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::render::render;
-use raycost::scene::Scene;
-use raycost::yaml::Source;
+use raycost::scene::{Geometries, Scene};
+use raycost::yaml::{Diagnostic, Source};
 
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 3] = [CostMode::Time, CostMode::Counters, CostMode::None];
@@ -39,11 +39,16 @@ fn main() {
     }
 }
 
+fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
+    let source = Source::read(path)?;
+    let config: Config = source.parse()?;
+    let geometries = Geometries::read(&config, source.folder(), u64::MAX);
+    let scene = geometries.and_then(|geometries| Scene::new(&config, geometries));
+    Ok((config, scene.map_err(|fault| source.point_at(fault))?))
+}
+
 fn compare(path: &Path) {
-    let config: Config = Source::read(path)
-        .and_then(|source| source.parse())
-        .unwrap_or_else(|error| panic!("{error}"));
-    let scene = Scene::new(&config).unwrap();
+    let (config, scene) = read(path).unwrap_or_else(|error| panic!("{error}"));
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let meters = MODES.map(Meter::new);
     let mut times = [[0.0; N_ROUNDS]; 3];
