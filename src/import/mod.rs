@@ -3,7 +3,7 @@
 //! Takes the path of a file; gives a [`Mesh`] or [`Spheres`] whose numbers are
 //! finite and whose indices are in range, or a [`FileFault`] that names the
 //! line or the element. To add a mesh format, write its file, its `mod` line
-//! and its line in [`FORMATS`].
+//! and its line in `FORMATS`.
 
 mod fault;
 mod lines;
