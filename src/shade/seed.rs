@@ -50,9 +50,8 @@ pub(super) fn shade(
             mirrored: None,
         };
     }
-    let mirrored = (material.reflection > 0.0).then(|| {
-        leaving(point, point.mirrored(ray.direction))
-    });
+    let mirrored =
+        (material.reflection > 0.0).then(|| leaving(point, point.mirrored(ray.direction)));
     Shaded { color, mirrored }
 }
 
