@@ -2,27 +2,16 @@
 
 mod common;
 
+use common::generators::{self, ray, triple};
+use common::twins::compare;
 use common::{parse, scene_of};
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::{Accel, Bvh, Simd};
+use raycost::accel::{Accel, Bvh};
 use raycost::config::Acceleration;
 use raycost::cost::{Cost, NoProbe};
-use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::geometry::{Ray, Transform, TransformStep};
 use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
-
-/// A number that is often one of a few round ones, so that rays run along
-/// axes and through edges, and primitives coincide.
-fn coordinate() -> impl Strategy<Value = f32> {
-    prop_oneof![
-        3 => -4.0_f32..4.0,
-        1 => prop::sample::select(vec![-2.0_f32, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0]),
-    ]
-}
-
-fn triple() -> impl Strategy<Value = [f32; 3]> {
-    [coordinate(), coordinate(), coordinate()]
-}
 
 fn list([x, y, z]: [f32; 3]) -> String {
     format!("[{x}, {y}, {z}]")
@@ -90,98 +79,27 @@ fn scene() -> impl Strategy<Value = Scene> {
     })
 }
 
-fn ray() -> impl Strategy<Value = Ray> {
-    let far_or_near = prop_oneof![4 => Just(1.0_f32), 1 => Just(100.0)];
-    (triple(), triple(), far_or_near)
-        .prop_filter("a ray needs a direction", |(_, d, _)| {
-            Vec3::from(*d).length() > 0.1
-        })
-        .prop_map(|(origin, direction, scale)| Ray {
-            origin: scale * Vec3::from(origin),
-            direction: Vec3::from(direction).normalize(),
-        })
-}
-
-/// A sphere or a triangle, often one of a few, so that some coincide.
-fn bare_primitive() -> impl Strategy<Value = Shape> {
-    let few = prop_oneof![Just(0.5_f32), Just(1.0), 0.01_f32..2.0];
-    prop_oneof![
-        (triple(), few).prop_map(|(center, radius)| {
-            let center = center.into();
-            Shape::Sphere(Sphere { center, radius })
-        }),
-        [triple(), triple(), triple()]
-            .prop_map(|vertices| vertices.map(Vec3::from))
-            .prop_filter("a triangle needs an area", |[a, b, c]| {
-                (*b - *a).cross(*c - *a).length() > 1e-2
-            })
-            .prop_map(|vertices| Shape::Triangle(Triangle { vertices })),
-    ]
-}
-
-/// The hierarchy on every instruction set of this machine.
-fn kernels(primitives: &[Primitive]) -> Vec<Accel<'_>> {
-    let built = Accel::new(primitives, Acceleration::Bvh);
-    let on = |simd| built.clone().with_simd(simd);
-    Simd::available().into_iter().map(on).collect()
-}
-
-/// All kernels give the answers of brute force and the counters of the first
-/// one.
-fn compare(kernels: &[Accel], brute: &Accel, ray: &Ray) -> Result<(), TestCaseError> {
-    let costs = |answer: &dyn Fn(&Accel, &mut Cost)| -> Vec<Cost> {
-        let mut costs = vec![Cost::default(); kernels.len()];
-        for (kernel, cost) in kernels.iter().zip(&mut costs) {
-            answer(kernel, cost);
-        }
-        costs
-    };
-    let expected = brute.nearest(ray, &mut NoProbe);
-    let all = costs(&|kernel, cost| assert_eq!(kernel.nearest(ray, cost), expected));
-    prop_assert!(all.iter().all(|cost| *cost == all[0]), "{all:?}");
-    for t_max in [f32::INFINITY, 2.0] {
-        for ignored in [None, Some(ObjectId(0))] {
-            let expected = brute.occluded(ray, t_max, ignored, &mut NoProbe);
-            let all = costs(&|kernel, cost| {
-                assert_eq!(kernel.occluded(ray, t_max, ignored, cost), expected);
-            });
-            prop_assert!(all.iter().all(|cost| *cost == all[0]), "{all:?}");
-        }
-    }
-    Ok(())
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn all_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
-        let kernels = kernels(&scene.primitives);
-        let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
-        for ray in rays {
-            compare(&kernels, &brute, &ray)?;
-        }
+        compare(&scene.primitives, &rays)?;
     }
 
     #[test]
     fn all_find_the_same_hits_at_any_scale(
-        primitives in prop::collection::vec(bare_primitive(), 1..200),
-        rays in prop::collection::vec(ray(), 20),
+        shapes in prop::collection::vec(generators::shape(), 1..200),
+        rays in prop::collection::vec(ray(), 80),
         exponent in -12_i32..13,
     ) {
         let scale = 10_f32.powi(exponent);
         let transform = Transform::of_steps(&[TransformStep::Scale(Vec3::splat(scale))]);
         let scaled = |shape| Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0));
-        let primitives: Vec<Primitive> = primitives.into_iter().map(scaled).collect();
-        let kernels = kernels(&primitives);
-        let brute = Accel::new(&primitives, Acceleration::BruteForce);
-        for ray in rays {
-            let origin = scale * ray.origin;
-            compare(&kernels, &brute, &Ray { origin, ..ray })?;
-            for direction in [Vec3::X, -Vec3::Y, Vec3::new(-0.0, 0.0, -1.0), Vec3::new(0.6, -0.0, 0.8)] {
-                compare(&kernels, &brute, &Ray { origin, direction })?;
-            }
-        }
+        let primitives: Vec<Primitive> = shapes.into_iter().map(scaled).collect();
+        let scaled = |ray: Ray| Ray { origin: scale * ray.origin, ..ray };
+        let rays: Vec<Ray> = rays.into_iter().map(scaled).collect();
+        compare(&primitives, &rays)?;
     }
 
     #[test]

@@ -49,20 +49,9 @@ impl Surface for Triangle {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let shear = Shear::along(ray.direction);
-        let [a, b, c] = self.vertices.map(|vertex| shear.point(ray, vertex));
-        // Twice the areas that the ray's axis makes with each edge.
-        let u = b.x * c.y - b.y * c.x;
-        let v = c.x * a.y - c.y * a.x;
-        let w = a.x * b.y - a.y * b.x;
-        let area = u + v + w;
-        let side = 1.0_f32.copysign(area);
-        if !(u * side >= 0.0 && v * side >= 0.0 && w * side >= 0.0) {
-            return None;
-        }
-        let inverse = area.recip();
-        let t = (u * inverse) * a.z + (v * inverse) * b.z + (w * inverse) * c.z;
-        // A ray in the triangle's plane gives NaN or infinities, which fail here.
-        (t > 0.0 && t < t_max).then_some(t)
+        shear
+            .crossing(self.vertices.map(|vertex| shear.point(ray, vertex)))
+            .filter(|&t| t > 0.0 && t < t_max)
     }
 
     fn project(&self, near: Vec3) -> (Vec3, Vec3) {

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod data_set;
+pub mod generators;
+pub mod twins;
 
 use std::path::PathBuf;
 use std::process::{Command, Output};

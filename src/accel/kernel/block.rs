@@ -2,7 +2,8 @@
 //!
 //! The same operations in the same order as the tests of `geometry`, so that
 //! each lane gives the very `t` of [`Triangle`](crate::geometry::Triangle) or
-//! [`Sphere`](crate::geometry::Sphere).
+//! [`Sphere`](crate::geometry::Sphere). Of triangles eight lanes only find
+//! those that may be met, few as they are: what decides is [`Shear`]'s.
 
 use glam::Vec3;
 
@@ -20,12 +21,10 @@ pub(super) struct Blocks<I: InstructionSet> {
     /// The direction's squared length.
     a: f32,
     inverse_a: f32,
-    /// Where the axes of [`Shear`] are among those of space.
-    axes: [usize; 3],
+    shear: Shear,
     /// The origin with the axes of the shear.
     turned_origin: Vec3Lanes<I::Lanes>,
     slopes: [I::Lanes; 2],
-    scale: I::Lanes,
 }
 
 impl<I: InstructionSet> Blocks<I> {
@@ -40,10 +39,9 @@ impl<I: InstructionSet> Blocks<I> {
             direction: ray.direction,
             a,
             inverse_a: a.recip(),
-            axes: shear.axes,
+            shear,
             turned_origin: Vec3Lanes::splat(set, shear.turn(ray.origin).into()),
             slopes: [set.splat(slope_x), set.splat(slope_y)],
-            scale: set.splat(shear.scale),
         }
     }
 
@@ -66,23 +64,29 @@ impl<I: InstructionSet> Blocks<I> {
             v.flip_sign_by(area),
             w.flip_sign_by(area),
         );
-        let inside = zero.le(u.min(v).min(w));
-        if inside.bits() & in_use(leaf) == 0 {
+        // Rounding may make an area zero, but never turns its sign.
+        let mut inside = zero.le(u.min(v).min(w)).bits() & in_use(leaf);
+        if inside == 0 {
             return;
         }
-        let inverse = self.set.splat(1.0) / area.abs();
-        let t = (u * inverse) * (a.z * self.scale)
-            + (v * inverse) * (b.z * self.scale)
-            + (w * inverse) * (c.z * self.scale);
-        let hits = inside & zero.lt(t) & t.lt(self.set.splat(search.limit()));
-        report(leaf, TRIANGLE_ROWS, t.to_array(), hits.bits(), search);
+        let (a, b, c) = (a.to_arrays(), b.to_arrays(), c.to_arrays());
+        while inside != 0 {
+            let lane = inside.trailing_zeros() as usize % N_LANES;
+            inside &= inside - 1;
+            let corners = [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
+            match self.shear.crossing(corners) {
+                Some(t) if t > 0.0 && t < search.limit() => {
+                    search.found(t, leaf.primitive(TRIANGLE_ROWS, lane));
+                }
+                _ => {}
+            }
+        }
     }
 
-    /// Points of three rows in the space of [`Shear`], but for the last
-    /// coordinate's scale.
+    /// Points of three rows in the space of [`Shear`].
     #[inline(always)]
     fn sheared(&self, leaf: Leaf, first: usize) -> Vec3Lanes<I::Lanes> {
-        let [x, y, z] = self.axes;
+        let [x, y, z] = self.shear.axes;
         let x = self.row(leaf, first + x) - self.turned_origin.x;
         let y = self.row(leaf, first + y) - self.turned_origin.y;
         let z = self.row(leaf, first + z) - self.turned_origin.z;

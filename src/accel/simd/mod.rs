@@ -127,8 +127,6 @@ pub(super) trait Lanes:
     fn max(self, other: Self) -> Self;
     /// The square roots.
     fn sqrt(self) -> Self;
-    /// The magnitudes.
-    fn abs(self) -> Self;
     /// Changes the sign where `other` is negative.
     fn flip_sign_by(self, other: Self) -> Self;
     /// `self < other`.

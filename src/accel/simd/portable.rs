@@ -104,11 +104,6 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn abs(self) -> Self {
-        self.zip(self, |a, _| a.abs())
-    }
-
-    #[inline(always)]
     fn flip_sign_by(self, other: Self) -> Self {
         let sign = |x: f32| x.to_bits() & (1 << 31);
         self.zip(other, |a, b| f32::from_bits(a.to_bits() ^ sign(b)))

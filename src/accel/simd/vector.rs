@@ -4,7 +4,7 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::Vec3;
 
-use super::{InstructionSet, Lanes};
+use super::{InstructionSet, Lanes, N_LANES};
 
 /// Eight points or vectors, with the operations of [`Vec3`] to the last bit.
 #[derive(Clone, Copy)]
@@ -23,6 +23,12 @@ impl<L: Lanes> Vec3Lanes<L> {
             y: set.splat(v.y),
             z: set.splat(v.z),
         }
+    }
+
+    /// The coordinates, lane by lane.
+    #[inline(always)]
+    pub(in crate::accel) fn to_arrays(self) -> [[f32; N_LANES]; 3] {
+        [self.x.to_array(), self.y.to_array(), self.z.to_array()]
     }
 
     #[inline(always)]

@@ -113,12 +113,6 @@ impl<R: Registers> Lanes for Ymm<R> {
     }
 
     #[inline(always)]
-    fn abs(self) -> Self {
-        // SAFETY: lanes are made by a set that proves AVX2.
-        Self::of(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
-    }
-
-    #[inline(always)]
     fn flip_sign_by(self, other: Self) -> Self {
         // SAFETY: lanes are made by a set that proves AVX2.
         Self::of(unsafe {

@@ -1,0 +1,134 @@
+//! Brute force, the slow twin of every other way to find hits.
+
+use std::fmt::Debug;
+
+use proptest::prelude::*;
+use raycost::accel::{Accel, Hit, ShadowRay, Simd};
+use raycost::config::Acceleration;
+use raycost::cost::{Cost, StreamProbe};
+use raycost::geometry::Ray;
+use raycost::scene::{ObjectId, Primitive};
+
+/// What was found of a ray, and what that cost.
+type Answer<A> = (A, Cost);
+
+/// The hierarchy on every instruction set of this machine.
+pub fn kernels(primitives: &[Primitive]) -> Vec<Accel<'_>> {
+    let built = Accel::new(primitives, Acceleration::Bvh);
+    let on = |simd| built.clone().with_simd(simd);
+    Simd::available().into_iter().map(on).collect()
+}
+
+/// All kernels, ray by ray and in streams, find what brute force finds, and
+/// count the same for each ray.
+pub fn compare(primitives: &[Primitive], rays: &[Ray]) -> Result<(), TestCaseError> {
+    let hits = agree(primitives, |accel| {
+        [nearest(accel, rays), nearest_stream(accel, rays)]
+    })?;
+    let rays = shadow_rays(rays, &hits);
+    agree(primitives, |accel| {
+        [occluded(accel, &rays), occluded_stream(accel, &rays)]
+    })?;
+    Ok(())
+}
+
+/// Makes sure that `ways` to answer agree with each other and with brute
+/// force, whose answers it gives.
+fn agree<A: PartialEq + Debug>(
+    primitives: &[Primitive],
+    ways: impl Fn(&Accel) -> [Vec<Answer<A>>; 2],
+) -> Result<Vec<Answer<A>>, TestCaseError> {
+    let [expected, in_stream] = ways(&Accel::new(primitives, Acceleration::BruteForce));
+    prop_assert_eq!(&in_stream, &expected);
+    let all: Vec<_> = kernels(primitives).iter().flat_map(ways).collect();
+    for answers in &all {
+        prop_assert_eq!(answers.len(), expected.len());
+        for (i, (found, cost)) in answers.iter().enumerate() {
+            prop_assert_eq!(found, &expected[i].0, "ray {}", i);
+            prop_assert_eq!(cost, &all[0][i].1, "ray {}", i);
+        }
+    }
+    Ok(expected)
+}
+
+/// Rays that end at a hit, before it, just behind it or nowhere, and heed all
+/// objects or all but one.
+fn shadow_rays(rays: &[Ray], hits: &[Answer<Option<Hit>>]) -> Vec<ShadowRay> {
+    let ends = |hit: Option<Hit>| {
+        let t = hit.map_or(2.0, |hit| hit.t);
+        [t, 0.5 * t, t.next_up(), f32::INFINITY]
+    };
+    let mut shadow_rays = Vec::new();
+    for (ray, (hit, _)) in rays.iter().zip(hits) {
+        for t_max in ends(*hit) {
+            for ignored in [None, Some(ObjectId(0))] {
+                shadow_rays.push(ShadowRay {
+                    ray: *ray,
+                    t_max,
+                    ignored,
+                });
+            }
+        }
+    }
+    shadow_rays
+}
+
+fn nearest(accel: &Accel, rays: &[Ray]) -> Vec<Answer<Option<Hit>>> {
+    let answer = |ray| {
+        let mut cost = Cost::default();
+        (accel.nearest(ray, &mut cost), cost)
+    };
+    rays.iter().map(answer).collect()
+}
+
+fn occluded(accel: &Accel, rays: &[ShadowRay]) -> Vec<Answer<bool>> {
+    let answer = |ShadowRay {
+                      ray,
+                      t_max,
+                      ignored,
+                  }: &ShadowRay| {
+        let mut cost = Cost::default();
+        (accel.occluded(ray, *t_max, *ignored, &mut cost), cost)
+    };
+    rays.iter().map(answer).collect()
+}
+
+fn nearest_stream(accel: &Accel, rays: &[Ray]) -> Vec<Answer<Option<Hit>>> {
+    let (mut hits, mut costs) = (Vec::new(), ByRay::new(rays.len()));
+    accel.nearest_stream(rays, &mut hits, &mut costs);
+    costs.beside(hits)
+}
+
+fn occluded_stream(accel: &Accel, rays: &[ShadowRay]) -> Vec<Answer<bool>> {
+    let (mut occluded, mut costs) = (Vec::new(), ByRay::new(rays.len()));
+    accel.occluded_stream(rays, &mut occluded, &mut costs);
+    costs.beside(occluded)
+}
+
+/// What each ray of a stream cost, once it has told.
+struct ByRay(Vec<Option<Cost>>);
+
+impl ByRay {
+    fn new(n_rays: usize) -> Self {
+        Self(vec![None; n_rays])
+    }
+
+    fn beside<A>(self, answers: Vec<A>) -> Vec<Answer<A>> {
+        assert_eq!(answers.len(), self.0.len());
+        let costs = self.0.into_iter().map(|cost| cost.expect("each ray tells"));
+        answers.into_iter().zip(costs).collect()
+    }
+}
+
+impl StreamProbe for ByRay {
+    const COUNTS: bool = true;
+
+    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32) {
+        let cost = Cost {
+            node_visits: node_visits.into(),
+            primitive_tests: primitive_tests.into(),
+            ..Cost::default()
+        };
+        assert_eq!(self.0[ray].replace(cost), None, "each ray tells once");
+    }
+}
