@@ -185,7 +185,7 @@ impl<'a> Arena<'a> {
             scene: self.name.to_owned(),
             quality: build.names,
             n_threads,
-            goal: goal(outcome.discipline, of_spheres),
+            goal: goal(outcome.discipline, build.embree, of_spheres),
             outcome,
         }
     }

@@ -45,7 +45,7 @@ impl Geometry {
                     let vertex = sphere.center.extend(sphere.radius);
                     geometry.vertices.push(vertex.to_array());
                 }
-                other => unimplemented!("the scenes are made of triangles or spheres: {other:?}"),
+                other => unreachable!("the scenes are made of triangles or spheres: {other:?}"),
             }
         }
         geometry

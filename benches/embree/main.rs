@@ -123,7 +123,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
 /// What makes a scene.
 type Load = Box<dyn Fn() -> (Vec<Primitive>, View)>;
 
-/// The scenes by name: the generated ones, and the OBJ files of the folder.
+/// The scenes by name: the generated ones, and the meshes of the folder.
 fn scenes(meshes: Option<&Path>) -> std::io::Result<Vec<(String, Load)>> {
     let mut scenes: Vec<(String, Load)> = vec![
         (
@@ -145,7 +145,10 @@ fn scenes(meshes: Option<&Path>) -> std::io::Result<Vec<(String, Load)>> {
             files.push(entry?.path());
         }
     }
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "obj"));
+    files.retain(|file| {
+        file.extension()
+            .is_some_and(|extension| extension == "obj" || extension == "ply")
+    });
     files.sort();
     for file in files {
         let name = file.file_stem().unwrap_or_default().to_string_lossy();

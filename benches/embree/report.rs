@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::ffi::Quality;
 use crate::rays::Kind;
 
 /// What was raced.
@@ -72,11 +73,12 @@ pub struct Row {
     pub goal: Option<f64>,
 }
 
-/// The least ratio that is wanted of a scene of spheres or of triangles.
-pub fn goal(discipline: Discipline, of_spheres: bool) -> Option<f64> {
+/// The least ratio that is wanted of a scene of spheres or of triangles, beside
+/// Embree's build of this quality.
+pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
     use Discipline::{Build, Single, Stream, StreamAgainstPackets};
     match (discipline, of_spheres) {
-        (Build, _) => Some(1.0),
+        (Build, _) => (quality == Quality::Medium).then_some(1.0),
         (Single(_), _) => Some(1.15),
         (Stream(Kind::Primary), false) => Some(1.6),
         (Stream(_), false) => Some(1.8),
