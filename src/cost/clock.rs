@@ -7,9 +7,9 @@
 use std::time::Instant as OsInstant;
 
 /// How long the calibration waits. The operating system's clock is good to
-/// about 50 ns, so that 2 ms make the rate good to 0.003 %.
+/// about 50 ns, so that 0.5 ms make the rate good to 0.01 %.
 #[cfg(target_arch = "x86_64")]
-const CALIBRATION: std::time::Duration = std::time::Duration::from_millis(2);
+const CALIBRATION: std::time::Duration = std::time::Duration::from_micros(500);
 
 /// How many back-to-back readings the clock's own cost is the median of.
 const N_READINGS: usize = 1001;
@@ -36,7 +36,7 @@ enum Source {
 pub struct Instant(u64);
 
 impl Clock {
-    /// Chooses and calibrates the clock; takes about 2 ms.
+    /// Chooses and calibrates the clock; takes about 0.5 ms.
     pub fn calibrated() -> Self {
         let mut clock = Self {
             source: Source::best(),

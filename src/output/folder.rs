@@ -8,8 +8,8 @@ use tempfile::NamedTempFile;
 
 use super::{Written, format};
 
-/// Bytes that go to the system at one go.
-const BUFFER: usize = 1 << 20;
+/// Bytes that go to the system at one go: many rows, and yet within the cache.
+const BUFFER: usize = 1 << 16;
 
 /// A folder that files can be written to.
 #[derive(Debug, Clone)]

@@ -2,13 +2,9 @@
 
 use std::io::{self, Write};
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
-
-use super::Rendering;
 use super::cost_picture::{CostMap, draw};
-use super::format;
 use super::measure::Measure;
+use super::{Rendering, format, rgb_png};
 
 /// Writes the map of the film's best measure; nothing for a film without cost.
 pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<()> {
@@ -25,14 +21,9 @@ pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<(
         unit: measure.unit,
         subtitle: &subtitle(rendering, measure, &values),
     });
-    PngEncoder::new(out)
-        .write_image(
-            &picture,
-            picture.width(),
-            picture.height(),
-            ExtendedColorType::Rgb8,
-        )
-        .map_err(io::Error::other)
+    let (width, height) = picture.dimensions();
+    let rows = picture.chunks_exact(3 * width as usize);
+    rgb_png::write([width, height], rows, None, out)
 }
 
 fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {

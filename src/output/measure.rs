@@ -72,7 +72,7 @@ impl Measure {
     /// Its values, row-major, row 0 on top; counts above 2^24 are rounded.
     pub(super) fn of(self, film: &Film) -> Vec<f32> {
         match self.values {
-            Values::Times(array) => film.values(array).collect(),
+            Values::Times(array) => film.rows(array).collect::<Vec<_>>().concat(),
             Values::Counts(array) => film.values(array).map(|count| count as f32).collect(),
         }
     }

@@ -10,6 +10,7 @@ pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
+mod rgb_png;
 mod state;
 mod summary;
 mod vtk;

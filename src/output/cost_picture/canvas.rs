@@ -54,10 +54,12 @@ impl Rect {
 
 /// Paints `rect` in `colour`.
 pub fn fill_rect(picture: &mut RgbImage, rect: Rect, colour: Rgb<u8>) {
-    for y in rect.y..rect.bottom().min(picture.height()) {
-        for x in rect.x..rect.right().min(picture.width()) {
-            picture.put_pixel(x, y, colour);
-        }
+    let (width, height) = (picture.width(), picture.height());
+    let (pixels, _) = picture.as_chunks_mut::<3>();
+    for y in rect.y..rect.bottom().min(height) {
+        let row = &mut pixels[(y * width) as usize..][..width as usize];
+        let end = rect.right().min(width);
+        row[rect.x.min(end) as usize..end as usize].fill(colour.0);
     }
 }
 

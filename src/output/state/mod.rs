@@ -42,8 +42,11 @@ impl States {
     /// The states that show this rendering's files in this folder.
     pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
         let film = rendering.film;
-        let distances = Distances::of(film);
         let measures = Measure::best_two(film);
+        let ((distances, counter_range), cost_range) = rayon::join(
+            || (Distances::of(film), counter_range(film, measures)),
+            || cost_range(film, measures),
+        );
         let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
             hits: path_of(vtk::HITS),
@@ -51,8 +54,8 @@ impl States {
             measures,
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size: [film.width, film.height].map(f64::from),
-            cost_range: cost_range(film, measures),
-            counter_range: counter_range(film, measures),
+            cost_range,
+            counter_range,
             max_distance: distances.max_shown,
         }
     }

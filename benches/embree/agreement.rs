@@ -1,0 +1,89 @@
+//! Do two kernels give the same answers?
+
+use std::fmt;
+
+use raycost::accel::Hit;
+
+use crate::kernel::Kernel;
+use crate::rays::Rays;
+
+/// How far distances may be apart, as a part of the distance: the kernels round
+/// differently.
+const TOLERANCE: f32 = 1e-4;
+
+/// How many rays may differ: one in as many. Rays that graze an edge are hits
+/// by one rounding and misses by another.
+const ONE_IN: usize = 1000;
+
+/// How the answers of two kernels compare.
+#[derive(Debug, Clone, Copy)]
+pub struct Agreement {
+    n_rays: usize,
+    /// Rays for which one hits and the other misses.
+    n_one_misses: usize,
+    /// Rays that hit different primitives at different distances.
+    n_elsewhere: usize,
+}
+
+impl Agreement {
+    /// Traces all rays with both.
+    pub fn of(ours: &dyn Kernel, theirs: &dyn Kernel, rays: &Rays) -> Self {
+        let mut agreement = Self {
+            n_rays: rays.len(),
+            n_one_misses: 0,
+            n_elsewhere: 0,
+        };
+        match rays {
+            Rays::Nearest(rays) => {
+                let hits = [ours, theirs].map(|kernel| {
+                    let mut hits = Vec::new();
+                    kernel.nearest(rays, &mut hits);
+                    hits
+                });
+                for pair in hits[0].iter().zip(&hits[1]) {
+                    match pair {
+                        (Some(a), Some(b)) if !is_same(a, b) => agreement.n_elsewhere += 1,
+                        (a, b) => agreement.n_one_misses += usize::from(a.is_some() != b.is_some()),
+                    }
+                }
+            }
+            Rays::Any(rays) => {
+                let [a, b] = [ours, theirs].map(|kernel| {
+                    let mut occluded = Vec::new();
+                    kernel.any(rays, &mut occluded);
+                    occluded
+                });
+                agreement.n_one_misses = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+            }
+        }
+        agreement
+    }
+
+    /// Whether no more rays differ than rounding explains.
+    pub fn is_good(&self) -> bool {
+        self.n_apart() * ONE_IN <= self.n_rays
+    }
+
+    /// How many rays differ.
+    pub fn n_apart(&self) -> usize {
+        self.n_one_misses + self.n_elsewhere
+    }
+}
+
+fn is_same(a: &Hit, b: &Hit) -> bool {
+    a.primitive == b.primitive || (a.t - b.t).abs() <= TOLERANCE * a.t.max(b.t)
+}
+
+impl fmt::Display for Agreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            n_rays,
+            n_one_misses,
+            n_elsewhere,
+        } = self;
+        write!(
+            f,
+            "of {n_rays} rays {n_one_misses} hit for one alone, {n_elsewhere} elsewhere"
+        )
+    }
+}

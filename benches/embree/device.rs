@@ -1,0 +1,209 @@
+//! Embree behind a safe face: a library, its devices, and scenes that race.
+
+#![expect(unsafe_code, reason = "a C library has no other way in")]
+
+use std::collections::HashMap;
+use std::ffi::{CString, c_int};
+
+use raycost::geometry::Shape;
+use raycost::scene::Primitive;
+
+use crate::ffi::{self, Functions, Handle, Quality};
+
+/// A mesh or a cloud of spheres as Embree takes it.
+pub struct Geometry {
+    /// x, y, z and, of a sphere, its radius; four floats, since Embree reads
+    /// 16 bytes even where it needs 12.
+    vertices: Vec<[f32; 4]>,
+    /// The corners of each triangle; empty for spheres.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Geometry {
+    /// The same primitives in the same order: all triangles, which share the
+    /// corners that they have in common, or all spheres.
+    pub fn of(primitives: &[Primitive]) -> Self {
+        let mut geometry = Self {
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+        };
+        let mut known = HashMap::new();
+        for primitive in primitives {
+            match primitive.world_shape() {
+                Some(Shape::Triangle(triangle)) => {
+                    let corners = triangle.vertices.map(|corner| {
+                        *known
+                            .entry(corner.to_array().map(f32::to_bits))
+                            .or_insert_with(|| {
+                                geometry.vertices.push(corner.extend(0.0).to_array());
+                                geometry.vertices.len() as u32 - 1
+                            })
+                    });
+                    geometry.triangles.push(corners);
+                }
+                Some(Shape::Sphere(sphere)) => {
+                    let vertex = sphere.center.extend(sphere.radius);
+                    geometry.vertices.push(vertex.to_array());
+                }
+                other => unreachable!("the scenes are made of triangles or spheres: {other:?}"),
+            }
+        }
+        geometry
+    }
+}
+
+/// An instruction set of Embree's for a number of threads.
+pub struct Device {
+    embree: &'static Functions,
+    handle: Handle,
+}
+
+impl Device {
+    /// A device with this `isa`, `avx2` or `avx512`, that builds on as many
+    /// threads. Devices that live at the same time all build on the most
+    /// threads of any of them.
+    ///
+    /// # Errors
+    /// Embree's error code, where it has no such device for this machine.
+    pub fn new(embree: &'static Functions, isa: &str, n_threads: usize) -> Result<Self, String> {
+        let configuration = format!("isa={isa},threads={n_threads}");
+        let text = CString::new(configuration.clone()).map_err(|error| error.to_string())?;
+        // SAFETY: `text` is a C string that outlives the call.
+        let handle = unsafe { (embree.new_device)(text.as_ptr()) };
+        let device = Self { embree, handle };
+        match (handle.is_null(), device.error()) {
+            (false, 0) => Ok(device),
+            (_, code) => Err(format!("no Embree device `{configuration}`: error {code}")),
+        }
+    }
+
+    /// Embree's version.
+    pub fn version(&self) -> String {
+        let [minor, patch] = [ffi::VERSION_MINOR, ffi::VERSION_PATCH].map(|p| self.property(p));
+        format!("3.{minor}.{patch}")
+    }
+
+    /// Builds a scene of this geometry.
+    ///
+    /// # Errors
+    /// Embree's error code.
+    pub fn scene<'a>(
+        &'a self,
+        geometry: &'a Geometry,
+        quality: Quality,
+    ) -> Result<Scene<'a>, String> {
+        let Functions {
+            new_scene,
+            set_scene_quality,
+            commit_scene,
+            ..
+        } = *self.embree;
+        // SAFETY: the handles are of this device; the geometry outlives the
+        // scene, which releases its handle when it is dropped.
+        let handle = unsafe {
+            let scene = new_scene(self.handle);
+            set_scene_quality(scene, quality);
+            self.attach(scene, geometry, quality);
+            commit_scene(scene);
+            scene
+        };
+        let scene = Scene {
+            device: self,
+            handle,
+            _geometry: geometry,
+        };
+        match self.error() {
+            0 => Ok(scene),
+            code => Err(format!("Embree cannot build the scene: error {code}")),
+        }
+    }
+
+    /// # Safety
+    /// The scene is of this device, and the geometry outlives it.
+    unsafe fn attach(&self, scene: Handle, geometry: &Geometry, quality: Quality) {
+        let embree = self.embree;
+        let (kind, format) = match geometry.triangles.is_empty() {
+            true => (ffi::SPHERES, ffi::FLOAT4),
+            false => (ffi::TRIANGLES, ffi::FLOAT3),
+        };
+        let (vertices, triangles) = (&geometry.vertices, &geometry.triangles);
+        // SAFETY: the caller's promise; offsets, strides and counts are those
+        // of the vectors.
+        unsafe {
+            let handle = (embree.new_geometry)(self.handle, kind);
+            let share = |buffer, format, data, stride, n| {
+                (embree.set_shared_buffer)(handle, buffer, 0, format, data, 0, stride, n);
+            };
+            share(
+                ffi::VERTICES,
+                format,
+                vertices.as_ptr().cast(),
+                16,
+                vertices.len(),
+            );
+            if kind == ffi::TRIANGLES {
+                share(
+                    ffi::INDICES,
+                    ffi::UINT3,
+                    triangles.as_ptr().cast(),
+                    12,
+                    triangles.len(),
+                );
+            }
+            (embree.set_geometry_quality)(handle, quality);
+            (embree.commit_geometry)(handle);
+            (embree.attach_geometry)(scene, handle);
+            (embree.release_geometry)(handle);
+        }
+    }
+
+    fn property(&self, property: c_int) -> isize {
+        // SAFETY: the handle is a device.
+        unsafe { (self.embree.device_property)(self.handle, property) }
+    }
+
+    /// The last error's code, 0 for none; of no device in particular where
+    /// there is none.
+    fn error(&self) -> c_int {
+        // SAFETY: the handle is a device, or null, which Embree allows.
+        unsafe { (self.embree.device_error)(self.handle) }
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        if !self.handle.is_null() {
+            // SAFETY: the handle is a device that is used no more.
+            unsafe { (self.embree.release_device)(self.handle) }
+        }
+    }
+}
+
+/// A built scene.
+pub struct Scene<'a> {
+    device: &'a Device,
+    pub(crate) handle: Handle,
+    _geometry: &'a Geometry,
+}
+
+// SAFETY: Embree's scenes may be traced from many threads at once, once built.
+unsafe impl Sync for Scene<'_> {}
+
+impl Scene<'_> {
+    /// The functions that trace it.
+    pub fn embree(&self) -> &Functions {
+        self.device.embree
+    }
+
+    /// Whether packets of 16 rays can be traced through it.
+    pub fn has_packets_of_16(&self) -> bool {
+        self.device.property(ffi::NATIVE_RAY16) != 0
+    }
+}
+
+impl Drop for Scene<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the handle is a scene that is used no more.
+        unsafe { (self.device.embree.release_scene)(self.handle) }
+    }
+}

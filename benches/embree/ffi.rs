@@ -1,0 +1,168 @@
+//! The part of Embree 3's C API that the race needs, loaded at run time: names,
+//! values and layouts are those of its headers `rtcore_*.h`, version 3.13.
+
+#![expect(unsafe_code, reason = "a C library has no other way in")]
+
+use std::ffi::{c_char, c_int, c_void};
+
+use libloading::Library;
+
+/// The library's name since 3.0; 4 has another API.
+const SONAME: &str = "libembree3.so.3";
+
+/// `RTC_INVALID_GEOMETRY_ID`.
+pub const INVALID_ID: u32 = u32::MAX;
+/// `RTC_GEOMETRY_TYPE_TRIANGLE`.
+pub const TRIANGLES: c_int = 0;
+/// `RTC_GEOMETRY_TYPE_SPHERE_POINT`.
+pub const SPHERES: c_int = 50;
+/// `RTC_BUFFER_TYPE_INDEX`.
+pub const INDICES: c_int = 0;
+/// `RTC_BUFFER_TYPE_VERTEX`.
+pub const VERTICES: c_int = 1;
+/// `RTC_FORMAT_UINT3`.
+pub const UINT3: c_int = 0x5003;
+/// `RTC_FORMAT_FLOAT3`.
+pub const FLOAT3: c_int = 0x9003;
+/// `RTC_FORMAT_FLOAT4`.
+pub const FLOAT4: c_int = 0x9004;
+/// `RTC_DEVICE_PROPERTY_VERSION_MINOR`.
+pub const VERSION_MINOR: c_int = 2;
+/// `RTC_DEVICE_PROPERTY_VERSION_PATCH`.
+pub const VERSION_PATCH: c_int = 3;
+/// `RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED`.
+pub const NATIVE_RAY16: c_int = 34;
+
+/// `RTCBuildQuality`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub enum Quality {
+    /// Embree's default: binned SAH.
+    Medium = 1,
+    /// With spatial splits.
+    High = 2,
+}
+
+/// `RTCDevice`, `RTCScene` and `RTCGeometry`.
+pub type Handle = *mut c_void;
+
+/// `RTCIntersectContext`.
+#[repr(C)]
+pub struct Context {
+    /// 0 for incoherent rays, 1 for coherent ones.
+    pub flags: u32,
+    /// A filter function, here always null.
+    pub filter: *const c_void,
+    /// The instance that the rays are in, here always [`INVALID_ID`].
+    pub instance: u32,
+}
+
+/// `RTCRay`, one ray; `RTCRay16`, lane by lane.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct RayFields<F, U> {
+    pub origin: [F; 3],
+    pub t_near: F,
+    pub direction: [F; 3],
+    pub time: F,
+    /// Becomes the hit's distance, or negative infinity if it is occluded.
+    pub t_far: F,
+    pub mask: U,
+    pub id: U,
+    pub flags: U,
+}
+
+/// `RTCHit` and `RTCHit16`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct HitFields<F, U> {
+    pub normal: [F; 3],
+    pub uv: [F; 2],
+    pub primitive: U,
+    /// [`INVALID_ID`] for a miss.
+    pub geometry: U,
+    pub instance: U,
+}
+
+/// `RTCRay`.
+#[repr(C, align(16))]
+pub struct Ray1(pub RayFields<f32, u32>);
+
+/// `RTCRayHit`.
+#[repr(C, align(16))]
+pub struct RayHit1 {
+    pub ray: RayFields<f32, u32>,
+    pub hit: HitFields<f32, u32>,
+}
+
+/// `RTCRay16`.
+#[repr(C, align(64))]
+pub struct Ray16(pub RayFields<[f32; 16], [u32; 16]>);
+
+/// `RTCRayHit16`.
+#[repr(C, align(64))]
+pub struct RayHit16 {
+    pub ray: RayFields<[f32; 16], [u32; 16]>,
+    pub hit: HitFields<[f32; 16], [u32; 16]>,
+}
+
+/// Which of 16 lanes hold a ray: -1, the others 0.
+#[repr(C, align(64))]
+pub struct Valid16(pub [c_int; 16]);
+
+/// Declares the table of functions and how it is loaded.
+macro_rules! functions {
+    ($($field:ident = $symbol:literal ($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// Embree's functions.
+        pub struct Functions {
+            $(pub $field: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            /// Keeps the functions in memory.
+            _library: Library,
+        }
+
+        impl Functions {
+            /// Loads the library.
+            ///
+            /// # Errors
+            /// It is not installed, or a function is missing.
+            pub fn load() -> Result<Self, libloading::Error> {
+                // SAFETY: Embree's initialisers ask nothing of the program, and
+                // the types below are those of its headers.
+                unsafe {
+                    let library = Library::new(SONAME)?;
+                    Ok(Self {
+                        $($field: *library.get($symbol)?,)*
+                        _library: library,
+                    })
+                }
+            }
+        }
+    };
+}
+
+functions! {
+    new_device = "rtcNewDevice" (*const c_char) -> Handle;
+    release_device = "rtcReleaseDevice" (Handle);
+    device_property = "rtcGetDeviceProperty" (Handle, c_int) -> isize;
+    device_error = "rtcGetDeviceError" (Handle) -> c_int;
+    new_scene = "rtcNewScene" (Handle) -> Handle;
+    release_scene = "rtcReleaseScene" (Handle);
+    set_scene_quality = "rtcSetSceneBuildQuality" (Handle, Quality);
+    attach_geometry = "rtcAttachGeometry" (Handle, Handle) -> u32;
+    commit_scene = "rtcCommitScene" (Handle);
+    new_geometry = "rtcNewGeometry" (Handle, c_int) -> Handle;
+    release_geometry = "rtcReleaseGeometry" (Handle);
+    commit_geometry = "rtcCommitGeometry" (Handle);
+    set_geometry_quality = "rtcSetGeometryBuildQuality" (Handle, Quality);
+    set_shared_buffer = "rtcSetSharedGeometryBuffer"
+        (Handle, c_int, u32, c_int, *const c_void, usize, usize, usize);
+    intersect1 = "rtcIntersect1" (Handle, *mut Context, *mut RayHit1);
+    occluded1 = "rtcOccluded1" (Handle, *mut Context, *mut Ray1);
+    intersect16 = "rtcIntersect16" (*const Valid16, Handle, *mut Context, *mut RayHit16);
+    occluded16 = "rtcOccluded16" (*const Valid16, Handle, *mut Context, *mut Ray16);
+}
+
+// The sizes that the headers give.
+const _: () = assert!(size_of::<Context>() == 24);
+const _: () = assert!(size_of::<Ray1>() == 48 && size_of::<RayHit1>() == 80);
+const _: () = assert!(size_of::<Ray16>() == 768 && size_of::<RayHit16>() == 1280);

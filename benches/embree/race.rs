@@ -1,0 +1,73 @@
+//! Runs in turn and their medians.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use cpu_time::ThreadTime;
+
+use crate::kernel::Kernel;
+use crate::rays::Rays;
+
+/// How a race is run.
+#[derive(Debug, Clone, Copy)]
+pub struct Course {
+    pub n_threads: usize,
+    /// Rays that a thread takes at one go.
+    pub batch: usize,
+    /// How often each kernel runs.
+    pub n_rounds: usize,
+}
+
+impl Course {
+    /// The median time of each kernel for all rays, in seconds.
+    pub fn medians(&self, kernels: &[&dyn Kernel], rays: &Rays) -> Vec<f64> {
+        in_turn(self.n_rounds, kernels, |kernel| self.seconds(*kernel, rays))
+    }
+
+    /// How long the kernel takes for all rays: the time of the threads
+    /// themselves, shared among them, so that other work on the machine
+    /// disturbs little.
+    fn seconds(&self, kernel: &dyn Kernel, rays: &Rays) -> f64 {
+        let next = AtomicUsize::new(0);
+        let work = || {
+            let start = ThreadTime::now();
+            let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+            loop {
+                let begin = next.fetch_add(self.batch, Ordering::Relaxed);
+                if begin >= rays.len() {
+                    break start.elapsed();
+                }
+                let batch = begin..(begin + self.batch).min(rays.len());
+                match rays {
+                    Rays::Nearest(rays) => kernel.nearest(&rays[batch], &mut hits),
+                    Rays::Any(rays) => kernel.any(&rays[batch], &mut occluded),
+                }
+            }
+        };
+        let all: Duration = thread::scope(|scope| {
+            let threads: Vec<_> = (0..self.n_threads).map(|_| scope.spawn(work)).collect();
+            let join =
+                |thread: thread::ScopedJoinHandle<_>| thread.join().expect("kernels do not panic");
+            threads.into_iter().map(join).sum()
+        });
+        all.as_secs_f64() / self.n_threads as f64
+    }
+}
+
+/// The median time of each runner, in seconds; they run A B C, A B C, … so that
+/// a drifting machine meets all of them alike.
+pub fn in_turn<T>(n_rounds: usize, runners: &[T], mut seconds: impl FnMut(&T) -> f64) -> Vec<f64> {
+    let mut times = vec![Vec::with_capacity(n_rounds); runners.len()];
+    for _ in 0..n_rounds {
+        for (times, runner) in times.iter_mut().zip(runners) {
+            times.push(seconds(runner));
+        }
+    }
+    times.into_iter().map(median).collect()
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

@@ -1,0 +1,108 @@
+//! The rays of the race: those of a picture, and three that leave each hit.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+use raycost::accel::{Accel, ShadowRay};
+use raycost::cost::NoProbe;
+use raycost::geometry::{Aabb, Ray};
+use raycost::sampling::uniform;
+use raycost::scene::Primitive;
+
+use crate::scenes::View;
+
+/// Rows and columns of a tile, as the renderer has them.
+const TILE_SIDE: usize = 16;
+
+/// Why rays are shot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// From the eye, a tile of the picture after the other.
+    Primary,
+    /// From each of their hits, in a cosine-distributed direction.
+    Diffuse,
+    /// The same in another direction, and no longer than a tenth of the scene.
+    AmbientOcclusion,
+    /// From each hit to a spot of an area light.
+    Shadow,
+}
+
+/// What they ask for.
+pub enum Rays {
+    Nearest(Vec<Ray>),
+    Any(Vec<ShadowRay>),
+}
+
+impl Rays {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Nearest(rays) => rays.len(),
+            Self::Any(rays) => rays.len(),
+        }
+    }
+}
+
+/// All kinds of rays for a square picture of `side` rows.
+pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) -> [(Kind, Rays); 4] {
+    let bounds = primitives
+        .iter()
+        .map(Primitive::bounds)
+        .fold(Aabb::EMPTY, Aabb::union);
+    let size = (bounds.max - bounds.min).length();
+    let primary: Vec<Ray> = tiled(side).map(|i| view.ray(i, side)).collect();
+    let (mut diffuse, mut ambient, mut shadow) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, ray) in primary.iter().enumerate() {
+        let Some(hit) = accel.nearest(ray, &mut NoProbe) else {
+            continue;
+        };
+        let (position, outward) = primitives[hit.primitive as usize].project(ray.at(hit.t));
+        let normal = outward * -outward.dot(ray.direction).signum();
+        let leaving = |direction| Ray::leaving(position, normal, direction);
+        let random = |stream| uniform([stream, i as u64, 0]);
+        diffuse.push(leaving(cosine_distributed(normal, random(0))));
+        ambient.push(ShadowRay {
+            ray: leaving(cosine_distributed(normal, random(1))),
+            t_max: 0.1 * size,
+            ignored: None,
+        });
+        let [x, y, z, _] = random(2);
+        let light = view.light + 0.05 * size * (Vec3::new(x, y, z) - 0.5);
+        let to_light = light - position;
+        shadow.push(ShadowRay {
+            ray: leaving(to_light.normalize()),
+            t_max: 0.999 * to_light.length(),
+            ignored: None,
+        });
+    }
+    [
+        (Kind::Primary, Rays::Nearest(primary)),
+        (Kind::Diffuse, Rays::Nearest(diffuse)),
+        (Kind::AmbientOcclusion, Rays::Any(ambient)),
+        (Kind::Shadow, Rays::Any(shadow)),
+    ]
+}
+
+/// The pixels of a square picture, y * side + x, in the order of the tiles.
+fn tiled(side: usize) -> impl Iterator<Item = usize> {
+    let spans = move || {
+        let span = move |first: usize| first..(first + TILE_SIDE).min(side);
+        (0..side).step_by(TILE_SIDE).map(span)
+    };
+    spans().flat_map(move |rows| {
+        spans().flat_map(move |columns| {
+            rows.clone()
+                .flat_map(move |y| columns.clone().map(move |x| y * side + x))
+        })
+    })
+}
+
+/// A unit vector above the surface, as likely as its cosine with the normal:
+/// the normal plus a point of the unit sphere. Not quite unit, so that it does
+/// not cancel the normal.
+fn cosine_distributed(normal: Vec3, [u, v, ..]: [f32; 4]) -> Vec3 {
+    let z = 1.0 - 2.0 * v;
+    let (sin, cos) = (TAU * u).sin_cos();
+    let on_sphere = Vec3::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + Vec3::Z * z;
+    (normal + 0.999 * on_sphere).normalize()
+}

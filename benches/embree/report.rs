@@ -1,0 +1,144 @@
+//! The table: what was reached, and what was to be reached.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::ffi::Quality;
+use crate::rays::Kind;
+
+/// What was raced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Discipline {
+    /// Building the hierarchy.
+    Build,
+    /// One ray at a time against Embree's one ray at a time.
+    Single(Kind),
+    /// Batches against Embree's one ray at a time.
+    Stream(Kind),
+    /// Batches against Embree's packets of 16.
+    StreamAgainstPackets(Kind),
+}
+
+/// A race's result.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome {
+    pub discipline: Discipline,
+    /// Million rays or primitives a second; counters on.
+    pub ours: f64,
+    /// Million rays or primitives a second, the faster of Embree's instruction
+    /// sets.
+    pub embree: f64,
+    /// Which one that is.
+    pub isa: &'static str,
+    /// What the counters cost, as a part of the time without.
+    pub counters_cost: Option<f64>,
+}
+
+impl Outcome {
+    /// From the times for `n` rays or primitives, in seconds.
+    pub fn new(
+        discipline: Discipline,
+        n: usize,
+        ours: f64,
+        embree: f64,
+        isa: &'static str,
+    ) -> Self {
+        let speed = |seconds: f64| n as f64 / seconds / 1e6;
+        Self {
+            discipline,
+            ours: speed(ours),
+            embree: speed(embree),
+            isa,
+            counters_cost: None,
+        }
+    }
+
+    /// raycost's speed over Embree's.
+    pub fn ratio(&self) -> f64 {
+        self.ours / self.embree
+    }
+}
+
+/// A line of the table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    pub scene: String,
+    /// raycost's and Embree's build quality.
+    pub quality: [&'static str; 2],
+    pub n_threads: usize,
+    pub outcome: Outcome,
+    /// The least ratio that is wanted, if one is.
+    pub goal: Option<f64>,
+}
+
+/// The least ratio that is wanted of a scene of spheres or of triangles, beside
+/// Embree's build of this quality.
+pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
+    use Discipline::{Build, Single, Stream, StreamAgainstPackets};
+    match (discipline, of_spheres) {
+        (Build, _) => (quality == Quality::Medium).then_some(1.0),
+        (Single(_), _) => Some(1.15),
+        (Stream(Kind::Primary), false) => Some(1.6),
+        (Stream(_), false) => Some(1.8),
+        (Stream(Kind::Primary), true) => Some(2.2),
+        (Stream(_), true) => Some(3.0),
+        (StreamAgainstPackets(Kind::Primary), _) => Some(1.0),
+        (StreamAgainstPackets(_), _) => None,
+    }
+}
+
+/// The head of the table of rows, in Markdown.
+pub const HEAD: &str = "\
+| scene | quality | threads | race | raycost | Embree | ratio | goal | counters cost |
+|---|---|--:|---|--:|--:|--:|---|--:|";
+
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Outcome {
+            discipline,
+            ours,
+            embree,
+            isa,
+            counters_cost,
+        } = &self.outcome;
+        let [scene, our_quality, their_quality] = [&*self.scene, self.quality[0], self.quality[1]];
+        let ratio = self.outcome.ratio();
+        let goal = match self.goal {
+            Some(goal) if ratio >= goal => format!("{goal}, reached"),
+            Some(goal) => format!("{goal}, missed"),
+            None => String::new(),
+        };
+        let counters =
+            counters_cost.map_or(String::new(), |cost| format!("{:+.0} %", 100.0 * cost));
+        write!(
+            f,
+            "| {scene} | {our_quality} / {their_quality} | {} | {discipline} | {ours:.2} \
+             | {embree:.2} ({isa}) | {ratio:.2} | {goal} | {counters} |",
+            self.n_threads,
+        )
+    }
+}
+
+impl fmt::Display for Discipline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Build => write!(f, "build"),
+            Self::Single(kind) => write!(f, "{kind}, single"),
+            Self::Stream(kind) => write!(f, "{kind}, stream"),
+            Self::StreamAgainstPackets(kind) => write!(f, "{kind}, stream / packets of 16"),
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Primary => "primary",
+            Self::Diffuse => "diffuse",
+            Self::AmbientOcclusion => "occlusion",
+            Self::Shadow => "shadow",
+        })
+    }
+}

@@ -1,0 +1,148 @@
+//! Embree's kernels: one ray at a time, and packets of 16.
+
+#![expect(unsafe_code, reason = "a C library has no other way in")]
+
+use std::array::from_fn;
+use std::ptr;
+
+use raycost::accel::{Hit, ShadowRay};
+use raycost::geometry::Ray;
+
+use crate::device::Scene;
+use crate::ffi::{
+    Context, HitFields, INVALID_ID, Ray1, Ray16, RayFields, RayHit1, RayHit16, Valid16,
+};
+use crate::kernel::Kernel;
+
+/// `rtcIntersect1` and `rtcOccluded1`.
+pub struct Singles<'a>(pub &'a Scene<'a>);
+
+impl Kernel for Singles<'_> {
+    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        let mut context = context(false);
+        hits.clear();
+        hits.extend(rays.iter().map(|ray| {
+            let mut traced = RayHit1 {
+                ray: fields(ray, f32::INFINITY),
+                hit: NO_HIT,
+            };
+            // SAFETY: the scene is built, and all pointers are to values of
+            // this function.
+            unsafe { (self.0.embree().intersect1)(self.0.handle, &mut context, &mut traced) };
+            hit(traced.hit.geometry, traced.ray.t_far, traced.hit.primitive)
+        }));
+    }
+
+    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+        let mut context = context(false);
+        occluded.clear();
+        occluded.extend(rays.iter().map(|shadow| {
+            let mut traced = Ray1(fields(&shadow.ray, shadow.t_max));
+            // SAFETY: as above.
+            unsafe { (self.0.embree().occluded1)(self.0.handle, &mut context, &mut traced) };
+            traced.0.t_far < 0.0
+        }));
+    }
+}
+
+/// `rtcIntersect16` and `rtcOccluded16`.
+pub struct Packets<'a> {
+    pub scene: &'a Scene<'a>,
+    /// Whether the rays of a packet start together and go the same way.
+    pub is_coherent: bool,
+}
+
+impl Kernel for Packets<'_> {
+    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        let mut context = context(self.is_coherent);
+        hits.clear();
+        for rays in rays.chunks(16) {
+            let mut traced = RayHit16 {
+                ray: lanes(rays.len(), |i| (&rays[i], f32::INFINITY)),
+                hit: NO_HITS,
+            };
+            let intersect = self.scene.embree().intersect16;
+            // SAFETY: the scene is built, its device has packets of 16, and all
+            // pointers are to values of this function.
+            unsafe { intersect(&valid(rays), self.scene.handle, &mut context, &mut traced) };
+            let RayHit16 { ray, hit: found } = &traced;
+            let lane = |i| hit(found.geometry[i], ray.t_far[i], found.primitive[i]);
+            hits.extend((0..rays.len()).map(lane));
+        }
+    }
+
+    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+        let mut context = context(self.is_coherent);
+        occluded.clear();
+        for rays in rays.chunks(16) {
+            let mut traced = Ray16(lanes(rays.len(), |i| (&rays[i].ray, rays[i].t_max)));
+            let occlude = self.scene.embree().occluded16;
+            // SAFETY: as above.
+            unsafe { occlude(&valid(rays), self.scene.handle, &mut context, &mut traced) };
+            occluded.extend(traced.0.t_far[..rays.len()].iter().map(|&t| t < 0.0));
+        }
+    }
+}
+
+fn context(is_coherent: bool) -> Context {
+    Context {
+        flags: is_coherent.into(),
+        filter: ptr::null(),
+        instance: INVALID_ID,
+    }
+}
+
+const NO_HIT: HitFields<f32, u32> = HitFields {
+    normal: [0.0; 3],
+    uv: [0.0; 2],
+    primitive: INVALID_ID,
+    geometry: INVALID_ID,
+    instance: INVALID_ID,
+};
+
+const NO_HITS: HitFields<[f32; 16], [u32; 16]> = HitFields {
+    normal: [[0.0; 16]; 3],
+    uv: [[0.0; 16]; 2],
+    primitive: [INVALID_ID; 16],
+    geometry: [INVALID_ID; 16],
+    instance: [INVALID_ID; 16],
+};
+
+fn hit(geometry: u32, t: f32, primitive: u32) -> Option<Hit> {
+    (geometry != INVALID_ID).then_some(Hit { t, primitive })
+}
+
+#[inline]
+fn fields(ray: &Ray, t_max: f32) -> RayFields<f32, u32> {
+    RayFields {
+        origin: ray.origin.to_array(),
+        t_near: 0.0,
+        direction: ray.direction.to_array(),
+        time: 0.0,
+        t_far: t_max,
+        mask: u32::MAX,
+        id: 0,
+        flags: 0,
+    }
+}
+
+/// The rays `0..n` lane by lane; the last one again in the lanes beyond.
+#[inline]
+fn lanes<'a>(n: usize, ray: impl Fn(usize) -> (&'a Ray, f32)) -> RayFields<[f32; 16], [u32; 16]> {
+    let ray = |lane: usize| ray(lane.min(n - 1));
+    RayFields {
+        origin: from_fn(|axis| from_fn(|lane| ray(lane).0.origin[axis])),
+        t_near: [0.0; 16],
+        direction: from_fn(|axis| from_fn(|lane| ray(lane).0.direction[axis])),
+        time: [0.0; 16],
+        t_far: from_fn(|lane| ray(lane).1),
+        mask: [u32::MAX; 16],
+        id: [0; 16],
+        flags: [0; 16],
+    }
+}
+
+/// As many lanes as there are rays.
+fn valid<T>(rays: &[T]) -> Valid16 {
+    Valid16(from_fn(|lane| if lane < rays.len() { -1 } else { 0 }))
+}

@@ -1,0 +1,33 @@
+//! Rows of RGB pixels → a PNG, fast.
+
+use std::io::{self, Write};
+
+/// Writes a picture of `size`, width and height, from its rows, 8 bits a
+/// channel and row 0 on top, with a text chunk of keyword and ASCII text if
+/// there is one.
+pub(super) fn write<'a>(
+    [width, height]: [u32; 2],
+    rows: impl Iterator<Item = &'a [u8]>,
+    text: Option<(&str, String)>,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    // A tenth of the default's time for a picture a quarter larger; half of
+    // that time again would go into trying all filters on each row. `Up` leaves
+    // nothing of the rows that repeat in a magnified picture.
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Up);
+    if let Some((keyword, text)) = text {
+        encoder.add_text_chunk(keyword.to_owned(), text)?;
+    }
+    let mut writer = encoder.write_header()?;
+    let mut pixels = writer.stream_writer()?;
+    for row in rows {
+        pixels.write_all(row)?;
+    }
+    pixels.finish()?;
+    writer.finish()?;
+    Ok(())
+}
