@@ -1,7 +1,7 @@
 //! Rays per second of every ray kernel that this machine can run:
 //! `cargo bench --bench kernel [-- --mesh FILE]`.
 //!
-//! Three scenes, three kinds of rays each: primary rays of a picture, and from
+//! Four scenes, three kinds of rays each: primary rays of a picture, and from
 //! their hits one diffuse ray (cosine-distributed) and one shadow ray to a
 //! point light. One thread; the kernels take turns in one process, so that a
 //! drifting machine meets all of them alike; medians.
@@ -28,6 +28,7 @@ fn main() {
     println!("Mrays/s, one thread, medians of {N_ROUNDS} rounds; in brackets with counters");
     compare("spheres", &scenes::sphere_cloud(), &scenes::CUBE);
     compare("soup", &scenes::triangle_soup(), &scenes::CUBE);
+    compare("architecture", &scenes::architecture(), &scenes::NAVE);
     let mut arguments = std::env::args().skip_while(|argument| argument != "--mesh");
     if let Some(path) = arguments.nth(1) {
         let (mesh, view) = scenes::mesh(path.as_ref());

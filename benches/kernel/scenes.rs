@@ -23,6 +23,13 @@ pub const CUBE: View = View {
     light: Vec3::new(3.0, 4.0, 2.0),
 };
 
+/// A look along the nave of [`architecture`].
+pub const NAVE: View = View {
+    eye: Vec3::new(1.5, 1.7, 1.0),
+    target: Vec3::new(14.0, 2.6, 20.0),
+    light: Vec3::new(16.0, 5.5, 14.0),
+};
+
 impl View {
     /// The ray through pixel `i` of a square picture, row by row.
     pub fn ray(&self, i: usize, side: usize) -> Ray {
@@ -68,6 +75,73 @@ pub fn triangle_soup() -> Vec<Primitive> {
         primitive(Shape::Triangle(Triangle { vertices }))
     };
     (0..200_000).map(triangle).collect()
+}
+
+/// A hall of columns, 48 m long, 30 m wide and 6 m high: planks and shafts
+/// whose triangles are a hundred times longer than wide, ribs across all
+/// axes, bases and capitals of small triangles, two large walls.
+pub fn architecture() -> Vec<Primitive> {
+    let [n_x, n_z] = [10_u16, 16];
+    let foot = |x: u16, z: u16| 3.0 * Vec3::new(f32::from(x) + 0.5, 0.0, f32::from(z) + 0.5);
+    let mut triangles = Vec::new();
+    for x in 0..200_u16 {
+        let x = 0.15 * f32::from(x);
+        let [near, far] = [0.0, 48.0].map(|z| Vec3::new(x, 0.0, z));
+        let plank = [near, near + 0.148 * Vec3::X, far + 0.148 * Vec3::X, far];
+        triangles.extend(quad(plank));
+        triangles.extend(quad(plank.map(|corner| corner + 6.0 * Vec3::Y)));
+    }
+    for x in [0.0, 30.0] {
+        let [near, far] = [0.0, 48.0].map(|z| Vec3::new(x, 0.0, z));
+        triangles.extend(quad([near, far, far + 6.0 * Vec3::Y, near + 6.0 * Vec3::Y]));
+    }
+    for (x, z) in (0..n_x).flat_map(|x| (0..n_z).map(move |z| (x, z))) {
+        let foot = foot(x, z);
+        column(foot, &mut triangles);
+        let top = foot + 4.4 * Vec3::Y;
+        for (dx, dz) in [(3.0, 0.0), (0.0, 3.0), (3.0, 3.0), (-3.0, 3.0)] {
+            let keystone = top + Vec3::new(0.5 * dx, 1.5, 0.5 * dz);
+            let end = top + Vec3::new(dx, 0.0, dz);
+            tube([(top, 0.09), (keystone, 0.06)], 12, &mut triangles);
+            tube([(keystone, 0.06), (end, 0.09)], 12, &mut triangles);
+        }
+    }
+    let shape = |vertices| primitive(Shape::Triangle(Triangle { vertices }));
+    triangles.into_iter().map(shape).collect()
+}
+
+/// A shaft of 4 m between a base and a capital of many rings.
+fn column(foot: Vec3, triangles: &mut Vec<[Vec3; 3]>) {
+    let ring = |i: u16, from: f32| {
+        let x = f32::from(i) / 8.0;
+        let radius = 0.25 + 0.08 * (9.0 * x).sin().abs() * (1.0 - x);
+        (foot + (from + 0.2 * x) * Vec3::Y, radius)
+    };
+    for from in [0.0, 4.2] {
+        for i in 0..8 {
+            tube([ring(i, from), ring(i + 1, from)], 40, triangles);
+        }
+    }
+    tube([ring(8, 0.0), ring(0, 4.2)], 40, triangles);
+}
+
+/// The side of a cone between two circles, given by centre and radius.
+fn tube(circles: [(Vec3, f32); 2], n_sides: u16, triangles: &mut Vec<[Vec3; 3]>) {
+    let axis = (circles[1].0 - circles[0].0).normalize();
+    let (u, v) = axis.any_orthonormal_pair();
+    let point = |(center, radius): (Vec3, f32), side: u16| {
+        let angle = std::f32::consts::TAU * f32::from(side) / f32::from(n_sides);
+        center + radius * (angle.cos() * u + angle.sin() * v)
+    };
+    for side in 0..n_sides {
+        let [a, b] = [side, side + 1].map(|side| point(circles[0], side));
+        let [c, d] = [side + 1, side].map(|side| point(circles[1], side));
+        triangles.extend(quad([a, b, c, d]));
+    }
+}
+
+fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
+    [[a, b, c], [a, c, d]]
 }
 
 /// The triangles of a mesh file and a view of them.
