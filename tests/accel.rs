@@ -5,11 +5,14 @@ mod common;
 use common::{parse, scene_of};
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::{Accel, Bvh, Simd};
-use raycost::config::Acceleration;
+use raycost::accel::{Accel, Simd};
+use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, NoProbe};
 use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
+
+const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Balanced, Quality::High];
 
 /// A number that is often one of a few round ones, so that rays run along
 /// axes and through edges, and primitives coincide.
@@ -119,16 +122,55 @@ fn bare_primitive() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// The hierarchy on every instruction set of this machine.
-fn kernels(primitives: &[Primitive]) -> Vec<Accel<'_>> {
-    let built = Accel::new(primitives, Acceleration::Bvh);
-    let on = |simd| built.clone().with_simd(simd);
-    Simd::available().into_iter().map(on).collect()
+/// Three corners that a builder may stumble over: those of a needle, of a
+/// sheet along an axis, of something huge, of a line or of a point.
+fn awkward_vertices() -> impl Strategy<Value = [Vec3; 3]> {
+    let vector = || triple().prop_map(Vec3::from);
+    let width = prop::sample::select(vec![0.0_f32, 1e-6, 1e-3, 0.1]);
+    let length = prop::sample::select(vec![0.0_f32, 0.1, 1.0, 20.0, 1000.0]);
+    prop_oneof![
+        4 => (vector(), vector(), vector(), width, length).prop_map(
+            |(from, along, across, width, length)| {
+                [from, from + length * along, from + width * across]
+            }
+        ),
+        1 => (vector(), triple(), 0_usize..3).prop_map(|(from, [x, y, _], axis)| {
+            let (mut b, mut c) = (from, from);
+            b[(axis + 1) % 3] += 3.0 * x;
+            c[(axis + 2) % 3] += y;
+            [from, b, c]
+        }),
+    ]
+}
+
+/// The hierarchies of each quality on every instruction set of this machine.
+fn builds(primitives: &[Primitive]) -> Vec<Vec<Accel<'_>>> {
+    let kernels = |quality| {
+        let built = Accel::new(primitives, Acceleration::Bvh(quality));
+        let on = |simd| built.clone().with_simd(simd);
+        Simd::available().into_iter().map(on).collect()
+    };
+    QUALITIES.into_iter().map(kernels).collect()
+}
+
+fn brute_force(primitives: &[Primitive]) -> Accel<'_> {
+    Accel::new(primitives, Acceleration::BruteForce)
+}
+
+fn primitive(shape: Shape) -> Primitive {
+    Primitive::new(shape, None, ObjectId(0), MaterialId(0))
+}
+
+/// All qualities and kernels give the answers of brute force.
+fn compare(builds: &[Vec<Accel>], brute: &Accel, ray: &Ray) -> Result<(), TestCaseError> {
+    builds
+        .iter()
+        .try_for_each(|kernels| compare_kernels(kernels, brute, ray))
 }
 
 /// All kernels give the answers of brute force and the counters of the first
 /// one.
-fn compare(kernels: &[Accel], brute: &Accel, ray: &Ray) -> Result<(), TestCaseError> {
+fn compare_kernels(kernels: &[Accel], brute: &Accel, ray: &Ray) -> Result<(), TestCaseError> {
     let costs = |answer: &dyn Fn(&Accel, &mut Cost)| -> Vec<Cost> {
         let mut costs = vec![Cost::default(); kernels.len()];
         for (kernel, cost) in kernels.iter().zip(&mut costs) {
@@ -156,10 +198,10 @@ proptest! {
 
     #[test]
     fn all_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
-        let kernels = kernels(&scene.primitives);
-        let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
+        let builds = builds(&scene.primitives);
+        let brute = brute_force(&scene.primitives);
         for ray in rays {
-            compare(&kernels, &brute, &ray)?;
+            compare(&builds, &brute, &ray)?;
         }
     }
 
@@ -173,25 +215,46 @@ proptest! {
         let transform = Transform::of_steps(&[TransformStep::Scale(Vec3::splat(scale))]);
         let scaled = |shape| Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0));
         let primitives: Vec<Primitive> = primitives.into_iter().map(scaled).collect();
-        let kernels = kernels(&primitives);
-        let brute = Accel::new(&primitives, Acceleration::BruteForce);
+        let builds = builds(&primitives);
+        let brute = brute_force(&primitives);
         for ray in rays {
             let origin = scale * ray.origin;
-            compare(&kernels, &brute, &Ray { origin, ..ray })?;
+            compare(&builds, &brute, &Ray { origin, ..ray })?;
             for direction in [Vec3::X, -Vec3::Y, Vec3::new(-0.0, 0.0, -1.0), Vec3::new(0.6, -0.0, 0.8)] {
-                compare(&kernels, &brute, &Ray { origin, direction })?;
+                compare(&builds, &brute, &Ray { origin, direction })?;
+            }
+        }
+    }
+
+    #[test]
+    fn all_find_the_same_hits_on_awkward_triangles(
+        vertices in prop::collection::vec(awkward_vertices(), 1..150),
+        rays in prop::collection::vec(ray(), 20),
+    ) {
+        let triangle = |vertices| primitive(Shape::Triangle(Triangle { vertices }));
+        let primitives: Vec<Primitive> = vertices.into_iter().map(triangle).collect();
+        let builds = builds(&primitives);
+        let brute = brute_force(&primitives);
+        for ray in rays {
+            compare(&builds, &brute, &ray)?;
+            for direction in [Vec3::X, -Vec3::Y, Vec3::Z] {
+                compare(&builds, &brute, &Ray { direction, ..ray })?;
             }
         }
     }
 
     #[test]
     fn probes_change_no_hit(scene in scene(), ray in ray()) {
-        let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
-        let mut cost = Cost::default();
-        prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
-        let n_nodes = bvh.statistics().unwrap().n_nodes as u64;
-        prop_assert!(cost.node_visits <= n_nodes);
-        prop_assert!(cost.primitive_tests <= scene.primitives.len() as u64);
+        let is_plane = |primitive: &&Primitive| primitive.is_unbounded();
+        let n_planes = scene.primitives.iter().filter(is_plane).count();
+        for quality in QUALITIES {
+            let bvh = Accel::new(&scene.primitives, Acceleration::Bvh(quality));
+            let mut cost = Cost::default();
+            prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
+            let statistics = bvh.statistics().unwrap();
+            prop_assert!(cost.node_visits <= statistics.n_nodes as u64);
+            prop_assert!(cost.primitive_tests <= (n_planes + statistics.n_references) as u64);
+        }
     }
 }
 
@@ -211,7 +274,7 @@ fn coincident_spheres_make_a_shallow_tree() {
     let scene = spheres(
         "  - sphere_grid: { counts: [20000, 1, 1], min: [1, 1, 1], max: [1, 1, 1], radius: 0.5 }\n    material: m\n",
     );
-    let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    let bvh = Accel::new(&scene.primitives, Acceleration::default());
     let statistics = bvh.statistics().unwrap();
     assert!(statistics.depth <= 20, "{statistics:?}");
     let ray = Ray {
@@ -236,7 +299,7 @@ fn a_geometric_series_of_spheres_is_found_whole() {
         })
         .collect();
     let scene = spheres(&objects);
-    let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    let bvh = Accel::new(&scene.primitives, Acceleration::default());
     let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
     for i in -40..40 {
         let x = 2.0_f32.powi(i);
@@ -250,19 +313,88 @@ fn a_geometric_series_of_spheres_is_found_whole() {
     }
 }
 
+/// Needles of all directions, which fill their boxes least.
+fn needles(n: u64) -> Vec<Primitive> {
+    let needle = |i| {
+        let point = |corner| {
+            let [x, y, z, _] = uniform([5, i, corner]);
+            Vec3::new(x, y, z)
+        };
+        let [from, along, across] = [0, 1, 2].map(point);
+        let along = 0.2 * (along - 0.5);
+        let vertices = [from, from + along, from + 0.001 * across];
+        primitive(Shape::Triangle(Triangle { vertices }))
+    };
+    (0..n).map(needle).collect()
+}
+
+#[test]
+fn better_quality_means_less_cost_and_fewer_tests() {
+    let primitives = needles(20_000);
+    let rays: Vec<Ray> = (0..500)
+        .map(|i| {
+            let [x, y, u, v] = uniform([6, i, 0]);
+            let origin = Vec3::new(x, y, 2.0);
+            let direction = (Vec3::new(u, v, 0.0) - origin).normalize();
+            Ray { origin, direction }
+        })
+        .collect();
+    let measure = |quality| {
+        let bvh = Accel::new(&primitives, Acceleration::Bvh(quality));
+        let mut cost = Cost::default();
+        for ray in &rays {
+            bvh.nearest(ray, &mut cost);
+        }
+        (bvh.statistics().unwrap(), cost)
+    };
+    let [fast, balanced, high] = QUALITIES.map(measure);
+    assert_eq!(fast.0.n_references, primitives.len());
+    for (worse, better) in [(fast, balanced), (fast, high)] {
+        assert!(better.0.sah_cost < worse.0.sah_cost, "{better:?} {worse:?}");
+        assert!(
+            better.1.primitive_tests < worse.1.primitive_tests,
+            "{better:?} {worse:?}"
+        );
+    }
+}
+
 /// The parallel build makes no choice by thread.
 #[test]
 fn the_tree_is_the_same_on_any_number_of_threads() {
     let scene = spheres(
         "  - sphere_cloud: { count: 100000, min: [-1, -1, -1], max: [1, 1, 1], radius: [0.001, 0.02], seed: 3 }\n    material: m\n",
     );
-    let tree = |n_threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
-        let build = || Accel::new(&scene.primitives, Acceleration::Bvh);
-        pool.build().unwrap().install(build)
+    for (primitives, quality) in [
+        (scene.primitives, Quality::Fast),
+        (ellipsoids(20_000), Quality::Fast),
+        (needles(70_000), Quality::Balanced),
+        (needles(10_000), Quality::High),
+    ] {
+        let tree = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+            let build = || Accel::new(&primitives, Acceleration::Bvh(quality));
+            pool.build().unwrap().install(build)
+        };
+        let one = tree(1);
+        assert!(one == tree(2) && one == tree(5), "{quality}");
+        let statistics = one.statistics().unwrap();
+        // As the check of the memory assumes.
+        assert!(statistics.bytes / primitives.len() < 128, "{statistics:?}");
+    }
+}
+
+/// Ellipsoids, which are tested one by one.
+fn ellipsoids(n: u64) -> Vec<Primitive> {
+    let stretch = TransformStep::Scale(Vec3::new(1.0, 2.0, 3.0));
+    let transform = Transform::of_steps(&[stretch]);
+    let ellipsoid = |i| {
+        let [x, y, z, size] = uniform([8, i, 0]);
+        let sphere = Sphere {
+            center: Vec3::new(x, y, z),
+            radius: 0.01 + 0.02 * size,
+        };
+        let shape = Shape::Sphere(sphere);
+        Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0))
     };
-    let one = tree(1);
-    assert!(one == tree(2) && one == tree(5));
-    let per_primitive = one.statistics().unwrap().bytes / scene.primitives.len();
-    assert!(per_primitive < Bvh::MAX_BYTES_PER_PRIMITIVE);
+    (0..n).map(ellipsoid).collect()
 }
