@@ -2,7 +2,7 @@
 
 use sysinfo::System;
 
-use crate::accel::Bvh;
+use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Config};
 use crate::film;
 use crate::scene::{Geometries, Primitive};
@@ -29,7 +29,7 @@ impl Memory {
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {
-                Acceleration::Bvh => Bvh::MAX_BYTES_PER_PRIMITIVE,
+                Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
                 Acceleration::BruteForce => size_of::<u32>(),
             };
         let n_pixels = config.image.n_pixels() as u64;
@@ -85,6 +85,13 @@ impl Memory {
         )
         .with_help(advice))
     }
+}
+
+/// The fault of the objects over which the hierarchy turned out too large.
+pub fn too_large(error: TooLarge) -> Fault {
+    let objects = Path::default().key("objects");
+    Fault::of_key(objects, error.to_string(), "makes too large a hierarchy")
+        .with_help("ask the generators for fewer spheres, or for `acceleration: { quality: fast }`")
 }
 
 /// Memory that a new program may take, in bytes; all there could be where the

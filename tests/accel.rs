@@ -3,14 +3,15 @@
 mod common;
 
 use common::generators::{self, ray, triple};
-use common::twins::compare;
+use common::twins::{QUALITIES, compare};
 use common::{parse, scene_of};
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::{Accel, Bvh};
-use raycost::config::Acceleration;
+use raycost::accel::Accel;
+use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, NoProbe};
-use raycost::geometry::{Ray, Transform, TransformStep};
+use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
 
 fn list([x, y, z]: [f32; 3]) -> String {
@@ -79,6 +80,10 @@ fn scene() -> impl Strategy<Value = Scene> {
     })
 }
 
+fn primitive(shape: Shape) -> Primitive {
+    Primitive::new(shape, None, ObjectId(0), MaterialId(0))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
@@ -104,12 +109,16 @@ proptest! {
 
     #[test]
     fn probes_change_no_hit(scene in scene(), ray in ray()) {
-        let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
-        let mut cost = Cost::default();
-        prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
-        let n_nodes = bvh.statistics().unwrap().n_nodes as u64;
-        prop_assert!(cost.node_visits <= n_nodes);
-        prop_assert!(cost.primitive_tests <= scene.primitives.len() as u64);
+        let is_plane = |primitive: &&Primitive| primitive.is_unbounded();
+        let n_planes = scene.primitives.iter().filter(is_plane).count();
+        for quality in QUALITIES {
+            let bvh = Accel::new(&scene.primitives, Acceleration::Bvh(quality));
+            let mut cost = Cost::default();
+            prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
+            let statistics = bvh.statistics().unwrap();
+            prop_assert!(cost.node_visits <= statistics.n_nodes as u64);
+            prop_assert!(cost.primitive_tests <= (n_planes + statistics.n_references) as u64);
+        }
     }
 }
 
@@ -129,7 +138,7 @@ fn coincident_spheres_make_a_shallow_tree() {
     let scene = spheres(
         "  - sphere_grid: { counts: [20000, 1, 1], min: [1, 1, 1], max: [1, 1, 1], radius: 0.5 }\n    material: m\n",
     );
-    let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    let bvh = Accel::new(&scene.primitives, Acceleration::default());
     let statistics = bvh.statistics().unwrap();
     assert!(statistics.depth <= 20, "{statistics:?}");
     let ray = Ray {
@@ -154,7 +163,7 @@ fn a_geometric_series_of_spheres_is_found_whole() {
         })
         .collect();
     let scene = spheres(&objects);
-    let bvh = Accel::new(&scene.primitives, Acceleration::Bvh);
+    let bvh = Accel::new(&scene.primitives, Acceleration::default());
     let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
     for i in -40..40 {
         let x = 2.0_f32.powi(i);
@@ -168,19 +177,88 @@ fn a_geometric_series_of_spheres_is_found_whole() {
     }
 }
 
+/// Needles of all directions, which fill their boxes least.
+fn needles(n: u64) -> Vec<Primitive> {
+    let needle = |i| {
+        let point = |corner| {
+            let [x, y, z, _] = uniform([5, i, corner]);
+            Vec3::new(x, y, z)
+        };
+        let [from, along, across] = [0, 1, 2].map(point);
+        let along = 0.2 * (along - 0.5);
+        let vertices = [from, from + along, from + 0.001 * across];
+        primitive(Shape::Triangle(Triangle { vertices }))
+    };
+    (0..n).map(needle).collect()
+}
+
+#[test]
+fn better_quality_means_less_cost_and_fewer_tests() {
+    let primitives = needles(20_000);
+    let rays: Vec<Ray> = (0..500)
+        .map(|i| {
+            let [x, y, u, v] = uniform([6, i, 0]);
+            let origin = Vec3::new(x, y, 2.0);
+            let direction = (Vec3::new(u, v, 0.0) - origin).normalize();
+            Ray { origin, direction }
+        })
+        .collect();
+    let measure = |quality| {
+        let bvh = Accel::new(&primitives, Acceleration::Bvh(quality));
+        let mut cost = Cost::default();
+        for ray in &rays {
+            bvh.nearest(ray, &mut cost);
+        }
+        (bvh.statistics().unwrap(), cost)
+    };
+    let [fast, balanced, high] = QUALITIES.map(measure);
+    assert_eq!(fast.0.n_references, primitives.len());
+    for (worse, better) in [(fast, balanced), (fast, high)] {
+        assert!(better.0.sah_cost < worse.0.sah_cost, "{better:?} {worse:?}");
+        assert!(
+            better.1.primitive_tests < worse.1.primitive_tests,
+            "{better:?} {worse:?}"
+        );
+    }
+}
+
 /// The parallel build makes no choice by thread.
 #[test]
 fn the_tree_is_the_same_on_any_number_of_threads() {
     let scene = spheres(
         "  - sphere_cloud: { count: 100000, min: [-1, -1, -1], max: [1, 1, 1], radius: [0.001, 0.02], seed: 3 }\n    material: m\n",
     );
-    let tree = |n_threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
-        let build = || Accel::new(&scene.primitives, Acceleration::Bvh);
-        pool.build().unwrap().install(build)
+    for (primitives, quality) in [
+        (scene.primitives, Quality::Fast),
+        (ellipsoids(20_000), Quality::Fast),
+        (needles(70_000), Quality::Balanced),
+        (needles(10_000), Quality::High),
+    ] {
+        let tree = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+            let build = || Accel::new(&primitives, Acceleration::Bvh(quality));
+            pool.build().unwrap().install(build)
+        };
+        let one = tree(1);
+        assert!(one == tree(2) && one == tree(5), "{quality}");
+        let statistics = one.statistics().unwrap();
+        // As the check of the memory assumes.
+        assert!(statistics.bytes / primitives.len() < 128, "{statistics:?}");
+    }
+}
+
+/// Ellipsoids, which are tested one by one.
+fn ellipsoids(n: u64) -> Vec<Primitive> {
+    let stretch = TransformStep::Scale(Vec3::new(1.0, 2.0, 3.0));
+    let transform = Transform::of_steps(&[stretch]);
+    let ellipsoid = |i| {
+        let [x, y, z, size] = uniform([8, i, 0]);
+        let sphere = Sphere {
+            center: Vec3::new(x, y, z),
+            radius: 0.01 + 0.02 * size,
+        };
+        let shape = Shape::Sphere(sphere);
+        Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0))
     };
-    let one = tree(1);
-    assert!(one == tree(2) && one == tree(5));
-    let per_primitive = one.statistics().unwrap().bytes / scene.primitives.len();
-    assert!(per_primitive < Bvh::MAX_BYTES_PER_PRIMITIVE);
+    (0..n).map(ellipsoid).collect()
 }

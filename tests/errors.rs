@@ -227,7 +227,7 @@ fn more_primitives_than_a_hierarchy_can_hold_are_refused() {
         .to_string();
     let title = "error: the scene has 1000000000 primitives\n --> scene.yaml:5:1\n";
     assert!(error.starts_with(title), "{error}");
-    assert!(error.contains("expected at most 26843543"), "{error}");
+    assert!(error.contains("expected at most 268435456"), "{error}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::iter;
 use std::time::Instant;
 
 use raycost::accel::Accel;
-use raycost::config::Acceleration;
+use raycost::config::{self, Acceleration};
 use raycost::geometry::Shape;
 use raycost::scene::Primitive;
 
@@ -27,13 +27,13 @@ struct Build {
 
 const BUILDS: [Build; 2] = [
     Build {
-        names: ["bvh", "medium"],
-        ours: Acceleration::Bvh,
+        names: ["fast", "medium"],
+        ours: Acceleration::Bvh(config::Quality::Fast),
         embree: Quality::Medium,
     },
     Build {
-        names: ["bvh", "high"],
-        ours: Acceleration::Bvh,
+        names: ["high", "high"],
+        ours: Acceleration::Bvh(config::Quality::High),
         embree: Quality::High,
     },
 ];

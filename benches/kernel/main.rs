@@ -1,7 +1,9 @@
 //! Rays per second of every ray kernel that this machine can run:
-//! `cargo bench --bench kernel [-- --mesh FILE]`.
+//! `cargo bench --bench kernel [-- [--only SCENE] [--mesh FILE] [--builds]]`.
 //!
-//! Four scenes, three kinds of rays each: primary rays of a picture, and from
+//! Four scenes. For each quality of the hierarchy: the time to build it, its
+//! size, and the nodes and tests of a ray; with `--builds` no more than that.
+//! For each kernel: three kinds of rays: primary rays of a picture, and from
 //! their hits one diffuse ray (cosine-distributed) and one shadow ray to a
 //! point light. One thread; the kernels take turns in one process, so that a
 //! drifting machine meets all of them alike; medians.
@@ -13,7 +15,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 use raycost::accel::{Accel, Simd};
-use raycost::config::Acceleration;
+use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, NoProbe, Probe};
 use raycost::geometry::Ray;
 use raycost::sampling::uniform;
@@ -21,44 +23,53 @@ use raycost::scene::Primitive;
 use scenes::View;
 
 const N_ROUNDS: usize = 9;
+const N_BUILDS: usize = 3;
 /// Rows and columns of the picture.
 const SIDE: usize = 512;
 
 fn main() {
     println!("Mrays/s, one thread, medians of {N_ROUNDS} rounds; in brackets with counters");
-    compare("spheres", &scenes::sphere_cloud(), &scenes::CUBE);
-    compare("soup", &scenes::triangle_soup(), &scenes::CUBE);
-    compare("architecture", &scenes::architecture(), &scenes::NAVE);
-    let mut arguments = std::env::args().skip_while(|argument| argument != "--mesh");
-    if let Some(path) = arguments.nth(1) {
+    let wanted = argument("--only");
+    let is_wanted = |scene: &str| wanted.as_ref().is_none_or(|wanted| wanted == scene);
+    if is_wanted("spheres") {
+        compare("spheres", &scenes::sphere_cloud(), &scenes::CUBE);
+    }
+    if is_wanted("soup") {
+        compare("soup", &scenes::triangle_soup(), &scenes::CUBE);
+    }
+    if is_wanted("architecture") {
+        compare("architecture", &scenes::architecture(), &scenes::NAVE);
+    }
+    if let Some(path) = argument("--mesh") {
         let (mesh, view) = scenes::mesh(path.as_ref());
         compare("mesh", &mesh, &view);
     }
 }
 
+/// What follows this word on the command line.
+fn argument(name: &str) -> Option<String> {
+    let mut arguments = std::env::args().skip_while(|argument| argument != name);
+    arguments.nth(1)
+}
+
 /// Every kernel that there is, by name.
 fn kernels(primitives: &[Primitive]) -> Vec<(String, Accel<'_>)> {
-    let built = Accel::new(primitives, Acceleration::Bvh);
+    let built = Accel::new(primitives, Acceleration::default());
     let on = |simd: Simd| (simd.to_string(), built.clone().with_simd(simd));
     Simd::available().into_iter().map(on).collect()
 }
 
 fn compare(scene: &str, primitives: &[Primitive], view: &View) {
-    let start = Instant::now();
+    println!("\n{scene}: {} primitives", primitives.len());
     let kernels = kernels(primitives);
-    let build_ms = start.elapsed().as_secs_f64() * 1e3;
-    let statistics = kernels[0].1.statistics().unwrap();
-    println!(
-        "\n{scene}: {} primitives, built in {build_ms:.0} ms\n  {statistics:?}",
-        primitives.len()
-    );
     let rays = Rays::new(&kernels[0].1, primitives, view);
-    let sets: [(&str, &[Ray], f32); 3] = [
-        ("primary", &rays.primary, 0.0),
-        ("diffuse", &rays.diffuse, 0.0),
-        ("shadow", &rays.shadow, f32::INFINITY),
-    ];
-    for (name, rays, t_max) in sets {
+    for quality in [Quality::Fast, Quality::Balanced, Quality::High] {
+        compare_build(primitives, quality, &rays);
+    }
+    if std::env::args().any(|argument| argument == "--builds") {
+        return;
+    }
+    for (name, rays, t_max) in rays.sets() {
         let mut times = vec![[[0.0; N_ROUNDS]; 2]; kernels.len()];
         let mut cost = Cost::default();
         for round in 0..N_ROUNDS {
@@ -77,6 +88,28 @@ fn compare(scene: &str, primitives: &[Primitive], view: &View) {
         }
         println!();
     }
+}
+
+/// Builds a hierarchy and tells what it took, and what rays do in it.
+fn compare_build(primitives: &[Primitive], quality: Quality, rays: &Rays) {
+    let build = || Accel::new(primitives, Acceleration::Bvh(quality));
+    let mut times = [0.0; N_BUILDS];
+    for time in &mut times {
+        let start = Instant::now();
+        black_box(build());
+        *time = start.elapsed().as_secs_f64() * 1e3;
+    }
+    let accel = build();
+    let name = quality.to_string();
+    print!("  {name:8} {:6.0} ms", median(&mut times));
+    for (set, rays, t_max) in rays.sets() {
+        let mut cost = Cost::default();
+        seconds(&accel, rays, t_max, &mut cost);
+        let a_ray = |count: u64| count as f64 / rays.len() as f64;
+        let (nodes, tests) = (a_ray(cost.node_visits), a_ray(cost.primitive_tests));
+        print!("   {set} {nodes:.2} nodes {tests:.2} tests");
+    }
+    println!("\n           {:?}", accel.statistics().unwrap());
 }
 
 /// How long all rays take; `t_max` 0 asks for nearest hits.
@@ -105,6 +138,16 @@ struct Rays {
 }
 
 impl Rays {
+    /// All by name; with the distance that shadow rays look to, 0 for the
+    /// others.
+    fn sets(&self) -> [(&str, &[Ray], f32); 3] {
+        [
+            ("primary", &self.primary, 0.0),
+            ("diffuse", &self.diffuse, 0.0),
+            ("shadow", &self.shadow, f32::INFINITY),
+        ]
+    }
+
     fn new(accel: &Accel, primitives: &[Primitive], view: &View) -> Self {
         let primary: Vec<Ray> = (0..SIDE * SIDE).map(|i| view.ray(i, SIDE)).collect();
         let (mut diffuse, mut shadow) = (Vec::new(), Vec::new());

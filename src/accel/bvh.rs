@@ -1,11 +1,12 @@
 //! A bounding volume hierarchy of eight children a node.
 
 use super::arena::Arena;
-use super::build;
+use super::build::{self, TooLarge};
 use super::kernel::Traversal;
 use super::search::Search;
 use super::simd::Simd;
 use super::statistics::BvhStatistics;
+use crate::config::Quality;
 use crate::cost::Probe;
 use crate::geometry::Ray;
 use crate::scene::Primitive;
@@ -17,21 +18,29 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Most primitives that are sure to fit.
+    /// Most primitives.
     pub const MAX_PRIMITIVES: usize = build::MAX_PRIMITIVES;
 
     /// Bytes of memory for each primitive, at most, while it is built.
-    pub const MAX_BYTES_PER_PRIMITIVE: usize = build::MAX_BYTES_PER_PRIMITIVE;
+    pub fn bytes_per_primitive(quality: Quality) -> usize {
+        build::bytes_per_primitive(quality)
+    }
 
-    /// Builds the hierarchy over the primitives with these indices; the same
-    /// one on any number of threads.
+    /// Builds the hierarchy over the primitives with these indices, at most
+    /// [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES); the same one on any number of
+    /// threads. `report` hears of the parts that are done, which add up to 1,
+    /// from any thread.
     ///
-    /// # Panics
-    /// If it is larger than 8 GiB, which takes more than
-    /// [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES), and commonly ten times as many.
-    pub fn new(primitives: &[Primitive], indices: Vec<u32>) -> Self {
-        let arena = build::arena(primitives, indices);
-        Self { arena }
+    /// # Errors
+    /// If it is larger than 8 GiB, which takes 100 million primitives or more.
+    pub fn new(
+        primitives: &[Primitive],
+        indices: Vec<u32>,
+        quality: Quality,
+        report: impl Fn(f64) + Sync,
+    ) -> Result<Self, TooLarge> {
+        let arena = build::arena(primitives, indices, quality, report)?;
+        Ok(Self { arena })
     }
 
     /// Its size and expected cost.

@@ -98,6 +98,17 @@ impl LeafKind {
         }
     }
 
+    /// The kind with this number.
+    #[inline(always)]
+    pub(super) fn from_number(number: u32) -> Option<Self> {
+        match number {
+            1 => Some(Self::Triangles),
+            2 => Some(Self::Spheres),
+            3 => Some(Self::Others),
+            _ => None,
+        }
+    }
+
     /// Lines of a leaf of `n` primitives.
     pub(super) fn n_lines(self, n: usize) -> usize {
         let len = match self {

@@ -24,6 +24,7 @@ use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
 use arena::Arena;
+pub use build::TooLarge;
 pub use bvh::Bvh;
 use kernel::Stream;
 use search::{Any, Nearest, Query, Search};
@@ -61,25 +62,43 @@ pub struct Accel<'a> {
 }
 
 impl<'a> Accel<'a> {
-    /// Builds the structure of this kind over the primitives, fewer than 2^32
-    /// and as many as [`Bvh::new`] takes, for the best of the machine's
-    /// instruction sets.
+    /// The structure of this kind over the primitives, at most
+    /// [`Bvh::MAX_PRIMITIVES`], for the best of the machine's instruction sets.
+    ///
+    /// # Panics
+    /// If the hierarchy is too large, which [`build`](Self::build) tells.
     pub fn new(primitives: &'a [Primitive], kind: Acceleration) -> Self {
+        let built = Self::build(primitives, kind, |_| {});
+        built.unwrap_or_else(|too_large| panic!("{too_large}"))
+    }
+
+    /// Builds the structure, as [`new`](Self::new) does. `report` hears of the
+    /// parts that are done, which add up to 1 at most, from any thread.
+    ///
+    /// # Errors
+    /// If the hierarchy is larger than 8 GiB, which takes 100 million
+    /// primitives or more.
+    pub fn build(
+        primitives: &'a [Primitive],
+        kind: Acceleration,
+        report: impl Fn(f64) + Sync,
+    ) -> Result<Self, TooLarge> {
         let all = 0..primitives.len() as u32;
         let (always, bvh) = match kind {
             Acceleration::BruteForce => (all.collect(), None),
-            Acceleration::Bvh => {
+            Acceleration::Bvh(quality) => {
                 let (planes, bounded): (Vec<u32>, Vec<u32>) =
                     all.partition(|&i| primitives[i as usize].is_unbounded());
-                (planes, Some(Bvh::new(primitives, bounded)))
+                let bvh = Bvh::new(primitives, bounded, quality, report)?;
+                (planes, Some(bvh))
             }
         };
-        Self {
+        Ok(Self {
             primitives,
             always,
             bvh,
             simd: Simd::best(),
-        }
+        })
     }
 
     /// The same structure, searched with other instructions: same hits, same

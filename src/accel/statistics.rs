@@ -14,6 +14,8 @@ pub struct BvhStatistics {
     pub n_nodes: usize,
     /// Leaves of up to eight primitives.
     pub n_leaves: usize,
+    /// Primitives in all leaves; those that were cut are in several.
+    pub n_references: usize,
     /// Edges from the root to the deepest leaf.
     pub depth: usize,
     /// Expected cost of a ray through the root's box, in primitive tests, by
@@ -38,6 +40,7 @@ impl BvhStatistics {
         Self {
             n_nodes: count.n_nodes,
             n_leaves: count.n_leaves,
+            n_references: count.n_references,
             depth: count.depth,
             sah_cost: count.cost as f32,
             bytes: size_of_val(lines),
@@ -49,6 +52,7 @@ impl BvhStatistics {
 struct Count {
     n_nodes: usize,
     n_leaves: usize,
+    n_references: usize,
     depth: usize,
     /// Sum of costs times areas.
     cost: f64,
@@ -65,6 +69,7 @@ impl Count {
             let area = f64::from(child_bounds(node, i).surface_area());
             if child.is_leaf() {
                 self.n_leaves += 1;
+                self.n_references += child.leaf_size();
                 self.cost += child.leaf_size() as f64 * area;
             } else {
                 self.node(lines, child, area, depth + 1);

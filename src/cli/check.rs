@@ -36,8 +36,8 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
     let image = &config.image;
     let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
     let structure = match config.acceleration {
-        Acceleration::Bvh => "a BVH",
-        Acceleration::BruteForce => "brute force",
+        Acceleration::Bvh(quality) => format!("a BVH of {quality} quality"),
+        Acceleration::BruteForce => "brute force".to_owned(),
     };
     let files = Artifact::ALL
         .iter()

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use super::progress::Bar;
+use super::progress::{Bar, BuildBar};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, MAX_SIDE};
 use crate::cost::Meter;
@@ -139,7 +139,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = thread_pool(arguments.threads)?;
     stages.end("read");
 
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let bar = BuildBar::new(arguments.quiet);
+    let report = |part| bar.advance(part);
+    let accel = pool.install(|| Accel::build(&scene.primitives, config.acceleration, report));
+    bar.clear();
+    let accel = accel.map_err(|error| source.point_at(memory::too_large(error)))?;
     stages.end("build");
     let meter = Meter::new(config.cost);
     if meter.clock().is_some() {

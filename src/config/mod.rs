@@ -4,6 +4,7 @@
 //! defaults, each value in its range. What hangs on two places of the file (a
 //! material's name, say) is resolved in [`scene`](crate::scene).
 
+mod acceleration;
 mod background;
 mod cost_mode;
 mod file;
@@ -15,6 +16,7 @@ mod shading;
 use indexmap::IndexMap;
 use serde::Deserialize;
 
+pub use acceleration::{Acceleration, Quality};
 pub use background::Background;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
@@ -70,15 +72,4 @@ pub struct Config {
     pub lights: Vec<Light>,
     /// The objects, at least one; their ids count from 0 in this order.
     pub objects: Vec<Object>,
-}
-
-/// How the nearest hit of a ray is found.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
-#[serde(rename_all = "snake_case", expecting = "`bvh` or `brute_force`")]
-pub enum Acceleration {
-    /// A bounding volume hierarchy over all shapes but planes.
-    #[default]
-    Bvh,
-    /// Every shape against every ray: the truth to compare with.
-    BruteForce,
 }

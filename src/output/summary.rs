@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use sysinfo::System;
 
 use super::{Rendering, Written};
+use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
 
@@ -94,7 +95,7 @@ pub(super) fn write(
         "materials": config.materials.keys().collect::<Vec<_>>(),
         "n_primitives": rendering.scene.primitives.len(),
         "n_degenerate_triangles": rendering.scene.n_degenerate,
-        "acceleration": { "kind": config.acceleration, "bvh": rendering.bvh },
+        "acceleration": acceleration(rendering),
         "machine": machine(),
         "threads": rendering.threads,
         "stages": stages.ended,
@@ -123,6 +124,14 @@ fn cost(rendering: &Rendering, stages: &Stages) -> Value {
         "totals": has_counters.then(|| totals(film)),
         "mrays_per_second": has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
     })
+}
+
+fn acceleration(rendering: &Rendering) -> Value {
+    let (kind, quality) = match rendering.config.acceleration {
+        Acceleration::Bvh(quality) => ("bvh", Some(quality)),
+        Acceleration::BruteForce => ("brute_force", None),
+    };
+    json!({ "kind": kind, "quality": quality, "bvh": rendering.bvh })
 }
 
 fn objects(rendering: &Rendering) -> Value {

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use proptest::prelude::*;
 use raycost::accel::{Accel, Hit, ShadowRay, Simd};
-use raycost::config::Acceleration;
+use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, StreamProbe};
 use raycost::geometry::Ray;
 use raycost::scene::{ObjectId, Primitive};
@@ -12,15 +12,18 @@ use raycost::scene::{ObjectId, Primitive};
 /// What was found of a ray, and what that cost.
 type Answer<A> = (A, Cost);
 
-/// The hierarchy on every instruction set of this machine.
-pub fn kernels(primitives: &[Primitive]) -> Vec<Accel<'_>> {
-    let built = Accel::new(primitives, Acceleration::Bvh);
+/// How carefully hierarchies are built.
+pub const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Balanced, Quality::High];
+
+/// The hierarchy of this quality on every instruction set of this machine.
+pub fn kernels(primitives: &[Primitive], quality: Quality) -> Vec<Accel<'_>> {
+    let built = Accel::new(primitives, Acceleration::Bvh(quality));
     let on = |simd| built.clone().with_simd(simd);
     Simd::available().into_iter().map(on).collect()
 }
 
-/// All kernels, ray by ray and in streams, find what brute force finds, and
-/// count the same for each ray.
+/// All kernels, ray by ray and in streams, find what brute force finds in
+/// hierarchies of each quality, and count the same for each ray.
 pub fn compare(primitives: &[Primitive], rays: &[Ray]) -> Result<(), TestCaseError> {
     let hits = agree(primitives, |accel| {
         [nearest(accel, rays), nearest_stream(accel, rays)]
@@ -40,12 +43,17 @@ fn agree<A: PartialEq + Debug>(
 ) -> Result<Vec<Answer<A>>, TestCaseError> {
     let [expected, in_stream] = ways(&Accel::new(primitives, Acceleration::BruteForce));
     prop_assert_eq!(&in_stream, &expected);
-    let all: Vec<_> = kernels(primitives).iter().flat_map(ways).collect();
-    for answers in &all {
-        prop_assert_eq!(answers.len(), expected.len());
-        for (i, (found, cost)) in answers.iter().enumerate() {
-            prop_assert_eq!(found, &expected[i].0, "ray {}", i);
-            prop_assert_eq!(cost, &all[0][i].1, "ray {}", i);
+    for quality in QUALITIES {
+        let all: Vec<_> = kernels(primitives, quality)
+            .iter()
+            .flat_map(&ways)
+            .collect();
+        for answers in &all {
+            prop_assert_eq!(answers.len(), expected.len());
+            for (i, (found, cost)) in answers.iter().enumerate() {
+                prop_assert_eq!(found, &expected[i].0, "{} ray {}", quality, i);
+                prop_assert_eq!(cost, &all[0][i].1, "{} ray {}", quality, i);
+            }
         }
     }
     Ok(expected)

@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use super::reference::{Corners, Reference};
+use crate::accel::simd::{InstructionSet, Simd, Work};
 
 /// From so many references on they are counted in parallel.
 const PARALLEL: usize = 1 << 16;
@@ -20,23 +21,26 @@ pub(super) struct Split {
     pub(super) n_left: usize,
     pub(super) left: Corners,
     pub(super) right: Corners,
+    /// Of both sides: half of the area times the number of references.
+    pub(super) costs: [f32; 2],
 }
 
 impl Split {
     /// The cheapest one by the surface area heuristic, over `N` bins an axis, a
     /// power of two; `None` if all centres coincide, in the bins' view.
     pub(super) fn best<const N: usize>(
+        simd: Simd,
         references: &[Reference],
         centers: &Corners,
     ) -> Option<Self> {
         let grid = Grid::new::<N>(centers);
-        let bins = Bins::<N>::of(references, &grid);
+        let bins = Bins::<N>::of(simd, references, &grid);
         let candidates = (0..3).filter(|&axis| grid.bins_per_length[axis] > 0.0);
         let (axis, first_right_bin, _) = candidates
             .filter_map(|axis| bins.cheapest_plane(axis))
             .min_by(|a, b| a.2.total_cmp(&b.2))?;
         let (left, n_left) = bins.sum(axis, 0..first_right_bin);
-        let (right, _) = bins.sum(axis, first_right_bin..N);
+        let (right, n_right) = bins.sum(axis, first_right_bin..N);
         Some(Self {
             axis,
             grid,
@@ -44,13 +48,31 @@ impl Split {
             n_left,
             left,
             right,
+            costs: [
+                left.half_area() * n_left as f32,
+                right.half_area() * n_right as f32,
+            ],
         })
+    }
+
+    /// The costs of both sides together.
+    pub(super) fn cost(&self) -> f32 {
+        self.costs[0] + self.costs[1]
+    }
+
+    /// Half of the area of what both sides' boxes have in common.
+    pub(super) fn overlap(&self) -> f32 {
+        let common = self.left.intersection(self.right);
+        match common.is_empty() {
+            true => 0.0,
+            false => common.half_area(),
+        }
     }
 
     /// On which side the reference goes.
     #[inline]
     pub(super) fn is_left(&self, reference: &Reference) -> bool {
-        self.grid.bins(reference)[self.axis] < self.first_right_bin
+        self.grid.bin(reference, self.axis) < self.first_right_bin
     }
 }
 
@@ -82,19 +104,16 @@ impl Grid {
         }
     }
 
-    /// The bin on each axis.
+    /// The bin on an axis.
     #[inline]
-    fn bins(&self, reference: &Reference) -> [usize; 3] {
+    fn bin(&self, reference: &Reference, axis: usize) -> usize {
         // Beyond 2^23 floats are integers: adding it rounds, and the last bits
         // are the number; cheaper than a conversion, which has to mind NaN.
         const TWO_TO_23: f32 = 8_388_608.0;
-        let center = reference.center();
-        std::array::from_fn(|axis| {
-            let bin = (center[axis] - self.from[axis]) * self.bins_per_length[axis];
-            let above = bin - 0.5;
-            let rounded = if above > 0.0 { above } else { 0.0 } + TWO_TO_23;
-            (rounded.to_bits() & self.mask) as usize
-        })
+        let bin = (reference.center()[axis] - self.from[axis]) * self.bins_per_length[axis];
+        let above = bin - 0.5;
+        let rounded = if above > 0.0 { above } else { 0.0 } + TWO_TO_23;
+        (rounded.to_bits() & self.mask) as usize
     }
 }
 
@@ -110,30 +129,16 @@ impl<const N: usize> Bins<N> {
         counts: [[0; N]; 3],
     };
 
-    fn of(references: &[Reference], grid: &Grid) -> Self {
+    fn of(simd: Simd, references: &[Reference], grid: &Grid) -> Self {
+        let of_few = |references| simd.run(Count { references, grid });
         if references.len() < PARALLEL {
-            return Self::of_few(references, grid);
+            return of_few(references);
         }
         // Maxima and sums of integers: the same in any order.
         references
             .par_chunks(PARALLEL / 4)
-            .map(|references| Self::of_few(references, grid))
+            .map(of_few)
             .reduce(|| Self::EMPTY, Self::merged)
-    }
-
-    fn of_few(references: &[Reference], grid: &Grid) -> Self {
-        let mut bins = Self::EMPTY;
-        for reference in references {
-            let corners = reference.corners();
-            let at = grid.bins(reference);
-            for (axis, bin) in at.into_iter().enumerate() {
-                // The mask of the grid says that it is less than N.
-                let bin = bin % N;
-                bins.boxes[axis][bin] = bins.boxes[axis][bin].union(corners);
-                bins.counts[axis][bin] += 1;
-            }
-        }
-        bins
     }
 
     fn merged(mut self, other: Self) -> Self {
@@ -181,5 +186,30 @@ impl<const N: usize> Bins<N> {
             }
         }
         best
+    }
+}
+
+/// Counts references into bins.
+struct Count<'a, const N: usize> {
+    references: &'a [Reference],
+    grid: &'a Grid,
+}
+
+impl<const N: usize> Work for Count<'_, N> {
+    type Output = Bins<N>;
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, _: I) -> Bins<N> {
+        let mut bins = Bins::EMPTY;
+        for reference in self.references {
+            let corners = reference.corners();
+            for axis in 0..3 {
+                // The mask of the grid says that it is less than N.
+                let bin = self.grid.bin(reference, axis) % N;
+                bins.boxes[axis][bin] = bins.boxes[axis][bin].union(corners);
+                bins.counts[axis][bin] += 1;
+            }
+        }
+        bins
     }
 }

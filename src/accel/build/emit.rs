@@ -1,8 +1,8 @@
 //! The chosen tree → lines of the arena.
 
-use bytemuck::Zeroable;
 use rayon::prelude::*;
 
+use super::TooLarge;
 use super::binary::{BinaryNode, Kind};
 use super::collapse::{Forests, Roots, is_leaf};
 use super::order;
@@ -16,7 +16,11 @@ use crate::scene::Primitive;
 const PARALLEL: usize = 1 << 14;
 
 /// The arena of the tree: its root, all below it, and lines to spare.
-pub(super) fn lines(nodes: &[BinaryNode], whole: &Forests, primitives: &[Primitive]) -> Vec<Line> {
+pub(super) fn lines(
+    nodes: &[BinaryNode],
+    whole: &Forests,
+    primitives: &[Primitive],
+) -> Result<Vec<Line>, TooLarge> {
     let mut roots = match is_leaf(&nodes[0]) {
         true => Roots::alone(),
         false => Roots::below(nodes),
@@ -25,10 +29,13 @@ pub(super) fn lines(nodes: &[BinaryNode], whole: &Forests, primitives: &[Primiti
         true => NODE_LINES + whole.n_lines(),
         false => whole.n_lines(),
     };
-    assert!(n_lines <= Word::MAX_LINES, "a hierarchy has 8 GiB at most");
-    let mut lines = vec![Line::zeroed(); n_lines + LEAF_WINDOW_LINES];
+    if n_lines > Word::MAX_LINES {
+        let bytes = (n_lines * size_of::<Line>()) as u64;
+        return Err(TooLarge { bytes });
+    }
+    let mut lines = bytemuck::zeroed_vec(n_lines + LEAF_WINDOW_LINES);
     write_node(nodes, primitives, &mut roots, &mut lines[..n_lines], 0);
-    lines
+    Ok(lines)
 }
 
 /// Writes a node, its leaves and all below it. `lines` are its own, from
@@ -98,8 +105,9 @@ fn write_leaf(
     let mut indices = [0; MAX_LEAF];
     let mut n = 0;
     let kind = gather(nodes, &mut indices, &mut n);
-    let indices = &mut indices[..n];
-    indices.sort_unstable();
+    indices[..n].sort_unstable();
+    let n = dedup(&mut indices[..n]);
+    let indices = &indices[..n];
     let numbers: &mut [f32] = bytemuck::cast_slice_mut(lines);
     let mut n_rows = 0;
     for (lane, &index) in indices.iter().enumerate() {
@@ -126,10 +134,23 @@ fn write_leaf(
     Word::leaf(kind, n, line)
 }
 
+/// Moves the different ones of ascending numbers to the front; gives how many
+/// they are. (A primitive that was cut may be in a leaf with several parts.)
+fn dedup(numbers: &mut [u32]) -> usize {
+    let mut n = 0;
+    for i in 0..numbers.len() {
+        if n == 0 || numbers[n - 1] != numbers[i] {
+            numbers[n] = numbers[i];
+            n += 1;
+        }
+    }
+    n
+}
+
 /// Collects the primitives of a subtree, which are all of the kind that it
 /// gives.
 fn gather(nodes: &[BinaryNode], indices: &mut [u32; MAX_LEAF], n: &mut usize) -> LeafKind {
-    match nodes[0].kind {
+    match nodes[0].kind() {
         Kind::Leaf { primitive, kind } => {
             indices[*n] = primitive;
             *n += 1;
@@ -137,7 +158,7 @@ fn gather(nodes: &[BinaryNode], indices: &mut [u32; MAX_LEAF], n: &mut usize) ->
         }
         Kind::Inner { second } => {
             gather(&nodes[1..], indices, n);
-            gather(&nodes[second as usize..], indices, n)
+            gather(&nodes[second..], indices, n)
         }
     }
 }

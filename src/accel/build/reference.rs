@@ -2,22 +2,26 @@
 
 use std::array::from_fn;
 
+use bytemuck::{Pod, Zeroable};
+
+use super::clip;
 use crate::accel::layout::LeafKind;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Shape};
 use crate::scene::Primitive;
 
-/// A primitive and its box.
-#[derive(Debug, Clone, Copy)]
+/// A box that holds a primitive, or the part of it that lies in there.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Reference {
     negated_min: [f32; 3],
     pub(super) index: u32,
     max: [f32; 3],
-    kind: u32,
+    /// A [`LeafKind`].
+    pub(super) kind: u32,
 }
 
 impl Reference {
-    /// Of the primitive with this index.
+    /// Of the whole primitive with this index.
     pub(super) fn new(primitive: &Primitive, index: u32) -> Self {
         let bounds = primitive.bounds();
         Self {
@@ -28,15 +32,10 @@ impl Reference {
         }
     }
 
-    /// The kind of leaf that it fits in.
-    pub(super) fn kind(&self) -> LeafKind {
-        const TRIANGLES: u32 = LeafKind::Triangles as u32;
-        const SPHERES: u32 = LeafKind::Spheres as u32;
-        match self.kind {
-            TRIANGLES => LeafKind::Triangles,
-            SPHERES => LeafKind::Spheres,
-            _ => LeafKind::Others,
-        }
+    /// Whether it is of a triangle.
+    #[inline]
+    pub(super) fn is_triangle(&self) -> bool {
+        self.kind == LeafKind::Triangles as u32
     }
 
     /// Its box.
@@ -59,6 +58,28 @@ impl Reference {
         let [x, y, z] = self.center();
         Corners([-x, -y, -z, 0.0, x, y, z, 0.0])
     }
+
+    /// What of a triangle's reference lies below and above `position` on an
+    /// axis; `None` for nothing. Anything else stays as it is.
+    pub(super) fn cut(
+        &self,
+        primitives: &[Primitive],
+        axis: usize,
+        position: f32,
+    ) -> [Option<Self>; 2] {
+        let Some(Shape::Triangle(triangle)) = primitives[self.index as usize].world_shape() else {
+            return [Some(*self), None];
+        };
+        clip::parts(triangle, axis, position).map(|part| {
+            let part = part.intersection(self.corners());
+            let Corners([a, b, c, _, x, y, z, _]) = part;
+            (!part.is_empty()).then_some(Self {
+                negated_min: [a, b, c],
+                max: [x, y, z],
+                ..*self
+            })
+        })
+    }
 }
 
 /// A box as `[-min, 0, max, 0]`: to grow is one maximum over all lanes.
@@ -70,6 +91,12 @@ impl Corners {
     /// No point at all.
     pub(super) const EMPTY: Self = Self([f32::NEG_INFINITY; 8]);
 
+    /// The box between two corners.
+    pub(super) fn new(min: [f32; 3], max: [f32; 3]) -> Self {
+        let ([a, b, c], [x, y, z]) = (min, max);
+        Self([-a, -b, -c, 0.0, x, y, z, 0.0])
+    }
+
     /// The smallest box around both.
     #[inline]
     pub(super) fn union(self, other: Self) -> Self {
@@ -80,6 +107,17 @@ impl Corners {
         Self(from_fn(max))
     }
 
+    /// The box that both have in common.
+    pub(super) fn intersection(self, other: Self) -> Self {
+        Self(from_fn(|i| self.0[i].min(other.0[i])))
+    }
+
+    /// Whether no point is in it.
+    #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        (0..3).any(|axis| self.extent(axis) < 0.0)
+    }
+
     /// Half of the faces' area; of no meaning for the empty box.
     #[inline]
     pub(super) fn half_area(&self) -> f32 {
@@ -88,11 +126,18 @@ impl Corners {
     }
 
     /// The least coordinate on an axis.
+    #[inline]
     pub(super) fn min(&self, axis: usize) -> f32 {
         -self.0[axis]
     }
 
-    /// The length along an axis.
+    /// The greatest coordinate on an axis.
+    #[inline]
+    pub(super) fn max(&self, axis: usize) -> f32 {
+        self.0[4 + axis]
+    }
+
+    /// The length along an axis; less than 0 for the empty box.
     #[inline]
     pub(super) fn extent(&self, axis: usize) -> f32 {
         self.0[4 + axis] + self.0[axis]
