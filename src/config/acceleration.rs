@@ -33,7 +33,7 @@ pub enum Quality {
     /// twice the time of `fast`.
     #[default]
     Balanced,
-    /// Triangles are cut wherever that saves tests: some twenty times the time
+    /// Triangles are cut wherever that saves tests: some fifteen times the time
     /// of `fast`, and half more memory.
     High,
 }
