@@ -171,57 +171,101 @@ impl Strip {
         }
     }
 
-    /// Puts a pixel at index `i` of every array.
-    pub fn put(&mut self, i: usize, pixel: &Pixel) {
-        self.rgb[i] = to_rgb8(pixel.color);
-        match &pixel.surface {
-            Some(surface) => {
-                self.position[i] = surface.position;
-                self.normal[i] = surface.normal;
-                self.distance[i] = surface.distance;
-                self.footprint[i] = pixel.footprint;
-                self.object[i] = surface.object.0 as i32;
-                self.material[i] = surface.material.0 as i32;
-            }
-            None => {
-                self.position[i] = Vec3::NAN;
-                self.normal[i] = Vec3::NAN;
-                self.distance[i] = f32::NAN;
-                self.footprint[i] = f32::NAN;
-                self.object[i] = -1;
-                self.material[i] = -1;
-            }
-        }
-        if let Some(cost) = &pixel.cost {
-            self.put_cost(i, cost);
-        }
+    /// Puts neighbouring pixels of a row at the indices from `first` on of
+    /// every array.
+    pub fn put(&mut self, first: usize, pixels: &[Pixel]) {
+        // Array by array: its bounds are looked at once, and its memory is
+        // written in one go.
+        fill(&mut self.rgb, first, pixels, |pixel| to_rgb8(pixel.color));
+        fill(&mut self.footprint, first, pixels, |pixel| {
+            seen(pixel, f32::NAN, |_| pixel.footprint)
+        });
+        fill(&mut self.position, first, pixels, |pixel| {
+            seen(pixel, Vec3::NAN, |surface| surface.position)
+        });
+        fill(&mut self.normal, first, pixels, |pixel| {
+            seen(pixel, Vec3::NAN, |surface| surface.normal)
+        });
+        fill(&mut self.distance, first, pixels, |pixel| {
+            seen(pixel, f32::NAN, |surface| surface.distance)
+        });
+        fill(&mut self.object, first, pixels, |pixel| {
+            seen(pixel, -1, |surface| surface.object.0 as i32)
+        });
+        fill(&mut self.material, first, pixels, |pixel| {
+            seen(pixel, -1, |surface| surface.material.0 as i32)
+        });
+        self.put_costs(first, pixels);
     }
 
-    fn put_cost(&mut self, i: usize, cost: &PixelCost) {
-        // A pixel with more than 2^32 of anything shows 2^32 - 1.
-        let shown = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
-        let counted = &cost.counted;
-        if let Some(time_ns) = cost.time_ns {
-            self.time_ns[i] = time_ns;
+    fn put_costs(&mut self, first: usize, pixels: &[Pixel]) {
+        let time_ns = |pixel: &Pixel| pixel.cost.as_ref().and_then(|cost| cost.time_ns);
+        fill(&mut self.time_ns, first, pixels, |pixel| {
+            time_ns(pixel).unwrap_or_default()
+        });
+        macro_rules! put_counter {
+            ($field:ident, $count:expr) => {
+                fill(&mut self.$field, first, pixels, |pixel| {
+                    shown(pixel, $count)
+                })
+            };
         }
-        self.node_visits[i] = shown(counted.node_visits);
-        self.primitive_tests[i] = shown(counted.primitive_tests);
-        self.rays[i] = shown(counted.n_rays());
-        self.shadow_rays[i] = shown(counted.rays_of(RayKind::Shadow));
-        self.reflection_rays[i] = shown(counted.rays_of(RayKind::Reflection));
-        self.refraction_rays[i] = shown(counted.rays_of(RayKind::Refraction));
-        self.depth[i] = shown(counted.depth);
-        self.tile[i] = cost.tile as i32;
-        self.thread[i] = cost.thread as i32;
+        put_counter!(node_visits, |cost| cost.node_visits);
+        put_counter!(primitive_tests, |cost| cost.primitive_tests);
+        put_counter!(rays, Cost::n_rays);
+        put_counter!(shadow_rays, |cost| cost.rays_of(RayKind::Shadow));
+        put_counter!(reflection_rays, |cost| cost.rays_of(RayKind::Reflection));
+        put_counter!(refraction_rays, |cost| cost.rays_of(RayKind::Refraction));
+        put_counter!(depth, |cost| cost.depth);
+        fill(&mut self.tile, first, pixels, |pixel| {
+            pixel.cost.as_ref().map_or(0, |cost| cost.tile as i32)
+        });
+        fill(&mut self.thread, first, pixels, |pixel| {
+            pixel.cost.as_ref().map_or(0, |cost| cost.thread as i32)
+        });
     }
+}
+
+/// Writes a value of each pixel at the indices from `first` on of an array;
+/// nothing into one that was not asked for, which is empty.
+#[inline(always)]
+fn fill<T>(array: &mut [T], first: usize, pixels: &[Pixel], value: impl Fn(&Pixel) -> T) {
+    if array.is_empty() {
+        return;
+    }
+    let places = &mut array[first..first + pixels.len()];
+    for (place, pixel) in places.iter_mut().zip(pixels) {
+        *place = value(pixel);
+    }
+}
+
+/// What the pixel's surface has, or `none` without one.
+#[inline(always)]
+fn seen<T>(pixel: &Pixel, none: T, value: impl Fn(&SurfacePoint) -> T) -> T {
+    pixel.surface.as_ref().map_or(none, value)
+}
+
+/// A counter of the pixel. One with more than 2^32 of anything shows 2^32 - 1.
+#[inline(always)]
+fn shown(pixel: &Pixel, count: impl Fn(&Cost) -> u64) -> u32 {
+    let count = pixel.cost.as_ref().map_or(0, |cost| count(&cost.counted));
+    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 /// Limited to 0..1, then to 8 bits by rounding; no gamma.
 fn to_rgb8(color: Vec3) -> [u8; 3] {
     (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
-        .round()
         .to_array()
-        .map(|channel| channel as u8)
+        .map(rounded)
+}
+
+/// The nearest whole number of one from 0 to 255, halves up: as `f32::round`,
+/// which is a call of a function where x86-64 has no SSE 4.1.
+#[inline(always)]
+fn rounded(channel: f32) -> u8 {
+    let whole = channel as u8;
+    // Exact: the two are less than 1 apart.
+    whole + u8::from(channel - f32::from(whole) >= 0.5)
 }
 
 #[cfg(test)]
@@ -239,6 +283,16 @@ mod tests {
                 .collect();
             assert_eq!(rows, (0..height).collect::<Vec<_>>());
             assert_eq!(film.values(|strip| &strip.depth).count() as u32, 3 * height);
+        }
+    }
+
+    #[test]
+    fn rounding_is_that_of_the_library() {
+        let halves = (0..255).map(|whole| whole as f32 + 0.5);
+        let close = halves.flat_map(|half| [half.next_down(), half, half.next_up()]);
+        let everywhere = (0..=255_000).map(|thousandth| thousandth as f32 / 1000.0);
+        for channel in close.chain(everywhere) {
+            assert_eq!(rounded(channel), channel.round() as u8, "{channel}");
         }
     }
 }

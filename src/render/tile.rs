@@ -60,9 +60,10 @@ impl Tile {
     /// their strip.
     pub(super) fn store(&self, pixels: &[Pixel], strip: &mut Strip) {
         let width = strip.object.len() / strip.n_rows as usize;
-        for ((x, y), pixel) in self.pixels().zip(pixels) {
-            let row = (y - strip.first_row) as usize;
-            strip.put(row * width + x as usize, pixel);
+        let [left, right] = self.columns.map(|column| column as usize);
+        let first = (self.rows[0] - strip.first_row) as usize * width + left;
+        for (row, pixels) in pixels.chunks_exact(right - left).enumerate() {
+            strip.put(first + row * width, pixels);
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::trace::SurfacePoint;
 pub(super) struct TimedRenderer<'a> {
     view: View<'a>,
     clock: &'a Clock,
+    /// As many as a tile has at most.
     pixels: Vec<Pixel>,
 }
 
@@ -29,8 +30,9 @@ impl<'a> TimedRenderer<'a> {
         }
     }
 
-    fn pixel<P: Probe>(&self, place: (u32, u32), probe: &mut P) -> Pixel {
-        let mut pixel = Pixel::default();
+    /// Renders a pixel where it is to stay: a copy would cost as much as a ray.
+    fn pixel<P: Probe>(&self, place: (u32, u32), pixel: &mut Pixel, probe: &mut P) {
+        *pixel = Pixel::default();
         for sample in 0..self.view.n_samples {
             let ray = self.view.camera_ray(place, sample);
             let met = self.view.tracer.trace(&ray, RayKind::Camera, probe);
@@ -39,8 +41,7 @@ impl<'a> TimedRenderer<'a> {
             }
             pixel.color += limited(self.radiance(ray, met, probe));
         }
-        self.view.finish(&mut pixel, place);
-        pixel
+        self.view.finish(pixel, place);
     }
 
     /// The light that comes along a camera ray, given what the ray met.
@@ -74,11 +75,12 @@ impl TileRenderer for TimedRenderer<'_> {
     /// One reading of the clock ends a pixel and begins the next.
     fn render(&mut self, tile: &Tile) -> &[Pixel] {
         let thread = thread_number();
-        self.pixels.clear();
+        let mut pixels = std::mem::take(&mut self.pixels);
+        let mut n_pixels = 0;
         let mut begin = self.clock.now();
-        for place in tile.pixels() {
+        for (place, pixel) in tile.pixels().zip(&mut pixels) {
             let mut counted = Cost::default();
-            let mut pixel = self.pixel(place, &mut counted);
+            self.pixel(place, pixel, &mut counted);
             let end = self.clock.now();
             pixel.cost = Some(PixelCost {
                 counted,
@@ -86,9 +88,10 @@ impl TileRenderer for TimedRenderer<'_> {
                 tile: tile.number,
                 thread,
             });
-            self.pixels.push(pixel);
+            n_pixels += 1;
             begin = end;
         }
-        &self.pixels
+        self.pixels = pixels;
+        &self.pixels[..n_pixels]
     }
 }
