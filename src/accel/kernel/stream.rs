@@ -74,7 +74,7 @@ impl<Q: Query, P: StreamProbe> Work for Stream<'_, Q, P> {
             while let Some(i) = leaves.take() {
                 // SAFETY: what is in a set was launched.
                 let flight = unsafe { flights[i].assume_init_mut() };
-                if flight.test(set, self.arena) {
+                if flight.test::<P>(set, self.arena) {
                     at_leaves.insert_if(i, flight.word.is_leaf());
                     at_nodes.insert_if(i, !flight.word.is_leaf());
                 } else {
@@ -164,11 +164,13 @@ impl<I: InstructionSet, S: Search> Flight<I, S> {
 
     /// Tests its leaf and goes on to the next word; `false` if it has arrived.
     #[inline(always)]
-    fn test(&mut self, set: I, arena: &Arena) -> bool {
+    fn test<P: StreamProbe>(&mut self, set: I, arena: &Arena) -> bool {
         if self.word == Word::END {
             return false;
         }
-        self.n_tests += self.word.leaf_size() as u32;
+        if P::COUNTS {
+            self.n_tests += self.word.leaf_size() as u32;
+        }
         let limit = self.search.limit();
         // SAFETY: the word is a child of a node, and no node.
         let leaf = unsafe { arena.leaf(self.word) };
