@@ -15,7 +15,7 @@ pub enum Meter {
 }
 
 impl Meter {
-    /// What the mode asks for; calibrates a clock, which takes about 2 ms, only
+    /// What the mode asks for; calibrates a clock, which takes about 0.5 ms, only
     /// where pixels are timed.
     pub fn new(mode: CostMode) -> Self {
         match mode {

@@ -117,6 +117,23 @@ impl Grid {
     }
 }
 
+/// Counts references, from `parallel` of them on in parallel. What is merged
+/// are maxima and sums of integers, the same in any order.
+pub(super) fn tally<T: Send>(
+    references: &[Reference],
+    parallel: usize,
+    of_few: impl Fn(&[Reference]) -> T + Send + Sync,
+    merged: impl Fn(T, T) -> T + Send + Sync,
+) -> T {
+    if references.len() < parallel {
+        return of_few(references);
+    }
+    references
+        .par_chunks(parallel / 4)
+        .map(&of_few)
+        .reduce(|| of_few(&[]), merged)
+}
+
 /// Numbers of references and the boxes around them, `N` on each axis.
 struct Bins<const N: usize> {
     boxes: [[Corners; N]; 3],
@@ -130,15 +147,8 @@ impl<const N: usize> Bins<N> {
     };
 
     fn of(simd: Simd, references: &[Reference], grid: &Grid) -> Self {
-        let of_few = |references| simd.run(Count { references, grid });
-        if references.len() < PARALLEL {
-            return of_few(references);
-        }
-        // Maxima and sums of integers: the same in any order.
-        references
-            .par_chunks(PARALLEL / 4)
-            .map(of_few)
-            .reduce(|| Self::EMPTY, Self::merged)
+        let of_few = |references: &[Reference]| simd.run(Count { references, grid });
+        tally(references, PARALLEL, of_few, Self::merged)
     }
 
     fn merged(mut self, other: Self) -> Self {
