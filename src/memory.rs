@@ -5,6 +5,7 @@ use sysinfo::System;
 use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Config};
 use crate::film;
+use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::yaml::{Fault, Path};
 
@@ -16,11 +17,13 @@ const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
 /// What one rendering needs, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
-    /// The film's arrays, and what is made of them at the end.
+    /// The film's arrays, the times of repeated renderings, and what is made of
+    /// them at the end.
     pub film: u64,
     /// Primitives and the structure over them.
     pub scene: u64,
     n_primitives: usize,
+    n_repeats: u8,
 }
 
 impl Memory {
@@ -33,12 +36,15 @@ impl Memory {
                 Acceleration::BruteForce => size_of::<u32>(),
             };
         let n_pixels = config.image.n_pixels() as u64;
+        let film_bytes_per_pixel =
+            film::bytes_per_pixel(config.cost) + repeat_bytes_per_pixel(config.n_repeats);
         let n_primitives = geometries.n_primitives();
         Self {
-            film: n_pixels * (film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
+            film: n_pixels * (film_bytes_per_pixel as u64 + OUTPUT_BYTES_PER_PIXEL),
             // What was read, and its attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,
+            n_repeats: config.n_repeats,
         }
     }
 
@@ -66,7 +72,7 @@ impl Memory {
             return Ok(());
         }
         let (section, what, advice) = match self.film > self.scene {
-            true => ("image", "the image", "choose a smaller `width` or `height`"),
+            true => ("image", "the image", self.image_advice()),
             false => (
                 "objects",
                 "the scene",
@@ -84,6 +90,13 @@ impl Memory {
             format!("needs {:.1} GiB", gib(self.film.max(self.scene))),
         )
         .with_help(advice))
+    }
+
+    fn image_advice(&self) -> &'static str {
+        match self.n_repeats {
+            0 | 1 => "choose a smaller `width` or `height`",
+            _ => "choose a smaller `width` or `height`, or fewer `--repeats`",
+        }
     }
 }
 

@@ -5,6 +5,7 @@ mod completions;
 mod failure;
 mod progress;
 mod render;
+mod trust;
 
 use clap::{Parser, Subcommand};
 

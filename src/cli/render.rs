@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::progress::{Bar, BuildBar};
+use super::trust;
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Extra, MAX_SIDE};
 use crate::cost::Meter;
-use crate::film::bytes_per_pixel;
+use crate::film::{Column, columns};
 use crate::memory::{self, Memory};
 use crate::output::{
     self, OutputFolder, Rendering, Stages, Threads, Written,
     format::{bytes, count, counted, duration},
 };
-use crate::render::render;
+use crate::render::{N_RENDERINGS, Overhead, repeat};
 use crate::scene::{Geometries, Scene};
-use crate::yaml::{Diagnostic, Source};
+use crate::yaml::{self, Diagnostic, Fault, Source};
 
 /// Render a scene and write its files
 #[derive(Debug, clap::Args)]
@@ -30,6 +31,10 @@ pub(super) struct Arguments {
     /// Threads to render on [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// Also render in each mode of `--cost` by turns, and tell what measuring costs
+    #[arg(long)]
+    measure_overhead: bool,
 
     /// Print nothing but errors
     #[arg(long, short)]
@@ -70,6 +75,10 @@ pub(super) struct SceneArguments {
     #[arg(long, conflicts_with = "cost")]
     no_cost: bool,
 
+    /// Times to render the picture: a pixel's time becomes the median
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    repeats: Option<u8>,
+
     /// Files to write beside those of every run, and those that the scene asks for
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     also: Vec<Extra>,
@@ -93,6 +102,7 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         config.cost = self.cost().unwrap_or(config.cost);
+        config.n_repeats = self.n_repeats(&config, &source)?;
         self.also.iter().for_each(|&extra| config.output.add(extra));
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
@@ -113,6 +123,28 @@ impl SceneArguments {
         match self.no_cost {
             true => Some(CostMode::None),
             false => self.cost,
+        }
+    }
+
+    /// How often to render.
+    fn n_repeats(&self, config: &Config, source: &Source) -> Result<u8, Diagnostic> {
+        match self.repeats {
+            Some(_) if !config.cost.has_time() => {
+                let message = "`--repeats` needs times, and none are taken";
+                match self.cost() {
+                    Some(_) => Err(Diagnostic::new(message)
+                        .with_help("ask for `--cost time`, or leave out `--repeats`")),
+                    None => Err(source.point_at(
+                        Fault::new(
+                            yaml::Path::default().key("cost"),
+                            message,
+                            "expected `time`",
+                        )
+                        .with_help("add `--cost time`, or leave out `--repeats`"),
+                    )),
+                }
+            }
+            n_repeats => Ok(n_repeats.unwrap_or(1)),
         }
     }
 
@@ -155,9 +187,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         stages.end("calibrate");
     }
 
-    let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+    let n_pixels = config.image.n_pixels() as u64;
+    // Before there is a film: two would take more memory than one.
+    let overhead = arguments.measure_overhead.then(|| {
+        let bar = Bar::new(N_RENDERINGS as u64 * n_pixels, arguments.quiet);
+        let report = |progress| bar.advance(progress);
+        let overhead = pool.install(|| Overhead::measure(&scene, &accel, &config.image, report));
+        bar.clear();
+        stages.end("overhead");
+        overhead
+    });
+
+    let bar = Bar::new(u64::from(config.n_repeats) * n_pixels, arguments.quiet);
     let report = |progress| bar.advance(progress);
-    let film = pool.install(|| render(&scene, &accel, &config.image, &meter, report));
+    let (film, repeats) = pool.install(|| {
+        repeat(
+            config.n_repeats,
+            &scene,
+            &accel,
+            &config.image,
+            &meter,
+            report,
+        )
+    });
     bar.clear();
     stages.end("render");
 
@@ -169,6 +221,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         bvh: accel.statistics(),
         meter: &meter,
         film: &film,
+        repeats: &repeats,
+        overhead,
         threads: Threads {
             used: pool.current_num_threads(),
             available: std::thread::available_parallelism().map_or(1, usize::from),
@@ -185,7 +239,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// The bytes that the files take at least, whatever the camera sees.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
-    let per_pixel = bytes_per_pixel(config.cost) - size_of::<glam::Vec3>();
+    let per_pixel: usize = columns(config.cost, config.n_repeats)
+        .map(Column::stride)
+        .sum();
     (config.image.n_pixels() * per_pixel) as u64
 }
 
@@ -239,6 +295,7 @@ fn closing_lines(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
          time    {}\n\
          speed   {}\n\
+         {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
         image.width,
@@ -247,7 +304,8 @@ fn closing_lines(
         primitives(rendering.scene),
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
-        speed(rendering, stages),
+        speed(rendering),
+        trust::lines(rendering),
         out.display(),
         files.join(", "),
         shell_word(&out.join(state)),
@@ -264,8 +322,8 @@ pub(super) fn primitives(scene: &Scene) -> String {
 }
 
 /// Rays a second, or samples where nothing was counted.
-fn speed(rendering: &Rendering, stages: &Stages) -> String {
-    let seconds = stages.wall("render").as_secs_f64();
+fn speed(rendering: &Rendering) -> String {
+    let seconds = rendering.median_wall().as_secs_f64();
     let millions = |n: u64| n as f64 / seconds / 1e6;
     match rendering.film.cost.has_counters() {
         true => {

@@ -68,6 +68,10 @@ pub struct Config {
     /// What is measured of each pixel.
     #[serde(default)]
     pub cost: CostMode,
+    /// How often the picture is rendered to measure it; once, unless the
+    /// command line says otherwise.
+    #[serde(skip, default = "once")]
+    pub n_repeats: u8,
     /// What is written beside the files of every run.
     #[serde(default)]
     pub output: Outputs,
@@ -77,4 +81,8 @@ pub struct Config {
     pub lights: Vec<Light>,
     /// The objects, at least one; their ids count from 0 in this order.
     pub objects: Vec<Object>,
+}
+
+fn once() -> u8 {
+    1
 }

@@ -12,11 +12,14 @@ mod measure;
 mod picture;
 mod rgb_png;
 mod state;
+mod accounts;
 mod summary;
 mod vtk;
 
 use std::io::{self, Write};
+use std::time::Duration;
 
+pub use accounts::Accounts;
 pub use folder::{OutputFolder, WriteError};
 pub use summary::{Stage, Stages, Threads};
 pub use vtk::{write_frame, write_hits};
@@ -30,6 +33,7 @@ use crate::accel::BvhStatistics;
 use crate::config::{Config, CostMode};
 use crate::cost::Meter;
 use crate::film::Film;
+use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 
 /// A finished rendering and what is known of it.
@@ -49,8 +53,22 @@ pub struct Rendering<'a> {
     pub meter: &'a Meter,
     /// The pixels.
     pub film: &'a Film,
+    /// Each time that they were rendered.
+    pub repeats: &'a [Repeat],
+    /// What measuring them costs, where that was asked.
+    pub overhead: Option<Overhead>,
     /// How many threads rendered.
     pub threads: Threads,
+}
+
+impl Rendering<'_> {
+    /// Time on the wall of one rendering: the median where there are several,
+    /// and of the two in the middle the longer one.
+    pub fn median_wall(&self) -> Duration {
+        let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();
+        walls.sort_unstable();
+        walls.get(walls.len() / 2).copied().unwrap_or_default()
+    }
 }
 
 /// A file of the output folder.

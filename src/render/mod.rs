@@ -10,21 +10,27 @@ mod view;
 mod wave;
 mod stream;
 mod timed;
+mod repeat;
+mod overhead;
 
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 use rayon::prelude::*;
 
 use crate::accel::Accel;
 use crate::config::Image;
 use crate::cost::{Cost, Meter, NoProbe};
-use crate::film::{Film, Pixel, STRIP_ROWS};
+use crate::film::{Film, Pixel, STRIP_ROWS, ThreadTime};
 use crate::scene::Scene;
 use stream::StreamRenderer;
 use tile::{Tile, Tiles};
 use timed::TimedRenderer;
 pub(crate) use view::View;
 
+pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
+pub(crate) use repeat::repeat_bytes_per_pixel;
+pub use repeat::{Repeat, repeat};
 pub use tile::TILE_SIDE;
 
 /// What has been rendered since the last report.
@@ -45,8 +51,20 @@ pub fn render(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> Film {
-    let view = View::new(scene, accel, image);
     let film = Film::new(image.width, image.height, meter.mode());
+    render_onto(film, scene, accel, image, meter, report)
+}
+
+/// Renders onto a film of the image's size and the meter's mode.
+fn render_onto(
+    film: Film,
+    scene: &Scene,
+    accel: &Accel,
+    image: &Image,
+    meter: &Meter,
+    report: impl Fn(Progress) + Sync,
+) -> Film {
+    let view = View::new(scene, accel, image);
     match meter {
         Meter::Off => render_tiles(film, || StreamRenderer::<NoProbe>::new(view), report),
         Meter::Counters => render_tiles(film, || StreamRenderer::<Cost>::new(view), report),
@@ -70,7 +88,9 @@ fn render_tiles<R: TileRenderer>(
     let strips: Vec<_> = film.strips.iter_mut().map(Mutex::new).collect();
     let render_tile = |renderer: &mut R, number| {
         let tile = tiles.tile(number);
+        let begin = Instant::now();
         let pixels = renderer.render(&tile);
+        let rendered = Instant::now();
         // The film is written a tile at a time, outside of any pixel's time:
         // first touches of its memory would show in the heatmap.
         let strip = &strips[(tile.rows[0] / STRIP_ROWS) as usize];
@@ -78,20 +98,25 @@ fn render_tiles<R: TileRenderer>(
             pixels,
             &mut strip.lock().unwrap_or_else(PoisonError::into_inner),
         );
+        let film_time = rendered.elapsed();
         let costs = pixels.iter().filter_map(|pixel| pixel.cost);
         let counted = costs.fold(Cost::default(), |sum, cost| sum.with(cost.counted));
+        let thread_time = ThreadTime {
+            busy_ns: begin.elapsed().as_nanos() as u64,
+            film_ns: film_time.as_nanos() as u64,
+        };
         report(Progress {
             n_pixels: pixels.len() as u64,
             n_rays: counted.n_rays(),
         });
-        counted
+        (counted, thread_time)
     };
     let totals = (0..tiles.n)
         .into_par_iter()
         .map_init(renderer, render_tile)
-        .reduce(Cost::default, Cost::with);
+        .reduce(Default::default, |a, b| (a.0.with(b.0), a.1.with(b.1)));
     drop(strips);
-    film.totals = totals;
+    (film.totals, film.thread_time) = totals;
     film
 }
 

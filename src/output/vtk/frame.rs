@@ -20,7 +20,7 @@ pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
         n_bytes: n_pixels * column.stride() as u64,
         write: Box::new(|out| write_rows(film, column, out)),
     };
-    let arrays: Vec<Array> = columns(film.cost).map(array).collect();
+    let arrays: Vec<Array> = columns(film.cost, film.n_repeats).map(array).collect();
     let data_set = DataSet::image(film.width, film.height, &arrays);
     appended::write(data_set, &[&arrays], out)
 }
