@@ -5,6 +5,7 @@
 //! is ever in memory. (vtkio's own writer would hold the whole file as base64
 //! text, and cuts what is longer than 2 GiB.)
 
+mod array;
 mod appended;
 mod frame;
 mod header;
