@@ -1,6 +1,6 @@
-"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, overview.pvsm.
+"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, overview.pvsm, schedule.pvsm.
 
-Takes an output folder of `raycost render` as the sample to build the pipelines against:
+Takes an output folder of `raycost render --also schedule` as the sample to build the pipelines against:
 
     xvfb-run -a pvbatch paraview/author.py out/NAME
 
@@ -21,7 +21,7 @@ from paraview.vtk.util.numpy_support import vtk_to_numpy
 from template import Fill, put, reader, save, vector
 
 N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
-INFERNO, VIRIDIS = "Inferno (matplotlib)", "Viridis (matplotlib)"
+INFERNO, VIRIDIS, TURBO = "Inferno (matplotlib)", "Viridis (matplotlib)", "Turbo"
 CRIMSON = ("0.73", "0.21", "0.33")  # the middle of Inferno
 BLACK, WHITE = (0, 0, 0), (1, 1, 1)
 BACKDROP = dict(
@@ -74,7 +74,26 @@ def overview(out):
     layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
 
 
-STATES = (geometry, heatmap, overview)
+def schedule(out):
+    """The picture, and its tiles by the time that they took, by thread and by when they were begun."""
+    frame = reader(pv.XMLImageDataReader, out / "frame.vti")
+    tiles = reader(pv.XMLImageDataReader, out / "tiles.vti")
+    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
+    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    maps = [
+        tile_map(tiles, frame, "duration_ns", INFERNO, "log", "Time per tile (ns)", "tiles.duration"),
+        tile_map(tiles, frame, "thread", TURBO, "linear", "Thread", "tiles.thread"),
+        tile_map(tiles, frame, "start_ns", VIRIDIS, "linear", "Begun after (ns)", "tiles.start"),
+    ]
+    first, last = (Fill(f"tiles.thread.linear({f})", f) for f in (0, 1))
+    put(pv.GetScalarBar(pv.GetColorTransferFunction("thread"), maps[1]), UseCustomLabels=1, CustomLabels=[first, last])
+    for i, view in enumerate(maps):
+        pv.AddCameraLink(colour, view, f"schedule {i}")
+    duration, thread, start = maps
+    layout("Schedule", above(0.5, beside(colour, duration), beside(thread, start)))
+
+
+STATES = (geometry, heatmap, overview, schedule)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -113,6 +132,22 @@ def picture(frame, array, preset, scale, title, key):
     shown = ["POINTS", Fill(f"{key}.array", array)]
     put(pv.Show(frame, view), Representation="Slice", ColorArrayName=shown, LookupTable=colours)
     colour_bar(colours, view, Fill(f"{key}.title", title))
+    return view
+
+
+def tile_map(tiles, frame, array, preset, scale, title, key):
+    """A view of one array of the tiles, flat and unlit, where the picture's pixels would be."""
+    view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
+    colours = colour_map(tiles, array, preset, scale, key)
+    put(
+        pv.Show(tiles, view),
+        Representation="Surface",
+        ColorArrayName=["CELLS", array],
+        LookupTable=colours,
+        Ambient=1,
+        Diffuse=0,
+    )
+    colour_bar(colours, view, title)
     return view
 
 
@@ -160,7 +195,8 @@ def histogram(frame, array, title, key):
 
 def spread(source, array):
     """The array's range without the one value in 200 that is greatest: the system's interruptions."""
-    values = vtk_to_numpy(pv.servermanager.Fetch(source).GetPointData().GetArray(array))
+    data = pv.servermanager.Fetch(source)
+    values = vtk_to_numpy(data.GetPointData().GetArray(array) or data.GetCellData().GetArray(array))
     return float(values.min()), float(np.percentile(values, 99.5))
 
 

@@ -127,10 +127,30 @@ fn a_state_of_no_hits_loads() {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_schedule_is_shown() {
+    let tower = scene_file("schedule", TOWER);
+    for (name, flags) in [
+        ("schedule", ["--tile-order=cost", "--threads=3"]),
+        // Taller than wide, and a tile that is larger than the picture.
+        ("one tile", ["--tile-size=256", "--height=250"]),
+        (
+            "schedule without cost",
+            ["--tile-order=hilbert", "--no-cost"],
+        ),
+    ] {
+        let out = render(&tower, name, &[&["--also=schedule"], &flags[..]].concat());
+        let state = out.join("schedule.pvsm");
+        let flags = ["--from-state", "--require=RGB,duration_ns,thread,start_ns"];
+        assert_success(&load(&state, &out, &screenshot(&out, "schedule"), &flags));
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "repository", &[]);
-    for state in ["geometry", "heatmap", "overview"] {
+    let out = render(&scene, "repository", &["--also=schedule"]);
+    for state in ["geometry", "heatmap", "overview", "schedule"] {
         let file = in_repository("paraview").join(state).with_extension("pvsm");
         // `load` sets RAYCOST_OUT, which the paths begin with.
         let by_variable = screenshot(&out, &format!("{state} by variable"));

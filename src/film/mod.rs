@@ -15,8 +15,10 @@ use crate::config::CostMode;
 use crate::cost::{Cost, RayKind};
 use crate::trace::SurfacePoint;
 
-/// Rows in a strip but the last; the height of a tile.
-pub const STRIP_ROWS: u32 = 16;
+/// Rows in a strip but the last: fewer than a tile's, so that threads whose
+/// tiles stand side by side do not wait for one another for long, and enough to
+/// be written into a file at one go.
+pub const STRIP_ROWS: u32 = 4;
 
 /// A rendered picture: colours, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]

@@ -121,6 +121,12 @@ impl DataSet {
 }
 
 impl Array {
+    /// One of its numbers, which are `Int32`.
+    pub fn i32(&self, index: usize) -> i32 {
+        assert_eq!(self.scalar, "Int32", "{}", self.name);
+        i32::from_ne_bytes(self.bytes[4 * index..][..4].try_into().unwrap())
+    }
+
     /// Its numbers, which are `UInt32`.
     pub fn u32s(&self) -> impl Iterator<Item = u32> + '_ {
         assert_eq!(self.scalar, "UInt32", "{}", self.name);

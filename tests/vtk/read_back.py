@@ -22,7 +22,7 @@ def main(path):
         n_points=data.GetNumberOfPoints(),
         normals=None if normals is None else normals.GetName(),
     )
-    arrays = point_arrays(data)
+    arrays = data_arrays(data.GetPointData()) + data_arrays(data.GetCellData())
     if header["kind"] == "ImageData":
         header.update(extent=data.GetExtent(), origin=data.GetOrigin(), spacing=data.GetSpacing())
     else:
@@ -49,8 +49,7 @@ def read(path):
     return reader.GetOutput()
 
 
-def point_arrays(data):
-    arrays = data.GetPointData()
+def data_arrays(arrays):
     return [described(arrays.GetArrayName(i), arrays.GetArray(i)) for i in range(arrays.GetNumberOfArrays())]
 
 

@@ -46,6 +46,14 @@ impl Entry for u32 {
     const SCALAR: ScalarType = ScalarType::U32;
 }
 
+impl Entry for u64 {
+    const SCALAR: ScalarType = ScalarType::U64;
+}
+
+impl Entry for f64 {
+    const SCALAR: ScalarType = ScalarType::F64;
+}
+
 impl Entry for f32 {
     const SCALAR: ScalarType = ScalarType::F32;
 }

@@ -16,6 +16,16 @@ pub(super) enum DataSet<'a> {
         size: [u32; 2],
         point_data: Vec<Array<'a>>,
     },
+    /// A regular grid of square cells.
+    ImageCells {
+        /// Columns and rows.
+        size: [u32; 2],
+        /// The lower left corner of the first cell.
+        origin: [f64; 2],
+        /// The side of a cell.
+        spacing: f64,
+        cell_data: Vec<Array<'a>>,
+    },
     /// Cells of any kind; of `cells` the last one is their `types`.
     Grid(Mesh<'a>),
     /// Lines alone.
@@ -40,6 +50,7 @@ impl<'a> DataSet<'a> {
     pub(super) fn arrays(&self) -> Vec<&Array<'a>> {
         match self {
             Self::Image { point_data, .. } => point_data.iter().collect(),
+            Self::ImageCells { cell_data, .. } => cell_data.iter().collect(),
             Self::Grid(mesh) | Self::Lines(mesh) => mesh.arrays().collect(),
         }
     }
@@ -50,6 +61,15 @@ impl<'a> DataSet<'a> {
         let (data_set_type, content) = match self {
             Self::Image { size, point_data } => {
                 (DataSetType::ImageData, image_element(*size, point_data))
+            }
+            Self::ImageCells {
+                size,
+                origin,
+                spacing,
+                cell_data,
+            } => {
+                let cells = image_cells_element(*size, *origin, *spacing, cell_data);
+                (DataSetType::ImageData, cells)
             }
             Self::Grid(mesh) => (DataSetType::UnstructuredGrid, grid_element(mesh)),
             Self::Lines(mesh) => (DataSetType::PolyData, lines_element(mesh)),
@@ -111,9 +131,9 @@ struct ImageElement {
     #[serde(rename = "@WholeExtent")]
     extent: String,
     #[serde(rename = "@Origin")]
-    origin: &'static str,
+    origin: String,
     #[serde(rename = "@Spacing")]
-    spacing: &'static str,
+    spacing: String,
     #[serde(rename = "Piece")]
     piece: ImagePiece,
 }
@@ -124,6 +144,8 @@ struct ImagePiece {
     extent: String,
     #[serde(rename = "PointData")]
     point_data: AttributeData,
+    #[serde(rename = "CellData")]
+    cell_data: AttributeData,
 }
 
 #[derive(Serialize)]
@@ -163,11 +185,31 @@ fn image_element([width, height]: [u32; 2], point_data: &[Array]) -> Content {
     let extent = format!("0 {} 0 {} 0 0", width - 1, height - 1);
     Content::ImageData(ImageElement {
         extent: extent.clone(),
-        origin: "0 0 0",
-        spacing: "1 1 1",
+        origin: "0 0 0".to_owned(),
+        spacing: "1 1 1".to_owned(),
         piece: ImagePiece {
             extent,
             point_data: attributes(point_data),
+            cell_data: attributes(&[]),
+        },
+    })
+}
+
+fn image_cells_element(
+    [n_columns, n_rows]: [u32; 2],
+    [x, y]: [f64; 2],
+    spacing: f64,
+    cell_data: &[Array],
+) -> Content {
+    let extent = format!("0 {n_columns} 0 {n_rows} 0 0");
+    Content::ImageData(ImageElement {
+        extent: extent.clone(),
+        origin: format!("{x} {y} 0"),
+        spacing: format!("{spacing} {spacing} {spacing}"),
+        piece: ImagePiece {
+            extent,
+            point_data: attributes(&[]),
+            cell_data: attributes(cell_data),
         },
     })
 }

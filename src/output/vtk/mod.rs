@@ -10,8 +10,11 @@ mod appended;
 mod frame;
 mod header;
 mod hits;
+mod tiles;
 
 pub(super) use frame::FILE as FRAME;
 pub use frame::write as write_frame;
 pub(super) use hits::FILE as HITS;
 pub use hits::write as write_hits;
+pub(super) use tiles::FILE as TILES;
+pub use tiles::write as write_tiles;
