@@ -182,13 +182,13 @@ fn tiles_lie_over_their_pixels() {
     let [tiles, frame] = ["tiles.vti", "frame.vti"].map(|file| DataSet::read(&out.join(file)));
     let ([x, y, _], [spacing, ..]) = (tiles.origin.unwrap(), tiles.spacing.unwrap());
     assert_eq!(tiles.extent, Some([0, 6, 0, 4, 0, 0]));
-    let of_tile = |name, cell: usize| tiles.array(name).i32(cell);
+    let of_tile = |name, cell: usize| tiles.array(name).i32s().nth(cell);
     for pixel in 0..45 * 31 {
         let cell = |at: usize, origin: f64| ((at as f64 - origin) / spacing) as usize;
         let cell = cell(pixel / 45, y) * 6 + cell(pixel % 45, x);
         for array in ["tile", "thread"] {
             assert_eq!(
-                frame.array(array).i32(pixel),
+                frame.array(array).i32s().nth(pixel),
                 of_tile(array, cell),
                 "{array}, {pixel}"
             );

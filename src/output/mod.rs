@@ -10,16 +10,19 @@ pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
+mod reach;
 mod rgb_png;
 mod state;
 mod summary;
 mod trace_events;
+mod traced;
 mod vtk;
 
 use std::io::{self, Write};
 
 pub use folder::{OutputFolder, WriteError};
 pub use summary::{Stage, Stages, Threads};
+pub use traced::{Traced, write_rays, write_traced};
 pub use vtk::{write_frame, write_hits, write_tiles};
 
 use rayon::prelude::*;
