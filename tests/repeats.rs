@@ -15,7 +15,7 @@ use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::Film;
-use raycost::render::{Repeat, render, repeat};
+use raycost::render::{Plan, Repeat, render, repeat};
 
 fn small(name: &str) -> Config {
     let mut config = config(name);
@@ -29,7 +29,11 @@ fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let meter = Meter::new(config.cost);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
-    pool.install(|| repeat(n_repeats, &scene, &accel, &config.image, &meter, |_| {}))
+    let (film, _, repeats) = pool.install(|| {
+        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        repeat(n_repeats, &scene, &accel, &plan, &meter, |_| {})
+    });
+    (film, repeats)
 }
 
 #[test]
@@ -63,13 +67,14 @@ fn each_repeat_reports_its_pixels() {
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let meter = Meter::new(config.cost);
+    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
     let n_pixels = std::sync::atomic::AtomicU64::new(0);
     let report = |progress: raycost::render::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
     };
-    repeat(3, &scene, &accel, &config.image, &meter, report);
+    repeat(3, &scene, &accel, &plan, &meter, report);
     assert_eq!(n_pixels.into_inner(), 3 * 53 * 37);
-    let film = render(&scene, &accel, &config.image, &meter, |_| {});
+    let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
     assert_eq!(film.n_repeats, 1);
 }
 
@@ -93,7 +98,7 @@ fn times_and_their_spread_make_sense() {
     for repeat in &repeats {
         let pixels_ns = repeat.pixels_ns.unwrap();
         assert!(pixels_ns >= 53.0 * 37.0);
-        assert!(repeat.thread_time.film_ns < repeat.thread_time.busy_ns);
+        assert!(repeat.film_ns < repeat.busy_ns);
     }
 }
 

@@ -7,7 +7,7 @@ use super::Failure;
 use super::progress::{Bar, BuildBar};
 use super::trust;
 use crate::accel::Accel;
-use crate::config::{Config, CostMode, Extra, MAX_SIDE};
+use crate::config::{Config, CostMode, Extra, MAX_SIDE, TileOrder, Tiling};
 use crate::cost::Meter;
 use crate::film::{Column, columns};
 use crate::memory::{self, Memory};
@@ -15,8 +15,9 @@ use crate::output::{
     self, OutputFolder, Rendering, Stages, Threads, Written,
     format::{bytes, count, counted, duration},
 };
-use crate::render::{N_RENDERINGS, Overhead, repeat};
+use crate::render::{N_RENDERINGS, Overhead, Plan, repeat};
 use crate::scene::{Geometries, Scene};
+use crate::schedule::Schedule;
 use crate::yaml::{self, Diagnostic, Fault, Source};
 
 /// Render a scene and write its files
@@ -79,6 +80,14 @@ pub(super) struct SceneArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     repeats: Option<u8>,
 
+    /// Pixels along a tile's side, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(Tiling::MIN_SIZE as i64..=Tiling::MAX_SIZE as i64))]
+    tile_size: Option<u32>,
+
+    /// In which order threads take tiles, instead of the file's
+    #[arg(long, value_name = "ORDER")]
+    tile_order: Option<TileOrder>,
+
     /// Files to write beside those of every run, and those that the scene asks for
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     also: Vec<Extra>,
@@ -92,8 +101,16 @@ pub(super) struct Loaded {
 }
 
 impl SceneArguments {
-    /// Reads the scene and makes sure that it fits into memory.
+    /// Reads the scene and makes sure that it fits into memory with its film.
     pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
+        self.load_for(Memory::of)
+    }
+
+    /// Reads the scene and makes sure that what is done with it fits into memory.
+    pub(super) fn load_for(
+        &self,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Loaded, Diagnostic> {
         let source = Source::read(&self.scene)?;
         let mut config: Config = source.parse()?;
         let image = &mut config.image;
@@ -103,12 +120,15 @@ impl SceneArguments {
         image.seed = self.seed.unwrap_or(image.seed);
         config.cost = self.cost().unwrap_or(config.cost);
         config.n_repeats = self.n_repeats(&config, &source)?;
+        let tiles = &mut config.tiles;
+        tiles.size = self.tile_size.unwrap_or(tiles.size);
+        tiles.order = self.tile_order.unwrap_or(tiles.order);
         self.also.iter().for_each(|&extra| config.output.add(extra));
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
         // What was read is part of the need, and no longer of what is free.
-        Memory::of(&config, &geometries)
+        needed(&config, &geometries)
             .check(available)
             .map_err(|fault| source.point_at(fault))?;
         Ok(Loaded {
@@ -116,6 +136,16 @@ impl SceneArguments {
             config,
             geometries,
         })
+    }
+
+    /// For a command that has its own files: makes sure that no others are
+    /// asked for.
+    pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
+        match self.also.is_empty() {
+            true => Ok(()),
+            false => Err(Diagnostic::new("these files are none of this command's")
+                .with_help("give `--also` to `raycost render`")),
+        }
     }
 
     /// What the command line says of the cost, if anything.
@@ -187,29 +217,27 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         stages.end("calibrate");
     }
 
+    let plan = pool.install(|| Plan::new(&scene, &accel, &config.image, config.tiles));
+    if plan.order == TileOrder::Cost {
+        stages.end("order");
+    }
+
     let n_pixels = config.image.n_pixels() as u64;
     // Before there is a film: two would take more memory than one.
     let overhead = arguments.measure_overhead.then(|| {
         let bar = Bar::new(N_RENDERINGS as u64 * n_pixels, arguments.quiet);
         let report = |progress| bar.advance(progress);
-        let overhead = pool.install(|| Overhead::measure(&scene, &accel, &config.image, report));
+        let overhead = pool.install(|| Overhead::measure(&scene, &accel, &plan, report));
         bar.clear();
         stages.end("overhead");
         overhead
     });
 
-    let bar = Bar::new(u64::from(config.n_repeats) * n_pixels, arguments.quiet);
+    let n_repeats = config.n_repeats;
+    let bar = Bar::new(u64::from(n_repeats) * n_pixels, arguments.quiet);
     let report = |progress| bar.advance(progress);
-    let (film, repeats) = pool.install(|| {
-        repeat(
-            config.n_repeats,
-            &scene,
-            &accel,
-            &config.image,
-            &meter,
-            report,
-        )
-    });
+    let (film, schedule, repeats) =
+        pool.install(|| repeat(n_repeats, &scene, &accel, &plan, &meter, report));
     bar.clear();
     stages.end("render");
 
@@ -221,6 +249,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         bvh: accel.statistics(),
         meter: &meter,
         film: &film,
+        schedule: &schedule,
         repeats: &repeats,
         overhead,
         threads: Threads {
@@ -246,7 +275,7 @@ fn least_bytes(config: &Config) -> u64 {
 }
 
 /// Lets Ctrl-C, or a request to end, leave no half-written file behind.
-fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
+pub(super) fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
     let folder = folder.clone();
     let stop = move || {
         folder.remove_unfinished();
@@ -259,7 +288,7 @@ fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> 
     })
 }
 
-fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+pub(super) fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads.map_or(0, usize::from))
         .build()
@@ -291,11 +320,17 @@ fn closing_lines(
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
     };
+    let trust = trust::lines(rendering);
+    let tiles = match rendering.config.output.has(Extra::Schedule) {
+        true => tiles(rendering.schedule),
+        false => String::new(),
+    };
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
          time    {}\n\
          speed   {}\n\
-         {}\
+         {tiles}\
+         {trust}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
         image.width,
@@ -305,7 +340,6 @@ fn closing_lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering),
-        trust::lines(rendering),
         out.display(),
         files.join(", "),
         shell_word(&out.join(state)),
@@ -319,6 +353,20 @@ pub(super) fn primitives(scene: &Scene) -> String {
         0 => kept,
         n => format!("{kept} ({} without area left out)", counted(n, "triangle")),
     }
+}
+
+/// How evenly the threads were at work.
+fn tiles(schedule: &Schedule) -> String {
+    let grid = &schedule.grid;
+    let load = schedule.load();
+    format!(
+        "tiles   {} of {size} x {size}, {} order, load imbalance {:.1} %, {:.1} % idle\n",
+        count(grid.n_tiles().into()),
+        schedule.order.name(),
+        100.0 * load.load_imbalance,
+        100.0 * load.idle_share,
+        size = grid.tile_size,
+    )
 }
 
 /// Rays a second, or samples where nothing was counted.
@@ -342,7 +390,7 @@ fn speed(rendering: &Rendering) -> String {
 }
 
 /// The path as one word for a shell.
-fn shell_word(path: &Path) -> String {
+pub(super) fn shell_word(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
     match text.chars().all(plain) {

@@ -54,8 +54,8 @@ fn repeats(rendering: &Rendering) -> Option<String> {
 /// What measuring costs.
 fn overhead(overhead: &Overhead) -> String {
     format!(
-        "measure {:+.1} % by counters, {:+.1} % by time: {:+.1} % by rays one by one, {:+.1} % by \
-         counters and clock upon that ({N_ROUNDS} rounds)\n",
+        "measure counters {:+.1} %, time {:+.1} % (rays one by one {:+.1} %, then counters and \
+         clock {:+.1} %), {N_ROUNDS} rounds\n",
         overhead.counters_percent(),
         overhead.time_percent(),
         overhead.single_ray_percent(),

@@ -15,8 +15,10 @@ use crate::config::CostMode;
 use crate::cost::{Cost, RayKind};
 use crate::trace::SurfacePoint;
 
-/// Rows in a strip but the last; the height of a tile.
-pub const STRIP_ROWS: u32 = 16;
+/// Rows in a strip but the last: fewer than a tile's, so that threads whose
+/// tiles stand side by side do not wait for one another for long, and enough to
+/// be written into a file at one go.
+pub const STRIP_ROWS: u32 = 4;
 
 /// A rendered picture: colours, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,19 +33,8 @@ pub struct Film {
     pub n_repeats: u8,
     /// The counters of all pixels together; zero where nothing was counted.
     pub totals: Cost,
-    /// What threads did during its rendering, the last one if it was repeated.
-    pub thread_time: ThreadTime,
     /// The rows, top strip first.
     pub strips: Vec<Strip>,
-}
-
-/// How long threads were at a film's tiles, in nanoseconds over all threads.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ThreadTime {
-    /// From a tile's start to its end.
-    pub busy_ns: u64,
-    /// Of that, the time in which pixels were written into the film.
-    pub film_ns: u64,
 }
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, the
@@ -120,16 +111,6 @@ pub fn bytes_per_pixel(cost: CostMode) -> usize {
     size_of::<Vec3>() + rejected + columns(cost, 1).map(Column::stride).sum::<usize>()
 }
 
-impl ThreadTime {
-    /// Both together.
-    pub fn with(self, other: Self) -> Self {
-        Self {
-            busy_ns: self.busy_ns + other.busy_ns,
-            film_ns: self.film_ns + other.film_ns,
-        }
-    }
-}
-
 impl Film {
     /// An empty film of `width * height` pixels.
     pub fn new(width: u32, height: u32, cost: CostMode) -> Self {
@@ -143,7 +124,6 @@ impl Film {
             cost,
             n_repeats: 1,
             totals: Cost::default(),
-            thread_time: ThreadTime::default(),
             strips: (0..height)
                 .step_by(STRIP_ROWS as usize)
                 .map(strip)
@@ -310,7 +290,7 @@ fn shown(pixel: &Pixel, count: impl Fn(&Cost) -> u64) -> u32 {
 }
 
 /// Limited to 0..1, then to 8 bits by rounding; no gamma.
-fn to_rgb8(color: Vec3) -> [u8; 3] {
+pub(crate) fn to_rgb8(color: Vec3) -> [u8; 3] {
     (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
         .to_array()
         .map(rounded)

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::Rendering;
-use crate::film::ThreadTime;
 
 /// The threads' time at the tiles of all renderings, in nanoseconds, and its
 /// parts. They sum up to `busy_ns`.
@@ -27,11 +26,8 @@ impl Accounts {
         let clock = rendering.meter.clock()?;
         let repeats = rendering.repeats;
         let pixels_ns = repeats.iter().filter_map(|repeat| repeat.pixels_ns).sum();
-        let thread_time = repeats
-            .iter()
-            .map(|repeat| repeat.thread_time)
-            .fold(ThreadTime::default(), ThreadTime::with);
-        let [busy_ns, film_ns] = [thread_time.busy_ns, thread_time.film_ns].map(|ns| ns as f64);
+        let busy_ns = repeats.iter().map(|repeat| repeat.busy_ns).sum::<u64>() as f64;
+        let film_ns = repeats.iter().map(|repeat| repeat.film_ns).sum::<u64>() as f64;
         let n_readings = repeats.len() * rendering.config.image.n_pixels();
         let clock_ns = n_readings as f64 * clock.overhead_ns();
         Some(Self {

@@ -10,10 +10,13 @@ pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
+mod reach;
 mod rgb_png;
 mod state;
 mod accounts;
 mod summary;
+mod trace_events;
+mod traced;
 mod vtk;
 
 use std::io::{self, Write};
@@ -22,7 +25,8 @@ use std::time::Duration;
 pub use accounts::Accounts;
 pub use folder::{OutputFolder, WriteError};
 pub use summary::{Stage, Stages, Threads};
-pub use vtk::{write_frame, write_hits};
+pub use traced::{Traced, write_rays, write_traced};
+pub use vtk::{write_frame, write_hits, write_tiles};
 
 use rayon::prelude::*;
 
@@ -30,11 +34,12 @@ use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;
-use crate::config::{Config, CostMode};
+use crate::config::{Config, Extra};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
+use crate::schedule::Schedule;
 
 /// A finished rendering and what is known of it.
 #[derive(Debug)]
@@ -53,6 +58,8 @@ pub struct Rendering<'a> {
     pub meter: &'a Meter,
     /// The pixels.
     pub film: &'a Film,
+    /// When each tile of them was rendered.
+    pub schedule: &'a Schedule,
     /// Each time that they were rendered.
     pub repeats: &'a [Repeat],
     /// What measuring them costs, where that was asked.
@@ -88,6 +95,12 @@ pub enum Artifact {
     HeatmapState,
     /// `overview.pvsm`: a ParaView state that shows picture, cost and cloud.
     OverviewState,
+    /// `tiles.vti`: when each tile was rendered, and by which thread.
+    Tiles,
+    /// `trace.json`: the same on a line of time, for Perfetto.
+    Trace,
+    /// `schedule.pvsm`: a ParaView state that shows the tiles.
+    ScheduleState,
 }
 
 /// A file that was written.
@@ -101,7 +114,7 @@ pub struct Written {
 
 impl Artifact {
     /// All files but `summary.json`, which tells of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Image,
         Self::Cost,
         Self::Hits,
@@ -109,6 +122,9 @@ impl Artifact {
         Self::GeometryState,
         Self::HeatmapState,
         Self::OverviewState,
+        Self::Tiles,
+        Self::Trace,
+        Self::ScheduleState,
     ];
 
     /// Its name in the folder.
@@ -121,16 +137,29 @@ impl Artifact {
             Self::GeometryState => "geometry.pvsm",
             Self::HeatmapState => "heatmap.pvsm",
             Self::OverviewState => "overview.pvsm",
+            Self::Tiles => vtk::TILES,
+            Self::Trace => trace_events::FILE,
+            Self::ScheduleState => "schedule.pvsm",
         }
     }
 
-    /// Whether there is something to write for a film of this mode.
-    pub fn has_data(self, cost: CostMode) -> bool {
-        cost.has_counters()
-            || !matches!(self, Self::Cost | Self::HeatmapState | Self::OverviewState)
+    /// Whether it is written for a scene: there is something to write, and it
+    /// is asked for if it is not a file of every run.
+    pub fn is_wanted(self, config: &Config) -> bool {
+        match self {
+            Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
+            Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
+            Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
+        }
     }
 
-    fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
+    fn write(
+        self,
+        rendering: &Rendering,
+        stages: &Stages,
+        states: &States,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         match self {
             Self::Image => picture::write(rendering.film, states, out),
             Self::Cost => heatmap::write(rendering, out),
@@ -139,13 +168,16 @@ impl Artifact {
             Self::GeometryState => out.write_all(states.geometry().as_bytes()),
             Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
             Self::OverviewState => out.write_all(states.overview().as_bytes()),
+            Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, out),
+            Self::Trace => trace_events::write(rendering, stages, out),
+            Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
         }
     }
 }
 
 /// Writes every file of the rendering on the current rayon pool; gives them in
 /// their order, with `summary.json` last. Files of an earlier run that this
-/// one has no data for are removed.
+/// one does not write are removed.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -157,10 +189,10 @@ pub fn write(
     let states = States::new(rendering, folder);
     let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL
         .into_iter()
-        .partition(|artifact| artifact.has_data(rendering.film.cost));
+        .partition(|artifact| artifact.is_wanted(rendering.config));
     let stage = |artifact: &Artifact| {
         folder.stage(artifact.file_name(), |out| {
-            artifact.write(rendering, &states, out)
+            artifact.write(rendering, &stages, &states, out)
         })
     };
     let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;

@@ -1,6 +1,7 @@
 //! `summary.json`: what was done, on what, and what it cost in all.
 
 use std::io::{self, Write};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -13,6 +14,7 @@ use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
 use crate::render::{N_ROUNDS, Overhead};
+use crate::schedule::Schedule;
 
 /// The file's name.
 pub(super) const FILE: &str = "summary.json";
@@ -31,6 +33,9 @@ pub struct Threads {
 pub struct Stage {
     /// What was done.
     pub name: &'static str,
+    /// From when to when.
+    #[serde(skip)]
+    pub span: Range<Instant>,
     /// Time on the wall, in milliseconds.
     pub wall_ms: f64,
     /// Time of all threads together, in milliseconds.
@@ -40,6 +45,8 @@ pub struct Stage {
 /// A stopwatch that is pressed at the end of each stage.
 #[derive(Debug, Clone)]
 pub struct Stages {
+    /// When the first one began.
+    pub begin: Instant,
     wall: Instant,
     cpu: ProcessTime,
     /// The stages that have ended.
@@ -49,8 +56,10 @@ pub struct Stages {
 impl Stages {
     /// Starts the first stage now.
     pub fn start() -> Self {
+        let begin = Instant::now();
         Self {
-            wall: Instant::now(),
+            begin,
+            wall: begin,
             cpu: ProcessTime::now(),
             ended: Vec::new(),
         }
@@ -58,12 +67,14 @@ impl Stages {
 
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
+        let (wall, cpu) = (Instant::now(), ProcessTime::now());
         self.ended.push(Stage {
             name,
-            wall_ms: milliseconds(self.wall.elapsed()),
-            cpu_ms: milliseconds(self.cpu.elapsed()),
+            span: self.wall..wall,
+            wall_ms: milliseconds(wall - self.wall),
+            cpu_ms: milliseconds(cpu.duration_since(self.cpu)),
         });
-        (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
+        (self.wall, self.cpu) = (wall, cpu);
     }
 
     /// Time on the wall of the stage with this name; zero if it never was.
@@ -110,6 +121,7 @@ pub(super) fn write(
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering),
+        "schedule": schedule(rendering.schedule),
         "files": files,
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;
@@ -166,6 +178,18 @@ fn overhead(overhead: &Overhead) -> Value {
         "single_ray_percent": overhead.single_ray_percent(),
         "instruments_percent": overhead.instruments_percent(),
         "time_percent": overhead.time_percent(),
+    })
+}
+
+/// How the tiles were dealt out.
+fn schedule(schedule: &Schedule) -> Value {
+    let load = schedule.load();
+    json!({
+        "tile_size": schedule.grid.tile_size,
+        "order": schedule.order,
+        "n_tiles": schedule.grid.n_tiles(),
+        "load_imbalance": load.load_imbalance,
+        "idle_share": load.idle_share,
     })
 }
 

@@ -13,9 +13,9 @@ use std::hint::black_box;
 use cpu_time::ProcessTime;
 
 use super::timed::BareRenderer;
-use super::{Progress, View, render, render_tiles};
+use super::{Plan, Progress, View, render, render_tiles};
 use crate::accel::Accel;
-use crate::config::{CostMode, Image};
+use crate::config::CostMode;
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
@@ -53,7 +53,7 @@ impl Overhead {
     pub fn measure(
         scene: &Scene,
         accel: &Accel,
-        image: &Image,
+        plan: &Plan,
         report: impl Fn(Progress) + Sync,
     ) -> Self {
         let [none, counters, time] =
@@ -69,7 +69,7 @@ impl Overhead {
             for turn in 0..ways.len() {
                 let way = (round + turn) % ways.len();
                 let begin = ProcessTime::now();
-                let film = ways[way].render(scene, accel, image, &report);
+                let film = ways[way].render(scene, accel, plan, &report);
                 times_ms[way].push(begin.elapsed().as_secs_f64() * 1e3);
                 // Given back outside of the time.
                 drop(black_box(film));
@@ -115,15 +115,16 @@ impl Way {
         self,
         scene: &Scene,
         accel: &Accel,
-        image: &Image,
+        plan: &Plan,
         report: impl Fn(Progress) + Sync,
     ) -> Film {
         match self {
-            Self::Measured(meter) => render(scene, accel, image, &meter, report),
+            Self::Measured(meter) => render(scene, accel, plan, &meter, report).0,
             Self::Bare => {
-                let view = View::new(scene, accel, image);
-                let film = Film::new(image.width, image.height, CostMode::None);
-                render_tiles(film, || BareRenderer::new(view), report)
+                let view = View::new(scene, accel, &plan.image);
+                let film = Film::new(plan.image.width, plan.image.height, CostMode::None);
+                let renderer = || BareRenderer::new(view, plan.max_pixels());
+                render_tiles(film, plan, renderer, report).0
             }
         }
     }

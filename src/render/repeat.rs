@@ -9,20 +9,22 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::{Progress, render_onto};
+use super::{Plan, Progress, render_onto};
 use crate::accel::Accel;
-use crate::config::Image;
 use crate::cost::Meter;
-use crate::film::{Film, Strip, ThreadTime};
+use crate::film::{Film, Strip};
 use crate::scene::Scene;
+use crate::schedule::{Schedule, TileRun};
 
 /// One of several renderings of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Repeat {
     /// Time on the wall.
     pub wall: Duration,
-    /// What the threads did.
-    pub thread_time: ThreadTime,
+    /// From each tile's start to its end, in nanoseconds over all threads.
+    pub busy_ns: u64,
+    /// Of that, the time in which pixels were written into the film.
+    pub film_ns: u64,
     /// The sum of the pixels' times in nanoseconds, rejected ones included,
     /// where they were measured.
     pub pixels_ns: Option<f64>,
@@ -43,38 +45,53 @@ pub(crate) fn repeat_bytes_per_pixel(n_repeats: u8) -> usize {
 /// The film's `time_ns` is the median of the samples that were kept, and
 /// `time_mad_ns` their median absolute deviation; `n_rejected` counts the others,
 /// during which the thread changed its CPU. Where all were rejected, both are
-/// of all. `thread` is that of the last rendering. All else is the same each
-/// time. After one rendering, or where there are no times, the film is that of
+/// of all. `thread` and the schedule are those of the last rendering. All else
+/// is the same each time. After one rendering, or where there are no times, the film is that of
 /// [`render`](super::render).
 pub fn repeat(
     n_repeats: u8,
     scene: &Scene,
     accel: &Accel,
-    image: &Image,
+    plan: &Plan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
-) -> (Film, Vec<Repeat>) {
-    let mut film = Film::new(image.width, image.height, meter.mode());
-    let mut samples = Samples::new(&film);
-    let mut repeats = Vec::new();
-    for _ in 0..n_repeats.max(1) {
+) -> (Film, Schedule, Vec<Repeat>) {
+    let render_timed = |film| {
         let begin = Instant::now();
-        film = render_onto(film, scene, accel, image, meter, &report);
-        repeats.push(Repeat {
-            wall: begin.elapsed(),
-            thread_time: film.thread_time,
-            pixels_ns: film.cost.has_time().then(|| film.total_time_ns()),
-            n_rejected: film.n_rejected(),
-        });
-        if n_repeats > 1 {
+        let (film, schedule) = render_onto(film, scene, accel, plan, meter, &report);
+        let repeat = Repeat::of(begin.elapsed(), &film, &schedule);
+        (film, schedule, repeat)
+    };
+    let film = Film::new(plan.image.width, plan.image.height, meter.mode());
+    let (mut film, mut schedule, first) = render_timed(film);
+    let mut repeats = vec![first];
+    if n_repeats > 1 {
+        let mut samples = Samples::new(&film);
+        samples.take(&film);
+        for _ in 1..n_repeats {
+            let repeat;
+            (film, schedule, repeat) = render_timed(film);
+            repeats.push(repeat);
             samples.take(&film);
         }
+        film.n_repeats = n_repeats;
+        if film.cost.has_time() {
+            samples.summarise(&mut film);
+        }
     }
-    film.n_repeats = n_repeats.max(1);
-    if film.n_repeats > 1 && film.cost.has_time() {
-        samples.summarise(&mut film);
+    (film, schedule, repeats)
+}
+
+impl Repeat {
+    fn of(wall: Duration, film: &Film, schedule: &Schedule) -> Self {
+        Self {
+            wall,
+            busy_ns: schedule.runs.iter().map(TileRun::duration_ns).sum(),
+            film_ns: schedule.runs.iter().map(|run| run.film_ns).sum(),
+            pixels_ns: film.cost.has_time().then(|| film.total_time_ns()),
+            n_rejected: film.n_rejected(),
+        }
     }
-    (film, repeats)
 }
 
 /// A time in nanoseconds, at least 1. The sign tells whether it was rejected,

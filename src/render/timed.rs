@@ -3,12 +3,12 @@
 
 use glam::Vec3;
 
-use super::tile::{TILE_SIDE, Tile};
 use super::view::{View, limited};
 use super::{TileRenderer, thread_number};
 use crate::cost::{Clock, Cost, NoProbe, Probe, RayKind};
 use crate::film::{Pixel, PixelCost, PixelTime};
 use crate::geometry::Ray;
+use crate::schedule::Tile;
 use crate::shade::Path;
 use crate::trace::SurfacePoint;
 
@@ -16,16 +16,17 @@ use crate::trace::SurfacePoint;
 pub(super) struct TimedRenderer<'a> {
     view: View<'a>,
     clock: &'a Clock,
-    /// As many as a tile has at most.
+    /// The pixels that are rendered at one go, at most.
     pixels: Vec<Pixel>,
 }
 
 impl<'a> TimedRenderer<'a> {
-    pub(super) fn new(view: View<'a>, clock: &'a Clock) -> Self {
+    /// Renders `n_pixels` pixels at one go, at most.
+    pub(super) fn new(view: View<'a>, clock: &'a Clock, n_pixels: usize) -> Self {
         Self {
             view,
             clock,
-            pixels: touched_pixels(),
+            pixels: touched_pixels(n_pixels),
         }
     }
 }
@@ -60,15 +61,16 @@ impl TileRenderer for TimedRenderer<'_> {
 /// [`TimedRenderer`] takes longer is what its instruments cost.
 pub(super) struct BareRenderer<'a> {
     view: View<'a>,
-    /// As many as a tile has at most.
+    /// The pixels that are rendered at one go, at most.
     pixels: Vec<Pixel>,
 }
 
 impl<'a> BareRenderer<'a> {
-    pub(super) fn new(view: View<'a>) -> Self {
+    /// Renders `n_pixels` pixels at one go, at most.
+    pub(super) fn new(view: View<'a>, n_pixels: usize) -> Self {
         Self {
             view,
-            pixels: touched_pixels(),
+            pixels: touched_pixels(n_pixels),
         }
     }
 }
@@ -84,10 +86,10 @@ impl TileRenderer for BareRenderer<'_> {
     }
 }
 
-/// Room for a tile's pixels.
-fn touched_pixels() -> Vec<Pixel> {
+/// Room for so many pixels.
+fn touched_pixels(n_pixels: usize) -> Vec<Pixel> {
     // Written to once: no pixel shall pay for the first touch of memory.
-    vec![Pixel::default(); (TILE_SIDE * TILE_SIDE) as usize]
+    vec![Pixel::default(); n_pixels]
 }
 
 /// Renders a pixel where it is to stay: a copy would cost as much as a ray.
