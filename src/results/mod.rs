@@ -13,7 +13,8 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 pub use summary::{
-    Acceleration, Clock, Cost, Image, Machine, Object, Repeats, SceneName, Stage, Summary, Threads,
+    Acceleration, Camera, Clock, Cost, Image, Machine, Object, Repeats, SceneName, Stage, Summary,
+    Threads,
 };
 pub use vtk::{Array, ArrayInfo, Frame, Hits, Number, Values};
 

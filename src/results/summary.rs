@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use indexmap::IndexMap;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::read_text;
 use crate::config::CostMode;
@@ -24,6 +24,8 @@ pub struct Summary {
     pub scene: SceneName,
     /// The picture's size and sampling.
     pub image: Image,
+    /// Where the pixels lie in the world.
+    pub camera: Option<Camera>,
     /// The objects in the file's order: `object` is an index into them.
     pub objects: Vec<Object>,
     /// The materials' names: `material` is an index into them.
@@ -66,6 +68,21 @@ pub struct Image {
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern.
     pub seed: u64,
+}
+
+/// Where the pixels lie in the world. There is an `eye` or a `direction`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Where all rays come from.
+    pub eye: Option<[f32; 3]>,
+    /// Where all rays go, a unit vector.
+    pub direction: Option<[f32; 3]>,
+    /// The sample point of the pixel on top left.
+    pub origin: [f32; 3],
+    /// From one column's sample point to the next one's.
+    pub right: [f32; 3],
+    /// From one row's sample point to that of the row below.
+    pub down: [f32; 3],
 }
 
 /// An object of the scene file.
