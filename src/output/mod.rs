@@ -17,6 +17,7 @@ mod vtk;
 
 use std::io::{self, Write};
 
+pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
 pub(crate) use summary::FILE as SUMMARY;
 pub use summary::{Stage, Stages, Threads};
