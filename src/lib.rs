@@ -36,4 +36,6 @@ pub mod render;
 pub mod observe;
 pub mod memory;
 pub mod output;
+pub mod results;
+pub mod view;
 pub mod cli;

@@ -156,7 +156,7 @@ fn a_folder_that_cannot_be_written_ends_with_1() {
             "{message}"
         );
         assert!(
-            message.contains("= help: choose another folder with `--out DIR`"),
+            message.contains("= help: choose another folder with `--out`"),
             "{message}"
         );
     }

@@ -5,6 +5,7 @@ mod completions;
 mod failure;
 mod progress;
 mod render;
+mod view;
 
 use clap::{Parser, Subcommand};
 
@@ -28,6 +29,8 @@ enum Command {
     Render(render::Arguments),
     /// Tell what rendering a scene would do, and render nothing
     Check(check::Arguments),
+    /// Write a page that shows an output folder in a browser
+    View(view::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -41,6 +44,7 @@ impl Cli {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
+            Command::View(arguments) => view::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
         }
     }

@@ -44,12 +44,12 @@ impl WriteError {
     pub fn help(&self) -> &'static str {
         match self.error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                "free some space, or choose another folder with `--out DIR`"
+                "free some space, or choose another folder with `--out`"
             }
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-                "choose a folder that you may write to with `--out DIR`"
+                "choose a folder that you may write to with `--out`"
             }
-            _ => "choose another folder with `--out DIR`",
+            _ => "choose another folder with `--out`",
         }
     }
 }
@@ -117,10 +117,7 @@ impl OutputFolder {
     ) -> Result<StagedFile, WriteError> {
         let fail = |error| WriteError::new(self.path_of(name), error);
         let mut temporary = temporary_in(&self.path).map_err(fail)?;
-        let mut out = BufWriter::with_capacity(BUFFER, &mut temporary);
-        write(&mut out).and_then(|()| out.flush()).map_err(fail)?;
-        drop(out);
-        let n_bytes = temporary.as_file().metadata().map_err(fail)?.len();
+        let n_bytes = fill(&mut temporary, write).map_err(fail)?;
         Ok(StagedFile {
             name,
             n_bytes,
@@ -169,6 +166,41 @@ impl StagedFile {
             bytes: self.n_bytes,
         }
     }
+}
+
+/// Writes a single file, which takes its name when it is whole; gives its
+/// length in bytes.
+///
+/// # Errors
+/// What `write` or the system says; then an old file is still there.
+pub(crate) fn write_file(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
+) -> Result<u64, WriteError> {
+    let fail = |error| WriteError::new(path, error);
+    if path.is_dir() {
+        return Err(fail(io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut temporary = temporary_in(folder).map_err(fail)?;
+    let n_bytes = fill(&mut temporary, write).map_err(fail)?;
+    temporary.persist(path).map_err(|error| fail(error.error))?;
+    Ok(n_bytes)
+}
+
+/// Writes all of a file; gives its length in bytes.
+fn fill(
+    temporary: &mut NamedTempFile,
+    write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
+) -> io::Result<u64> {
+    let mut out = BufWriter::with_capacity(BUFFER, &mut *temporary);
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
+    Ok(temporary.as_file().metadata()?.len())
 }
 
 /// A file without a name of its own yet, removed when dropped.

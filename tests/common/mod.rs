@@ -1,8 +1,10 @@
 //! What several test files need.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod chromium;
 pub mod data_set;
 pub mod generators;
+pub mod noise;
 pub mod twins;
 
 use std::path::PathBuf;
