@@ -34,5 +34,6 @@ pub mod shade;
 pub mod film;
 pub mod render;
 pub mod memory;
+pub mod statistics;
 pub mod output;
 pub mod cli;
