@@ -33,6 +33,7 @@ pub mod trace;
 pub mod shade;
 pub mod film;
 pub mod render;
+pub mod observe;
 pub mod memory;
 pub mod statistics;
 pub mod output;

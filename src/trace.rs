@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::{Accel, Hit, ShadowRay};
+use crate::accel::{Accel, Hit, ShadowRay, Step};
 use crate::cost::{ByPixel, Probe, RayKind};
 use crate::geometry::Ray;
 use crate::scene::{MaterialId, ObjectId, Scene};
@@ -72,6 +72,18 @@ impl<'a> Tracer<'a> {
         probe.ray(RayKind::Shadow);
         self.accel
             .occluded(&shadow.ray, shadow.t_max, shadow.ignored, probe)
+    }
+
+    /// The hit that [`trace`](Self::trace) finds, with every step of the ray
+    /// added to `steps`.
+    pub fn watch(&self, ray: &Ray, steps: &mut Vec<Step>) -> Option<Hit> {
+        self.accel.watch_nearest(ray, steps)
+    }
+
+    /// The hit that [`is_shadowed`](Self::is_shadowed) finds, with every step of
+    /// the ray added to `steps`.
+    pub fn watch_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<Step>) -> Option<Hit> {
+        self.accel.watch_occluded(shadow, steps)
     }
 
     /// The nearest hits of many rays of one kind: `hits` becomes one entry a

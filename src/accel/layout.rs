@@ -109,6 +109,15 @@ impl LeafKind {
         }
     }
 
+    /// Rows before the indices; `None` where nothing is tested together.
+    pub(super) fn n_rows(self) -> Option<usize> {
+        match self {
+            Self::Triangles => Some(TRIANGLE_ROWS),
+            Self::Spheres => Some(SPHERE_ROWS),
+            Self::Others => None,
+        }
+    }
+
     /// Lines of a leaf of `n` primitives.
     pub(super) fn n_lines(self, n: usize) -> usize {
         let len = match self {

@@ -13,13 +13,15 @@ mod simd;
 mod layout;
 mod arena;
 mod search;
+mod watch;
 mod build;
 mod kernel;
 mod statistics;
+mod nodes;
 mod bvh;
 
 use crate::config::Acceleration;
-use crate::cost::{Probe, StreamProbe};
+use crate::cost::{NoProbe, Probe, StreamProbe};
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
@@ -27,9 +29,12 @@ use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
 use kernel::Stream;
+pub use nodes::BvhNode;
 use search::{Any, Nearest, Query, Search};
 pub use simd::Simd;
 pub use statistics::BvhStatistics;
+pub use watch::Step;
+use watch::Watched;
 
 /// A ray's hit on a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,6 +140,32 @@ impl<'a> Accel<'a> {
         let mut any = Any::new(self.primitives, ray, t_max, ignored);
         self.search(ray, &mut any, probe);
         any.found
+    }
+
+    /// [`nearest`](Self::nearest), with every step of the ray added to `steps`.
+    pub fn watch_nearest(&self, ray: &Ray, steps: &mut Vec<Step>) -> Option<Hit> {
+        let nearest = Nearest::new(self.primitives, ray);
+        let mut watched = Watched::new(nearest, self.primitives, ray, steps);
+        self.search(ray, &mut watched, &mut NoProbe);
+        watched.into_found().0.hit()
+    }
+
+    /// [`occluded`](Self::occluded), with every step of the ray added to
+    /// `steps`; gives the hit that is in the way.
+    pub fn watch_occluded(&self, shadow: &ShadowRay, steps: &mut Vec<Step>) -> Option<Hit> {
+        let ray = &shadow.ray;
+        let any = Any::new(self.primitives, ray, shadow.t_max, shadow.ignored);
+        let mut watched = Watched::new(any, self.primitives, ray, steps);
+        self.search(ray, &mut watched, &mut NoProbe);
+        watched.into_found().1
+    }
+
+    /// The nodes and leaves of the hierarchy, each before those below it.
+    pub fn nodes(&self) -> Vec<BvhNode> {
+        self.bvh
+            .as_ref()
+            .map(|bvh| nodes::of(bvh.arena()))
+            .unwrap_or_default()
     }
 
     /// [`nearest`](Self::nearest) of many rays at once: `hits` becomes one entry

@@ -14,6 +14,14 @@ pub(super) trait Search {
     fn is_done(&self) -> bool;
     /// Tests the primitive with this index.
     fn test(&mut self, primitive: u32);
+    /// Whether it wants to hear of each step.
+    const WATCHES: bool = false;
+    /// Hears that the ray has been at the node at this line of the arena, and
+    /// whether it enters a child.
+    fn passed(&mut self, _line: usize, _enters: bool) {}
+    /// Hears that these primitives of the leaf at this line are tested now; none
+    /// where each is told by [`test`](Self::test).
+    fn tested(&mut self, _line: usize, _primitives: impl Iterator<Item = u32>) {}
     /// Hears of the hit of a primitive, at `t > 0` and before the limit that
     /// was when a group of primitives was begun.
     fn found(&mut self, t: f32, primitive: u32);

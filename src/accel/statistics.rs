@@ -5,7 +5,7 @@ use super::layout::{self, Line, Node, Word};
 use crate::geometry::Aabb;
 
 /// Cost of a node, in primitive tests.
-const NODE_COST: f64 = 1.0;
+pub(super) const NODE_COST: f64 = 1.0;
 
 /// The size of a hierarchy.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -32,8 +32,7 @@ impl BvhStatistics {
         let mut count = Count::default();
         if !lines.is_empty() {
             let root = layout::node(lines, Word::ROOT);
-            let bounds = (0..root.n_children()).map(|i| child_bounds(root, i));
-            let area = bounds.fold(Aabb::EMPTY, Aabb::union).surface_area();
+            let area = node_bounds(root).surface_area();
             count.node(lines, Word::ROOT, f64::from(area), 0);
             count.cost /= f64::from(area).max(f64::MIN_POSITIVE);
         }
@@ -78,7 +77,14 @@ impl Count {
     }
 }
 
-fn child_bounds(node: &Node, i: usize) -> Aabb {
+/// The box around all children of a node.
+pub(super) fn node_bounds(node: &Node) -> Aabb {
+    let bounds = (0..node.n_children()).map(|i| child_bounds(node, i));
+    bounds.fold(Aabb::EMPTY, Aabb::union)
+}
+
+/// The box of a node's child `i`.
+pub(super) fn child_bounds(node: &Node, i: usize) -> Aabb {
     Aabb {
         min: node.min.map(|row| row[i]).into(),
         max: node.max.map(|row| row[i]).into(),

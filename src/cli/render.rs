@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::progress::{Bar, BuildBar};
 use crate::accel::Accel;
-use crate::config::{Config, CostMode, MAX_SIDE};
+use crate::config::{Config, CostMode, Extra, MAX_SIDE};
 use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
 use crate::memory::{self, Memory};
@@ -69,6 +69,10 @@ pub(super) struct SceneArguments {
     /// Short for `--cost none`
     #[arg(long, conflicts_with = "cost")]
     no_cost: bool,
+
+    /// Files to write beside those of every run, and those that the scene asks for
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    also: Vec<Extra>,
 }
 
 /// A scene file, what it says, and what the files hold that it names.
@@ -89,6 +93,7 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         config.cost = self.cost().unwrap_or(config.cost);
+        self.also.iter().for_each(|&extra| config.output.add(extra));
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;

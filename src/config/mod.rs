@@ -11,6 +11,7 @@ mod file;
 mod generator;
 mod image;
 mod object;
+mod outputs;
 mod shading;
 
 use indexmap::IndexMap;
@@ -23,6 +24,7 @@ pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use generator::{Generator, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
+pub use outputs::{BvhLimits, Extra, Outputs};
 pub use shading::{Shading, ShadingModel};
 
 use crate::camera::Camera;
@@ -66,6 +68,9 @@ pub struct Config {
     /// What is measured of each pixel.
     #[serde(default)]
     pub cost: CostMode,
+    /// What is written beside the files of every run.
+    #[serde(default)]
+    pub output: Outputs,
     /// Materials by name; their ids count from 0 in this order.
     pub materials: IndexMap<String, Material>,
     /// The lights; `[]` for none but the ambient light.

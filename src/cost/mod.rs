@@ -13,7 +13,7 @@ pub use meter::Meter;
 pub use probe::{ByPixel, NoProbe, Probe, StreamProbe};
 
 /// Why a ray was shot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum RayKind {
     /// From the camera.
     Camera,

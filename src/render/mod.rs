@@ -23,7 +23,7 @@ use crate::scene::Scene;
 use stream::StreamRenderer;
 use tile::{Tile, Tiles};
 use timed::TimedRenderer;
-use view::View;
+pub(crate) use view::View;
 
 pub use tile::TILE_SIDE;
 

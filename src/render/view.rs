@@ -13,11 +13,11 @@ use crate::trace::Tracer;
 
 /// All that rendering a pixel needs.
 #[derive(Clone, Copy)]
-pub(super) struct View<'a> {
-    pub(super) tracer: Tracer<'a>,
-    pub(super) shader: Shader<'a>,
+pub(crate) struct View<'a> {
+    pub(crate) tracer: Tracer<'a>,
+    pub(crate) shader: Shader<'a>,
     /// Samples a pixel.
-    pub(super) n_samples: u32,
+    pub(crate) n_samples: u32,
     /// The sample whose camera ray goes through the pixel's middle.
     pub(super) middle: u32,
     scene: &'a Scene,
@@ -26,7 +26,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub(super) fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
+    pub(crate) fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
         let pattern = PixelPattern::new(image.samples_per_pixel, image.seed);
         Self {
             tracer: Tracer::new(scene, accel),
@@ -40,7 +40,7 @@ impl<'a> View<'a> {
     }
 
     /// The camera ray of one of the pixel's samples.
-    pub(super) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
+    pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
         let pixel = u64::from(y) * u64::from(self.width) + u64::from(x);
         let offset = self.pattern.point(pixel, sample);
         let plane = &self.scene.image_plane;

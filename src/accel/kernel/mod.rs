@@ -51,6 +51,12 @@ impl<S: Search, P: Probe> Work for Traversal<'_, S, P> {
                 n_tests += word.leaf_size() as u32;
                 // SAFETY: the word is a child of a node, and no node.
                 let leaf = unsafe { self.arena.leaf(word) };
+                if S::WATCHES {
+                    let rows = word.leaf_kind().n_rows();
+                    let lanes = 0..rows.map_or(0, |_| leaf.len());
+                    let primitive = |lane| leaf.primitive(rows.unwrap_or(0), lane);
+                    self.search.tested(word.line(), lanes.map(primitive));
+                }
                 test_leaf(&blocks, leaf, word.leaf_kind(), self.search);
                 if self.search.is_done() {
                     break;
@@ -61,7 +67,11 @@ impl<S: Search, P: Probe> Work for Traversal<'_, S, P> {
                 n_visits += 1;
                 // SAFETY: the word is the root or a child of a node, and no leaf.
                 let node = unsafe { self.arena.node(word) };
-                descend::<I, S>(set, &slabs, node, limit, &mut stack)
+                let next = descend::<I, S>(set, &slabs, node, limit, &mut stack);
+                if S::WATCHES {
+                    self.search.passed(word.line(), next.is_some());
+                }
+                next
             };
             word = match next.or_else(|| next_waiting(&mut stack, self.search)) {
                 Some(word) => word,

@@ -1,0 +1,187 @@
+//! How a pixel is observed.
+
+use glam::Vec3;
+
+use super::{RayTree, TracedRay};
+use crate::accel::{Accel, Hit, ShadowRay, Step};
+use crate::config::Image;
+use crate::cost::{Clock, Cost, RayKind};
+use crate::geometry::Ray;
+use crate::light::Illumination;
+use crate::render::View;
+use crate::scene::Scene;
+use crate::shade::Path;
+use crate::trace::SurfacePoint;
+
+/// Renders pixels and shows all of their rays.
+#[derive(Clone, Copy)]
+pub struct Observer<'a> {
+    view: View<'a>,
+    /// What times the rays, if anything does.
+    clock: Option<&'a Clock>,
+}
+
+/// A ray about to be traced.
+struct Start {
+    kind: RayKind,
+    parent: Option<u32>,
+    sample: u32,
+    bounce: u32,
+    ray: Ray,
+    t_max: f32,
+}
+
+impl<'a> Observer<'a> {
+    /// Observes the pixels of this picture; times their rays with the clock.
+    pub fn new(
+        scene: &'a Scene,
+        accel: &'a Accel<'a>,
+        image: &Image,
+        clock: Option<&'a Clock>,
+    ) -> Self {
+        Self {
+            view: View::new(scene, accel, image),
+            clock,
+        }
+    }
+
+    /// Makes `tree` that of the pixel in column `x` and row `y`, row 0 on top.
+    pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
+        tree.clear();
+        (0..self.view.n_samples).for_each(|sample| self.observe_sample((x, y), sample, tree));
+    }
+
+    fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) {
+        let mut path = Path::from_eye(self.view.camera_ray(place, sample).origin);
+        let mut next = Some((self.view.camera_ray(place, sample), RayKind::Camera, None));
+        while let Some((ray, kind, parent)) = next {
+            let start = Start {
+                kind,
+                parent,
+                sample,
+                bounce: path.depth,
+                ray,
+                t_max: f32::INFINITY,
+            };
+            let (number, met) = self.trace(start, tree);
+            let mirrored = match met {
+                Some(point) => self.shade(&mut path, number, &point, tree),
+                None => self.miss(&mut path, number, tree),
+            };
+            next = mirrored.map(|ray| (ray, RayKind::Reflection, Some(number)));
+        }
+    }
+
+    /// Adds a ray that looks for what is nearest; gives its number.
+    fn trace(&self, start: Start, tree: &mut RayTree) -> (u32, Option<SurfacePoint>) {
+        let tracer = &self.view.tracer;
+        let ray = start.ray;
+        let (cost, time_ns, met) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
+        let watch = |steps: &mut Vec<Step>| tracer.watch(&ray, steps);
+        (add(start, cost, time_ns, watch, tree), met)
+    }
+
+    /// Adds a shadow ray; gives its number and whether something is in its way.
+    fn trace_shadow(&self, parent: u32, shadow: &ShadowRay, tree: &mut RayTree) -> (u32, bool) {
+        let tracer = &self.view.tracer;
+        let from = &tree.rays[parent as usize];
+        let start = Start {
+            kind: RayKind::Shadow,
+            parent: Some(parent),
+            sample: from.sample,
+            bounce: from.bounce,
+            ray: shadow.ray,
+            t_max: shadow.t_max,
+        };
+        let (cost, time_ns, is_shadowed) = self.timed(|cost| tracer.is_shadowed(shadow, cost));
+        let watch = |steps: &mut Vec<Step>| tracer.watch_shadow(shadow, steps);
+        (add(start, cost, time_ns, watch, tree), is_shadowed)
+    }
+
+    /// Shades the point that a ray met; gives the ray that goes on.
+    fn shade(
+        &self,
+        path: &mut Path,
+        number: u32,
+        point: &SurfacePoint,
+        tree: &mut RayTree,
+    ) -> Option<Ray> {
+        let shader = &self.view.shader;
+        let ray = tree.rays[number as usize].ray;
+        let mut lights: Vec<(u32, Illumination)> = Vec::new();
+        for sample in shader.light_samples(point) {
+            let (shadow, is_shadowed) = self.trace_shadow(number, &sample.shadow, tree);
+            if !is_shadowed {
+                lights.push((shadow, sample.light));
+            }
+        }
+        let before = *path;
+        let all = || lights.iter().map(|(_, light)| *light);
+        let (_, time_ns, mirrored) = self.timed(|_| shader.shade(path, &ray, point, all()));
+        tree.rays[number as usize].time_ns += time_ns;
+        self.contribute(number, path.color - before.color, tree);
+        for &(left_out, _) in &lights {
+            let mut without = before;
+            let others = lights.iter().filter(|(shadow, _)| *shadow != left_out);
+            shader.shade(&mut without, &ray, point, others.map(|(_, light)| *light));
+            self.contribute(left_out, path.color - without.color, tree);
+        }
+        mirrored
+    }
+
+    /// Adds the background that a ray sees, which ends its path.
+    fn miss(&self, path: &mut Path, number: u32, tree: &mut RayTree) -> Option<Ray> {
+        let before = path.color;
+        let ray = tree.rays[number as usize].ray;
+        let (_, time_ns, ()) = self.timed(|_| self.view.shader.miss(path, &ray));
+        tree.rays[number as usize].time_ns += time_ns;
+        self.contribute(number, path.color - before, tree);
+        None
+    }
+
+    /// Notes what a ray brings to its sample.
+    fn contribute(&self, number: u32, color: Vec3, tree: &mut RayTree) {
+        tree.rays[number as usize].contribution = color / self.view.n_samples as f32;
+    }
+
+    /// Does some work; gives what it counts, its time in nanoseconds, and what
+    /// it gives.
+    fn timed<T>(&self, work: impl FnOnce(&mut Cost) -> T) -> (Cost, f32, T) {
+        let mut cost = Cost::default();
+        let Some(clock) = self.clock else {
+            let result = work(&mut cost);
+            return (cost, 0.0, result);
+        };
+        let begin = clock.now();
+        let result = work(&mut cost);
+        let time_ns = clock.elapsed_ns(begin, clock.now());
+        (cost, time_ns, result)
+    }
+}
+
+/// Adds a ray to the tree; gives its number.
+fn add(
+    start: Start,
+    cost: Cost,
+    time_ns: f32,
+    watch: impl FnOnce(&mut Vec<Step>) -> Option<Hit>,
+    tree: &mut RayTree,
+) -> u32 {
+    let first = tree.steps.len();
+    let hit = watch(&mut tree.steps);
+    tree.rays.push(TracedRay {
+        kind: start.kind,
+        parent: start.parent,
+        sample: start.sample,
+        bounce: start.bounce,
+        ray: start.ray,
+        t_max: start.t_max,
+        hit,
+        node_visits: cost.node_visits as u32,
+        primitive_tests: cost.primitive_tests as u32,
+        time_ns,
+        contribution: Vec3::ZERO,
+        steps: first..tree.steps.len(),
+    });
+    tree.rays.len() as u32 - 1
+}
