@@ -37,4 +37,5 @@ pub mod observe;
 pub mod memory;
 pub mod statistics;
 pub mod output;
+pub mod results;
 pub mod cli;

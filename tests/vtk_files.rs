@@ -6,10 +6,10 @@ mod common;
 use std::fs::File;
 use std::path::Path;
 
-use bytemuck::cast_slice_mut;
 use glam::Vec3;
 
 use common::data_set::{Array, DataSet};
+use common::noise::noise;
 use common::{config, film, parse, with_cost};
 use raycost::config::{Config, CostMode};
 use raycost::film::{Film, STRIP_ROWS, Strip};
@@ -46,7 +46,7 @@ films! {
     no_hit: film_of_hits(0, &scene(33, 17, 1, "{ center: [0, 0, 9], radius: 1 }"));
     one_hit: film_of_hits(1, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 0.1 }"));
     all_hits: film_of_hits(33 * 17, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 9 }"));
-    noise: noise();
+    noise: noise(33, 17, CostMode::Time, 0);
 }
 
 const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";
@@ -74,43 +74,6 @@ objects:
 fn film_of_hits(n_hits: usize, config: &Config) -> Film {
     let film = film(config, 2);
     assert_eq!(film.n_hits(), n_hits);
-    film
-}
-
-/// A film of noise: no array can be taken for another, and NaN comes in all
-/// its shapes.
-fn noise() -> Film {
-    let mut film = Film::new(33, 17, CostMode::Time);
-    let mut state = 0_u32;
-    let mut noise = || {
-        // The generator of Numerical Recipes.
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 24) as u8
-    };
-    for strip in &mut film.strips {
-        let arrays: [&mut [u8]; 17] = [
-            cast_slice_mut(&mut strip.rgb),
-            cast_slice_mut(&mut strip.position),
-            cast_slice_mut(&mut strip.normal),
-            cast_slice_mut(&mut strip.distance),
-            cast_slice_mut(&mut strip.footprint),
-            cast_slice_mut(&mut strip.object),
-            cast_slice_mut(&mut strip.material),
-            cast_slice_mut(&mut strip.time_ns),
-            cast_slice_mut(&mut strip.node_visits),
-            cast_slice_mut(&mut strip.primitive_tests),
-            cast_slice_mut(&mut strip.rays),
-            cast_slice_mut(&mut strip.shadow_rays),
-            cast_slice_mut(&mut strip.reflection_rays),
-            cast_slice_mut(&mut strip.refraction_rays),
-            cast_slice_mut(&mut strip.depth),
-            cast_slice_mut(&mut strip.tile),
-            cast_slice_mut(&mut strip.thread),
-        ];
-        for array in arrays {
-            array.fill_with(&mut noise);
-        }
-    }
     film
 }
 

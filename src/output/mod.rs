@@ -18,7 +18,9 @@ mod vtk;
 use std::io::{self, Write};
 
 pub use folder::{OutputFolder, WriteError};
+pub(crate) use summary::FILE as SUMMARY;
 pub use summary::{Stage, Stages, Threads};
+pub(crate) use vtk::{FRAME, HITS};
 pub use vtk::{write_frame, write_hits};
 
 use rayon::prelude::*;

@@ -14,7 +14,7 @@ use crate::cost::RayKind;
 use crate::film::Film;
 
 /// The file's name.
-pub(super) const FILE: &str = "summary.json";
+pub(crate) const FILE: &str = "summary.json";
 
 /// How many threads rendered.
 #[derive(Debug, Clone, Copy, Serialize)]

@@ -3,6 +3,7 @@
 
 pub mod data_set;
 pub mod generators;
+pub mod noise;
 pub mod twins;
 
 use std::path::PathBuf;

@@ -10,7 +10,7 @@ mod frame;
 mod header;
 mod hits;
 
-pub(super) use frame::FILE as FRAME;
+pub use frame::FILE as FRAME;
 pub use frame::write as write_frame;
-pub(super) use hits::FILE as HITS;
+pub use hits::FILE as HITS;
 pub use hits::write as write_hits;
