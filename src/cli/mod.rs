@@ -2,9 +2,12 @@
 
 mod check;
 mod completions;
+mod diff;
 mod failure;
 mod progress;
 mod render;
+
+use std::path::Path;
 
 use clap::{Parser, Subcommand};
 
@@ -28,6 +31,8 @@ enum Command {
     Render(render::Arguments),
     /// Tell what rendering a scene would do, and render nothing
     Check(check::Arguments),
+    /// Compare the costs of two outputs
+    Diff(diff::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -41,7 +46,18 @@ impl Cli {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
+            Command::Diff(arguments) => diff::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
         }
+    }
+}
+
+/// The path as one word for a shell.
+fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    match text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }
