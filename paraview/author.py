@@ -1,4 +1,4 @@
-"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, diff.pvsm.
+"""Authors the ParaView states beside this script.
 
 Takes an output folder of `raycost render` as the sample to build the pipelines against, into which
 `raycost diff` has written, too:
@@ -77,7 +77,23 @@ def diff(out):
     layout("Difference", above(0.68, beside(difference, ratio), differences))
 
 
-STATES = (geometry, heatmap, diff)
+
+def overview(out):
+    """What was rendered and what it cost on one page: the picture above the cloud, the time above its histogram."""
+    frame = reader(pv.XMLImageDataReader, out / "frame.vti")
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
+    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
+    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)", key="cost")
+    pv.AddCameraLink(colour, time, "overview")
+    turned = put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera())
+    inferno = pv.GetColorTransferFunction("time_ns")
+    put(cloud(hits, turned), ColorArrayName=["POINTS", Fill("cost.array", "time_ns")], LookupTable=inferno)
+    times = histogram(frame, "time_ns", "Time per pixel (ns)", key="cost")
+    layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
+
+
+STATES = (geometry, heatmap, overview, diff)
 
 
 # ----------------------------------------------------------------------------------------- parts

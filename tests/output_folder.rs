@@ -12,13 +12,14 @@ use tempfile::TempDir;
 use common::data_set::DataSet;
 use common::{assert_success, in_repository, raycost};
 
-const FILES: [&str; 7] = [
+const FILES: [&str; 8] = [
     "cost.png",
     "frame.vti",
     "geometry.pvsm",
     "heatmap.pvsm",
     "hits.vtu",
     "image.png",
+    "overview.pvsm",
     "summary.json",
 ];
 
@@ -115,7 +116,7 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
         told.push(name);
     }
     told.sort();
-    assert_eq!(told, FILES[..6]);
+    assert_eq!(told, FILES[..7]);
 
     // Totals: sums of the arrays, and of one another.
     let totals = &summary["cost"]["totals"];

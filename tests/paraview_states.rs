@@ -90,10 +90,10 @@ fn an_orthographic_view_is_shown() {
     shows_its_output(&render(&scene, "orthographic", &size), "time_ns");
 }
 
-/// Both states of the folder load by their own paths, with this array of the
+/// The states of the folder load by their own paths, with this array of the
 /// cost, and the cloud looks like the picture.
 fn shows_its_output(out: &Path, cost: &str) {
-    for state in ["geometry", "heatmap"] {
+    for state in ["geometry", "heatmap", "overview"] {
         let file = out.join(state).with_extension("pvsm");
         let screenshot = screenshot(out, state);
         assert!(fs::read_to_string(&file).unwrap().contains(cost));
@@ -130,7 +130,7 @@ fn a_state_of_no_hits_loads() {
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "repository", &[]);
-    for state in ["geometry", "heatmap"] {
+    for state in ["geometry", "heatmap", "overview"] {
         let file = in_repository("paraview").join(state).with_extension("pvsm");
         // `load` sets RAYCOST_OUT, which the paths begin with.
         let by_variable = screenshot(&out, &format!("{state} by variable"));

@@ -70,6 +70,8 @@ pub enum Artifact {
     GeometryState,
     /// `heatmap.pvsm`: a ParaView state that shows the cost.
     HeatmapState,
+    /// `overview.pvsm`: a ParaView state that shows picture, cost and cloud.
+    OverviewState,
 }
 
 /// A file that was written.
@@ -83,13 +85,14 @@ pub struct Written {
 
 impl Artifact {
     /// All files but `summary.json`, which tells of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Image,
         Self::Cost,
         Self::Hits,
         Self::Frame,
         Self::GeometryState,
         Self::HeatmapState,
+        Self::OverviewState,
     ];
 
     /// Its name in the folder.
@@ -101,12 +104,14 @@ impl Artifact {
             Self::Frame => vtk::FRAME,
             Self::GeometryState => "geometry.pvsm",
             Self::HeatmapState => "heatmap.pvsm",
+            Self::OverviewState => "overview.pvsm",
         }
     }
 
     /// Whether there is something to write for a film of this mode.
     pub fn has_data(self, cost: CostMode) -> bool {
-        cost.has_counters() || !matches!(self, Self::Cost | Self::HeatmapState)
+        cost.has_counters()
+            || !matches!(self, Self::Cost | Self::HeatmapState | Self::OverviewState)
     }
 
     fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
@@ -117,6 +122,7 @@ impl Artifact {
             Self::Frame => vtk::write_frame(rendering.film, out),
             Self::GeometryState => out.write_all(states.geometry().as_bytes()),
             Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
+            Self::OverviewState => out.write_all(states.overview().as_bytes()),
         }
     }
 }

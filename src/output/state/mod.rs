@@ -1,4 +1,5 @@
-//! `geometry.pvsm` and `heatmap.pvsm`: ParaView's states for this output.
+//! `geometry.pvsm`, `heatmap.pvsm` and `overview.pvsm`: ParaView's states for
+//! this output.
 //!
 //! The states in the repository's `paraview/` folder are the templates. Each
 //! value that hangs on the output carries its key there:
@@ -23,6 +24,7 @@ use crate::film::Film;
 
 const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
+const OVERVIEW: &str = include_str!("../../../paraview/overview.pvsm");
 
 /// The states of one output, in ASCII.
 pub(super) struct States {
@@ -69,6 +71,11 @@ impl States {
     /// The cost of all pixels.
     pub(super) fn heatmap(&self) -> String {
         fill(HEATMAP, |key| self.value(key))
+    }
+
+    /// Picture, cost, cloud and histogram on one page.
+    pub(super) fn overview(&self) -> String {
+        fill(OVERVIEW, |key| self.value(key))
     }
 
     fn value(&self, key: &str) -> Option<String> {
