@@ -61,6 +61,21 @@ def heatmap(out):
     layout("Heatmap", above(0.68, beside(time, visits), times))
 
 
+def overview(out):
+    """What was rendered and what it cost on one page: the picture above the cloud, the time above its histogram."""
+    frame = reader(pv.XMLImageDataReader, out / "frame.vti")
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
+    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
+    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)", key="cost")
+    pv.AddCameraLink(colour, time, "overview")
+    turned = put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera())
+    inferno = pv.GetColorTransferFunction("time_ns")
+    put(cloud(hits, turned), ColorArrayName=["POINTS", Fill("cost.array", "time_ns")], LookupTable=inferno)
+    times = histogram(frame, "time_ns", "Time per pixel (ns)", key="cost")
+    layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
+
+
 def diff(out):
     """What each pixel's cost changed by between two outputs, as a difference and as a ratio, above
     the histogram of the difference."""
@@ -75,22 +90,6 @@ def diff(out):
     ends = fill_ends("difference.linear", around_zero(change, "time_ns_difference"))
     differences = bars(change, array, ends, Fill("difference.title", title))
     layout("Difference", above(0.68, beside(difference, ratio), differences))
-
-
-
-def overview(out):
-    """What was rendered and what it cost on one page: the picture above the cloud, the time above its histogram."""
-    frame = reader(pv.XMLImageDataReader, out / "frame.vti")
-    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
-    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
-    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)", key="cost")
-    pv.AddCameraLink(colour, time, "overview")
-    turned = put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera())
-    inferno = pv.GetColorTransferFunction("time_ns")
-    put(cloud(hits, turned), ColorArrayName=["POINTS", Fill("cost.array", "time_ns")], LookupTable=inferno)
-    times = histogram(frame, "time_ns", "Time per pixel (ns)", key="cost")
-    layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
 
 
 STATES = (geometry, heatmap, overview, diff)

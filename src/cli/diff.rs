@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::render::remove_unfinished_when_stopped;
 use super::{Failure, shell_word};
 use crate::diff::{self, Diff, Gate, Limit, Side};
 use crate::output::format::bytes;
@@ -47,6 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let out = out(arguments, &sides);
     let folder = OutputFolder::create(&out, 0)?;
+    remove_unfinished_when_stopped(&folder)?;
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
     let text = match arguments.json {
         true => format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref())),

@@ -190,7 +190,7 @@ fn least_bytes(config: &Config) -> u64 {
 }
 
 /// Lets Ctrl-C, or a request to end, leave no half-written file behind.
-fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
+pub(super) fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
     let folder = folder.clone();
     let stop = move || {
         folder.remove_unfinished();

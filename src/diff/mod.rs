@@ -47,7 +47,8 @@ pub struct Diff {
     pub totals: Totals,
     /// Whether the time changed by more than noise; `None` unless both have it.
     pub noise: Option<Noise>,
-    /// The change of the first measure that both have something of.
+    /// The change of what is shown: the time, or node visits or primitive tests,
+    /// whichever changed more.
     pub change: Change,
     /// What the camera sees, object by object, the greatest change first.
     pub objects: Vec<Group>,
@@ -161,11 +162,20 @@ impl Diff {
     }
 }
 
-/// The first measure that both have something of: without a hierarchy, say,
-/// there are no node visits.
+/// The time or, where one is missing, that of node visits and primitive tests
+/// which changed more. What one side has nothing of is not shown: without a
+/// hierarchy, say, there are no node visits.
 fn shown_measure(totals: &Totals) -> Measure {
     let is_in_both = |total: &&Total| total.cost.iter().all(|&cost| cost > 0.0);
-    let shown = totals.0.iter().find(is_in_both).or(totals.0.first());
+    let change = |total: &Total| (total.cost[1] - total.cost[0]).abs();
+    let steps = [Measure::PRIMITIVE_TESTS, Measure::NODE_VISITS];
+    let in_both = || totals.0.iter().filter(is_in_both);
+    let shown = in_both().find(|total| total.measure == Measure::TIME);
+    let shown = shown.or_else(|| {
+        let steps = in_both().filter(|total| steps.contains(&total.measure));
+        steps.max_by(|x, y| change(x).total_cmp(&change(y)))
+    });
+    let shown = shown.or(totals.0.first());
     shown.map_or(Measure::NODE_VISITS, |total| total.measure)
 }
 

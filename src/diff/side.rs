@@ -106,23 +106,16 @@ impl Side {
     /// run was not repeated.
     ///
     /// # Errors
-    /// Something else than positive numbers in their place.
+    /// Times that are not positive.
     pub(super) fn repeats(&self) -> Result<Vec<f64>, Diagnostic> {
-        let Some(times) = self.summary.pointer("/repeats/busy_ns") else {
-            return Ok(Vec::new());
-        };
-        let time = |time: &Value| time.as_f64().filter(|time| *time > 0.0);
-        let times = times
-            .as_array()
-            .map(|times| times.iter().map(time).collect());
-        times.flatten().ok_or_else(|| {
-            let path = self.path_of("summary.json");
-            let message = format!(
-                "`{}`: `repeats.busy_ns` is no list of times",
-                path.display()
-            );
-            Diagnostic::new(message).with_help("render the scene again")
-        })
+        let repeats = self.results.summary.repeats.as_ref();
+        let times = repeats.map_or(&[][..], |repeats| &repeats.busy_ns);
+        if times.iter().all(|time| *time > 0.0) {
+            return Ok(times.to_vec());
+        }
+        let path = self.path_of("summary.json");
+        let message = format!("`{}`: a repeat took no time", path.display());
+        Err(Diagnostic::new(message).with_help("render the scene again"))
     }
 
     /// What an object is called: its name, or its kind and its place in the
