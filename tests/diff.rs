@@ -500,3 +500,17 @@ fn what_cannot_be_compared_is_refused() {
     }
     assert!(!folder.path().join("out").exists());
 }
+
+#[test]
+fn another_machine_is_told() {
+    let folder = outputs(&[]);
+    let file = folder.path().join("b/summary.json");
+    let mut summary: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    summary["machine"]["cpu"] = json!("Babbage 1");
+    fs::write(file, summary.to_string()).unwrap();
+    let output = diff(folder.path(), &["a", "b"]);
+    assert_success(&output);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("A and B are of different machines"), "{text}");
+    assert!(text.contains(" → \"Babbage 1\"\n"), "{text}");
+}

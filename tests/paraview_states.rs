@@ -153,18 +153,21 @@ fn a_diff_is_shown() {
     }
 }
 
-/// The diff of two outputs of a scene, whose hierarchies differ in quality.
+/// The diff of two outputs of a scene, the second without a hierarchy.
 fn diff(name: &str, arguments: &[&str]) -> PathBuf {
-    let [fast, high] = ["fast", "high"].map(|quality| {
-        let scene = format!("{TOWER}acceleration: {{ quality: {quality} }}\n");
-        let grid = "  - sphere_grid: { counts: [9, 9, 9], min: [997, 250, -3004], max: [1003, 254, -3002], radius: 0.2 }\n    material: gold\n";
-        let scene = scene.replace("objects:\n", &format!("objects:\n{grid}"));
-        render(&scene_file(quality, &scene), &format!("{name} {quality}"), arguments)
+    let grid = "
+  - sphere_grid: { counts: [5, 5, 5], min: [997, 250, -3004], max: [1003, 254, -3002], radius: 0.2 }
+    material: gold
+";
+    let [a, b] = ["bvh", "brute_force"].map(|acceleration| {
+        let scene = format!("{TOWER}{}acceleration: {acceleration}\n", &grid[1..]);
+        let file = scene_file(acceleration, &scene);
+        render(&file, &format!("{name} {acceleration}"), arguments)
     });
     let out = folder("out ü & co").join(name);
     let output = raycost()
         .arg("diff")
-        .args([&fast, &high])
+        .args([&a, &b])
         .arg("--out")
         .arg(&out)
         .output();

@@ -5,18 +5,17 @@ use serde::Serialize;
 use super::Diff;
 use super::measure::ratio;
 use super::noise::Noise;
-use super::report::format_percent;
 use crate::yaml::Diagnostic;
 
-/// The cost that may be added, as a part of A's: 0.05 for `5%`.
+/// The cost that may be added, in percent of A's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit(f64);
 
 /// What the gate found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gate {
-    /// What may be added, as a part of A's cost.
-    pub limit: f64,
+    /// What may be added, in percent of A's cost.
+    pub limit_percent: f64,
     /// What was held against it: `time`, or `node visits + primitive tests`.
     pub measure: &'static str,
     /// B over A.
@@ -35,16 +34,23 @@ impl std::str::FromStr for Limit {
             .strip_suffix('%')
             .and_then(|number| number.trim().parse().ok());
         match number {
-            Some(percent) if (0.0..=1e6).contains(&percent) => Ok(Self(percent / 100.0)),
+            Some(percent) if (0.0..=1e6).contains(&percent) => Ok(Self(percent)),
             _ => Err("expected a percentage of at least 0, such as `5%`".to_owned()),
         }
     }
 }
 
+impl Limit {
+    /// Whether B over A may be this.
+    fn allows(self, ratio: f64) -> bool {
+        ratio <= 1.0 + self.0 / 100.0
+    }
+}
+
 impl Gate {
     /// Holds the whole cost against the limit. A time is too high if all of its
-    /// interval is: noise alone then closes the gate in one of forty runs.
-    /// Counters are exact.
+    /// interval is: where no more was added than may be, noise closes the gate
+    /// in one of forty comparisons at most. Counters are exact.
     ///
     /// # Errors
     /// Times that were not repeated often enough to tell.
@@ -60,26 +66,26 @@ impl Gate {
             }
         };
         Ok(Self {
-            limit: limit.0,
+            limit_percent: limit.0,
             measure,
             ratio,
             at_least,
-            passed: at_least <= 1.0 + limit.0,
+            passed: limit.allows(at_least),
         })
     }
 
     /// What was found, in a sentence.
     pub fn sentence(&self) -> String {
-        let Self { measure, limit, .. } = self;
+        let measure = self.measure;
         let [change, at_least] =
-            [self.ratio, self.at_least].map(|ratio| format_percent(ratio - 1.0));
-        let limit = format!("{} %", 100.0 * limit);
+            [self.ratio, self.at_least].map(|ratio| format!("{:+.1} %", added_percent(ratio)));
+        let limit = format!("{} %", self.limit_percent);
         let least = match at_least == change {
             true => String::new(),
             false => format!(", {at_least} at least"),
         };
         match self.passed {
-            true if self.ratio > 1.0 + self.limit => format!(
+            true if !Limit(self.limit_percent).allows(self.ratio) => format!(
                 "passed, though not clearly: {change} of {measure}{least}; {limit} may be added"
             ),
             true => format!("passed: {change} of {measure}; {limit} may be added"),
@@ -88,6 +94,11 @@ impl Gate {
             }
         }
     }
+}
+
+/// What a ratio adds: 5 for 1.05.
+fn added_percent(ratio: f64) -> f64 {
+    100.0 * (ratio - 1.0)
 }
 
 /// The estimate and the lower end of its interval.

@@ -21,7 +21,7 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
         text += &entry(letter, &[side.sentence()]);
     }
     text += &totals_table(diff);
-    text += &entry("noise", &[noise_sentence(diff)]);
+    text += &entry("noise", &noise_lines(diff));
     if let Some(gate) = gate {
         text += &entry("gate", &[gate.sentence()]);
     }
@@ -133,6 +133,15 @@ fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
     rows.iter().map(line).collect()
 }
 
+fn noise_lines(diff: &Diff) -> Vec<String> {
+    let mut lines = vec![noise_sentence(diff)];
+    let is_hardware = |setting: &Setting| setting.name.starts_with("machine.");
+    if diff.noise.is_some() && diff.machine.iter().any(is_hardware) {
+        lines.push("A and B are of different machines: so are their times".to_owned());
+    }
+    lines
+}
+
 /// Whether the times differ.
 fn noise_sentence(diff: &Diff) -> String {
     let Some(noise) = &diff.noise else {
@@ -172,11 +181,6 @@ fn evidence(test: &Test) -> String {
         "B / A is {estimate}{interval}; Mann-Whitney {}, {n_a} and {n_b} repeats",
         test.p_label()
     )
-}
-
-/// `+4.2 %`, `-0.5 %`.
-pub(super) fn format_percent(part: f64) -> String {
-    format!("{:+.1} %", 100.0 * part)
 }
 
 /// Three decimals.
