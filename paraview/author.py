@@ -1,6 +1,7 @@
-"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, overview.pvsm.
+"""Authors the ParaView states beside this script.
 
-Takes an output folder of `raycost render` as the sample to build the pipelines against:
+Takes an output folder of `raycost render` as the sample to build the pipelines against, into which
+`raycost diff` has written, too:
 
     xvfb-run -a pvbatch paraview/author.py out/NAME
 
@@ -21,6 +22,7 @@ from paraview.vtk.util.numpy_support import vtk_to_numpy
 from template import Fill, put, reader, save, vector
 
 N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
+BLUE_RED = "BuRd"  # light in the middle, where nothing changes
 INFERNO, VIRIDIS = "Inferno (matplotlib)", "Viridis (matplotlib)"
 CRIMSON = ("0.73", "0.21", "0.33")  # the middle of Inferno
 BLACK, WHITE = (0, 0, 0), (1, 1, 1)
@@ -74,7 +76,23 @@ def overview(out):
     layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
 
 
-STATES = (geometry, heatmap, overview)
+def diff(out):
+    """What each pixel's cost changed by between two outputs, as a difference and as a ratio, above
+    the histogram of the difference."""
+    change = reader(pv.XMLImageDataReader, out / "diff.vti")
+    difference = picture(
+        change, "time_ns_difference", BLUE_RED, "linear", "B - A: time per pixel (ns)", "difference", around_zero
+    )
+    ratio = picture(change, "time_ns_ratio", BLUE_RED, "log", "B / A: time per pixel", "ratio", around_one)
+    few_labels(pv.GetColorTransferFunction("time_ns_ratio"), ratio, around_one(change, "time_ns_ratio"), "ratio")
+    pv.AddCameraLink(difference, ratio, "diff")
+    array, title = Fill("difference.array", "time_ns_difference"), "B - A: time per pixel (ns)"
+    ends = fill_ends("difference.linear", around_zero(change, "time_ns_difference"))
+    differences = bars(change, array, ends, Fill("difference.title", title))
+    layout("Difference", above(0.68, beside(difference, ratio), differences))
+
+
+STATES = (geometry, heatmap, overview, diff)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -106,10 +124,10 @@ def cloud(hits, view):
     )
 
 
-def picture(frame, array, preset, scale, title, key):
+def picture(frame, array, preset, scale, title, key, ends=None):
     """A view of one array as a flat picture: a slice shows each pixel as it is, unlit and unblended."""
     view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    colours = colour_map(frame, array, preset, scale, key)
+    colours = colour_map(frame, array, preset, scale, key, ends)
     shown = ["POINTS", Fill(f"{key}.array", array)]
     put(pv.Show(frame, view), Representation="Slice", ColorArrayName=shown, LookupTable=colours)
     colour_bar(colours, view, Fill(f"{key}.title", title))
@@ -120,28 +138,33 @@ def histogram(frame, array, title, key):
     """A view of how many pixels took which value: bars over log10, labelled with the values."""
     log10 = pv.Calculator(Input=frame)
     put(log10, Function=Fill(f"{key}.log10", f"log10({array})"), ResultArrayName="log10", ResultArrayType="Float")
-    low, high = spread(frame, array)
-    bins = put(
-        pv.Histogram(Input=log10),
-        SelectInputArray=["POINTS", "log10"],
-        BinCount=100,
-        UseCustomBinRanges=1,
-        CustomBinRanges=[
-            Fill(f"{key}.log10(0)", math.log10(low)),
-            Fill(f"{key}.log10(1)", math.log10(high)),
-        ],
-    )
     pv.RenameSource("log10", log10)
-    pv.RenameSource("Histogram", bins)
-    view = put(
-        pv.CreateView("XYBarChartView"),
-        BottomAxisTitle=Fill(f"{key}.log10.title", f"{title}, log scale"),
-        BottomAxisTitleFontSize=18,
-        BottomAxisLabelFontSize=14,
+    ends = fill_ends(f"{key}.log10", [math.log10(end) for end in spread(frame, array)])
+    view = bars(log10, "log10", ends, Fill(f"{key}.log10.title", f"{title}, log scale"))
+    return put(
+        view,
         BottomAxisUseCustomLabels=1,
         BottomAxisLabels=[
             text for k in range(10) for n in (1, 2, 5) for text in (str(k + math.log10(n)), str(n * 10**k))
         ],
+    )
+
+
+def bars(source, array, ends, title):
+    """A view of how many pixels have which value of an array, in 100 bins between the ends."""
+    bins = put(
+        pv.Histogram(Input=source),
+        SelectInputArray=["POINTS", array],
+        BinCount=100,
+        UseCustomBinRanges=1,
+        CustomBinRanges=ends,
+    )
+    pv.RenameSource("Histogram", bins)
+    view = put(
+        pv.CreateView("XYBarChartView"),
+        BottomAxisTitle=title,
+        BottomAxisTitleFontSize=18,
+        BottomAxisLabelFontSize=14,
         LeftAxisTitle="Pixels",
         LeftAxisTitleFontSize=18,
         LeftAxisLabelFontSize=14,
@@ -158,15 +181,38 @@ def histogram(frame, array, title, key):
     return view
 
 
+def fill_ends(key, ends):
+    return [Fill(f"{key}({f})", end) for f, end in enumerate(ends)]
+
+
 def spread(source, array):
     """The array's range without the one value in 200 that is greatest: the system's interruptions."""
-    values = vtk_to_numpy(pv.servermanager.Fetch(source).GetPointData().GetArray(array))
+    values = array_of(source, array)
     return float(values.min()), float(np.percentile(values, 99.5))
 
 
-def colour_map(source, array, preset, scale, key):
+def array_of(source, name):
+    return vtk_to_numpy(pv.servermanager.Fetch(source).GetPointData().GetArray(name))
+
+
+def around_zero(source, array):
+    """As far down as up, without the one value in 100 that is farthest."""
+    values = array_of(source, array)
+    reach = float(np.percentile(np.abs(values), 99))
+    return -reach, reach
+
+
+def around_one(source, array):
+    """The same of ratios, with few digits, as their labels."""
+    values = array_of(source, array)
+    with np.errstate(divide="ignore"):
+        reach = float(np.percentile(np.abs(np.log(values)), 98))
+    return float(f"{math.exp(-reach):.3g}"), float(f"{math.exp(reach):.3g}")
+
+
+def colour_map(source, array, preset, scale, key, ends=None):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
-    low, high = spread(source, array)
+    low, high = (ends or spread)(source, array)
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
     colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
@@ -203,6 +249,14 @@ def colour_bar(lut, view, title):
         Enabled=1,
         Visibility=1,
     )
+
+
+def few_labels(lut, view, ends, key):
+    """Labels at the ends, in the middle and between: ParaView labels powers of ten alone."""
+    low, high = ends
+    at = {f: low * (high / low) ** f for f in (0, 0.25, 0.5, 0.75, 1)}
+    labels = [Fill(f"{key}.label({f:g})", float(f"{value:.3g}")) for f, value in at.items()]
+    put(pv.GetScalarBar(lut, view), UseCustomLabels=1, CustomLabels=labels)
 
 
 def caption(text, view):

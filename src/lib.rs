@@ -38,4 +38,6 @@ pub mod memory;
 pub mod output;
 pub mod results;
 pub mod view;
+pub mod statistics;
+pub mod diff;
 pub mod cli;

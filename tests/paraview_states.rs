@@ -127,6 +127,56 @@ fn a_state_of_no_hits_loads() {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_diff_is_shown() {
+    for (cost, array) in [("time", "time_ns"), ("counters", "primitive_tests")] {
+        let cost = format!("--cost={cost}");
+        let out = diff(&format!("diff {array}"), &[&cost]);
+        let file = out.join("diff.pvsm");
+        let require = format!("--require={array}_difference,{array}_ratio");
+        let flags = ["--from-state", &require];
+        assert!(
+            fs::read_to_string(&file)
+                .unwrap()
+                .contains(&format!("{array}_ratio"))
+        );
+        assert_success(&load(&file, &out, &screenshot(&out, "diff"), &flags));
+        // The template, too.
+        let template = in_repository("paraview/diff.pvsm");
+        if array == "time_ns" {
+            assert_success(&load(
+                &template,
+                &out,
+                &screenshot(&out, "diff by variable"),
+                &flags,
+            ));
+        }
+    }
+}
+
+/// The diff of two outputs of a scene, the second without a hierarchy.
+fn diff(name: &str, arguments: &[&str]) -> PathBuf {
+    let grid = "
+  - sphere_grid: { counts: [5, 5, 5], min: [997, 250, -3004], max: [1003, 254, -3002], radius: 0.2 }
+    material: gold
+";
+    let [a, b] = ["bvh", "brute_force"].map(|acceleration| {
+        let scene = format!("{TOWER}{}acceleration: {acceleration}\n", &grid[1..]);
+        let file = scene_file(acceleration, &scene);
+        render(&file, &format!("{name} {acceleration}"), arguments)
+    });
+    let out = folder("out ü & co").join(name);
+    let output = raycost()
+        .arg("diff")
+        .args([&a, &b])
+        .arg("--out")
+        .arg(&out)
+        .output();
+    assert_success(&output.unwrap());
+    out
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "repository", &[]);

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use common::data_set::{Array, DataSet};
 use common::noise::noise;
-use common::{config, film, parse, with_cost};
+use common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
 use raycost::config::{Config, CostMode};
 use raycost::film::{Film, STRIP_ROWS, Strip};
 use raycost::output::{write_frame, write_hits};
@@ -47,6 +47,32 @@ films! {
     one_hit: film_of_hits(1, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 0.1 }"));
     all_hits: film_of_hits(33 * 17, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 9 }"));
     noise: noise(33, 17, CostMode::Time, 0);
+}
+
+/// The diff of two outputs: what it holds is tested without VTK, in `diff`.
+#[test]
+#[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+fn a_diff_by_vtk() {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, quality) in [("a", "bvh"), ("b", "brute_force")] {
+        let scene = std::fs::read_to_string(in_repository("configs/seed_extended.yaml")).unwrap();
+        let file = folder.path().join(side).with_extension("yaml");
+        std::fs::write(&file, format!("{scene}acceleration: {quality}\n")).unwrap();
+        let mut render = raycost();
+        render
+            .arg("render")
+            .arg(file)
+            .arg("--out")
+            .arg(folder.path().join(side));
+        assert_success(&render.args(["--width=33", "--height=17"]).output().unwrap());
+    }
+    let mut diff = raycost();
+    let diff = diff
+        .args(["diff", "b", "a", "--out", "."])
+        .current_dir(folder.path());
+    assert_success(&diff.output().unwrap());
+    let file = folder.path().join("diff.vti");
+    assert_same(DataSet::read_with_vtk(&file), DataSet::read(&file));
 }
 
 const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";

@@ -2,10 +2,13 @@
 
 mod check;
 mod completions;
+mod diff;
 mod failure;
 mod progress;
 mod render;
 mod view;
+
+use std::path::Path;
 
 use clap::{Parser, Subcommand};
 
@@ -31,6 +34,8 @@ enum Command {
     Check(check::Arguments),
     /// Write a page that shows an output folder in a browser
     View(view::Arguments),
+    /// Compare the costs of two outputs
+    Diff(diff::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -45,7 +50,18 @@ impl Cli {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
             Command::View(arguments) => view::run(&arguments),
+            Command::Diff(arguments) => diff::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
         }
+    }
+}
+
+/// The path as one word for a shell.
+fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    match text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }

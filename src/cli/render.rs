@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::Failure;
 use super::progress::{Bar, BuildBar};
+use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Extra, MAX_SIDE};
 use crate::cost::Meter;
@@ -190,7 +190,7 @@ fn least_bytes(config: &Config) -> u64 {
 }
 
 /// Lets Ctrl-C, or a request to end, leave no half-written file behind.
-fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
+pub(super) fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
     let folder = folder.clone();
     let stop = move || {
         folder.remove_unfinished();
@@ -280,15 +280,5 @@ fn speed(rendering: &Rendering, stages: &Stages) -> String {
                 millions(n_samples)
             )
         }
-    }
-}
-
-/// The path as one word for a shell.
-fn shell_word(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    match text.chars().all(plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }

@@ -19,7 +19,7 @@ pub struct OutputFolder {
 
 /// A whole file that waits to take its name; without it, it goes.
 #[derive(Debug)]
-pub(super) struct StagedFile {
+pub(crate) struct StagedFile {
     name: &'static str,
     n_bytes: u64,
     temporary: NamedTempFile,
@@ -110,7 +110,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// What `write` or the system says.
-    pub(super) fn stage(
+    pub(crate) fn stage(
         &self,
         name: &'static str,
         write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
@@ -130,7 +130,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// The first name that could not be given.
-    pub(super) fn commit(
+    pub(crate) fn commit(
         &self,
         files: Vec<StagedFile>,
         stale: impl Iterator<Item = &'static str>,
@@ -160,7 +160,7 @@ impl OutputFolder {
 
 impl StagedFile {
     /// What to say of it.
-    pub(super) fn written(&self) -> Written {
+    pub(crate) fn written(&self) -> Written {
         Written {
             file: self.name,
             bytes: self.n_bytes,

@@ -4,16 +4,16 @@
 //! one folder. All are written beside their final names first and take them
 //! together at the end: a run that fails or is killed leaves the old files.
 
-mod cost_picture;
+pub(crate) mod cost_picture;
 mod folder;
 pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
-mod rgb_png;
-mod state;
+pub(crate) mod rgb_png;
+pub(crate) mod state;
 mod summary;
-mod vtk;
+pub(crate) mod vtk;
 
 use std::io::{self, Write};
 
@@ -26,7 +26,7 @@ pub use vtk::{write_frame, write_hits};
 
 use rayon::prelude::*;
 
-use folder::StagedFile;
+pub(crate) use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;

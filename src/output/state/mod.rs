@@ -13,8 +13,9 @@
 mod camera;
 mod template;
 
-use camera::{Camera, picture_camera};
-use template::fill;
+use camera::Camera;
+pub(crate) use camera::picture_camera;
+pub(crate) use template::fill;
 
 use super::cost_picture::Range;
 use super::measure::Measure;
@@ -125,7 +126,7 @@ impl States {
 
 /// The interpolated value for the text behind `log(` or `linear(`: a fraction
 /// from 0 to 1 and a closing bracket.
-fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
+pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }
 

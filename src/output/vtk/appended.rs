@@ -7,16 +7,16 @@ use vtkio::model::ScalarType;
 use super::header::DataSet;
 
 /// Writes an array's bytes.
-pub(super) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// An array that is written when its turn comes.
-pub(super) struct Array<'a> {
-    pub(super) name: &'static str,
-    pub(super) scalar: ScalarType,
-    pub(super) n_components: usize,
-    pub(super) n_bytes: u64,
+pub(crate) struct Array<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) scalar: ScalarType,
+    pub(crate) n_components: usize,
+    pub(crate) n_bytes: u64,
     /// Writes exactly `n_bytes`, in native byte order.
-    pub(super) write: WriteBytes<'a>,
+    pub(crate) write: WriteBytes<'a>,
 }
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
@@ -27,7 +27,7 @@ pub(super) struct Array<'a> {
 const N_BLANKS: usize = 2 * 4096;
 
 /// Writes the whole file: `data_set` describes the arrays in their order.
-pub(super) fn write(
+pub(crate) fn write(
     data_set: DataSet,
     arrays: &[&[Array]],
     out: &mut impl Write,

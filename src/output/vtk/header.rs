@@ -27,7 +27,7 @@ struct VtkFile {
 
 /// What a file holds.
 #[derive(Serialize)]
-pub(super) enum DataSet {
+pub(crate) enum DataSet {
     /// A regular grid of points.
     ImageData(ImageData),
     /// Points and cells.
@@ -35,7 +35,7 @@ pub(super) enum DataSet {
 }
 
 #[derive(Serialize)]
-pub(super) struct ImageData {
+pub(crate) struct ImageData {
     #[serde(rename = "@WholeExtent")]
     extent: String,
     #[serde(rename = "@Origin")]
@@ -55,7 +55,7 @@ struct ImagePiece {
 }
 
 #[derive(Serialize)]
-pub(super) struct UnstructuredGrid {
+pub(crate) struct UnstructuredGrid {
     #[serde(rename = "Piece")]
     piece: GridPiece,
 }
@@ -82,7 +82,7 @@ struct DataArrays {
 
 impl DataSet {
     /// An image of `width * height` points, one unit apart from the origin on.
-    pub(super) fn image(width: u32, height: u32, point_data: &[Array]) -> Self {
+    pub(crate) fn image(width: u32, height: u32, point_data: &[Array]) -> Self {
         let extent = format!("0 {} 0 {} 0 0", width - 1, height - 1);
         Self::ImageData(ImageData {
             extent: extent.clone(),

@@ -5,9 +5,9 @@
 //! is ever in memory. (vtkio's own writer would hold the whole file as base64
 //! text, and cuts what is longer than 2 GiB.)
 
-mod appended;
+pub(crate) mod appended;
 mod frame;
-mod header;
+pub(crate) mod header;
 mod hits;
 
 pub use frame::FILE as FRAME;
