@@ -1,11 +1,11 @@
 """Authors the ParaView states beside this script.
 
-Takes an output folder of `raycost render` as the sample to build the pipelines against, into which
-`raycost diff` has written, too:
+Takes an output folder of `raycost render --also schedule` as the sample to build the pipelines
+against, into which `raycost trace` and `raycost diff` have written, too:
 
-    xvfb-run -a pvbatch paraview/author.py out/NAME
+    xvfb-run -a pvbatch paraview/author.py out/NAME [STATE ...]
 
-Gives one state for each function in `STATES`. A state serves twice: ParaView loads it as it is,
+Gives one state for each function in `STATES`, or for those that are named. A state serves twice: ParaView loads it as it is,
 with paths under `$RAYCOST_OUT`, and the renderer fills it in for each of its outputs.
 
 Why a script: a state is then as short and as easy to compare as what is said here. `put` sets a
@@ -23,7 +23,7 @@ from template import Fill, put, reader, save, vector
 
 N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
 BLUE_RED = "BuRd"  # light in the middle, where nothing changes
-INFERNO, VIRIDIS = "Inferno (matplotlib)", "Viridis (matplotlib)"
+INFERNO, VIRIDIS, TURBO = "Inferno (matplotlib)", "Viridis (matplotlib)", "Turbo"
 CRIMSON = ("0.73", "0.21", "0.33")  # the middle of Inferno
 BLACK, WHITE = (0, 0, 0), (1, 1, 1)
 BACKDROP = dict(
@@ -76,6 +76,44 @@ def overview(out):
     layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
 
 
+def schedule(out):
+    """The picture, and its tiles by the time that they took, by thread and by when they were begun."""
+    frame = reader(pv.XMLImageDataReader, out / "frame.vti")
+    tiles = reader(pv.XMLImageDataReader, out / "tiles.vti")
+    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
+    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    maps = [
+        tile_map(tiles, frame, "duration_ns", INFERNO, "log", "Time per tile (ns)", "tiles.duration"),
+        tile_map(tiles, frame, "thread", TURBO, "linear", "Thread", "tiles.thread"),
+        tile_map(tiles, frame, "start_ns", VIRIDIS, "linear", "Begun after (ns)", "tiles.start"),
+    ]
+    first, last = (Fill(f"tiles.thread.linear({f})", f) for f in (0, 1))
+    put(pv.GetScalarBar(pv.GetColorTransferFunction("thread"), maps[1]), UseCustomLabels=1, CustomLabels=[first, last])
+    for i, view in enumerate(maps):
+        pv.AddCameraLink(colour, view, f"schedule {i}")
+    duration, thread, start = maps
+    layout("Schedule", above(0.5, beside(colour, duration), beside(thread, start)))
+
+
+def rays(out):
+    """The rays of traced pixels in the scene's cloud, seen from their side: by kind and, in a linked view, by cost."""
+    lines = threshold(
+        reader(pv.XMLPolyDataReader, out / "rays.vtp"), "CELLS", "length", Fill("rays.max_length", 1e30), "Rays"
+    )
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "rays_cloud.vtu"))
+    kind, cost = (put(pv.CreateView("RenderView"), **BACKDROP, **side_camera()) for _ in range(2))
+    for view in (kind, cost):
+        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0, Opacity=0.3)
+    kinds = ray_kinds()
+    put(thick(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
+    colour_bar(kinds, kind, "Kind of each ray")
+    viridis = colour_map(lines, "node_visits", VIRIDIS, "linear", "rays.cost")
+    put(thick(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "node_visits")], LookupTable=viridis)
+    colour_bar(viridis, cost, Fill("rays.cost.title", "BVH nodes visited by each ray"))
+    pv.AddCameraLink(kind, cost, "rays")
+    layout("Rays", beside(kind, cost))
+
+
 def diff(out):
     """What each pixel's cost changed by between two outputs, as a difference and as a ratio, above
     the histogram of the difference."""
@@ -92,7 +130,7 @@ def diff(out):
     layout("Difference", above(0.68, beside(difference, ratio), differences))
 
 
-STATES = (geometry, heatmap, overview, diff)
+STATES = (geometry, heatmap, overview, schedule, rays, diff)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -100,15 +138,20 @@ STATES = (geometry, heatmap, overview, diff)
 
 def without_horizon(hits):
     """The hits up to a distance: ParaView hides all that is 1000 times nearer than the farthest."""
-    near = put(
-        pv.Threshold(Input=hits),
-        SelectInputScalars=["POINTS", "distance"],
+    return threshold(hits, "POINTS", "distance", Fill("hits.max_distance", 1e30), "Without the horizon")
+
+
+def threshold(source, where, array, highest, name):
+    """The points or cells whose value is not above the highest."""
+    kept = put(
+        pv.Threshold(Input=source),
+        SelectInputScalars=[where, array],
         ThresholdMethod="Below Lower Threshold",
-        LowerThreshold=Fill("hits.max_distance", 1e30),
+        LowerThreshold=highest,
     )
-    pv.RenameSource("Without the horizon", near)
-    near.UpdatePipeline()
-    return near
+    pv.RenameSource(name, kept)
+    kept.UpdatePipeline()
+    return kept
 
 
 def cloud(hits, view):
@@ -124,6 +167,27 @@ def cloud(hits, view):
     )
 
 
+def thick(lines, view):
+    """Lines as wide on the screen as the eye needs, near and far, not lit."""
+    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=3, Ambient=1, Diffuse=0)
+
+
+def ray_kinds():
+    """The kinds of rays by name, in colours that all eyes can tell apart (Okabe and Ito, 2008)."""
+    kinds = {
+        "camera": (0, 0.45, 0.70),
+        "shadow": (0.90, 0.62, 0),
+        "reflection": (0.84, 0.37, 0),
+        "refraction": (0, 0.62, 0.45),
+    }
+    return put(
+        pv.GetColorTransferFunction("kind"),
+        IndexedLookup=1,  # InterpretValuesAsCategories in scripts
+        Annotations=[text for number, name in enumerate(kinds) for text in (str(number), name)],
+        IndexedColors=[channel for colour in kinds.values() for channel in colour],
+    )
+
+
 def picture(frame, array, preset, scale, title, key, ends=None):
     """A view of one array as a flat picture: a slice shows each pixel as it is, unlit and unblended."""
     view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
@@ -131,6 +195,22 @@ def picture(frame, array, preset, scale, title, key, ends=None):
     shown = ["POINTS", Fill(f"{key}.array", array)]
     put(pv.Show(frame, view), Representation="Slice", ColorArrayName=shown, LookupTable=colours)
     colour_bar(colours, view, Fill(f"{key}.title", title))
+    return view
+
+
+def tile_map(tiles, frame, array, preset, scale, title, key):
+    """A view of one array of the tiles, flat and unlit, where the picture's pixels would be."""
+    view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
+    colours = colour_map(tiles, array, preset, scale, key)
+    put(
+        pv.Show(tiles, view),
+        Representation="Surface",
+        ColorArrayName=["CELLS", array],
+        LookupTable=colours,
+        Ambient=1,
+        Diffuse=0,
+    )
+    colour_bar(colours, view, title)
     return view
 
 
@@ -192,7 +272,12 @@ def spread(source, array):
 
 
 def array_of(source, name):
-    return vtk_to_numpy(pv.servermanager.Fetch(source).GetPointData().GetArray(name))
+    data = pv.servermanager.Fetch(source)
+    return vtk_to_numpy(data.GetPointData().GetArray(name) or data.GetCellData().GetArray(name))
+
+
+def wide(low, high):
+    return low, max(high, low + 1)
 
 
 def around_zero(source, array):
@@ -212,7 +297,7 @@ def around_one(source, array):
 
 def colour_map(source, array, preset, scale, key, ends=None):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
-    low, high = (ends or spread)(source, array)
+    low, high = ends(source, array) if ends else wide(*spread(source, array))
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
     colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
@@ -281,6 +366,18 @@ def scene_camera():
     )
 
 
+def side_camera():
+    """Beside the camera of the three spheres, and mirrored as it is."""
+    return dict(
+        CameraPosition=vector("rays.position", (4, 3, -6)),
+        CameraFocalPoint=vector("rays.focal_point", (0, 0, 2)),
+        CenterOfRotation=vector("rays.focal_point", (0, 0, 2)),
+        CameraViewUp=vector("rays.view_up", (0, 1, 0)),
+        CameraViewAngle=30,
+        ModelTransformMatrix=scene_camera()["ModelTransformMatrix"],
+    )
+
+
 def picture_camera(frame):
     """Straight at the picture, which fits the view above the colour bar; README.md has the formulas."""
     x0, x1, y0, y1, _, _ = frame.GetDataInformation().GetExtent()
@@ -323,7 +420,8 @@ def layout(name, tree):
 
 def main():
     out = Path(sys.argv[1]).resolve()
-    for state in STATES:
+    names = sys.argv[2:]
+    for state in (state for state in STATES if not names or state.__name__ in names):
         state(out)
         save(Path(__file__).resolve().parent / f"{state.__name__}.pvsm", out)
 

@@ -169,12 +169,15 @@ fn a_folder_that_cannot_be_written_ends_with_1() {
 #[test]
 fn a_wrong_command_line_ends_with_2() {
     let folder = folder();
-    let lines: [&[&str]; 12] = [
+    let lines: [&[&str]; 15] = [
         &["render"],
         &["paint", "scene.yaml"],
         &["check", "scene.yaml", "scene.yaml"],
         &["render", "scene.yaml", "--width", "0"],
         &["render", "scene.yaml", "--width", "65536"],
+        &["render", "scene.yaml", "--tile-size", "1"],
+        &["render", "scene.yaml", "--tile-size", "257"],
+        &["render", "scene.yaml", "--tile-order", "spiral"],
         &["render", "scene.yaml", "--height", "tall"],
         &["render", "scene.yaml", "--spp", "-1"],
         &["render", "scene.yaml", "--seed", "1.5"],

@@ -5,15 +5,18 @@ mod common;
 
 use std::fs::File;
 use std::path::Path;
+use std::time::Instant;
 
 use glam::Vec3;
 
-use common::data_set::{Array, DataSet};
+use common::data_set::{Array, DataSet, assert_same, integers};
 use common::noise::noise;
 use common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
-use raycost::config::{Config, CostMode};
+use raycost::config::{Config, CostMode, TileOrder};
+use raycost::cost::Cost;
 use raycost::film::{Film, STRIP_ROWS, Strip};
-use raycost::output::{write_frame, write_hits};
+use raycost::output::{write_frame, write_hits, write_tiles};
+use raycost::schedule::{Schedule, TileGrid, TileRun};
 
 /// Two tests of each film.
 macro_rules! films {
@@ -75,6 +78,21 @@ fn a_diff_by_vtk() {
     assert_same(DataSet::read_with_vtk(&file), DataSet::read(&file));
 }
 
+mod tiles {
+    use super::*;
+
+    #[test]
+    fn as_the_format_says() {
+        check_tiles(DataSet::read);
+    }
+
+    #[test]
+    #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+    fn by_vtk() {
+        check_tiles(DataSet::read_with_vtk);
+    }
+}
+
 const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";
 
 /// A sphere before a gradient.
@@ -113,19 +131,90 @@ fn check(film: &Film, read: fn(&Path) -> DataSet) {
     assert_same(read(&hits), expected_hits(film));
 }
 
-fn assert_same(mut found: DataSet, mut expected: DataSet) {
-    for (found, expected) in found.arrays.iter_mut().zip(&mut expected.arrays) {
-        let [found, expected_bytes] =
-            [found, expected].map(|array| std::mem::take(&mut array.bytes));
-        let differ = found.iter().zip(&expected_bytes).position(|(a, b)| a != b);
-        let lengths = [found.len(), expected_bytes.len()];
-        assert!(
-            found == expected_bytes,
-            "{}: from byte {differ:?} on; lengths {lengths:?}",
-            expected.name
-        );
+/// Writes a schedule of 3 x 2 tiles, the last of each row and column cut, and
+/// compares what `read` finds.
+fn check_tiles(read: fn(&Path) -> DataSet) {
+    let run = |number: u32| TileRun {
+        thread: number % 2,
+        position: 5 - number,
+        start_ns: u64::from(number) << 33,
+        end_ns: (u64::from(number) << 33) + 7,
+        film_ns: 3,
+        counted: Cost {
+            node_visits: u64::from(number) << 34,
+            rays: [1, 2, 3, 4],
+            depth: number.into(),
+            ..Cost::default()
+        },
+    };
+    let schedule = Schedule {
+        grid: TileGrid::new(33, 17, 16),
+        order: TileOrder::Scanline,
+        n_threads: 2,
+        begin: Instant::now(),
+        runs: (0..6).map(run).collect(),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for cost in [CostMode::None, CostMode::Time] {
+        let path = folder.path().join("tiles.vti");
+        write_tiles(&schedule, cost, &mut File::create(&path).unwrap()).unwrap();
+        assert_same(read(&path), expected_tiles(cost));
     }
-    assert_eq!(found, expected);
+}
+
+/// What `tiles.vti` should hold: the lower row of tiles first.
+fn expected_tiles(cost: CostMode) -> DataSet {
+    let upward = [3, 4, 5, 0, 1, 2];
+    let f64s = |name: &str, value: fn(u32) -> f64| {
+        let bytes = upward.iter().flat_map(|&tile| value(tile).to_ne_bytes());
+        tile_array(name, "Float64", bytes.collect())
+    };
+    let u64s = |name: &str, value: fn(u64) -> u64| {
+        let bytes = upward
+            .iter()
+            .flat_map(|&tile| value(tile.into()).to_ne_bytes());
+        tile_array(name, "UInt64", bytes.collect())
+    };
+    let mut arrays = vec![
+        f64s("start_ns", |tile| f64::from(tile) * 2_f64.powi(33)),
+        f64s("end_ns", |tile| f64::from(tile) * 2_f64.powi(33) + 7.0),
+        f64s("duration_ns", |_| 7.0),
+        f64s("film_ns", |_| 3.0),
+        integers("thread", [1, 0, 1, 0, 1, 0].into_iter()),
+        integers("position", [2, 1, 0, 5, 4, 3].into_iter()),
+        integers("tile", [3, 4, 5, 0, 1, 2].into_iter()),
+    ];
+    if cost.has_counters() {
+        arrays.extend([
+            u64s("node_visits", |tile| tile << 34),
+            u64s("primitive_tests", |_| 0),
+            u64s("rays", |_| 10),
+            u64s("shadow_rays", |_| 2),
+            u64s("reflection_rays", |_| 3),
+            u64s("refraction_rays", |_| 4),
+            u64s("depth", |tile| tile),
+        ]);
+    }
+    DataSet {
+        kind: "ImageData".to_owned(),
+        n_points: 4 * 3,
+        n_cells: None,
+        extent: Some([0, 3, 0, 2, 0, 0]),
+        // Row 0 of the picture is up to y = 16.5 in frame.vti.
+        origin: Some([-0.5, 16.5 - 32.0, 0.0]),
+        spacing: Some([16.0; 3]),
+        normals: None,
+        arrays,
+    }
+}
+
+fn tile_array(name: &str, scalar: &str, bytes: Vec<u8>) -> Array {
+    Array {
+        name: name.to_owned(),
+        scalar: scalar.to_owned(),
+        n_components: 1,
+        bytes,
+    }
 }
 
 /// What `frame.vti` should hold: VTK's rows go up, the film's go down.
@@ -274,14 +363,5 @@ impl Pixel {
     fn of<T: Copy>(&self, film: &Film, field: fn(&Strip) -> &Vec<T>) -> T {
         let strip = &film.strips[(self.y / STRIP_ROWS) as usize];
         field(strip)[(self.y % STRIP_ROWS * film.width + self.x) as usize]
-    }
-}
-
-fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
-    Array {
-        name: name.to_owned(),
-        scalar: "Int32".to_owned(),
-        n_components: 1,
-        bytes: numbers.flat_map(i32::to_ne_bytes).collect(),
     }
 }

@@ -5,10 +5,13 @@ mod completions;
 mod diff;
 mod failure;
 mod progress;
+mod rectangle;
 mod render;
 mod view;
 
 use std::path::Path;
+mod trace;
+mod tree;
 
 use clap::{Parser, Subcommand};
 
@@ -36,6 +39,8 @@ enum Command {
     View(view::Arguments),
     /// Compare the costs of two outputs
     Diff(diff::Arguments),
+    /// Show all rays of some pixels and what each costs
+    Trace(trace::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -51,6 +56,7 @@ impl Cli {
             Command::Check(arguments) => check::run(&arguments),
             Command::View(arguments) => view::run(&arguments),
             Command::Diff(arguments) => diff::run(&arguments),
+            Command::Trace(arguments) => trace::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
         }
     }

@@ -13,6 +13,7 @@ mod image;
 mod object;
 mod outputs;
 mod shading;
+mod tiling;
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -26,6 +27,7 @@ pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, Extra, Outputs};
 pub use shading::{Shading, ShadingModel};
+pub use tiling::{TileOrder, Tiling};
 
 use crate::camera::Camera;
 use crate::light::Light;
@@ -68,6 +70,9 @@ pub struct Config {
     /// What is measured of each pixel.
     #[serde(default)]
     pub cost: CostMode,
+    /// How the picture is dealt out to the threads.
+    #[serde(default)]
+    pub tiles: Tiling,
     /// What is written beside the files of every run.
     #[serde(default)]
     pub output: Outputs,

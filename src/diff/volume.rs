@@ -6,7 +6,8 @@ use vtkio::model::ScalarType;
 
 use super::measure::{Measure, ratio};
 use super::{Diff, Side, picture};
-use crate::output::vtk::appended::{self, Array};
+use crate::output::vtk::appended;
+use crate::output::vtk::array::Array;
 use crate::output::vtk::header::DataSet;
 
 /// The file's name.
@@ -54,8 +55,11 @@ pub(super) fn write(diff: &Diff, sides: &[Side; 2], out: &mut impl Write) -> io:
             write: Box::new(move |out| in_frame.write(&read(sides[1].ids(name))?, out)),
         });
     }
-    let data_set = DataSet::image(width, height, &arrays);
-    appended::write(data_set, &[&arrays], out)
+    let image = DataSet::Image {
+        size: diff.size,
+        point_data: arrays,
+    };
+    appended::write(&image, out)
 }
 
 /// Exact: of times as 32-bit floats, as the times are; of counts as integers

@@ -10,9 +10,12 @@ pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
+mod reach;
 pub(crate) mod rgb_png;
 pub(crate) mod state;
 mod summary;
+mod trace_events;
+mod traced;
 pub(crate) mod vtk;
 
 use std::io::{self, Write};
@@ -21,8 +24,9 @@ pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
 pub(crate) use summary::FILE as SUMMARY;
 pub use summary::{Stage, Stages, Threads};
+pub use traced::{Traced, write_rays, write_traced};
 pub(crate) use vtk::{FRAME, HITS};
-pub use vtk::{write_frame, write_hits};
+pub use vtk::{write_frame, write_hits, write_tiles};
 
 use rayon::prelude::*;
 
@@ -30,10 +34,11 @@ pub(crate) use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;
-use crate::config::{Config, CostMode};
+use crate::config::{Config, Extra};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
+use crate::schedule::Schedule;
 
 /// A finished rendering and what is known of it.
 #[derive(Debug)]
@@ -52,6 +57,8 @@ pub struct Rendering<'a> {
     pub meter: &'a Meter,
     /// The pixels.
     pub film: &'a Film,
+    /// When each tile of them was rendered.
+    pub schedule: &'a Schedule,
     /// How many threads rendered.
     pub threads: Threads,
 }
@@ -73,6 +80,12 @@ pub enum Artifact {
     HeatmapState,
     /// `overview.pvsm`: a ParaView state that shows picture, cost and cloud.
     OverviewState,
+    /// `tiles.vti`: when each tile was rendered, and by which thread.
+    Tiles,
+    /// `trace.json`: the same on a line of time, for Perfetto.
+    Trace,
+    /// `schedule.pvsm`: a ParaView state that shows the tiles.
+    ScheduleState,
 }
 
 /// A file that was written.
@@ -86,7 +99,7 @@ pub struct Written {
 
 impl Artifact {
     /// All files but `summary.json`, which tells of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Image,
         Self::Cost,
         Self::Hits,
@@ -94,6 +107,9 @@ impl Artifact {
         Self::GeometryState,
         Self::HeatmapState,
         Self::OverviewState,
+        Self::Tiles,
+        Self::Trace,
+        Self::ScheduleState,
     ];
 
     /// Its name in the folder.
@@ -106,16 +122,29 @@ impl Artifact {
             Self::GeometryState => "geometry.pvsm",
             Self::HeatmapState => "heatmap.pvsm",
             Self::OverviewState => "overview.pvsm",
+            Self::Tiles => vtk::TILES,
+            Self::Trace => trace_events::FILE,
+            Self::ScheduleState => "schedule.pvsm",
         }
     }
 
-    /// Whether there is something to write for a film of this mode.
-    pub fn has_data(self, cost: CostMode) -> bool {
-        cost.has_counters()
-            || !matches!(self, Self::Cost | Self::HeatmapState | Self::OverviewState)
+    /// Whether it is written for a scene: there is something to write, and it
+    /// is asked for if it is not a file of every run.
+    pub fn is_wanted(self, config: &Config) -> bool {
+        match self {
+            Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
+            Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
+            Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
+        }
     }
 
-    fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
+    fn write(
+        self,
+        rendering: &Rendering,
+        stages: &Stages,
+        states: &States,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         match self {
             Self::Image => picture::write(rendering.film, states, out),
             Self::Cost => heatmap::write(rendering, out),
@@ -124,13 +153,16 @@ impl Artifact {
             Self::GeometryState => out.write_all(states.geometry().as_bytes()),
             Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
             Self::OverviewState => out.write_all(states.overview().as_bytes()),
+            Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, out),
+            Self::Trace => trace_events::write(rendering, stages, out),
+            Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
         }
     }
 }
 
 /// Writes every file of the rendering on the current rayon pool; gives them in
 /// their order, with `summary.json` last. Files of an earlier run that this
-/// one has no data for are removed.
+/// one does not write are removed.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -142,10 +174,10 @@ pub fn write(
     let states = States::new(rendering, folder);
     let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL
         .into_iter()
-        .partition(|artifact| artifact.has_data(rendering.film.cost));
+        .partition(|artifact| artifact.is_wanted(rendering.config));
     let stage = |artifact: &Artifact| {
         folder.stage(artifact.file_name(), |out| {
-            artifact.write(rendering, &states, out)
+            artifact.write(rendering, &stages, &states, out)
         })
     };
     let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;

@@ -1,6 +1,7 @@
 //! `summary.json`: what was done, on what, and what it cost in all.
 
 use std::io::{self, Write};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -13,6 +14,7 @@ use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
+use crate::schedule::Schedule;
 
 /// The file's name.
 pub(crate) const FILE: &str = "summary.json";
@@ -31,6 +33,9 @@ pub struct Threads {
 pub struct Stage {
     /// What was done.
     pub name: &'static str,
+    /// From when to when.
+    #[serde(skip)]
+    pub span: Range<Instant>,
     /// Time on the wall, in milliseconds.
     pub wall_ms: f64,
     /// Time of all threads together, in milliseconds.
@@ -40,6 +45,8 @@ pub struct Stage {
 /// A stopwatch that is pressed at the end of each stage.
 #[derive(Debug, Clone)]
 pub struct Stages {
+    /// When the first one began.
+    pub begin: Instant,
     wall: Instant,
     cpu: ProcessTime,
     /// The stages that have ended.
@@ -49,8 +56,10 @@ pub struct Stages {
 impl Stages {
     /// Starts the first stage now.
     pub fn start() -> Self {
+        let begin = Instant::now();
         Self {
-            wall: Instant::now(),
+            begin,
+            wall: begin,
             cpu: ProcessTime::now(),
             ended: Vec::new(),
         }
@@ -59,12 +68,14 @@ impl Stages {
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
         let ms = |elapsed: Duration| (elapsed.as_secs_f64() * 1e6).round() / 1e3;
+        let (wall, cpu) = (Instant::now(), ProcessTime::now());
         self.ended.push(Stage {
             name,
-            wall_ms: ms(self.wall.elapsed()),
-            cpu_ms: ms(self.cpu.elapsed()),
+            span: self.wall..wall,
+            wall_ms: ms(wall - self.wall),
+            cpu_ms: ms(cpu.duration_since(self.cpu)),
         });
-        (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
+        (self.wall, self.cpu) = (wall, cpu);
     }
 
     /// Time on the wall of the stage with this name; zero if it never was.
@@ -104,6 +115,7 @@ pub(super) fn write(
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering, stages),
+        "schedule": schedule(rendering.schedule),
         "files": files,
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;
@@ -141,6 +153,18 @@ fn cost(rendering: &Rendering, stages: &Stages) -> Value {
         "clock": clock,
         "totals": has_counters.then(|| totals(film)),
         "mrays_per_second": has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
+    })
+}
+
+/// How the tiles were dealt out.
+fn schedule(schedule: &Schedule) -> Value {
+    let load = schedule.load();
+    json!({
+        "tile_size": schedule.grid.tile_size,
+        "order": schedule.order,
+        "n_tiles": schedule.grid.n_tiles(),
+        "load_imbalance": load.load_imbalance,
+        "idle_share": load.idle_share,
     })
 }
 

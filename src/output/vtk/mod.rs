@@ -1,16 +1,22 @@
-//! VTK XML files of the film.
+//! VTK XML files of the film and of rays.
 //!
 //! The header is made of vtkio's types by vtkio's serialiser; the arrays
 //! follow it raw, straight from the film, so that no second copy of the frame
 //! is ever in memory. (vtkio's own writer would hold the whole file as base64
 //! text, and cuts what is longer than 2 GiB.)
 
+pub(crate) mod array;
 pub(crate) mod appended;
 mod frame;
 pub(crate) mod header;
 mod hits;
+mod rays;
+mod tiles;
 
 pub use frame::FILE as FRAME;
 pub use frame::write as write_frame;
 pub use hits::FILE as HITS;
 pub use hits::write as write_hits;
+pub(super) use rays::{FILE as RAYS, Rays};
+pub(super) use tiles::FILE as TILES;
+pub use tiles::write as write_tiles;
