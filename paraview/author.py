@@ -105,11 +105,11 @@ def rays(out):
     for view in (kind, cost):
         put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0, Opacity=0.3)
     kinds = ray_kinds()
-    put(thick(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
+    put(drawn(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
     colour_bar(kinds, kind, "Kind of each ray")
-    viridis = colour_map(lines, "node_visits", VIRIDIS, "linear", "rays.cost")
-    put(thick(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "node_visits")], LookupTable=viridis)
-    colour_bar(viridis, cost, Fill("rays.cost.title", "BVH nodes visited by each ray"))
+    inferno = colour_map(lines, "time_ns", INFERNO, "linear", "rays.cost")
+    put(drawn(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "time_ns")], LookupTable=inferno)
+    colour_bar(inferno, cost, Fill("rays.cost.title", "Time of each ray (ns)"))
     pv.AddCameraLink(kind, cost, "rays")
     layout("Rays", beside(kind, cost))
 
@@ -167,9 +167,10 @@ def cloud(hits, view):
     )
 
 
-def thick(lines, view):
-    """Lines as wide on the screen as the eye needs, near and far, not lit."""
-    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=3, Ambient=1, Diffuse=0)
+def drawn(lines, view):
+    """Lines of the same width near and far, not lit."""
+    width = Fill("rays.line_width", 3)
+    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=width, Ambient=1, Diffuse=0)
 
 
 def ray_kinds():

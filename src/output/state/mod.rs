@@ -1,5 +1,5 @@
-//! `geometry.pvsm`, `heatmap.pvsm`, `overview.pvsm` and `schedule.pvsm`:
-//! ParaView's states for this output.
+//! `geometry.pvsm`, `heatmap.pvsm`, `overview.pvsm`, `schedule.pvsm` and
+//! `rays.pvsm`: ParaView's states for this output.
 //!
 //! The states in the repository's `paraview/` folder are the templates. Each
 //! value that hangs on the output carries its key there:
