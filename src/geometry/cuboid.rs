@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Ray, Surface, Transform};
+use super::{Aabb, Patch, Ray, Surface, Transform};
 use crate::yaml;
 
 /// The surface of an axis-aligned box; a rotated one comes of a `transform`.
@@ -80,6 +80,11 @@ impl Surface for Cuboid {
     fn transformed(&self, transform: &Transform) -> Option<Self> {
         let bounds = transform.world_bounds(&self.bounds);
         transform.keeps_axes().then_some(Self { bounds })
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        let [a, b, c, d, e, f, g, h] = self.bounds.corners();
+        Some(Patch::Box([a, b, d, c, e, f, h, g]))
     }
 }
 
