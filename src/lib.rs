@@ -34,6 +34,7 @@ pub mod shade;
 pub mod film;
 pub mod render;
 pub mod observe;
+pub mod ledger;
 pub mod memory;
 pub mod output;
 pub mod cli;

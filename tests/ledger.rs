@@ -232,7 +232,7 @@ fn brute_force_has_no_nodes_and_the_same_hits() {
     let (.., bvh) = kept(&config, 2);
     config.acceleration = Acceleration::BruteForce;
     let (.., brute) = kept(&config, 2);
-    assert!(brute.hierarchy.unwrap().nodes.is_empty());
+    assert!(brute.hierarchy.as_ref().unwrap().nodes.is_empty());
     let rays = |ledger: &Ledger, i: usize| ledger.objects[i].all(Charge::Primary).rays;
     for i in 0..bvh.objects.len() {
         assert_eq!(rays(&bvh, i), rays(&brute, i));
