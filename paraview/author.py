@@ -1,10 +1,10 @@
-"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, overview.pvsm.
+"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, overview.pvsm, rays.pvsm.
 
-Takes an output folder of `raycost render` as the sample to build the pipelines against:
+Takes an output folder of `raycost render` and `raycost trace` as the sample to build the pipelines against:
 
-    xvfb-run -a pvbatch paraview/author.py out/NAME
+    xvfb-run -a pvbatch paraview/author.py out/NAME [STATE ...]
 
-Gives one state for each function in `STATES`. A state serves twice: ParaView loads it as it is,
+Gives one state for each function in `STATES`, or for those that are named. A state serves twice: ParaView loads it as it is,
 with paths under `$RAYCOST_OUT`, and the renderer fills it in for each of its outputs.
 
 Why a script: a state is then as short and as easy to compare as what is said here. `put` sets a
@@ -74,7 +74,26 @@ def overview(out):
     layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
 
 
-STATES = (geometry, heatmap, overview)
+def rays(out):
+    """The rays of traced pixels in the scene's cloud, seen from their side: by kind and, in a linked view, by cost."""
+    lines = threshold(
+        reader(pv.XMLPolyDataReader, out / "rays.vtp"), "CELLS", "length", Fill("rays.max_length", 1e30), "Rays"
+    )
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "rays_cloud.vtu"))
+    kind, cost = (put(pv.CreateView("RenderView"), **BACKDROP, **side_camera()) for _ in range(2))
+    for view in (kind, cost):
+        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0, Opacity=0.3)
+    kinds = ray_kinds()
+    put(thick(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
+    colour_bar(kinds, kind, "Kind of each ray")
+    viridis = colour_map(lines, "node_visits", VIRIDIS, "linear", "rays.cost")
+    put(thick(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "node_visits")], LookupTable=viridis)
+    colour_bar(viridis, cost, Fill("rays.cost.title", "BVH nodes visited by each ray"))
+    pv.AddCameraLink(kind, cost, "rays")
+    layout("Rays", beside(kind, cost))
+
+
+STATES = (geometry, heatmap, overview, rays)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -82,15 +101,20 @@ STATES = (geometry, heatmap, overview)
 
 def without_horizon(hits):
     """The hits up to a distance: ParaView hides all that is 1000 times nearer than the farthest."""
-    near = put(
-        pv.Threshold(Input=hits),
-        SelectInputScalars=["POINTS", "distance"],
+    return threshold(hits, "POINTS", "distance", Fill("hits.max_distance", 1e30), "Without the horizon")
+
+
+def threshold(source, where, array, highest, name):
+    """The points or cells whose value is not above the highest."""
+    kept = put(
+        pv.Threshold(Input=source),
+        SelectInputScalars=[where, array],
         ThresholdMethod="Below Lower Threshold",
-        LowerThreshold=Fill("hits.max_distance", 1e30),
+        LowerThreshold=highest,
     )
-    pv.RenameSource("Without the horizon", near)
-    near.UpdatePipeline()
-    return near
+    pv.RenameSource(name, kept)
+    kept.UpdatePipeline()
+    return kept
 
 
 def cloud(hits, view):
@@ -103,6 +127,27 @@ def cloud(hits, view):
         SetScaleArray=["POINTS", "footprint"],
         UseScaleFunction=0,
         GaussianRadius=0.75,
+    )
+
+
+def thick(lines, view):
+    """Lines as wide on the screen as the eye needs, near and far, not lit."""
+    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=3, Ambient=1, Diffuse=0)
+
+
+def ray_kinds():
+    """The kinds of rays by name, in colours that all eyes can tell apart (Okabe and Ito, 2008)."""
+    kinds = {
+        "camera": (0, 0.45, 0.70),
+        "shadow": (0.90, 0.62, 0),
+        "reflection": (0.84, 0.37, 0),
+        "refraction": (0, 0.62, 0.45),
+    }
+    return put(
+        pv.GetColorTransferFunction("kind"),
+        IndexedLookup=1,  # InterpretValuesAsCategories in scripts
+        Annotations=[text for number, name in enumerate(kinds) for text in (str(number), name)],
+        IndexedColors=[channel for colour in kinds.values() for channel in colour],
     )
 
 
@@ -160,13 +205,15 @@ def histogram(frame, array, title, key):
 
 def spread(source, array):
     """The array's range without the one value in 200 that is greatest: the system's interruptions."""
-    values = vtk_to_numpy(pv.servermanager.Fetch(source).GetPointData().GetArray(array))
+    data = pv.servermanager.Fetch(source)
+    values = vtk_to_numpy(data.GetPointData().GetArray(array) or data.GetCellData().GetArray(array))
     return float(values.min()), float(np.percentile(values, 99.5))
 
 
 def colour_map(source, array, preset, scale, key):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
     low, high = spread(source, array)
+    high = max(high, low + 1)
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
     colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
@@ -227,6 +274,18 @@ def scene_camera():
     )
 
 
+def side_camera():
+    """Beside the camera of the three spheres, and mirrored as it is."""
+    return dict(
+        CameraPosition=vector("rays.position", (4, 3, -6)),
+        CameraFocalPoint=vector("rays.focal_point", (0, 0, 2)),
+        CenterOfRotation=vector("rays.focal_point", (0, 0, 2)),
+        CameraViewUp=vector("rays.view_up", (0, 1, 0)),
+        CameraViewAngle=30,
+        ModelTransformMatrix=scene_camera()["ModelTransformMatrix"],
+    )
+
+
 def picture_camera(frame):
     """Straight at the picture, which fits the view above the colour bar; README.md has the formulas."""
     x0, x1, y0, y1, _, _ = frame.GetDataInformation().GetExtent()
@@ -269,7 +328,8 @@ def layout(name, tree):
 
 def main():
     out = Path(sys.argv[1]).resolve()
-    for state in STATES:
+    names = sys.argv[2:]
+    for state in (state for state in STATES if not names or state.__name__ in names):
         state(out)
         save(Path(__file__).resolve().parent / f"{state.__name__}.pvsm", out)
 

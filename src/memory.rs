@@ -27,15 +27,23 @@ impl Memory {
     /// What the config and its geometries need; never less than is used in the
     /// end, but for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
+        let per_pixel = film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL;
+        Self {
+            film: config.image.n_pixels() as u64 * per_pixel,
+            ..Self::of_scene(config, geometries)
+        }
+    }
+
+    /// The same without a film.
+    pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {
                 Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
                 Acceleration::BruteForce => size_of::<u32>(),
             };
-        let n_pixels = config.image.n_pixels() as u64;
         let n_primitives = geometries.n_primitives();
         Self {
-            film: n_pixels * (film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
+            film: 0,
             // What was read, and its attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,

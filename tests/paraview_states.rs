@@ -4,14 +4,14 @@
 mod common;
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 
 use common::data_set::DataSet;
-use common::{assert_success, in_repository, raycost};
+use common::paraview::{NOTHING, load, render, scene_file, screenshot};
+use common::{assert_success, in_repository};
 
 /// Far from the origin, higher than wide, nothing in it symmetric.
 const TOWER: &str = "
@@ -35,19 +35,6 @@ objects:
     material: gold
   - sphere: { center: [1001.5, 249.7, -2999], radius: 0.7 }
     material: brick
-";
-
-/// A camera that looks away from the only object.
-const NOTHING: &str = "
-image: { width: 64, height: 48 }
-camera:
-  look_at: { eye: [0, 0, 5], target: [0, 0, 9], fov_y_deg: 40 }
-materials:
-  grey: { color: 0.5 }
-lights: []
-objects:
-  - sphere: { center: [0, 0, 0], radius: 1 }
-    material: grey
 ";
 
 #[test]
@@ -169,53 +156,6 @@ fn the_picture_carries_the_geometry_state() {
     assert_eq!(chunks[0].keyword, "ParaViewState");
     let state = fs::read_to_string(out.join("geometry.pvsm")).unwrap();
     assert!(chunks[0].text == state, "the text is not geometry.pvsm");
-}
-
-/// Renders into a folder whose name is a trial to states and shells.
-fn render(scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
-    let out = folder("out ü & co").join(name);
-    let output = raycost()
-        .arg("render")
-        .arg(scene)
-        .args(["--quiet", "--out"])
-        .arg(&out)
-        .args(arguments)
-        .output();
-    assert_success(&output.unwrap());
-    out
-}
-
-fn scene_file(name: &str, text: &str) -> PathBuf {
-    let file = folder("scenes").join(name).with_extension("yaml");
-    fs::write(&file, text).unwrap();
-    file
-}
-
-fn screenshot(out: &Path, what: &str) -> PathBuf {
-    let name = out.file_name().unwrap().to_str().unwrap();
-    folder("").join(format!("{name}, {what}.png"))
-}
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .with_file_name("paraview")
-        .join(name);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// Loads the state in ParaView and checks what it shows.
-fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
-    Command::new("xvfb-run")
-        // Without -noreset the screen is gone for a moment whenever ParaView
-        // closes a window.
-        .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
-        .arg(in_repository("paraview/check_state.py"))
-        .args([state, out, screenshot])
-        .args(flags)
-        .env("RAYCOST_OUT", out)
-        .output()
-        .expect("run tests/with-paraview")
 }
 
 /// The screenshot's cloud in its own colours is the picture, and neither its

@@ -9,7 +9,7 @@ use std::path::Path;
 use bytemuck::cast_slice_mut;
 use glam::Vec3;
 
-use common::data_set::{Array, DataSet};
+use common::data_set::{Array, DataSet, assert_same, integers};
 use common::{config, film, parse, with_cost};
 use raycost::config::{Config, CostMode};
 use raycost::film::{Film, STRIP_ROWS, Strip};
@@ -122,21 +122,6 @@ fn check(film: &Film, read: fn(&Path) -> DataSet) {
     write_hits(film, &mut File::create(&hits).unwrap()).unwrap();
     assert_same(read(&frame), expected_frame(film));
     assert_same(read(&hits), expected_hits(film));
-}
-
-fn assert_same(mut found: DataSet, mut expected: DataSet) {
-    for (found, expected) in found.arrays.iter_mut().zip(&mut expected.arrays) {
-        let [found, expected_bytes] =
-            [found, expected].map(|array| std::mem::take(&mut array.bytes));
-        let differ = found.iter().zip(&expected_bytes).position(|(a, b)| a != b);
-        let lengths = [found.len(), expected_bytes.len()];
-        assert!(
-            found == expected_bytes,
-            "{}: from byte {differ:?} on; lengths {lengths:?}",
-            expected.name
-        );
-    }
-    assert_eq!(found, expected);
 }
 
 /// What `frame.vti` should hold: VTK's rows go up, the film's go down.
@@ -285,14 +270,5 @@ impl Pixel {
     fn of<T: Copy>(&self, film: &Film, field: fn(&Strip) -> &Vec<T>) -> T {
         let strip = &film.strips[(self.y / STRIP_ROWS) as usize];
         field(strip)[(self.y % STRIP_ROWS * film.width + self.x) as usize]
-    }
-}
-
-fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
-    Array {
-        name: name.to_owned(),
-        scalar: "Int32".to_owned(),
-        n_components: 1,
-        bytes: numbers.flat_map(i32::to_ne_bytes).collect(),
     }
 }

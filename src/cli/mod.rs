@@ -4,7 +4,10 @@ mod check;
 mod completions;
 mod failure;
 mod progress;
+mod rectangle;
 mod render;
+mod trace;
+mod tree;
 
 use clap::{Parser, Subcommand};
 
@@ -28,6 +31,8 @@ enum Command {
     Render(render::Arguments),
     /// Tell what rendering a scene would do, and render nothing
     Check(check::Arguments),
+    /// Show all rays of some pixels and what each costs
+    Trace(trace::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -41,6 +46,7 @@ impl Cli {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
+            Command::Trace(arguments) => trace::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
         }
     }

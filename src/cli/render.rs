@@ -83,8 +83,16 @@ pub(super) struct Loaded {
 }
 
 impl SceneArguments {
-    /// Reads the scene and makes sure that it fits into memory.
+    /// Reads the scene and makes sure that it fits into memory with its film.
     pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
+        self.load_for(Memory::of)
+    }
+
+    /// Reads the scene and makes sure that what is done with it fits into memory.
+    pub(super) fn load_for(
+        &self,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Loaded, Diagnostic> {
         let source = Source::read(&self.scene)?;
         let mut config: Config = source.parse()?;
         let image = &mut config.image;
@@ -98,7 +106,7 @@ impl SceneArguments {
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
         // What was read is part of the need, and no longer of what is free.
-        Memory::of(&config, &geometries)
+        needed(&config, &geometries)
             .check(available)
             .map_err(|fault| source.point_at(fault))?;
         Ok(Loaded {
@@ -106,6 +114,16 @@ impl SceneArguments {
             config,
             geometries,
         })
+    }
+
+    /// For a command that has its own files: makes sure that no others are
+    /// asked for.
+    pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
+        match self.also.is_empty() {
+            true => Ok(()),
+            false => Err(Diagnostic::new("these files are none of this command's")
+                .with_help("give `--also` to `raycost render`")),
+        }
     }
 
     /// What the command line says of the cost, if anything.
@@ -190,7 +208,7 @@ fn least_bytes(config: &Config) -> u64 {
 }
 
 /// Lets Ctrl-C, or a request to end, leave no half-written file behind.
-fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
+pub(super) fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
     let folder = folder.clone();
     let stop = move || {
         folder.remove_unfinished();
@@ -203,7 +221,7 @@ fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> 
     })
 }
 
-fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+pub(super) fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads.map_or(0, usize::from))
         .build()
@@ -284,7 +302,7 @@ fn speed(rendering: &Rendering, stages: &Stages) -> String {
 }
 
 /// The path as one word for a shell.
-fn shell_word(path: &Path) -> String {
+pub(super) fn shell_word(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
     match text.chars().all(plain) {

@@ -253,7 +253,7 @@ fn shown(pixel: &Pixel, count: impl Fn(&Cost) -> u64) -> u32 {
 }
 
 /// Limited to 0..1, then to 8 bits by rounding; no gamma.
-fn to_rgb8(color: Vec3) -> [u8; 3] {
+pub(crate) fn to_rgb8(color: Vec3) -> [u8; 3] {
     (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
         .to_array()
         .map(rounded)

@@ -10,15 +10,18 @@ pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
+mod reach;
 mod rgb_png;
 mod state;
 mod summary;
+mod traced;
 mod vtk;
 
 use std::io::{self, Write};
 
 pub use folder::{OutputFolder, WriteError};
 pub use summary::{Stage, Stages, Threads};
+pub use traced::{Traced, write_rays, write_traced};
 pub use vtk::{write_frame, write_hits};
 
 use rayon::prelude::*;

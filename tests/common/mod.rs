@@ -3,6 +3,8 @@
 
 pub mod data_set;
 pub mod generators;
+pub mod paraview;
+pub mod scenes;
 pub mod twins;
 
 use std::path::PathBuf;

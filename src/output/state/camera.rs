@@ -73,6 +73,20 @@ impl Camera {
         }
     }
 
+    /// To the right, up and forward as ParaView's view has them, unit vectors.
+    pub(super) fn axes(&self) -> [Vec3; 3] {
+        let forward = (self.focal_point - self.position).normalize();
+        [forward.cross(self.up), self.up, forward]
+    }
+
+    /// The point in the world as the view shows it.
+    pub(super) fn mirrored(&self, point: Vec3) -> Vec3 {
+        match self.is_mirrored {
+            true => point - 2.0 * self.right.dot(point - self.position) * self.right,
+            false => point,
+        }
+    }
+
     /// The value of a key without its `camera.`.
     pub(super) fn number(&self, key: &str) -> Option<f64> {
         let (name, index) = match key.split_once('.') {

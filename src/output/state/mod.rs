@@ -11,9 +11,11 @@
 //! Here the values take their places and the keys go.
 
 mod camera;
+mod rays;
 mod template;
 
 use camera::{Camera, picture_camera};
+pub(super) use rays::of_rays;
 use template::fill;
 
 use super::cost_picture::Range;
