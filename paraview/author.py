@@ -1,6 +1,6 @@
-"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm, overview.pvsm, rays.pvsm.
+"""Authors the ParaView states beside this script: geometry.pvsm, heatmap.pvsm and the others.
 
-Takes an output folder of `raycost render` and `raycost trace` as the sample to build the pipelines against:
+Takes an output folder of `raycost render --also surface,bvh` and `raycost trace` as the sample to build the pipelines against:
 
     xvfb-run -a pvbatch paraview/author.py out/NAME [STATE ...]
 
@@ -74,6 +74,58 @@ def overview(out):
     layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
 
 
+def surface(out):
+    """The scene's geometry by what each primitive cost and, in a linked view, by the tests that met nothing."""
+    shapes = reader(pv.XMLUnstructuredGridReader, out / "surface.vtu")
+    spheres = pv.CellCenters(Input=shapes)
+    pv.RenameSource("Centres", spheres)
+    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
+    by_time = colour_map(shapes, "time_ns", INFERNO, "log", "surface")
+    by_waste = colour_map(shapes, "wasted_tests", VIRIDIS, "log", "surface.wasted")
+    for view, array, lut in (
+        (time, Fill("surface.array", "time_ns"), by_time),
+        (waste, "wasted_tests", by_waste),
+    ):
+        put(
+            pv.Show(shapes, view),
+            Representation="Surface",
+            ColorArrayName=["CELLS", array],
+            LookupTable=lut,
+            Ambient=0.4,  # lit enough to show the form, too little to change the colours
+            Diffuse=0.6,
+        )
+        balls(spheres, view, array, lut)
+    put(colour_bar(by_time, time, Fill("surface.title", "Time per primitive (ns)")), **few_labels(by_time, "surface"))
+    put(colour_bar(by_waste, waste, "Tests per primitive that met nothing"), **few_labels(by_waste, "surface.wasted"))
+    pv.AddCameraLink(time, waste, "surface")
+    layout("Surface", beside(time, waste))
+
+
+def bvh(out):
+    """The leaves of the hierarchy that cost most, over the hits and, in a linked view, those of most wasted visits."""
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
+    nodes = reader(pv.XMLUnstructuredGridReader, out / "bvh.vtu")
+    leaves = at_least(nodes, "CELLS", "is_leaf", Fill("bvh.is_leaf", 1), "Leaves")
+    least = {array: tenth(leaves, array) for array in ("time_ns", "wasted_visits")}
+    dearest = at_least(
+        leaves, "CELLS", Fill("bvh.array", "time_ns"), Fill("bvh.least", least["time_ns"]), "Dearest"
+    )
+    wasteful = at_least(
+        leaves, "CELLS", "wasted_visits", Fill("bvh.wasted.least", least["wasted_visits"]), "Most wasted"
+    )
+    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
+    by_time = colour_map(dearest, "time_ns", INFERNO, "log", "bvh")
+    by_waste = colour_map(wasteful, "wasted_visits", VIRIDIS, "log", "bvh.wasted")
+    for view in (time, waste):
+        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    boxes(dearest, time, Fill("bvh.array", "time_ns"), by_time)
+    boxes(wasteful, waste, "wasted_visits", by_waste)
+    put(colour_bar(by_time, time, Fill("bvh.title", "Time per box (ns)")), **few_labels(by_time, "bvh"))
+    put(colour_bar(by_waste, waste, "Visits per box that met nothing"), **few_labels(by_waste, "bvh.wasted"))
+    pv.AddCameraLink(time, waste, "bvh")
+    layout("BVH", beside(time, waste))
+
+
 def rays(out):
     """The rays of traced pixels in the scene's cloud, seen from their side: by kind and, in a linked view, by cost."""
     lines = threshold(
@@ -93,7 +145,7 @@ def rays(out):
     layout("Rays", beside(kind, cost))
 
 
-STATES = (geometry, heatmap, overview, rays)
+STATES = (geometry, heatmap, overview, surface, bvh, rays)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -106,15 +158,19 @@ def without_horizon(hits):
 
 def threshold(source, where, array, highest, name):
     """The points or cells whose value is not above the highest."""
-    kept = put(
-        pv.Threshold(Input=source),
-        SelectInputScalars=[where, array],
-        ThresholdMethod="Below Lower Threshold",
-        LowerThreshold=highest,
-    )
-    pv.RenameSource(name, kept)
-    kept.UpdatePipeline()
-    return kept
+    return kept(source, where, array, name, ThresholdMethod="Below Lower Threshold", LowerThreshold=highest)
+
+
+def at_least(source, where, array, least, name):
+    """The points or cells whose value is not below the least."""
+    return kept(source, where, array, name, ThresholdMethod="Above Upper Threshold", UpperThreshold=least)
+
+
+def kept(source, where, array, name, **ends):
+    cells = put(pv.Threshold(Input=source), SelectInputScalars=[where, array], **ends)
+    pv.RenameSource(name, cells)
+    cells.UpdatePipeline()
+    return cells
 
 
 def cloud(hits, view):
@@ -127,6 +183,37 @@ def cloud(hits, view):
         SetScaleArray=["POINTS", "footprint"],
         UseScaleFunction=0,
         GaussianRadius=0.75,
+    )
+
+
+def tenth(source, array):
+    """What one cell in ten has at least of an array."""
+    return float(np.percentile(values_of(source, array), 90))
+
+
+def boxes(source, view, array, lut):
+    """Boxes with their edges, and what is inside shining through."""
+    return put(
+        pv.Show(source, view),
+        Representation="Surface With Edges",
+        ColorArrayName=["CELLS", array],
+        LookupTable=lut,
+        Opacity=0.4,
+    )
+
+
+def balls(source, view, array, lut):
+    """One shaded disc a sphere, with the sphere's radius."""
+    return put(
+        pv.Show(source, view),
+        Representation="Point Gaussian",
+        ShaderPreset="Sphere",
+        ScaleByArray=1,
+        SetScaleArray=["POINTS", "radius"],
+        UseScaleFunction=0,
+        GaussianRadius=1,
+        ColorArrayName=["POINTS", array],
+        LookupTable=lut,
     )
 
 
@@ -205,9 +292,16 @@ def histogram(frame, array, title, key):
 
 def spread(source, array):
     """The array's range without the one value in 200 that is greatest: the system's interruptions."""
-    data = pv.servermanager.Fetch(source)
-    values = vtk_to_numpy(data.GetPointData().GetArray(array) or data.GetCellData().GetArray(array))
+    values = values_of(source, array)
     return float(values.min()), float(np.percentile(values, 99.5))
+
+
+def values_of(source, array):
+    """The values above 0 of a source's points, or of its cells."""
+    data = pv.servermanager.Fetch(source)
+    found = data.GetPointData().GetArray(array) or data.GetCellData().GetArray(array)
+    values = vtk_to_numpy(found)
+    return values[values > 0]
 
 
 def colour_map(source, array, preset, scale, key):
@@ -235,7 +329,7 @@ def colour_map(source, array, preset, scale, key):
 
 
 def colour_bar(lut, view, title):
-    put(
+    return put(
         pv.GetScalarBar(lut, view),
         Title=title,
         ComponentTitle="",
@@ -250,6 +344,15 @@ def colour_bar(lut, view, title):
         Enabled=1,
         Visibility=1,
     )
+
+
+def few_labels(lut, key):
+    """Four labels for a logarithmic colour bar: ParaView's own overlap where the numbers are long."""
+    low, high = lut.RGBPoints[0], lut.RGBPoints[-4]
+    labels = [
+        Fill(f"{key}.label({f:g})", float(f"{low * (high / low) ** f:.1e}")) for f in (0.05, 0.35, 0.65, 0.95)
+    ]
+    return dict(UseCustomLabels=1, CustomLabels=labels, AutomaticLabelFormat=0, LabelFormat="%.2g")
 
 
 def caption(text, view):

@@ -5,6 +5,7 @@ use sysinfo::System;
 use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Config};
 use crate::film;
+use crate::ledger::Ledger;
 use crate::scene::{Geometries, Primitive};
 use crate::yaml::{Fault, Path};
 
@@ -18,7 +19,7 @@ const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
 pub struct Memory {
     /// The film's arrays, and what is made of them at the end.
     pub film: u64,
-    /// Primitives and the structure over them.
+    /// Primitives, the structure over them, and what is told of both.
     pub scene: u64,
     n_primitives: usize,
 }
@@ -28,13 +29,16 @@ impl Memory {
     /// end, but for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
         let per_pixel = film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL;
+        let of_ledger = Ledger::bytes_per_primitive(&config.output, config.acceleration);
+        let bare = Self::of_scene(config, geometries);
         Self {
             film: config.image.n_pixels() as u64 * per_pixel,
-            ..Self::of_scene(config, geometries)
+            scene: bare.scene + (bare.n_primitives * of_ledger) as u64,
+            ..bare
         }
     }
 
-    /// The same without a film.
+    /// The same without a film, or anything told of it.
     pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {

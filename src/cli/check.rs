@@ -41,7 +41,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
     };
     let files = Artifact::ALL
         .iter()
-        .filter(|artifact| artifact.has_data(config.cost))
+        .filter(|artifact| artifact.is_wanted(config))
         .map(|artifact| artifact.file_name())
         .collect::<Vec<_>>();
     let lines = [

@@ -4,11 +4,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::Failure;
+use super::charges;
 use super::progress::{Bar, BuildBar};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Extra, MAX_SIDE};
 use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
+use crate::ledger::Ledger;
 use crate::memory::{self, Memory};
 use crate::output::{
     self, OutputFolder, Rendering, Stages, Threads, Written,
@@ -101,7 +103,14 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         config.cost = self.cost().unwrap_or(config.cost);
+        let by_file = config.output.clone();
         self.also.iter().for_each(|&extra| config.output.add(extra));
+        config
+            .check_output()
+            .map_err(|(extra, fault)| match by_file.has(extra) {
+                true => source.point_at(fault),
+                false => Diagnostic::without_place(fault),
+            })?;
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
@@ -179,6 +188,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.clear();
     stages.end("render");
 
+    let ledger = Ledger::is_wanted(&config.output).then(|| {
+        let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+        let report = |progress| bar.advance(progress);
+        let world = (&scene, &accel, &config.image);
+        let keep = || Ledger::keep(world, (&film, &meter), &config.output, report);
+        let ledger = pool.install(keep);
+        bar.clear();
+        stages.end("observe");
+        ledger
+    });
+
     let rendering = Rendering {
         scene_file: source.name(),
         name: &arguments.scene.name(),
@@ -187,6 +207,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         bvh: accel.statistics(),
         meter: &meter,
         film: &film,
+        ledger: ledger.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
             available: std::thread::available_parallelism().map_or(1, usize::from),
@@ -249,6 +270,12 @@ fn closing_lines(
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
+    let costs = match rendering.ledger {
+        Some(ledger) if rendering.config.output.has(Extra::Objects) => {
+            charges::tables(rendering, ledger)
+        }
+        _ => String::new(),
+    };
     let state = match rendering.film.cost.has_counters() {
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
@@ -257,6 +284,7 @@ fn closing_lines(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
          time    {}\n\
          speed   {}\n\
+         {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
         image.width,
@@ -266,6 +294,7 @@ fn closing_lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering, stages),
+        costs,
         out.display(),
         files.join(", "),
         shell_word(&out.join(state)),

@@ -93,6 +93,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn its_corners_go_round_one_face_and_then_round_the_other() {
+        let cuboid = Cuboid::new(Aabb {
+            min: Vec3::new(-1.0, -2.0, 3.0),
+            max: Vec3::new(1.0, 2.0, 5.0),
+        });
+        let patch = cuboid.patch().unwrap();
+        let (near, far) = patch.corners().split_at(4);
+        for i in 0..4 {
+            assert_eq!(far[i] - near[i], Vec3::new(0.0, 0.0, 2.0));
+            let edge = near[(i + 1) % 4] - near[i];
+            assert_eq!((edge != Vec3::ZERO, edge.x * edge.y), (true, 0.0));
+        }
+        // VTK's hexahedron: its first face, seen from within, goes round to the right.
+        let [u, v] = [near[1] - near[0], near[2] - near[1]];
+        assert!(u.cross(v).dot(far[0] - near[0]) > 0.0);
+    }
+
+    #[test]
     fn a_box_is_met_from_outside_and_inside_on_the_right_face() {
         let cuboid = Cuboid::new(Aabb {
             min: Vec3::new(-1.0, -2.0, 3.0),

@@ -71,6 +71,15 @@ impl Account {
         kinds.into_iter().fold(Work::default(), Work::with)
     }
 
+    /// That of both.
+    pub fn with(self, other: Self) -> Self {
+        let both =
+            |charge: usize, kind: usize| self.work[charge][kind].with(other.work[charge][kind]);
+        Self {
+            work: std::array::from_fn(|charge| std::array::from_fn(|kind| both(charge, kind))),
+        }
+    }
+
     /// Camera rays that see it. Over the samples of a pixel it is how many
     /// pixels it fills.
     pub fn n_samples(&self) -> u64 {

@@ -83,8 +83,13 @@ impl<'a> Keeper<'a> {
         clock: Option<&'a Clock>,
         tallies: &'a Tallies,
     ) -> Self {
+        let observer = Observer::new(scene, accel, image, clock);
+        let needs_steps = tallies.primitives.is_some() || tallies.lines.is_some();
         Self {
-            observer: Observer::new(scene, accel, image, clock),
+            observer: match needs_steps {
+                true => observer,
+                false => observer.without_steps(),
+            },
             tree: RayTree::default(),
             things: Things {
                 primitives: &scene.primitives,
@@ -169,9 +174,6 @@ struct Steps<'a> {
 impl Steps<'_> {
     /// Shares a ray's time out to its steps.
     fn add(&mut self, ray: &TracedRay, steps: &[Step], time_ps: u64) {
-        if self.primitives.is_none() && self.lines.is_none() {
-            return;
-        }
         let n_steps = u64::from(ray.node_visits) + u64::from(ray.primitive_tests);
         // Whole picoseconds that add up to the ray's.
         let mut rest = time_ps.checked_rem(n_steps).unwrap_or(0);

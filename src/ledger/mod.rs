@@ -14,8 +14,8 @@ mod keeper;
 
 use rayon::prelude::*;
 
-use crate::accel::Accel;
-use crate::config::{Extra, Image, Outputs};
+use crate::accel::{Accel, Bvh, BvhNode};
+use crate::config::{Acceleration, Extra, Image, Outputs};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::render::Progress;
@@ -40,10 +40,22 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Bytes for each primitive at most, beside its nodes.
-    pub const BYTES_PER_PRIMITIVE: usize = size_of::<Visits>();
-    /// Bytes for each line of the hierarchy's memory at most: it may be a leaf.
-    pub const BYTES_PER_LINE: usize = 2 * size_of::<Visits>() + size_of::<crate::accel::BvhNode>();
+    /// Bytes of memory for each primitive, at most.
+    pub fn bytes_per_primitive(outputs: &Outputs, acceleration: Acceleration) -> usize {
+        let of_surface = match outputs.has(Extra::Surface) {
+            true => size_of::<Visits>(),
+            false => 0,
+        };
+        // Sums by the ids of nodes, which have gaps; then those of each node.
+        let per_id = 2 * size_of::<Visits>() + size_of::<BvhNode>();
+        let of_nodes = match acceleration {
+            Acceleration::Bvh(quality) if outputs.has(Extra::Bvh) => {
+                Bvh::ids_per_primitive(quality) * per_id
+            }
+            _ => 0,
+        };
+        of_surface + of_nodes
+    }
 
     /// Whether something is asked for that is written of a ledger.
     pub fn is_wanted(outputs: &Outputs) -> bool {

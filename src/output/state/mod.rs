@@ -1,5 +1,5 @@
-//! `geometry.pvsm`, `heatmap.pvsm` and `overview.pvsm`: ParaView's states for
-//! this output.
+//! `geometry.pvsm`, `heatmap.pvsm` and the others: ParaView's states for this
+//! output.
 //!
 //! The states in the repository's `paraview/` folder are the templates. Each
 //! value that hangs on the output carries its key there:
@@ -11,10 +11,12 @@
 //! Here the values take their places and the keys go.
 
 mod camera;
+mod ledger;
 mod rays;
 mod template;
 
 use camera::{Camera, picture_camera};
+use ledger::LedgerValues;
 pub(super) use rays::of_rays;
 use template::fill;
 
@@ -26,11 +28,15 @@ use crate::film::Film;
 const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
 const OVERVIEW: &str = include_str!("../../../paraview/overview.pvsm");
+const SURFACE: &str = include_str!("../../../paraview/surface.pvsm");
+const BVH: &str = include_str!("../../../paraview/bvh.pvsm");
 
 /// The states of one output, in ASCII.
 pub(super) struct States {
     hits: String,
     frame: String,
+    nodes: String,
+    surface: String,
     /// What tells most of the cost, and what comes next.
     measures: Option<[Measure; 2]>,
     camera: Camera,
@@ -40,6 +46,7 @@ pub(super) struct States {
     counter_range: [f64; 2],
     /// Hits farther away are not shown.
     max_distance: f64,
+    ledger: LedgerValues,
 }
 
 impl States {
@@ -55,12 +62,15 @@ impl States {
         Self {
             hits: path_of(vtk::HITS),
             frame: path_of(vtk::FRAME),
+            nodes: path_of(vtk::NODES),
+            surface: path_of(vtk::SURFACE),
             measures,
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size: [film.width, film.height].map(f64::from),
             cost_range,
             counter_range,
             max_distance: distances.max_shown,
+            ledger: LedgerValues::of(rendering),
         }
     }
 
@@ -79,8 +89,20 @@ impl States {
         fill(OVERVIEW, |key| self.value(key))
     }
 
+    /// The scene's surface by its cost.
+    pub(super) fn surface(&self) -> String {
+        fill(SURFACE, |key| self.value(key))
+    }
+
+    /// The dearest boxes of the hierarchy.
+    pub(super) fn bvh(&self) -> String {
+        fill(BVH, |key| self.value(key))
+    }
+
     fn value(&self, key: &str) -> Option<String> {
         match key {
+            vtk::NODES => Some(self.nodes.clone()),
+            vtk::SURFACE => Some(self.surface.clone()),
             vtk::HITS => Some(self.hits.clone()),
             vtk::FRAME => Some(self.frame.clone()),
             "cost.array" => Some(self.cost().0.to_owned()),
@@ -89,7 +111,10 @@ impl States {
             "cost.log10.title" => Some(format!("{}, log scale", self.cost().1)),
             "counter.array" => Some(self.measures?[1].array.to_owned()),
             "counter.title" => Some(self.measures?[1].axis.to_owned()),
-            _ => self.number(key).map(|number| number.to_string()),
+            _ => self
+                .ledger
+                .value(key)
+                .or_else(|| self.number(key).map(|number| number.to_string())),
         }
     }
 

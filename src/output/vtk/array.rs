@@ -46,6 +46,10 @@ impl Entry for u32 {
     const SCALAR: ScalarType = ScalarType::U32;
 }
 
+impl Entry for u64 {
+    const SCALAR: ScalarType = ScalarType::U64;
+}
+
 impl Entry for f32 {
     const SCALAR: ScalarType = ScalarType::F32;
 }
