@@ -2,14 +2,12 @@
 
 mod common;
 
-use common::{config, parse, scene_of, with_cost};
-use raycost::accel::Accel;
-use raycost::config::{Acceleration, Config, CostMode, Extra};
-use raycost::cost::{Meter, RayKind};
-use raycost::film::{Film, Strip};
+use common::kept::kept;
+use common::{config, parse, with_cost};
+use raycost::config::{Acceleration, Config, CostMode};
+use raycost::cost::RayKind;
+use raycost::film::Strip;
 use raycost::ledger::{Account, Charge, Ledger, Visits, Work};
-use raycost::render::render;
-use raycost::scene::Scene;
 
 const SCENES: [&str; 5] = [
     "seed_extended",
@@ -32,28 +30,6 @@ fn small(name: &str, samples: u32, cost: CostMode) -> Config {
     (config.image.width, config.image.height) = (48, 36);
     config.image.samples_per_pixel = samples;
     config
-}
-
-/// The film of a config and all of its ledger, on so many threads.
-fn kept(config: &Config, n_threads: usize) -> (Scene, Film, Ledger) {
-    let mut config = config.clone();
-    [Extra::Objects, Extra::Surface, Extra::Bvh]
-        .into_iter()
-        .for_each(|extra| config.output.add(extra));
-    let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
-    let meter = Meter::new(config.cost);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(n_threads)
-        .build()
-        .unwrap();
-    let (film, ledger) = pool.install(|| {
-        let film = render(&scene, &accel, &config.image, &meter, |_| {});
-        let world = (&scene, &accel, &config.image);
-        let ledger = Ledger::keep(world, (&film, &meter), &config.output, |_| {});
-        (film, ledger)
-    });
-    (scene, film, ledger)
 }
 
 fn total(accounts: &[Account], charge: Charge) -> Work {
@@ -119,12 +95,15 @@ fn nodes_and_primitives_sum_up_to_the_film() {
     }
 }
 
+/// An array of the film that tells what each pixel sees.
+type Ids = fn(&Strip) -> &Vec<i32>;
+
 /// With one sample a pixel the film itself tells what each object pays for.
 #[test]
 fn what_is_seen_pays_for_its_pixels() {
     for name in SCENES {
         let (scene, film, ledger) = kept(&small(name, 1, CostMode::Counters), 2);
-        let things: [(_, fn(&Strip) -> &Vec<i32>, _); 2] = [
+        let things: [(_, Ids, _); 2] = [
             (&ledger.objects, |strip| &strip.object, scene.n_objects()),
             (
                 &ledger.materials,

@@ -3,6 +3,7 @@
 
 pub mod data_set;
 pub mod generators;
+pub mod kept;
 pub mod paraview;
 pub mod scenes;
 pub mod twins;
