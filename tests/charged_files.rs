@@ -286,7 +286,7 @@ fn files_go_when_nobody_asks_for_them_any_more() {
         .arg(in_repository("configs/blocks.yaml"))
         .output();
     assert_success(&plain.unwrap());
-    assert!(!charged.iter().any(|file| is_there(file)));
+    assert!(!charged.iter().any(is_there));
 }
 
 type Row = HashMap<String, String>;
