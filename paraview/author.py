@@ -136,11 +136,11 @@ def rays(out):
     for view in (kind, cost):
         put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0, Opacity=0.3)
     kinds = ray_kinds()
-    put(thick(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
+    put(drawn(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
     colour_bar(kinds, kind, "Kind of each ray")
-    viridis = colour_map(lines, "node_visits", VIRIDIS, "linear", "rays.cost")
-    put(thick(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "node_visits")], LookupTable=viridis)
-    colour_bar(viridis, cost, Fill("rays.cost.title", "BVH nodes visited by each ray"))
+    inferno = colour_map(lines, "time_ns", INFERNO, "linear", "rays.cost")
+    put(drawn(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "time_ns")], LookupTable=inferno)
+    colour_bar(inferno, cost, Fill("rays.cost.title", "Time of each ray (ns)"))
     pv.AddCameraLink(kind, cost, "rays")
     layout("Rays", beside(kind, cost))
 
@@ -217,9 +217,10 @@ def balls(source, view, array, lut):
     )
 
 
-def thick(lines, view):
-    """Lines as wide on the screen as the eye needs, near and far, not lit."""
-    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=3, Ambient=1, Diffuse=0)
+def drawn(lines, view):
+    """Lines of the same width near and far, not lit."""
+    width = Fill("rays.line_width", 3)
+    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=width, Ambient=1, Diffuse=0)
 
 
 def ray_kinds():
@@ -307,7 +308,7 @@ def values_of(source, array):
 def colour_map(source, array, preset, scale, key):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
     low, high = spread(source, array)
-    high = max(high, low + 1)
+    high = max(high, low + 1)  # colours need two ends
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
     colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]

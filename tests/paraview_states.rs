@@ -118,7 +118,7 @@ fn what_things_cost_is_shown() {
         ] {
             let file = out.join(state).with_extension("pvsm");
             let text = fs::read_to_string(&file).unwrap();
-            assert_eq!(text.contains("time_ns"), cost.is_none());
+            assert_eq!(text.contains("value=\"time_ns\""), cost.is_none());
             let require = format!("--require={arrays}");
             let flags = ["--from-state", &require];
             assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
