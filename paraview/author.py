@@ -1,7 +1,7 @@
 """Authors the ParaView states beside this script.
 
-Takes an output folder of `raycost render --also schedule` as the sample to build the pipelines
-against, into which `raycost trace` and `raycost diff` have written, too:
+Takes an output folder of `raycost render --also schedule,surface,bvh` as the sample to build
+the pipelines against, into which `raycost trace` and `raycost diff` have written, too:
 
     xvfb-run -a pvbatch paraview/author.py out/NAME [STATE ...]
 
@@ -95,6 +95,58 @@ def schedule(out):
     layout("Schedule", above(0.5, beside(colour, duration), beside(thread, start)))
 
 
+def surface(out):
+    """The scene's geometry by what each primitive cost and, in a linked view, by the tests that met nothing."""
+    shapes = reader(pv.XMLUnstructuredGridReader, out / "surface.vtu")
+    spheres = pv.CellCenters(Input=shapes)
+    pv.RenameSource("Centres", spheres)
+    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
+    by_time = colour_map(shapes, "time_ns", INFERNO, "log", "surface")
+    by_waste = colour_map(shapes, "wasted_tests", VIRIDIS, "log", "surface.wasted")
+    for view, array, lut in (
+        (time, Fill("surface.array", "time_ns"), by_time),
+        (waste, "wasted_tests", by_waste),
+    ):
+        put(
+            pv.Show(shapes, view),
+            Representation="Surface",
+            ColorArrayName=["CELLS", array],
+            LookupTable=lut,
+            Ambient=0.4,  # lit enough to show the form, too little to change the colours
+            Diffuse=0.6,
+        )
+        balls(spheres, view, array, lut)
+    put(colour_bar(by_time, time, Fill("surface.title", "Time per primitive (ns)")), **few_labels(by_time, "surface"))
+    put(colour_bar(by_waste, waste, "Tests per primitive that met nothing"), **few_labels(by_waste, "surface.wasted"))
+    pv.AddCameraLink(time, waste, "surface")
+    layout("Surface", beside(time, waste))
+
+
+def bvh(out):
+    """The leaves of the hierarchy that cost most, over the hits and, in a linked view, those of most wasted visits."""
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
+    nodes = reader(pv.XMLUnstructuredGridReader, out / "bvh.vtu")
+    leaves = at_least(nodes, "CELLS", "is_leaf", Fill("bvh.is_leaf", 1), "Leaves")
+    least = {array: tenth(leaves, array) for array in ("time_ns", "wasted_visits")}
+    dearest = at_least(
+        leaves, "CELLS", Fill("bvh.array", "time_ns"), Fill("bvh.least", least["time_ns"]), "Dearest"
+    )
+    wasteful = at_least(
+        leaves, "CELLS", "wasted_visits", Fill("bvh.wasted.least", least["wasted_visits"]), "Most wasted"
+    )
+    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
+    by_time = colour_map(dearest, "time_ns", INFERNO, "log", "bvh")
+    by_waste = colour_map(wasteful, "wasted_visits", VIRIDIS, "log", "bvh.wasted")
+    for view in (time, waste):
+        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    boxes(dearest, time, Fill("bvh.array", "time_ns"), by_time)
+    boxes(wasteful, waste, "wasted_visits", by_waste)
+    put(colour_bar(by_time, time, Fill("bvh.title", "Time per box (ns)")), **few_labels(by_time, "bvh"))
+    put(colour_bar(by_waste, waste, "Visits per box that met nothing"), **few_labels(by_waste, "bvh.wasted"))
+    pv.AddCameraLink(time, waste, "bvh")
+    layout("BVH", beside(time, waste))
+
+
 def rays(out):
     """The rays of traced pixels in the scene's cloud, seen from their side: by kind and, in a linked view, by cost."""
     lines = threshold(
@@ -122,7 +174,8 @@ def diff(out):
         change, "time_ns_difference", BLUE_RED, "linear", "B - A: time per pixel (ns)", "difference", around_zero
     )
     ratio = picture(change, "time_ns_ratio", BLUE_RED, "log", "B / A: time per pixel", "ratio", around_one)
-    few_labels(pv.GetColorTransferFunction("time_ns_ratio"), ratio, around_one(change, "time_ns_ratio"), "ratio")
+    lut = pv.GetColorTransferFunction("time_ns_ratio")
+    put(pv.GetScalarBar(lut, ratio), **few_labels(lut, "ratio", "%.3g", (0, 0.25, 0.5, 0.75, 1)))
     pv.AddCameraLink(difference, ratio, "diff")
     array, title = Fill("difference.array", "time_ns_difference"), "B - A: time per pixel (ns)"
     ends = fill_ends("difference.linear", around_zero(change, "time_ns_difference"))
@@ -130,7 +183,7 @@ def diff(out):
     layout("Difference", above(0.68, beside(difference, ratio), differences))
 
 
-STATES = (geometry, heatmap, overview, schedule, rays, diff)
+STATES = (geometry, heatmap, overview, schedule, surface, bvh, rays, diff)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -143,15 +196,19 @@ def without_horizon(hits):
 
 def threshold(source, where, array, highest, name):
     """The points or cells whose value is not above the highest."""
-    kept = put(
-        pv.Threshold(Input=source),
-        SelectInputScalars=[where, array],
-        ThresholdMethod="Below Lower Threshold",
-        LowerThreshold=highest,
-    )
-    pv.RenameSource(name, kept)
-    kept.UpdatePipeline()
-    return kept
+    return kept(source, where, array, name, ThresholdMethod="Below Lower Threshold", LowerThreshold=highest)
+
+
+def at_least(source, where, array, least, name):
+    """The points or cells whose value is not below the least."""
+    return kept(source, where, array, name, ThresholdMethod="Above Upper Threshold", UpperThreshold=least)
+
+
+def kept(source, where, array, name, **ends):
+    cells = put(pv.Threshold(Input=source), SelectInputScalars=[where, array], **ends)
+    pv.RenameSource(name, cells)
+    cells.UpdatePipeline()
+    return cells
 
 
 def cloud(hits, view):
@@ -164,6 +221,37 @@ def cloud(hits, view):
         SetScaleArray=["POINTS", "footprint"],
         UseScaleFunction=0,
         GaussianRadius=0.75,
+    )
+
+
+def tenth(source, array):
+    """What one cell in ten has at least of an array."""
+    return float(np.percentile(positive(source, array), 90))
+
+
+def boxes(source, view, array, lut):
+    """Boxes with their edges, and what is inside shining through."""
+    return put(
+        pv.Show(source, view),
+        Representation="Surface With Edges",
+        ColorArrayName=["CELLS", array],
+        LookupTable=lut,
+        Opacity=0.4,
+    )
+
+
+def balls(source, view, array, lut):
+    """One shaded disc a sphere, with the sphere's radius."""
+    return put(
+        pv.Show(source, view),
+        Representation="Point Gaussian",
+        ShaderPreset="Sphere",
+        ScaleByArray=1,
+        SetScaleArray=["POINTS", "radius"],
+        UseScaleFunction=0,
+        GaussianRadius=1,
+        ColorArrayName=["POINTS", array],
+        LookupTable=lut,
     )
 
 
@@ -268,11 +356,17 @@ def fill_ends(key, ends):
 
 def spread(source, array):
     """The array's range without the one value in 200 that is greatest: the system's interruptions."""
-    values = array_of(source, array)
+    values = positive(source, array)
     return float(values.min()), float(np.percentile(values, 99.5))
 
 
+def positive(source, array):
+    values = array_of(source, array)
+    return values[values > 0]
+
+
 def array_of(source, name):
+    """The values of a source's points, or of its cells."""
     data = pv.servermanager.Fetch(source)
     return vtk_to_numpy(data.GetPointData().GetArray(name) or data.GetCellData().GetArray(name))
 
@@ -320,7 +414,7 @@ def colour_map(source, array, preset, scale, key, ends=None):
 
 
 def colour_bar(lut, view, title):
-    put(
+    return put(
         pv.GetScalarBar(lut, view),
         Title=title,
         ComponentTitle="",
@@ -337,12 +431,11 @@ def colour_bar(lut, view, title):
     )
 
 
-def few_labels(lut, view, ends, key):
-    """Labels at the ends, in the middle and between: ParaView labels powers of ten alone."""
-    low, high = ends
-    at = {f: low * (high / low) ** f for f in (0, 0.25, 0.5, 0.75, 1)}
-    labels = [Fill(f"{key}.label({f:g})", float(f"{value:.3g}")) for f, value in at.items()]
-    put(pv.GetScalarBar(lut, view), UseCustomLabels=1, CustomLabels=labels)
+def few_labels(lut, key, form="%.2g", places=(0.05, 0.35, 0.65, 0.95)):
+    """Some labels for a logarithmic colour bar: ParaView's own overlap where the numbers are long."""
+    low, high = lut.RGBPoints[0], lut.RGBPoints[-4]
+    labels = [Fill(f"{key}.label({f:g})", float(form % (low * (high / low) ** f))) for f in places]
+    return dict(UseCustomLabels=1, CustomLabels=labels, AutomaticLabelFormat=0, LabelFormat=form)
 
 
 def caption(text, view):

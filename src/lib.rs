@@ -37,6 +37,7 @@ pub mod schedule;
 pub mod film;
 pub mod render;
 pub mod observe;
+pub mod ledger;
 pub mod memory;
 pub mod output;
 pub mod results;

@@ -92,6 +92,42 @@ fn shows_its_output(out: &Path, cost: &str) {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn what_things_cost_is_shown() {
+    let flat = TOWER.to_owned() + "output: [surface, bvh: { max_depth: 0 }]\n";
+    let outputs = [
+        // Three spheres, and a mesh without any.
+        (
+            "charged spheres",
+            in_repository("configs/seed_extended.yaml"),
+            None,
+        ),
+        (
+            "charged mesh",
+            in_repository("configs/spot.yaml"),
+            Some("--cost=counters"),
+        ),
+        ("charged root", scene_file("flat", &flat), None),
+    ];
+    for (name, scene, cost) in outputs {
+        let mut flags = vec!["--also=surface,bvh", "--width=200", "--height=150"];
+        flags.extend(cost);
+        let out = render(&scene, name, &flags);
+        for (state, arrays) in [
+            ("surface", "wasted_tests,radius"),
+            ("bvh", "wasted_visits,RGB"),
+        ] {
+            let file = out.join(state).with_extension("pvsm");
+            let text = fs::read_to_string(&file).unwrap();
+            assert_eq!(text.contains("value=\"time_ns\""), cost.is_none());
+            let require = format!("--require={arrays}");
+            let flags = ["--from-state", &require];
+            assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "no cost", &["--no-cost"]);
@@ -186,8 +222,10 @@ fn the_schedule_is_shown() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "repository", &["--also=schedule"]);
-    for state in ["geometry", "heatmap", "overview", "schedule"] {
+    let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
+    for state in [
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
+    ] {
         let file = in_repository("paraview").join(state).with_extension("pvsm");
         // `load` sets RAYCOST_OUT, which the paths begin with.
         let by_variable = screenshot(&out, &format!("{state} by variable"));

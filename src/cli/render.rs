@@ -3,12 +3,14 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::charges;
 use super::progress::{Bar, BuildBar};
 use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Extra, MAX_SIDE, TileOrder, Tiling};
 use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
+use crate::ledger::Ledger;
 use crate::memory::{self, Memory};
 use crate::output::{
     self, OutputFolder, Rendering, Stages, Threads, Written,
@@ -113,7 +115,14 @@ impl SceneArguments {
         let tiles = &mut config.tiles;
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
+        let by_file = config.output.clone();
         self.also.iter().for_each(|&extra| config.output.add(extra));
+        config
+            .check_output()
+            .map_err(|(extra, fault)| match by_file.has(extra) {
+                true => source.point_at(fault),
+                false => Diagnostic::without_place(fault),
+            })?;
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
@@ -196,6 +205,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.clear();
     stages.end("render");
 
+    let ledger = Ledger::is_wanted(&config.output).then(|| {
+        let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+        let report = |progress| bar.advance(progress);
+        let world = (&scene, &accel, &config.image);
+        let keep = || Ledger::keep(world, (&film, &meter), &config.output, report);
+        let ledger = pool.install(keep);
+        bar.clear();
+        stages.end("observe");
+        ledger
+    });
+
     let rendering = Rendering {
         scene_file: source.name(),
         name: &arguments.scene.name(),
@@ -205,6 +225,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         meter: &meter,
         film: &film,
         schedule: &schedule,
+        ledger: ledger.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
             available: std::thread::available_parallelism().map_or(1, usize::from),
@@ -267,6 +288,12 @@ fn closing_lines(
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
+    let costs = match rendering.ledger {
+        Some(ledger) if rendering.config.output.has(Extra::Objects) => {
+            charges::tables(rendering, ledger)
+        }
+        _ => String::new(),
+    };
     let state = match rendering.film.cost.has_counters() {
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
@@ -280,6 +307,7 @@ fn closing_lines(
          time    {}\n\
          speed   {}\n\
          {tiles}\
+         {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
         image.width,
@@ -289,6 +317,7 @@ fn closing_lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering, stages),
+        costs,
         out.display(),
         files.join(", "),
         shell_word(&out.join(state)),

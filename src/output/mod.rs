@@ -9,6 +9,7 @@ mod folder;
 pub mod format;
 mod heatmap;
 mod measure;
+mod objects;
 mod picture;
 mod reach;
 pub(crate) mod rgb_png;
@@ -22,11 +23,12 @@ use std::io::{self, Write};
 
 pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
+pub use objects::Group;
 pub(crate) use summary::FILE as SUMMARY;
 pub use summary::{Stage, Stages, Threads};
 pub use traced::{Traced, write_rays, write_traced};
 pub(crate) use vtk::{FRAME, HITS};
-pub use vtk::{write_frame, write_hits, write_tiles};
+pub use vtk::{write_frame, write_hits, write_nodes, write_surface, write_tiles};
 
 use rayon::prelude::*;
 
@@ -37,6 +39,7 @@ use crate::accel::BvhStatistics;
 use crate::config::{Config, Extra};
 use crate::cost::Meter;
 use crate::film::Film;
+use crate::ledger::Ledger;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
@@ -59,6 +62,8 @@ pub struct Rendering<'a> {
     pub film: &'a Film,
     /// When each tile of them was rendered.
     pub schedule: &'a Schedule,
+    /// What things cost, if that is asked for.
+    pub ledger: Option<&'a Ledger>,
     /// How many threads rendered.
     pub threads: Threads,
 }
@@ -86,6 +91,16 @@ pub enum Artifact {
     Trace,
     /// `schedule.pvsm`: a ParaView state that shows the tiles.
     ScheduleState,
+    /// `objects.csv`: what each object and each material cost.
+    Objects,
+    /// `surface.vtu`: what each primitive cost, on the scene's geometry.
+    Surface,
+    /// `surface.pvsm`: a ParaView state that shows it.
+    SurfaceState,
+    /// `bvh.vtu`: the boxes of the hierarchy and what each cost.
+    Bvh,
+    /// `bvh.pvsm`: a ParaView state that shows the dearest of them.
+    BvhState,
 }
 
 /// A file that was written.
@@ -99,7 +114,7 @@ pub struct Written {
 
 impl Artifact {
     /// All files but `summary.json`, which tells of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 15] = [
         Self::Image,
         Self::Cost,
         Self::Hits,
@@ -110,6 +125,11 @@ impl Artifact {
         Self::Tiles,
         Self::Trace,
         Self::ScheduleState,
+        Self::Objects,
+        Self::Surface,
+        Self::SurfaceState,
+        Self::Bvh,
+        Self::BvhState,
     ];
 
     /// Its name in the folder.
@@ -125,6 +145,11 @@ impl Artifact {
             Self::Tiles => vtk::TILES,
             Self::Trace => trace_events::FILE,
             Self::ScheduleState => "schedule.pvsm",
+            Self::Objects => objects::FILE,
+            Self::Surface => vtk::SURFACE,
+            Self::SurfaceState => "surface.pvsm",
+            Self::Bvh => vtk::NODES,
+            Self::BvhState => "bvh.pvsm",
         }
     }
 
@@ -135,6 +160,9 @@ impl Artifact {
             Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
             Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
             Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
+            Self::Objects => config.output.has(Extra::Objects),
+            Self::Surface | Self::SurfaceState => config.output.has(Extra::Surface),
+            Self::Bvh | Self::BvhState => config.output.has(Extra::Bvh),
         }
     }
 
@@ -156,6 +184,32 @@ impl Artifact {
             Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, out),
             Self::Trace => trace_events::write(rendering, stages, out),
             Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
+            Self::SurfaceState => out.write_all(states.surface().as_bytes()),
+            Self::BvhState => out.write_all(states.bvh().as_bytes()),
+            Self::Objects | Self::Surface | Self::Bvh => match rendering.ledger {
+                Some(ledger) => self.write_of(ledger, rendering, out),
+                None => Ok(()),
+            },
+        }
+    }
+
+    /// Writes what is told of a ledger.
+    fn write_of(
+        self,
+        ledger: &Ledger,
+        rendering: &Rendering,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
+        let cost = rendering.film.cost;
+        match (self, &ledger.primitives, &ledger.hierarchy) {
+            (Self::Objects, ..) => objects::write(rendering, ledger, out),
+            (Self::Surface, Some(visits), _) => {
+                vtk::write_surface(rendering.scene, visits, cost, out)
+            }
+            (Self::Bvh, _, Some(hierarchy)) => {
+                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, out)
+            }
+            _ => Ok(()),
         }
     }
 }

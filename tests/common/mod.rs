@@ -4,6 +4,7 @@
 pub mod chromium;
 pub mod data_set;
 pub mod generators;
+pub mod kept;
 pub mod noise;
 pub mod paraview;
 pub mod scenes;
