@@ -1,6 +1,7 @@
-"""Authors the ParaView states beside this script: geometry, heatmap, overview, schedule and rays.
+"""Authors the ParaView states beside this script.
 
-Takes an output folder of `raycost render --also schedule` and `raycost trace` as the sample to build the pipelines against:
+Takes an output folder of `raycost render --also schedule,surface,bvh` as the sample to build
+the pipelines against, into which `raycost trace` and `raycost diff` have written, too:
 
     xvfb-run -a pvbatch paraview/author.py out/NAME [STATE ...]
 
@@ -21,6 +22,7 @@ from paraview.vtk.util.numpy_support import vtk_to_numpy
 from template import Fill, put, reader, save, vector
 
 N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
+BLUE_RED = "BuRd"  # light in the middle, where nothing changes
 INFERNO, VIRIDIS, TURBO = "Inferno (matplotlib)", "Viridis (matplotlib)", "Turbo"
 CRIMSON = ("0.73", "0.21", "0.33")  # the middle of Inferno
 BLACK, WHITE = (0, 0, 0), (1, 1, 1)
@@ -93,6 +95,58 @@ def schedule(out):
     layout("Schedule", above(0.5, beside(colour, duration), beside(thread, start)))
 
 
+def surface(out):
+    """The scene's geometry by what each primitive cost and, in a linked view, by the tests that met nothing."""
+    shapes = reader(pv.XMLUnstructuredGridReader, out / "surface.vtu")
+    spheres = pv.CellCenters(Input=shapes)
+    pv.RenameSource("Centres", spheres)
+    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
+    by_time = colour_map(shapes, "time_ns", INFERNO, "log", "surface")
+    by_waste = colour_map(shapes, "wasted_tests", VIRIDIS, "log", "surface.wasted")
+    for view, array, lut in (
+        (time, Fill("surface.array", "time_ns"), by_time),
+        (waste, "wasted_tests", by_waste),
+    ):
+        put(
+            pv.Show(shapes, view),
+            Representation="Surface",
+            ColorArrayName=["CELLS", array],
+            LookupTable=lut,
+            Ambient=0.4,  # lit enough to show the form, too little to change the colours
+            Diffuse=0.6,
+        )
+        balls(spheres, view, array, lut)
+    put(colour_bar(by_time, time, Fill("surface.title", "Time per primitive (ns)")), **few_labels(by_time, "surface"))
+    put(colour_bar(by_waste, waste, "Tests per primitive that met nothing"), **few_labels(by_waste, "surface.wasted"))
+    pv.AddCameraLink(time, waste, "surface")
+    layout("Surface", beside(time, waste))
+
+
+def bvh(out):
+    """The leaves of the hierarchy that cost most, over the hits and, in a linked view, those of most wasted visits."""
+    hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
+    nodes = reader(pv.XMLUnstructuredGridReader, out / "bvh.vtu")
+    leaves = at_least(nodes, "CELLS", "is_leaf", Fill("bvh.is_leaf", 1), "Leaves")
+    least = {array: tenth(leaves, array) for array in ("time_ns", "wasted_visits")}
+    dearest = at_least(
+        leaves, "CELLS", Fill("bvh.array", "time_ns"), Fill("bvh.least", least["time_ns"]), "Dearest"
+    )
+    wasteful = at_least(
+        leaves, "CELLS", "wasted_visits", Fill("bvh.wasted.least", least["wasted_visits"]), "Most wasted"
+    )
+    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
+    by_time = colour_map(dearest, "time_ns", INFERNO, "log", "bvh")
+    by_waste = colour_map(wasteful, "wasted_visits", VIRIDIS, "log", "bvh.wasted")
+    for view in (time, waste):
+        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
+    boxes(dearest, time, Fill("bvh.array", "time_ns"), by_time)
+    boxes(wasteful, waste, "wasted_visits", by_waste)
+    put(colour_bar(by_time, time, Fill("bvh.title", "Time per box (ns)")), **few_labels(by_time, "bvh"))
+    put(colour_bar(by_waste, waste, "Visits per box that met nothing"), **few_labels(by_waste, "bvh.wasted"))
+    pv.AddCameraLink(time, waste, "bvh")
+    layout("BVH", beside(time, waste))
+
+
 def rays(out):
     """The rays of traced pixels in the scene's cloud, seen from their side: by kind and, in a linked view, by cost."""
     lines = threshold(
@@ -103,16 +157,33 @@ def rays(out):
     for view in (kind, cost):
         put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0, Opacity=0.3)
     kinds = ray_kinds()
-    put(thick(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
+    put(drawn(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
     colour_bar(kinds, kind, "Kind of each ray")
-    viridis = colour_map(lines, "node_visits", VIRIDIS, "linear", "rays.cost")
-    put(thick(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "node_visits")], LookupTable=viridis)
-    colour_bar(viridis, cost, Fill("rays.cost.title", "BVH nodes visited by each ray"))
+    inferno = colour_map(lines, "time_ns", INFERNO, "linear", "rays.cost")
+    put(drawn(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "time_ns")], LookupTable=inferno)
+    colour_bar(inferno, cost, Fill("rays.cost.title", "Time of each ray (ns)"))
     pv.AddCameraLink(kind, cost, "rays")
     layout("Rays", beside(kind, cost))
 
 
-STATES = (geometry, heatmap, overview, schedule, rays)
+def diff(out):
+    """What each pixel's cost changed by between two outputs, as a difference and as a ratio, above
+    the histogram of the difference."""
+    change = reader(pv.XMLImageDataReader, out / "diff.vti")
+    difference = picture(
+        change, "time_ns_difference", BLUE_RED, "linear", "B - A: time per pixel (ns)", "difference", around_zero
+    )
+    ratio = picture(change, "time_ns_ratio", BLUE_RED, "log", "B / A: time per pixel", "ratio", around_one)
+    lut = pv.GetColorTransferFunction("time_ns_ratio")
+    put(pv.GetScalarBar(lut, ratio), **few_labels(lut, "ratio", "%.3g", (0, 0.25, 0.5, 0.75, 1)))
+    pv.AddCameraLink(difference, ratio, "diff")
+    array, title = Fill("difference.array", "time_ns_difference"), "B - A: time per pixel (ns)"
+    ends = fill_ends("difference.linear", around_zero(change, "time_ns_difference"))
+    differences = bars(change, array, ends, Fill("difference.title", title))
+    layout("Difference", above(0.68, beside(difference, ratio), differences))
+
+
+STATES = (geometry, heatmap, overview, schedule, surface, bvh, rays, diff)
 
 
 # ----------------------------------------------------------------------------------------- parts
@@ -125,15 +196,19 @@ def without_horizon(hits):
 
 def threshold(source, where, array, highest, name):
     """The points or cells whose value is not above the highest."""
-    kept = put(
-        pv.Threshold(Input=source),
-        SelectInputScalars=[where, array],
-        ThresholdMethod="Below Lower Threshold",
-        LowerThreshold=highest,
-    )
-    pv.RenameSource(name, kept)
-    kept.UpdatePipeline()
-    return kept
+    return kept(source, where, array, name, ThresholdMethod="Below Lower Threshold", LowerThreshold=highest)
+
+
+def at_least(source, where, array, least, name):
+    """The points or cells whose value is not below the least."""
+    return kept(source, where, array, name, ThresholdMethod="Above Upper Threshold", UpperThreshold=least)
+
+
+def kept(source, where, array, name, **ends):
+    cells = put(pv.Threshold(Input=source), SelectInputScalars=[where, array], **ends)
+    pv.RenameSource(name, cells)
+    cells.UpdatePipeline()
+    return cells
 
 
 def cloud(hits, view):
@@ -149,9 +224,41 @@ def cloud(hits, view):
     )
 
 
-def thick(lines, view):
-    """Lines as wide on the screen as the eye needs, near and far, not lit."""
-    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=3, Ambient=1, Diffuse=0)
+def tenth(source, array):
+    """What one cell in ten has at least of an array."""
+    return float(np.percentile(positive(source, array), 90))
+
+
+def boxes(source, view, array, lut):
+    """Boxes with their edges, and what is inside shining through."""
+    return put(
+        pv.Show(source, view),
+        Representation="Surface With Edges",
+        ColorArrayName=["CELLS", array],
+        LookupTable=lut,
+        Opacity=0.4,
+    )
+
+
+def balls(source, view, array, lut):
+    """One shaded disc a sphere, with the sphere's radius."""
+    return put(
+        pv.Show(source, view),
+        Representation="Point Gaussian",
+        ShaderPreset="Sphere",
+        ScaleByArray=1,
+        SetScaleArray=["POINTS", "radius"],
+        UseScaleFunction=0,
+        GaussianRadius=1,
+        ColorArrayName=["POINTS", array],
+        LookupTable=lut,
+    )
+
+
+def drawn(lines, view):
+    """Lines of the same width near and far, not lit."""
+    width = Fill("rays.line_width", 3)
+    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=width, Ambient=1, Diffuse=0)
 
 
 def ray_kinds():
@@ -170,10 +277,10 @@ def ray_kinds():
     )
 
 
-def picture(frame, array, preset, scale, title, key):
+def picture(frame, array, preset, scale, title, key, ends=None):
     """A view of one array as a flat picture: a slice shows each pixel as it is, unlit and unblended."""
     view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    colours = colour_map(frame, array, preset, scale, key)
+    colours = colour_map(frame, array, preset, scale, key, ends)
     shown = ["POINTS", Fill(f"{key}.array", array)]
     put(pv.Show(frame, view), Representation="Slice", ColorArrayName=shown, LookupTable=colours)
     colour_bar(colours, view, Fill(f"{key}.title", title))
@@ -200,28 +307,33 @@ def histogram(frame, array, title, key):
     """A view of how many pixels took which value: bars over log10, labelled with the values."""
     log10 = pv.Calculator(Input=frame)
     put(log10, Function=Fill(f"{key}.log10", f"log10({array})"), ResultArrayName="log10", ResultArrayType="Float")
-    low, high = spread(frame, array)
-    bins = put(
-        pv.Histogram(Input=log10),
-        SelectInputArray=["POINTS", "log10"],
-        BinCount=100,
-        UseCustomBinRanges=1,
-        CustomBinRanges=[
-            Fill(f"{key}.log10(0)", math.log10(low)),
-            Fill(f"{key}.log10(1)", math.log10(high)),
-        ],
-    )
     pv.RenameSource("log10", log10)
-    pv.RenameSource("Histogram", bins)
-    view = put(
-        pv.CreateView("XYBarChartView"),
-        BottomAxisTitle=Fill(f"{key}.log10.title", f"{title}, log scale"),
-        BottomAxisTitleFontSize=18,
-        BottomAxisLabelFontSize=14,
+    ends = fill_ends(f"{key}.log10", [math.log10(end) for end in spread(frame, array)])
+    view = bars(log10, "log10", ends, Fill(f"{key}.log10.title", f"{title}, log scale"))
+    return put(
+        view,
         BottomAxisUseCustomLabels=1,
         BottomAxisLabels=[
             text for k in range(10) for n in (1, 2, 5) for text in (str(k + math.log10(n)), str(n * 10**k))
         ],
+    )
+
+
+def bars(source, array, ends, title):
+    """A view of how many pixels have which value of an array, in 100 bins between the ends."""
+    bins = put(
+        pv.Histogram(Input=source),
+        SelectInputArray=["POINTS", array],
+        BinCount=100,
+        UseCustomBinRanges=1,
+        CustomBinRanges=ends,
+    )
+    pv.RenameSource("Histogram", bins)
+    view = put(
+        pv.CreateView("XYBarChartView"),
+        BottomAxisTitle=title,
+        BottomAxisTitleFontSize=18,
+        BottomAxisLabelFontSize=14,
         LeftAxisTitle="Pixels",
         LeftAxisTitleFontSize=18,
         LeftAxisLabelFontSize=14,
@@ -238,17 +350,49 @@ def histogram(frame, array, title, key):
     return view
 
 
+def fill_ends(key, ends):
+    return [Fill(f"{key}({f})", end) for f, end in enumerate(ends)]
+
+
 def spread(source, array):
     """The array's range without the one value in 200 that is greatest: the system's interruptions."""
-    data = pv.servermanager.Fetch(source)
-    values = vtk_to_numpy(data.GetPointData().GetArray(array) or data.GetCellData().GetArray(array))
+    values = positive(source, array)
     return float(values.min()), float(np.percentile(values, 99.5))
 
 
-def colour_map(source, array, preset, scale, key):
+def positive(source, array):
+    values = array_of(source, array)
+    return values[values > 0]
+
+
+def array_of(source, name):
+    """The values of a source's points, or of its cells."""
+    data = pv.servermanager.Fetch(source)
+    return vtk_to_numpy(data.GetPointData().GetArray(name) or data.GetCellData().GetArray(name))
+
+
+def wide(low, high):
+    return low, max(high, low + 1)
+
+
+def around_zero(source, array):
+    """As far down as up, without the one value in 100 that is farthest."""
+    values = array_of(source, array)
+    reach = float(np.percentile(np.abs(values), 99))
+    return -reach, reach
+
+
+def around_one(source, array):
+    """The same of ratios, with few digits, as their labels."""
+    values = array_of(source, array)
+    with np.errstate(divide="ignore"):
+        reach = float(np.percentile(np.abs(np.log(values)), 98))
+    return float(f"{math.exp(-reach):.3g}"), float(f"{math.exp(reach):.3g}")
+
+
+def colour_map(source, array, preset, scale, key, ends=None):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
-    low, high = spread(source, array)
-    high = max(high, low + 1)
+    low, high = ends(source, array) if ends else wide(*spread(source, array))
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
     colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
@@ -270,7 +414,7 @@ def colour_map(source, array, preset, scale, key):
 
 
 def colour_bar(lut, view, title):
-    put(
+    return put(
         pv.GetScalarBar(lut, view),
         Title=title,
         ComponentTitle="",
@@ -285,6 +429,13 @@ def colour_bar(lut, view, title):
         Enabled=1,
         Visibility=1,
     )
+
+
+def few_labels(lut, key, form="%.2g", places=(0.05, 0.35, 0.65, 0.95)):
+    """Some labels for a logarithmic colour bar: ParaView's own overlap where the numbers are long."""
+    low, high = lut.RGBPoints[0], lut.RGBPoints[-4]
+    labels = [Fill(f"{key}.label({f:g})", float(form % (low * (high / low) ** f))) for f in places]
+    return dict(UseCustomLabels=1, CustomLabels=labels, AutomaticLabelFormat=0, LabelFormat=form)
 
 
 def caption(text, view):

@@ -5,6 +5,7 @@ use sysinfo::System;
 use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Config, Image};
 use crate::film;
+use crate::ledger::Ledger;
 use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::schedule::{TileGrid, TileRun};
@@ -25,7 +26,7 @@ pub struct Memory {
     /// The film's arrays, the times of repeated renderings, and what is made of
     /// them at the end.
     pub film: u64,
-    /// Primitives and the structure over them.
+    /// Primitives, the structure over them, and what is told of both.
     pub scene: u64,
     n_primitives: usize,
     n_repeats: u8,
@@ -40,13 +41,16 @@ impl Memory {
         let Image { width, height, .. } = config.image;
         let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
         let of_tiles = u64::from(n_tiles) * BYTES_PER_TILE;
+        let of_ledger = Ledger::bytes_per_primitive(&config.output, config.acceleration);
+        let bare = Self::of_scene(config, geometries);
         Self {
             film: config.image.n_pixels() as u64 * per_pixel + of_tiles,
-            ..Self::of_scene(config, geometries)
+            scene: bare.scene + (bare.n_primitives * of_ledger) as u64,
+            ..bare
         }
     }
 
-    /// The same without a film.
+    /// The same without a film, or anything told of it.
     pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {

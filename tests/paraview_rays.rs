@@ -39,12 +39,12 @@ fn read(out: &Path) -> String {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
-fn the_rays_of_a_pixel_are_shown_by_kind_and_by_nodes() {
-    let (out, picture) = shown("seed_extended", "rays", &["--pixel=290,190"], "node_visits");
+fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
+    let (out, picture) = shown("seed_extended", "rays", &["--pixel=290,190"], "time_ns");
     for colour in KINDS {
         assert!(n_pixels(&picture, colour) > 300, "{colour:?}");
     }
-    assert!(read(&out).contains("BVH nodes visited by each ray"));
+    assert!(read(&out).contains("Time of each ray (ns)"));
     // The state of the repository shows any output.
     let file = in_repository("paraview/rays.pvsm");
     let by_variable = screenshot(&out, "rays by variable");
@@ -55,7 +55,7 @@ fn the_rays_of_a_pixel_are_shown_by_kind_and_by_nodes() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_rays_of_a_rectangle_are_shown() {
     let pixels = ["--pixel=380..419,200..229", "--spp=1"];
-    let (_, picture) = shown("hall_of_mirrors", "rays of many", &pixels, "node_visits");
+    let (_, picture) = shown("hall_of_mirrors", "rays of many", &pixels, "time_ns");
     for colour in KINDS {
         assert!(n_pixels(&picture, colour) > 1000, "{colour:?}");
     }
@@ -64,11 +64,12 @@ fn the_rays_of_a_rectangle_are_shown() {
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn rays_through_parallel_pixels_and_to_a_light_without_end_are_shown() {
-    let pixels = ["--pixel=200,200"];
-    let (_, picture) = shown("orthographic_grid", "parallel rays", &pixels, "node_visits");
+    let pixels = ["--pixel=150..250,200", "--cost=counters"];
+    let (out, picture) = shown("orthographic_grid", "parallel rays", &pixels, "node_visits");
     for colour in &KINDS[..2] {
         assert!(n_pixels(&picture, *colour) > 300, "{colour:?}");
     }
+    assert!(read(&out).contains("BVH nodes visited by each ray"));
 }
 
 #[test]
@@ -79,7 +80,11 @@ fn rays_of_brute_force_are_shown_by_tests() {
         "brute rays",
         &format!("{scene}\nacceleration: brute_force\n"),
     );
-    let out = trace(&scene, "rays of brute force", &["--pixel=200,200"]);
+    let out = trace(
+        &scene,
+        "rays of brute force",
+        &["--pixel=200,200", "--no-cost"],
+    );
     let picture = screenshot(&out, "rays");
     let flags = ["--from-state", "--require=primitive_tests"];
     assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));

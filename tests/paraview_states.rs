@@ -4,14 +4,14 @@
 mod common;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 
 use common::data_set::DataSet;
-use common::paraview::{NOTHING, load, render, scene_file, screenshot};
-use common::{assert_success, in_repository};
+use common::paraview::{NOTHING, folder, load, render, scene_file, screenshot};
+use common::{assert_success, in_repository, raycost};
 
 /// Far from the origin, higher than wide, nothing in it symmetric.
 const TOWER: &str = "
@@ -92,6 +92,42 @@ fn shows_its_output(out: &Path, cost: &str) {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn what_things_cost_is_shown() {
+    let flat = TOWER.to_owned() + "output: [surface, bvh: { max_depth: 0 }]\n";
+    let outputs = [
+        // Three spheres, and a mesh without any.
+        (
+            "charged spheres",
+            in_repository("configs/seed_extended.yaml"),
+            None,
+        ),
+        (
+            "charged mesh",
+            in_repository("configs/spot.yaml"),
+            Some("--cost=counters"),
+        ),
+        ("charged root", scene_file("flat", &flat), None),
+    ];
+    for (name, scene, cost) in outputs {
+        let mut flags = vec!["--also=surface,bvh", "--width=200", "--height=150"];
+        flags.extend(cost);
+        let out = render(&scene, name, &flags);
+        for (state, arrays) in [
+            ("surface", "wasted_tests,radius"),
+            ("bvh", "wasted_visits,RGB"),
+        ] {
+            let file = out.join(state).with_extension("pvsm");
+            let text = fs::read_to_string(&file).unwrap();
+            assert_eq!(text.contains("value=\"time_ns\""), cost.is_none());
+            let require = format!("--require={arrays}");
+            let flags = ["--from-state", &require];
+            assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "no cost", &["--no-cost"]);
@@ -110,6 +146,56 @@ fn a_state_of_no_hits_loads() {
     let state = out.join("geometry.pvsm");
     let flags = ["--from-state", "--allow-empty"];
     assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_diff_is_shown() {
+    for (cost, array) in [("time", "time_ns"), ("counters", "primitive_tests")] {
+        let cost = format!("--cost={cost}");
+        let out = diff(&format!("diff {array}"), &[&cost]);
+        let file = out.join("diff.pvsm");
+        let require = format!("--require={array}_difference,{array}_ratio");
+        let flags = ["--from-state", &require];
+        assert!(
+            fs::read_to_string(&file)
+                .unwrap()
+                .contains(&format!("{array}_ratio"))
+        );
+        assert_success(&load(&file, &out, &screenshot(&out, "diff"), &flags));
+        // The template, too.
+        let template = in_repository("paraview/diff.pvsm");
+        if array == "time_ns" {
+            assert_success(&load(
+                &template,
+                &out,
+                &screenshot(&out, "diff by variable"),
+                &flags,
+            ));
+        }
+    }
+}
+
+/// The diff of two outputs of a scene, the second without a hierarchy.
+fn diff(name: &str, arguments: &[&str]) -> PathBuf {
+    let grid = "
+  - sphere_grid: { counts: [5, 5, 5], min: [997, 250, -3004], max: [1003, 254, -3002], radius: 0.2 }
+    material: gold
+";
+    let [a, b] = ["bvh", "brute_force"].map(|acceleration| {
+        let scene = format!("{TOWER}{}acceleration: {acceleration}\n", &grid[1..]);
+        let file = scene_file(acceleration, &scene);
+        render(&file, &format!("{name} {acceleration}"), arguments)
+    });
+    let out = folder("out ü & co").join(name);
+    let output = raycost()
+        .arg("diff")
+        .args([&a, &b])
+        .arg("--out")
+        .arg(&out)
+        .output();
+    assert_success(&output.unwrap());
+    out
 }
 
 #[test]
@@ -136,8 +222,10 @@ fn the_schedule_is_shown() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "repository", &["--also=schedule"]);
-    for state in ["geometry", "heatmap", "overview", "schedule"] {
+    let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
+    for state in [
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
+    ] {
         let file = in_repository("paraview").join(state).with_extension("pvsm");
         // `load` sets RAYCOST_OUT, which the paths begin with.
         let by_variable = screenshot(&out, &format!("{state} by variable"));

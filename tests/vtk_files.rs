@@ -7,11 +7,11 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Instant;
 
-use bytemuck::cast_slice_mut;
 use glam::Vec3;
 
 use common::data_set::{Array, DataSet, assert_same, integers};
-use common::{config, film, parse, with_cost};
+use common::noise::noise;
+use common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
 use raycost::config::{Config, CostMode, TileOrder};
 use raycost::cost::Cost;
 use raycost::film::{Film, STRIP_ROWS, Strip};
@@ -49,7 +49,33 @@ films! {
     no_hit: film_of_hits(0, &scene(33, 17, 1, "{ center: [0, 0, 9], radius: 1 }"));
     one_hit: film_of_hits(1, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 0.1 }"));
     all_hits: film_of_hits(33 * 17, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 9 }"));
-    noise: noise();
+    noise: noise(33, 17, CostMode::Time, 0);
+}
+
+/// The diff of two outputs: what it holds is tested without VTK, in `diff`.
+#[test]
+#[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+fn a_diff_by_vtk() {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, quality) in [("a", "bvh"), ("b", "brute_force")] {
+        let scene = std::fs::read_to_string(in_repository("configs/seed_extended.yaml")).unwrap();
+        let file = folder.path().join(side).with_extension("yaml");
+        std::fs::write(&file, format!("{scene}acceleration: {quality}\n")).unwrap();
+        let mut render = raycost();
+        render
+            .arg("render")
+            .arg(file)
+            .arg("--out")
+            .arg(folder.path().join(side));
+        assert_success(&render.args(["--width=33", "--height=17"]).output().unwrap());
+    }
+    let mut diff = raycost();
+    let diff = diff
+        .args(["diff", "b", "a", "--out", "."])
+        .current_dir(folder.path());
+    assert_success(&diff.output().unwrap());
+    let file = folder.path().join("diff.vti");
+    assert_same(DataSet::read_with_vtk(&file), DataSet::read(&file));
 }
 
 mod tiles {
@@ -92,47 +118,6 @@ objects:
 fn film_of_hits(n_hits: usize, config: &Config) -> Film {
     let film = film(config, 2);
     assert_eq!(film.n_hits(), n_hits);
-    film
-}
-
-/// A film of noise: no array can be taken for another, and NaN comes in all
-/// its shapes.
-fn noise() -> Film {
-    let mut film = Film::new(33, 17, CostMode::Time);
-    film.n_repeats = 2;
-    let mut state = 0_u32;
-    let mut noise = || {
-        // The generator of Numerical Recipes.
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 24) as u8
-    };
-    for strip in &mut film.strips {
-        strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
-        let arrays: [&mut [u8]; 19] = [
-            cast_slice_mut(&mut strip.rgb),
-            cast_slice_mut(&mut strip.position),
-            cast_slice_mut(&mut strip.normal),
-            cast_slice_mut(&mut strip.distance),
-            cast_slice_mut(&mut strip.footprint),
-            cast_slice_mut(&mut strip.object),
-            cast_slice_mut(&mut strip.material),
-            cast_slice_mut(&mut strip.time_ns),
-            cast_slice_mut(&mut strip.time_mad_ns),
-            cast_slice_mut(&mut strip.n_rejected),
-            cast_slice_mut(&mut strip.node_visits),
-            cast_slice_mut(&mut strip.primitive_tests),
-            cast_slice_mut(&mut strip.rays),
-            cast_slice_mut(&mut strip.shadow_rays),
-            cast_slice_mut(&mut strip.reflection_rays),
-            cast_slice_mut(&mut strip.refraction_rays),
-            cast_slice_mut(&mut strip.depth),
-            cast_slice_mut(&mut strip.tile),
-            cast_slice_mut(&mut strip.thread),
-        ];
-        for array in arrays {
-            array.fill_with(&mut noise);
-        }
-    }
     film
 }
 

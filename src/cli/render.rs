@@ -3,13 +3,15 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::Failure;
+use super::charges;
 use super::progress::{Bar, BuildBar};
 use super::trust;
+use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Extra, MAX_SIDE, TileOrder, Tiling};
 use crate::cost::Meter;
 use crate::film::{Column, columns};
+use crate::ledger::Ledger;
 use crate::memory::{self, Memory};
 use crate::output::{
     self, OutputFolder, Rendering, Stages, Threads, Written,
@@ -123,7 +125,14 @@ impl SceneArguments {
         let tiles = &mut config.tiles;
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
+        let by_file = config.output.clone();
         self.also.iter().for_each(|&extra| config.output.add(extra));
+        config
+            .check_output()
+            .map_err(|(extra, fault)| match by_file.has(extra) {
+                true => source.point_at(fault),
+                false => Diagnostic::without_place(fault),
+            })?;
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
@@ -241,6 +250,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.clear();
     stages.end("render");
 
+    let ledger = Ledger::is_wanted(&config.output).then(|| {
+        let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+        let report = |progress| bar.advance(progress);
+        let world = (&scene, &accel, &config.image);
+        let keep = || Ledger::keep(world, (&film, &meter), &config.output, report);
+        let ledger = pool.install(keep);
+        bar.clear();
+        stages.end("observe");
+        ledger
+    });
+
     let rendering = Rendering {
         scene_file: source.name(),
         name: &arguments.scene.name(),
@@ -252,6 +272,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         schedule: &schedule,
         repeats: &repeats,
         overhead,
+        ledger: ledger.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
             available: std::thread::available_parallelism().map_or(1, usize::from),
@@ -316,6 +337,12 @@ fn closing_lines(
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
+    let costs = match rendering.ledger {
+        Some(ledger) if rendering.config.output.has(Extra::Objects) => {
+            charges::tables(rendering, ledger)
+        }
+        _ => String::new(),
+    };
     let state = match rendering.film.cost.has_counters() {
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
@@ -331,6 +358,7 @@ fn closing_lines(
          speed   {}\n\
          {tiles}\
          {trust}\
+         {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
         image.width,
@@ -340,6 +368,7 @@ fn closing_lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering),
+        costs,
         out.display(),
         files.join(", "),
         shell_word(&out.join(state)),
@@ -386,15 +415,5 @@ fn speed(rendering: &Rendering) -> String {
                 millions(n_samples)
             )
         }
-    }
-}
-
-/// The path as one word for a shell.
-pub(super) fn shell_word(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    match text.chars().all(plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }

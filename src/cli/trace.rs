@@ -3,13 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::Failure;
 use super::progress::{Bar, BuildBar};
 use super::rectangle::Rectangle;
-use super::render::{
-    Loaded, SceneArguments, remove_unfinished_when_stopped, shell_word, thread_pool,
-};
+use super::render::{Loaded, SceneArguments, remove_unfinished_when_stopped, thread_pool};
 use super::tree::Trees;
+use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Image, Tiling};
 use crate::cost::Meter;

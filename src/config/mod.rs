@@ -32,6 +32,7 @@ pub use tiling::{TileOrder, Tiling};
 use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
+use crate::yaml::Fault;
 
 /// A whole scene file.
 ///
@@ -86,6 +87,16 @@ pub struct Config {
     pub lights: Vec<Light>,
     /// The objects, at least one; their ids count from 0 in this order.
     pub objects: Vec<Object>,
+}
+
+impl Config {
+    /// Makes sure that all files that are asked for can be written.
+    ///
+    /// # Errors
+    /// What cannot be, and the fault of the section `output`.
+    pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
+        self.output.check(self.cost, self.acceleration)
+    }
 }
 
 fn once() -> u8 {

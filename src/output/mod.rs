@@ -4,39 +4,45 @@
 //! one folder. All are written beside their final names first and take them
 //! together at the end: a run that fails or is killed leaves the old files.
 
-mod cost_picture;
+pub(crate) mod cost_picture;
 mod folder;
 pub mod format;
 mod heatmap;
 mod measure;
+mod objects;
 mod picture;
 mod reach;
-mod rgb_png;
-mod state;
+pub(crate) mod rgb_png;
+pub(crate) mod state;
 mod accounts;
 mod summary;
 mod trace_events;
 mod traced;
-mod vtk;
+pub(crate) mod vtk;
 
 use std::io::{self, Write};
 use std::time::Duration;
 
 pub use accounts::Accounts;
+pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
+pub use objects::Group;
+pub(crate) use summary::FILE as SUMMARY;
 pub use summary::{Stage, Stages, Threads};
 pub use traced::{Traced, write_rays, write_traced};
-pub use vtk::{write_frame, write_hits, write_tiles};
+pub(crate) use vtk::{FRAME, HITS};
+pub use vtk::{write_frame, write_hits, write_nodes, write_surface, write_tiles};
 
 use rayon::prelude::*;
 
-use folder::StagedFile;
+pub(crate) use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;
 use crate::config::{Config, Extra};
 use crate::cost::Meter;
 use crate::film::Film;
+use crate::ledger::Ledger;
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -64,6 +70,8 @@ pub struct Rendering<'a> {
     pub repeats: &'a [Repeat],
     /// What measuring them costs, where that was asked.
     pub overhead: Option<Overhead>,
+    /// What things cost, if that is asked for.
+    pub ledger: Option<&'a Ledger>,
     /// How many threads rendered.
     pub threads: Threads,
 }
@@ -101,6 +109,16 @@ pub enum Artifact {
     Trace,
     /// `schedule.pvsm`: a ParaView state that shows the tiles.
     ScheduleState,
+    /// `objects.csv`: what each object and each material cost.
+    Objects,
+    /// `surface.vtu`: what each primitive cost, on the scene's geometry.
+    Surface,
+    /// `surface.pvsm`: a ParaView state that shows it.
+    SurfaceState,
+    /// `bvh.vtu`: the boxes of the hierarchy and what each cost.
+    Bvh,
+    /// `bvh.pvsm`: a ParaView state that shows the dearest of them.
+    BvhState,
 }
 
 /// A file that was written.
@@ -114,7 +132,7 @@ pub struct Written {
 
 impl Artifact {
     /// All files but `summary.json`, which tells of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 15] = [
         Self::Image,
         Self::Cost,
         Self::Hits,
@@ -125,6 +143,11 @@ impl Artifact {
         Self::Tiles,
         Self::Trace,
         Self::ScheduleState,
+        Self::Objects,
+        Self::Surface,
+        Self::SurfaceState,
+        Self::Bvh,
+        Self::BvhState,
     ];
 
     /// Its name in the folder.
@@ -140,6 +163,11 @@ impl Artifact {
             Self::Tiles => vtk::TILES,
             Self::Trace => trace_events::FILE,
             Self::ScheduleState => "schedule.pvsm",
+            Self::Objects => objects::FILE,
+            Self::Surface => vtk::SURFACE,
+            Self::SurfaceState => "surface.pvsm",
+            Self::Bvh => vtk::NODES,
+            Self::BvhState => "bvh.pvsm",
         }
     }
 
@@ -150,6 +178,9 @@ impl Artifact {
             Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
             Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
             Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
+            Self::Objects => config.output.has(Extra::Objects),
+            Self::Surface | Self::SurfaceState => config.output.has(Extra::Surface),
+            Self::Bvh | Self::BvhState => config.output.has(Extra::Bvh),
         }
     }
 
@@ -171,6 +202,32 @@ impl Artifact {
             Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, out),
             Self::Trace => trace_events::write(rendering, stages, out),
             Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
+            Self::SurfaceState => out.write_all(states.surface().as_bytes()),
+            Self::BvhState => out.write_all(states.bvh().as_bytes()),
+            Self::Objects | Self::Surface | Self::Bvh => match rendering.ledger {
+                Some(ledger) => self.write_of(ledger, rendering, out),
+                None => Ok(()),
+            },
+        }
+    }
+
+    /// Writes what is told of a ledger.
+    fn write_of(
+        self,
+        ledger: &Ledger,
+        rendering: &Rendering,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
+        let cost = rendering.film.cost;
+        match (self, &ledger.primitives, &ledger.hierarchy) {
+            (Self::Objects, ..) => objects::write(rendering, ledger, out),
+            (Self::Surface, Some(visits), _) => {
+                vtk::write_surface(rendering.scene, visits, cost, out)
+            }
+            (Self::Bvh, _, Some(hierarchy)) => {
+                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, out)
+            }
+            _ => Ok(()),
         }
     }
 }

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use sysinfo::System;
 
 use super::{Accounts, Rendering, Written};
+use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
@@ -17,7 +18,7 @@ use crate::render::{N_ROUNDS, Overhead};
 use crate::schedule::Schedule;
 
 /// The file's name.
-pub(super) const FILE: &str = "summary.json";
+pub(crate) const FILE: &str = "summary.json";
 
 /// How many threads rendered.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -107,6 +108,7 @@ pub(super) fn write(
             "samples_per_pixel": image.samples_per_pixel,
             "seed": image.seed,
         },
+        "camera": camera(&rendering.scene.image_plane),
         "objects": objects(rendering),
         "materials": config.materials.keys().collect::<Vec<_>>(),
         "n_primitives": rendering.scene.primitives.len(),
@@ -126,6 +128,22 @@ pub(super) fn write(
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;
     writeln!(out)
+}
+
+/// Where the pixels lie in the world: the sample point of the one on top left,
+/// the steps to the next column and row, and where the rays come from.
+fn camera(plane: &ImagePlane) -> Value {
+    let (eye, direction) = match plane.projection {
+        Projection::Perspective { eye } => (Some(eye.to_array()), None),
+        Projection::Parallel { direction } => (None, Some(direction.to_array())),
+    };
+    json!({
+        "eye": eye,
+        "direction": direction,
+        "origin": plane.origin.to_array(),
+        "right": plane.right.to_array(),
+        "down": plane.down.to_array(),
+    })
 }
 
 /// What was measured, how, and the sums of it.

@@ -1,8 +1,11 @@
 //! What several test files need.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod chromium;
 pub mod data_set;
 pub mod generators;
+pub mod kept;
+pub mod noise;
 pub mod paraview;
 pub mod scenes;
 pub mod twins;

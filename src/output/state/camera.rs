@@ -6,7 +6,7 @@ use crate::camera::{ImagePlane, Projection};
 
 /// ParaView's camera for the picture as a whole, in the middle part of a view
 /// of usual shape, between its caption and its colour bar.
-pub(super) fn picture_camera([width, height]: [f64; 2], key: &str) -> Option<f64> {
+pub(crate) fn picture_camera([width, height]: [f64; 2], key: &str) -> Option<f64> {
     let scale = (height / (2.0 * 0.79)).max(width / (2.0 * 0.96 * 1.1));
     match key {
         "parallel_scale" => Some(scale),

@@ -1,5 +1,5 @@
-//! `geometry.pvsm`, `heatmap.pvsm`, `overview.pvsm` and `schedule.pvsm`:
-//! ParaView's states for this output.
+//! `geometry.pvsm`, `heatmap.pvsm` and the others: ParaView's states for this
+//! output.
 //!
 //! The states in the repository's `paraview/` folder are the templates. Each
 //! value that hangs on the output carries its key there:
@@ -11,12 +11,15 @@
 //! Here the values take their places and the keys go.
 
 mod camera;
+mod ledger;
 mod rays;
 mod template;
 
-use camera::{Camera, picture_camera};
+use camera::Camera;
+pub(crate) use camera::picture_camera;
+use ledger::LedgerValues;
 pub(super) use rays::of_rays;
-use template::fill;
+pub(crate) use template::fill;
 
 use super::cost_picture::Range;
 use super::measure::Measure;
@@ -28,12 +31,16 @@ const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
 const OVERVIEW: &str = include_str!("../../../paraview/overview.pvsm");
 const SCHEDULE: &str = include_str!("../../../paraview/schedule.pvsm");
+const SURFACE: &str = include_str!("../../../paraview/surface.pvsm");
+const BVH: &str = include_str!("../../../paraview/bvh.pvsm");
 
 /// The states of one output, in ASCII.
 pub(super) struct States {
     hits: String,
     frame: String,
     tiles: String,
+    nodes: String,
+    surface: String,
     /// What tells most of the cost, and what comes next.
     measures: Option<[Measure; 2]>,
     camera: Camera,
@@ -44,6 +51,7 @@ pub(super) struct States {
     schedule_ranges: ScheduleRanges,
     /// Hits farther away are not shown.
     max_distance: f64,
+    ledger: LedgerValues,
 }
 
 impl States {
@@ -60,6 +68,8 @@ impl States {
             hits: path_of(vtk::HITS),
             frame: path_of(vtk::FRAME),
             tiles: path_of(vtk::TILES),
+            nodes: path_of(vtk::NODES),
+            surface: path_of(vtk::SURFACE),
             measures,
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size: [film.width, film.height].map(f64::from),
@@ -67,6 +77,7 @@ impl States {
             counter_range,
             schedule_ranges: ScheduleRanges::of(rendering.schedule),
             max_distance: distances.max_shown,
+            ledger: LedgerValues::of(rendering),
         }
     }
 
@@ -90,8 +101,20 @@ impl States {
         fill(SCHEDULE, |key| self.value(key))
     }
 
+    /// The scene's surface by its cost.
+    pub(super) fn surface(&self) -> String {
+        fill(SURFACE, |key| self.value(key))
+    }
+
+    /// The dearest boxes of the hierarchy.
+    pub(super) fn bvh(&self) -> String {
+        fill(BVH, |key| self.value(key))
+    }
+
     fn value(&self, key: &str) -> Option<String> {
         match key {
+            vtk::NODES => Some(self.nodes.clone()),
+            vtk::SURFACE => Some(self.surface.clone()),
             vtk::HITS => Some(self.hits.clone()),
             vtk::FRAME => Some(self.frame.clone()),
             vtk::TILES => Some(self.tiles.clone()),
@@ -101,7 +124,10 @@ impl States {
             "cost.log10.title" => Some(format!("{}, log scale", self.cost().1)),
             "counter.array" => Some(self.measures?[1].array.to_owned()),
             "counter.title" => Some(self.measures?[1].axis.to_owned()),
-            _ => self.number(key).map(|number| number.to_string()),
+            _ => self
+                .ledger
+                .value(key)
+                .or_else(|| self.number(key).map(|number| number.to_string())),
         }
     }
 
@@ -142,7 +168,7 @@ impl States {
 
 /// The interpolated value for the text behind `log(` or `linear(`: a fraction
 /// from 0 to 1 and a closing bracket.
-fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
+pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }
 

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::camera::Camera;
 use super::template::fill;
 use super::{Distances, between};
+use crate::observe::TracedRay;
 use crate::output::OutputFolder;
 use crate::output::reach::Reach;
 use crate::output::traced::CLOUD;
@@ -18,6 +19,8 @@ const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
 const LONGEST: f32 = 50.0;
 /// How far from the middle the points are that the view is to hold, in radii.
 const FRAMED: f32 = 1.5;
+/// So many rays are drawn as wide lines; more would cover each other.
+const FEW: usize = 300;
 /// The view's vertical angle in degrees.
 const VIEW_ANGLE: f32 = 30.0;
 /// Part of half a view's height that the rays fill, in both directions: the
@@ -33,10 +36,11 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     let max_distance = Distances::of(rays.cloud()).max_shown;
     let number = |key: &str| -> Option<f64> {
         if let Some(fraction) = key.strip_prefix("rays.cost.linear(") {
-            return between(fraction, |f| f * cost.greatest);
+            return between(fraction, |f| f * f64::from(cost.high));
         }
         match key {
             "hits.max_distance" => Some(max_distance),
+            "rays.line_width" => Some(if rays.n <= FEW { 3.0 } else { 1.0 }),
             "rays.max_length" => Some((LONGEST * rays.reach.radius).into()),
             _ => view
                 .number(key.strip_prefix("rays.").unwrap_or_default())
@@ -52,33 +56,50 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     })
 }
 
-/// What tells most of the rays' cost.
+/// What the right view is coloured by.
 struct Cost {
     array: &'static str,
     title: &'static str,
-    /// At least 1.
-    greatest: f64,
+    /// The end of the colours, greater than 0: the greatest value, but for one
+    /// in 200, which may be an interruption by the system.
+    high: f32,
 }
 
 impl Cost {
-    /// The nodes; the tests where there is no hierarchy.
+    /// The first measure that is not the same for all rays: a small hierarchy is
+    /// one node, and there may be no clock.
     fn of(rays: &Rays) -> Self {
-        let nodes = rays.iter().map(|ray| ray.node_visits).max();
-        let tests = rays.iter().map(|ray| ray.primitive_tests).max();
-        let (array, title, greatest) = match nodes.unwrap_or(0) {
-            0 => (
-                "primitive_tests",
-                "Primitive tests of each ray",
-                tests.unwrap_or(0),
-            ),
-            nodes => ("node_visits", "BVH nodes visited by each ray", nodes),
+        let time: fn(&TracedRay) -> f32 = |ray| ray.time_ns;
+        let measures = [
+            ("time_ns", "Time of each ray (ns)", time),
+            ("node_visits", "BVH nodes visited by each ray", |ray| {
+                ray.node_visits as f32
+            }),
+            ("primitive_tests", "Primitive tests of each ray", |ray| {
+                ray.primitive_tests as f32
+            }),
+        ];
+        let [.., (array, title, _)] = measures;
+        let varied = |(array, title, value)| {
+            let high = high(rays.iter().map(value).collect())?;
+            Some(Self { array, title, high })
         };
-        Self {
+        measures.into_iter().find_map(varied).unwrap_or(Self {
             array,
             title,
-            greatest: greatest.max(1).into(),
-        }
+            high: 1.0,
+        })
     }
+}
+
+/// Where the colours of these values end; `None` if all are the same.
+fn high(mut values: Vec<f32>) -> Option<f32> {
+    values.sort_unstable_by(f32::total_cmp);
+    let [low, .., high] = values[..] else {
+        return None;
+    };
+    let rank = values.len() - 1 - values.len() / 200;
+    (low < high).then(|| values[rank].max(1.0))
 }
 
 /// A camera that sees rays from their side: from where they start they are

@@ -13,7 +13,7 @@ use super::header::DataSet;
 const N_BLANKS: usize = 2 * 4096;
 
 /// Writes the whole file.
-pub(super) fn write(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
+pub(crate) fn write(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
     let arrays = data_set.arrays();
     let header = data_set.xml(&offsets(&arrays))?;
     // The tags stand on lines of their own: vtk.js looks for them that way.

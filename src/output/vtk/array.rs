@@ -10,20 +10,20 @@ use vtkio::model::{CellType, ScalarType};
 const CHUNK: usize = 1 << 14;
 
 /// Writes an array's bytes.
-pub(super) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// An array that is written when its turn comes.
-pub(super) struct Array<'a> {
-    pub(super) name: &'static str,
-    pub(super) scalar: ScalarType,
-    pub(super) n_components: usize,
-    pub(super) n_bytes: u64,
+pub(crate) struct Array<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) scalar: ScalarType,
+    pub(crate) n_components: usize,
+    pub(crate) n_bytes: u64,
     /// Writes exactly `n_bytes`, in native byte order.
-    pub(super) write: WriteBytes<'a>,
+    pub(crate) write: WriteBytes<'a>,
 }
 
 /// What one entry of an array is.
-pub(super) trait Entry: NoUninit {
+pub(crate) trait Entry: NoUninit {
     /// Its numbers.
     const SCALAR: ScalarType;
     /// How many.
@@ -68,7 +68,7 @@ where
 
 impl<'a> Array<'a> {
     /// An array of `n` entries, made anew each time they are written.
-    pub(super) fn of<E: Entry, I: Iterator<Item = E>>(
+    pub(crate) fn of<E: Entry, I: Iterator<Item = E>>(
         name: &'static str,
         n: usize,
         entries: impl Fn() -> I + 'a,
@@ -97,14 +97,14 @@ impl<'a> Array<'a> {
 /// Whole numbers in as few bytes as they need: ParaView loads 32-bit cells a
 /// third faster than 64-bit ones.
 #[derive(Clone, Copy)]
-pub(super) enum Integers {
+pub(crate) enum Integers {
     I32,
     I64,
 }
 
 impl Integers {
     /// For numbers from -1 to `largest`.
-    pub(super) fn up_to(largest: usize) -> Self {
+    pub(crate) fn up_to(largest: usize) -> Self {
         match i32::try_from(largest) {
             Ok(_) => Self::I32,
             Err(_) => Self::I64,
@@ -112,7 +112,7 @@ impl Integers {
     }
 
     /// An array of `n` of them; `write` writes them.
-    pub(super) fn array<'a>(
+    pub(crate) fn array<'a>(
         self,
         name: &'static str,
         n: usize,
@@ -132,7 +132,7 @@ impl Integers {
     }
 
     /// Writes `factor` times each of the numbers.
-    pub(super) fn write_multiples(
+    pub(crate) fn write_multiples(
         self,
         factor: usize,
         numbers: Range<usize>,
@@ -158,7 +158,7 @@ impl Integers {
 /// `n` cells of `n_corners` points each, which no two cells share: the points
 /// of the first cell come first. Gives `connectivity`, 0, 1, …, and `offsets`,
 /// the ends of the cells.
-pub(super) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
+pub(crate) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
     let n_points = n_corners * n;
     let ids = Integers::up_to(n_points);
     [
@@ -172,7 +172,7 @@ pub(super) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] 
 }
 
 /// The `types` of `n` cells of one type.
-pub(super) fn types_of(cell: CellType, n: usize) -> Array<'static> {
+pub(crate) fn types_of(cell: CellType, n: usize) -> Array<'static> {
     Array::of("types", n, move || std::iter::repeat_n(cell as u8, n))
 }
 

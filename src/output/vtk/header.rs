@@ -9,7 +9,7 @@ use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarT
 use super::array::Array;
 
 /// What a file holds.
-pub(super) enum DataSet<'a> {
+pub(crate) enum DataSet<'a> {
     /// A regular grid of points, one unit apart from the origin on.
     Image {
         /// Columns and rows.
@@ -33,21 +33,21 @@ pub(super) enum DataSet<'a> {
 }
 
 /// Points and cells, and what is known of each.
-pub(super) struct Mesh<'a> {
-    pub(super) n_points: usize,
-    pub(super) n_cells: usize,
-    pub(super) point_data: Vec<Array<'a>>,
-    pub(super) cell_data: Vec<Array<'a>>,
+pub(crate) struct Mesh<'a> {
+    pub(crate) n_points: usize,
+    pub(crate) n_cells: usize,
+    pub(crate) point_data: Vec<Array<'a>>,
+    pub(crate) cell_data: Vec<Array<'a>>,
     /// Where the points are.
-    pub(super) points: Array<'a>,
+    pub(crate) points: Array<'a>,
     /// `connectivity` and `offsets`, see
     /// [`separate_cells`](super::array::separate_cells).
-    pub(super) cells: Vec<Array<'a>>,
+    pub(crate) cells: Vec<Array<'a>>,
 }
 
 impl<'a> DataSet<'a> {
     /// All arrays in the order of the file.
-    pub(super) fn arrays(&self) -> Vec<&Array<'a>> {
+    pub(crate) fn arrays(&self) -> Vec<&Array<'a>> {
         match self {
             Self::Image { point_data, .. } => point_data.iter().collect(),
             Self::ImageCells { cell_data, .. } => cell_data.iter().collect(),
@@ -57,7 +57,7 @@ impl<'a> DataSet<'a> {
 
     /// The file's text up to the closing tag of the root; `offsets` tells
     /// where each array begins after the underscore, in the arrays' order.
-    pub(super) fn xml(&self, offsets: &[u64]) -> io::Result<String> {
+    pub(crate) fn xml(&self, offsets: &[u64]) -> io::Result<String> {
         let (data_set_type, content) = match self {
             Self::Image { size, point_data } => {
                 (DataSetType::ImageData, image_element(*size, point_data))

@@ -22,7 +22,8 @@ pub(in crate::output) struct Rays<'a> {
     traced: Traced<'a>,
     /// How far they go that meet nothing.
     pub(in crate::output) reach: Reach,
-    n: usize,
+    /// How many.
+    pub(in crate::output) n: usize,
 }
 
 impl<'a> Rays<'a> {
