@@ -54,11 +54,11 @@ fn repeats(rendering: &Rendering) -> Option<String> {
 /// What measuring costs.
 fn overhead(overhead: &Overhead) -> String {
     format!(
-        "measure counters {:+.1} %, time {:+.1} % (rays one by one {:+.1} %, then counters and \
-         clock {:+.1} %), {N_ROUNDS} rounds\n",
+        "measure counters {:+.1} %, time {:+.1} %: rays one by one instead of in streams {:+.1} %, \
+         a clock {:+.1} % ({N_ROUNDS} rounds)\n",
         overhead.counters_percent(),
         overhead.time_percent(),
         overhead.single_ray_percent(),
-        overhead.instruments_percent(),
+        overhead.clock_percent(),
     )
 }

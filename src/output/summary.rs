@@ -194,7 +194,7 @@ fn overhead(overhead: &Overhead) -> Value {
         "time_ms": overhead.time_ms,
         "counters_percent": overhead.counters_percent(),
         "single_ray_percent": overhead.single_ray_percent(),
-        "instruments_percent": overhead.instruments_percent(),
+        "clock_percent": overhead.clock_percent(),
         "time_percent": overhead.time_percent(),
     })
 }

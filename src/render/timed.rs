@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::view::{View, limited};
 use super::{TileRenderer, thread_number};
-use crate::cost::{Clock, Cost, NoProbe, Probe, RayKind};
+use crate::cost::{Clock, Cost, Probe, RayKind};
 use crate::film::{Pixel, PixelCost, PixelTime};
 use crate::geometry::Ray;
 use crate::schedule::Tile;
@@ -57,15 +57,15 @@ impl TileRenderer for TimedRenderer<'_> {
     }
 }
 
-/// The same rays in the same order, neither counted nor timed: what a
-/// [`TimedRenderer`] takes longer is what its instruments cost.
-pub(super) struct BareRenderer<'a> {
+/// The same without a clock: what a [`TimedRenderer`] takes longer is what the
+/// clock costs.
+pub(super) struct UntimedRenderer<'a> {
     view: View<'a>,
     /// The pixels that are rendered at one go, at most.
     pixels: Vec<Pixel>,
 }
 
-impl<'a> BareRenderer<'a> {
+impl<'a> UntimedRenderer<'a> {
     /// Renders `n_pixels` pixels at one go, at most.
     pub(super) fn new(view: View<'a>, n_pixels: usize) -> Self {
         Self {
@@ -75,11 +75,19 @@ impl<'a> BareRenderer<'a> {
     }
 }
 
-impl TileRenderer for BareRenderer<'_> {
+impl TileRenderer for UntimedRenderer<'_> {
     fn render(&mut self, tile: &Tile) -> &[Pixel] {
+        let thread = thread_number();
         let mut n_pixels = 0;
         for (place, pixel) in tile.pixels().zip(&mut self.pixels) {
-            render_pixel(&self.view, place, pixel, &mut NoProbe);
+            let mut counted = Cost::default();
+            render_pixel(&self.view, place, pixel, &mut counted);
+            pixel.cost = Some(PixelCost {
+                counted,
+                time: None,
+                tile: tile.number,
+                thread,
+            });
             n_pixels += 1;
         }
         &self.pixels[..n_pixels]
