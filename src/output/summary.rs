@@ -1,6 +1,7 @@
 //! `summary.json`: what was done, on what, and what it cost in all.
 
 use std::io::{self, Write};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -9,12 +10,14 @@ use serde_json::{Value, json};
 use sysinfo::System;
 
 use super::{Rendering, Written};
+use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
+use crate::schedule::Schedule;
 
 /// The file's name.
-pub(super) const FILE: &str = "summary.json";
+pub(crate) const FILE: &str = "summary.json";
 
 /// How many threads rendered.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -30,6 +33,9 @@ pub struct Threads {
 pub struct Stage {
     /// What was done.
     pub name: &'static str,
+    /// From when to when.
+    #[serde(skip)]
+    pub span: Range<Instant>,
     /// Time on the wall, in milliseconds.
     pub wall_ms: f64,
     /// Time of all threads together, in milliseconds.
@@ -39,6 +45,8 @@ pub struct Stage {
 /// A stopwatch that is pressed at the end of each stage.
 #[derive(Debug, Clone)]
 pub struct Stages {
+    /// When the first one began.
+    pub begin: Instant,
     wall: Instant,
     cpu: ProcessTime,
     /// The stages that have ended.
@@ -48,8 +56,10 @@ pub struct Stages {
 impl Stages {
     /// Starts the first stage now.
     pub fn start() -> Self {
+        let begin = Instant::now();
         Self {
-            wall: Instant::now(),
+            begin,
+            wall: begin,
             cpu: ProcessTime::now(),
             ended: Vec::new(),
         }
@@ -58,12 +68,14 @@ impl Stages {
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
         let ms = |elapsed: Duration| (elapsed.as_secs_f64() * 1e6).round() / 1e3;
+        let (wall, cpu) = (Instant::now(), ProcessTime::now());
         self.ended.push(Stage {
             name,
-            wall_ms: ms(self.wall.elapsed()),
-            cpu_ms: ms(self.cpu.elapsed()),
+            span: self.wall..wall,
+            wall_ms: ms(wall - self.wall),
+            cpu_ms: ms(cpu.duration_since(self.cpu)),
         });
-        (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
+        (self.wall, self.cpu) = (wall, cpu);
     }
 
     /// Time on the wall of the stage with this name; zero if it never was.
@@ -91,6 +103,7 @@ pub(super) fn write(
             "samples_per_pixel": image.samples_per_pixel,
             "seed": image.seed,
         },
+        "camera": camera(&rendering.scene.image_plane),
         "objects": objects(rendering),
         "materials": config.materials.keys().collect::<Vec<_>>(),
         "n_primitives": rendering.scene.primitives.len(),
@@ -102,10 +115,27 @@ pub(super) fn write(
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering, stages),
+        "schedule": schedule(rendering.schedule),
         "files": files,
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;
     writeln!(out)
+}
+
+/// Where the pixels lie in the world: the sample point of the one on top left,
+/// the steps to the next column and row, and where the rays come from.
+fn camera(plane: &ImagePlane) -> Value {
+    let (eye, direction) = match plane.projection {
+        Projection::Perspective { eye } => (Some(eye.to_array()), None),
+        Projection::Parallel { direction } => (None, Some(direction.to_array())),
+    };
+    json!({
+        "eye": eye,
+        "direction": direction,
+        "origin": plane.origin.to_array(),
+        "right": plane.right.to_array(),
+        "down": plane.down.to_array(),
+    })
 }
 
 /// What was measured, how, and the sums of it.
@@ -123,6 +153,18 @@ fn cost(rendering: &Rendering, stages: &Stages) -> Value {
         "clock": clock,
         "totals": has_counters.then(|| totals(film)),
         "mrays_per_second": has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
+    })
+}
+
+/// How the tiles were dealt out.
+fn schedule(schedule: &Schedule) -> Value {
+    let load = schedule.load();
+    json!({
+        "tile_size": schedule.grid.tile_size,
+        "order": schedule.order,
+        "n_tiles": schedule.grid.n_tiles(),
+        "load_imbalance": load.load_imbalance,
+        "idle_share": load.idle_share,
     })
 }
 
