@@ -6,6 +6,7 @@ use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Config, Image};
 use crate::film;
 use crate::ledger::Ledger;
+use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::schedule::{TileGrid, TileRun};
 use crate::yaml::{Fault, Path};
@@ -22,18 +23,21 @@ const BYTES_PER_TILE: u64 = 4 + 3 * size_of::<(u32, TileRun)>() as u64;
 /// What one rendering needs, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
-    /// The film's arrays, and what is made of them at the end.
+    /// The film's arrays, the times of repeated renderings, and what is made of
+    /// them at the end.
     pub film: u64,
     /// Primitives, the structure over them, and what is told of both.
     pub scene: u64,
     n_primitives: usize,
+    n_repeats: u8,
 }
 
 impl Memory {
     /// What the config and its geometries need; never less than is used in the
     /// end, but for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
-        let per_pixel = film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL;
+        let of_film = film::bytes_per_pixel(config.cost) + repeat_bytes_per_pixel(config.n_repeats);
+        let per_pixel = of_film as u64 + OUTPUT_BYTES_PER_PIXEL;
         let Image { width, height, .. } = config.image;
         let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
         let of_tiles = u64::from(n_tiles) * BYTES_PER_TILE;
@@ -59,6 +63,7 @@ impl Memory {
             // What was read, and its attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,
+            n_repeats: config.n_repeats,
         }
     }
 
@@ -86,7 +91,7 @@ impl Memory {
             return Ok(());
         }
         let (section, what, advice) = match self.film > self.scene {
-            true => ("image", "the image", "choose a smaller `width` or `height`"),
+            true => ("image", "the image", self.image_advice()),
             false => (
                 "objects",
                 "the scene",
@@ -104,6 +109,13 @@ impl Memory {
             format!("needs {:.1} GiB", gib(self.film.max(self.scene))),
         )
         .with_help(advice))
+    }
+
+    fn image_advice(&self) -> &'static str {
+        match self.n_repeats {
+            0 | 1 => "choose a smaller `width` or `height`",
+            _ => "choose a smaller `width` or `height`, or fewer `--repeats`",
+        }
     }
 }
 

@@ -89,7 +89,7 @@ fn the_tables_name_every_scene_and_array() {
         let name = path.file_stem().unwrap().to_str().unwrap();
         assert!(readme.contains(&format!("| `{name}` |")), "{name}");
     }
-    for column in raycost::film::columns(raycost::config::CostMode::Time) {
+    for column in raycost::film::columns(raycost::config::CostMode::Time, 2) {
         assert!(
             readme.contains(&format!("`{}`", column.name)),
             "{}",

@@ -67,14 +67,17 @@ fn check(film: &Film) {
     let (mut frame, mut hits) = (Frame::open(&frame).unwrap(), Hits::open(&hits).unwrap());
     assert_eq!((frame.width(), frame.height()), (film.width, film.height));
     assert_eq!(hits.n_points(), film.n_hits());
-    assert_eq!(frame.arrays().len(), columns(film.cost).count());
+    assert_eq!(
+        frame.arrays().len(),
+        columns(film.cost, film.n_repeats).count()
+    );
 
     let is_hit: Vec<bool> = film
         .strips
         .iter()
         .flat_map(|strip| strip.object.iter().map(|&object| object >= 0))
         .collect();
-    for column in columns(film.cost) {
+    for column in columns(film.cost, film.n_repeats) {
         let all: Vec<u8> = film
             .strips
             .iter()
@@ -170,6 +173,7 @@ fn a_missing_array_tells_the_flag_that_left_it_out() {
     };
     render(folder.path(), &["--cost", "counters"]);
     assert!(missing("time_ns").contains("render again with `--cost time`"));
+    assert!(missing("time_mad_ns").contains("render again with `--repeats 10`"));
     render(folder.path(), &["--no-cost"]);
     assert!(missing("rays").contains("render again without `--no-cost`"));
     assert!(missing("frequency").contains("its arrays are RGB, Normals"));

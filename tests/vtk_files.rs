@@ -284,6 +284,8 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         ("object", Field::I32(|strip| &strip.object)),
         ("material", Field::I32(|strip| &strip.material)),
         ("time_ns", Field::F32(|strip| &strip.time_ns)),
+        ("time_mad_ns", Field::F32(|strip| &strip.time_mad_ns)),
+        ("n_rejected", Field::U8(|strip| &strip.n_rejected)),
         ("node_visits", Field::U32(|strip| &strip.node_visits)),
         (
             "primitive_tests",
@@ -305,18 +307,22 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     ];
     let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
     let (geometry, cost) = fields.split_at(6);
-    let cost = match film.cost {
-        CostMode::None => &[],
-        CostMode::Counters => &cost[1..],
-        CostMode::Time => cost,
+    let (time, counters) = cost.split_at(3);
+    let (time, counters) = match (film.cost, film.n_repeats) {
+        (CostMode::None, _) => (&[][..], &[][..]),
+        (CostMode::Counters, _) => (&[][..], counters),
+        (CostMode::Time, 1) => (&time[..1], counters),
+        (CostMode::Time, _) => (time, counters),
     };
-    geometry.iter().chain(cost).map(array).collect()
+    let fields = geometry.iter().chain(time).chain(counters);
+    fields.map(array).collect()
 }
 
 /// Where an array of the film is, by its kind.
 enum Field {
     Rgb(fn(&Strip) -> &Vec<[u8; 3]>),
     Vec3(fn(&Strip) -> &Vec<Vec3>),
+    U8(fn(&Strip) -> &Vec<u8>),
     F32(fn(&Strip) -> &Vec<f32>),
     I32(fn(&Strip) -> &Vec<i32>),
     U32(fn(&Strip) -> &Vec<u32>),
@@ -327,6 +333,7 @@ impl Field {
         let (scalar, n_components) = match self {
             Self::Rgb(_) => ("UInt8", 3),
             Self::Vec3(_) => ("Float32", 3),
+            Self::U8(_) => ("UInt8", 1),
             Self::F32(_) => ("Float32", 1),
             Self::I32(_) => ("Int32", 1),
             Self::U32(_) => ("UInt32", 1),
@@ -339,6 +346,7 @@ impl Field {
                     let vector = pixel.of(film, field).to_array();
                     bytes.extend(vector.iter().flat_map(|number| number.to_ne_bytes()));
                 }
+                Self::U8(field) => bytes.push(pixel.of(film, field)),
                 Self::F32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
                 Self::I32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
                 Self::U32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),

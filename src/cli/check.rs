@@ -82,7 +82,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
                 count(n_samples)
             ),
         ),
-        ("cost", cost(config.cost).to_owned()),
+        ("cost", cost(config)),
         ("tiles", tiles(config)),
         (
             "memory",
@@ -124,11 +124,14 @@ fn tiles(config: &Config) -> String {
 }
 
 /// What would be measured, and how.
-fn cost(mode: CostMode) -> &'static str {
-    match mode {
-        CostMode::None => "none; rays are traced in streams",
-        CostMode::Counters => "counters, no time; rays are traced in streams",
-        CostMode::Time => "counters and time; each ray is traced alone",
+fn cost(config: &Config) -> String {
+    match (config.cost, config.n_repeats) {
+        (CostMode::None, _) => "none; rays are traced in streams".to_owned(),
+        (CostMode::Counters, _) => "counters, no time; rays are traced in streams".to_owned(),
+        (CostMode::Time, 0 | 1) => "counters and time; each ray is traced alone".to_owned(),
+        (CostMode::Time, n) => {
+            format!("counters and time, the median of {n}; each ray is traced alone")
+        }
     }
 }
 

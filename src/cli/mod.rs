@@ -13,6 +13,7 @@ mod view;
 use std::path::Path;
 mod trace;
 mod tree;
+mod trust;
 
 use clap::{Parser, Subcommand};
 

@@ -5,21 +5,22 @@ use std::path::{Path, PathBuf};
 
 use super::charges;
 use super::progress::{Bar, BuildBar};
+use super::trust;
 use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Extra, MAX_SIDE, TileOrder, Tiling};
 use crate::cost::Meter;
-use crate::film::bytes_per_pixel;
+use crate::film::{Column, columns};
 use crate::ledger::Ledger;
 use crate::memory::{self, Memory};
 use crate::output::{
     self, OutputFolder, Rendering, Stages, Threads, Written,
     format::{bytes, count, counted, duration},
 };
-use crate::render::{Plan, render};
+use crate::render::{N_RENDERINGS, Overhead, Plan, repeat};
 use crate::scene::{Geometries, Scene};
 use crate::schedule::Schedule;
-use crate::yaml::{Diagnostic, Source};
+use crate::yaml::{self, Diagnostic, Fault, Source};
 
 /// Render a scene and write its files
 #[derive(Debug, clap::Args)]
@@ -33,6 +34,10 @@ pub(super) struct Arguments {
     /// Threads to render on [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// Also render in each mode of `--cost` by turns, and tell what measuring costs
+    #[arg(long)]
+    measure_overhead: bool,
 
     /// Print nothing but errors
     #[arg(long, short)]
@@ -73,6 +78,10 @@ pub(super) struct SceneArguments {
     #[arg(long, conflicts_with = "cost")]
     no_cost: bool,
 
+    /// Times to render the picture: a pixel's time becomes the median
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    repeats: Option<u8>,
+
     /// Pixels along a tile's side, instead of the file's
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(Tiling::MIN_SIZE as i64..=Tiling::MAX_SIZE as i64))]
     tile_size: Option<u32>,
@@ -112,6 +121,7 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         config.cost = self.cost().unwrap_or(config.cost);
+        config.n_repeats = self.n_repeats(&config, &source)?;
         let tiles = &mut config.tiles;
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
@@ -152,6 +162,28 @@ impl SceneArguments {
         match self.no_cost {
             true => Some(CostMode::None),
             false => self.cost,
+        }
+    }
+
+    /// How often to render.
+    fn n_repeats(&self, config: &Config, source: &Source) -> Result<u8, Diagnostic> {
+        match self.repeats {
+            Some(_) if !config.cost.has_time() => {
+                let message = "`--repeats` needs times, and none are taken";
+                match self.cost() {
+                    Some(_) => Err(Diagnostic::new(message)
+                        .with_help("ask for `--cost time`, or leave out `--repeats`")),
+                    None => Err(source.point_at(
+                        Fault::new(
+                            yaml::Path::default().key("cost"),
+                            message,
+                            "expected `time`",
+                        )
+                        .with_help("add `--cost time`, or leave out `--repeats`"),
+                    )),
+                }
+            }
+            n_repeats => Ok(n_repeats.unwrap_or(1)),
         }
     }
 
@@ -199,9 +231,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         stages.end("order");
     }
 
-    let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+    let n_pixels = config.image.n_pixels() as u64;
+    // Before there is a film: two would take more memory than one.
+    let overhead = arguments.measure_overhead.then(|| {
+        let bar = Bar::new(N_RENDERINGS as u64 * n_pixels, arguments.quiet);
+        let report = |progress| bar.advance(progress);
+        let overhead = pool.install(|| Overhead::measure(&scene, &accel, &plan, report));
+        bar.clear();
+        stages.end("overhead");
+        overhead
+    });
+
+    let n_repeats = config.n_repeats;
+    let bar = Bar::new(u64::from(n_repeats) * n_pixels, arguments.quiet);
     let report = |progress| bar.advance(progress);
-    let (film, schedule) = pool.install(|| render(&scene, &accel, &plan, &meter, report));
+    let (film, schedule, repeats) =
+        pool.install(|| repeat(n_repeats, &scene, &accel, &plan, &meter, report));
     bar.clear();
     stages.end("render");
 
@@ -225,6 +270,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         meter: &meter,
         film: &film,
         schedule: &schedule,
+        repeats: &repeats,
+        overhead,
         ledger: ledger.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
@@ -242,7 +289,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// The bytes that the files take at least, whatever the camera sees.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
-    let per_pixel = bytes_per_pixel(config.cost) - size_of::<glam::Vec3>();
+    let per_pixel: usize = columns(config.cost, config.n_repeats)
+        .map(Column::stride)
+        .sum();
     (config.image.n_pixels() * per_pixel) as u64
 }
 
@@ -298,6 +347,7 @@ fn closing_lines(
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
     };
+    let trust = trust::lines(rendering);
     let tiles = match rendering.config.output.has(Extra::Schedule) {
         true => tiles(rendering.schedule),
         false => String::new(),
@@ -307,6 +357,7 @@ fn closing_lines(
          time    {}\n\
          speed   {}\n\
          {tiles}\
+         {trust}\
          {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
@@ -316,7 +367,7 @@ fn closing_lines(
         primitives(rendering.scene),
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
-        speed(rendering, stages),
+        speed(rendering),
         costs,
         out.display(),
         files.join(", "),
@@ -348,8 +399,8 @@ fn tiles(schedule: &Schedule) -> String {
 }
 
 /// Rays a second, or samples where nothing was counted.
-fn speed(rendering: &Rendering, stages: &Stages) -> String {
-    let seconds = stages.wall("render").as_secs_f64();
+fn speed(rendering: &Rendering) -> String {
+    let seconds = rendering.median_wall().as_secs_f64();
     let millions = |n: u64| n as f64 / seconds / 1e6;
     match rendering.film.cost.has_counters() {
         true => {

@@ -71,6 +71,10 @@ pub struct Config {
     /// What is measured of each pixel.
     #[serde(default)]
     pub cost: CostMode,
+    /// How often the picture is rendered to measure it; once, unless the
+    /// command line says otherwise.
+    #[serde(skip, default = "once")]
+    pub n_repeats: u8,
     /// How the picture is dealt out to the threads.
     #[serde(default)]
     pub tiles: Tiling,
@@ -93,4 +97,8 @@ impl Config {
     pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
         self.output.check(self.cost, self.acceleration)
     }
+}
+
+fn once() -> u8 {
+    1
 }

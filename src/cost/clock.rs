@@ -3,8 +3,13 @@
 //! On x86-64 with an invariant time stamp counter (Intel SDM vol. 3, 19.17.1)
 //! it reads that counter, calibrated once against the operating system's
 //! clock; elsewhere it reads the operating system's clock itself.
+//!
+//! A reading also tells which CPU the thread is on: a time during which it
+//! moved to another holds the move, cold caches included.
 
 use std::time::Instant as OsInstant;
+
+use super::cpu;
 
 /// How long the calibration waits. The operating system's clock is good to
 /// about 50 ns, so that 0.5 ms make the rate good to 0.01 %.
@@ -33,7 +38,19 @@ enum Source {
 
 /// A reading of the clock.
 #[derive(Debug, Clone, Copy)]
-pub struct Instant(u64);
+pub struct Instant {
+    ticks: u64,
+    /// The CPU that the thread was on; always 0 where that is not told.
+    cpu: u32,
+}
+
+impl Instant {
+    /// Whether both readings were made on the same CPU, as far as that is told.
+    #[inline]
+    pub fn is_on_cpu_of(self, other: Self) -> bool {
+        self.cpu == other.cpu
+    }
+}
 
 impl Clock {
     /// Chooses and calibrates the clock; takes about 0.5 ms.
@@ -51,8 +68,14 @@ impl Clock {
     pub fn now(&self) -> Instant {
         match self.source {
             #[cfg(target_arch = "x86_64")]
-            Source::Tsc { .. } => Instant(tsc::read()),
-            Source::Os { start } => Instant(start.elapsed().as_nanos() as u64),
+            Source::Tsc { .. } => {
+                let (ticks, cpu) = tsc::read();
+                Instant { ticks, cpu }
+            }
+            Source::Os { start } => Instant {
+                ticks: start.elapsed().as_nanos() as u64,
+                cpu: cpu::current(),
+            },
         }
     }
 
@@ -78,7 +101,7 @@ impl Clock {
     }
 
     fn raw_ns(&self, from: Instant, to: Instant) -> f64 {
-        let ticks = to.0.saturating_sub(from.0) as f64;
+        let ticks = to.ticks.saturating_sub(from.ticks) as f64;
         match self.source {
             #[cfg(target_arch = "x86_64")]
             Source::Tsc { ns_per_tick } => ticks * ns_per_tick,
@@ -102,14 +125,14 @@ impl Clock {
 impl Source {
     #[cfg(target_arch = "x86_64")]
     fn best() -> Self {
-        if !tsc::is_invariant() {
+        if !tsc::is_usable() {
             return Self::Os {
                 start: OsInstant::now(),
             };
         }
-        let (start, start_ticks) = (OsInstant::now(), tsc::read());
+        let (start, (start_ticks, _)) = (OsInstant::now(), tsc::read());
         loop {
-            let (elapsed, ticks) = (start.elapsed(), tsc::read());
+            let (elapsed, (ticks, _)) = (start.elapsed(), tsc::read());
             if elapsed >= CALIBRATION {
                 let ns_per_tick = elapsed.as_nanos() as f64 / (ticks - start_ticks) as f64;
                 return Self::Tsc { ns_per_tick };
@@ -127,20 +150,31 @@ impl Source {
 
 #[cfg(target_arch = "x86_64")]
 mod tsc {
-    use std::arch::x86_64::{__cpuid, _rdtsc};
+    use std::arch::x86_64::{__cpuid, __rdtscp};
 
-    /// Whether the counter runs at one rate on all cores: CPUID leaf
-    /// 0x80000007, EDX bit 8.
-    pub(super) fn is_invariant() -> bool {
-        const LEAF: u32 = 0x8000_0007;
-        __cpuid(0x8000_0000).eax >= LEAF && __cpuid(LEAF).edx & (1 << 8) != 0
+    /// Whether the counter runs at one rate on all cores, and can be read along
+    /// with the CPU's number: CPUID leaf 0x80000007, EDX bit 8, and leaf
+    /// 0x80000001, EDX bit 27.
+    pub(super) fn is_usable() -> bool {
+        let has = |leaf: u32, bit: u32| {
+            __cpuid(0x8000_0000).eax >= leaf && __cpuid(leaf).edx & (1 << bit) != 0
+        };
+        has(0x8000_0007, 8) && has(0x8000_0001, 27)
     }
 
+    /// The counter, and what the operating system keeps in IA32_TSC_AUX: on
+    /// Linux, macOS and Windows a number of the CPU.
+    ///
+    /// RDTSCP waits for the instructions before it, so that no load of a pixel
+    /// is charged to the next one. That costs a few nanoseconds more than RDTSC
+    /// (`cargo bench --bench clock`).
     #[inline]
     #[expect(unsafe_code, reason = "the instruction has no safe wrapper")]
-    pub(super) fn read() -> u64 {
-        // SAFETY: RDTSC is part of every x86-64 CPU and touches no memory.
-        unsafe { _rdtsc() }
+    pub(super) fn read() -> (u64, u32) {
+        let mut cpu = 0;
+        // SAFETY: `is_usable` has found RDTSCP, and it writes to `cpu` alone.
+        let ticks = unsafe { __rdtscp(&mut cpu) };
+        (ticks, cpu)
     }
 }
 
@@ -161,6 +195,17 @@ mod tests {
             (ns / os_ns - 1.0).abs() < 0.05,
             "{ns} ns, should be {os_ns} ns"
         );
+    }
+
+    #[test]
+    fn it_tells_the_cpu() {
+        let clock = Clock::calibrated();
+        // A test may be moved in between; not ten times in a row.
+        let stays = || clock.now().is_on_cpu_of(clock.now());
+        assert!((0..10).any(|_| stays()));
+        let here = Instant { ticks: 1, cpu: 0 };
+        let there = Instant { ticks: 2, cpu: 1 };
+        assert!(here.is_on_cpu_of(here) && !here.is_on_cpu_of(there));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! [`NoProbe`] the same source compiles to a kernel without counters.
 
 mod clock;
+mod cpu;
 mod meter;
 mod probe;
 

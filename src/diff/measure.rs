@@ -103,7 +103,7 @@ mod tests {
             "thread",
         ];
         let costs = Measure::ALL.map(|measure| measure.array);
-        for column in columns(CostMode::Time) {
+        for column in columns(CostMode::Time, 1) {
             let n = costs
                 .iter()
                 .chain(&others)

@@ -47,6 +47,14 @@ const GEOMETRY: [Column; 6] = [
 // Thread time, the clock's own cost taken off, at least 1.
 const TIME: [Column; 1] = [column!("time_ns", time_ns, F32 x 1)];
 
+// How far repeated times are from `time_ns`, and how many were not taken.
+const REPEATED: [Column; 2] = [
+    // Median absolute deviation of the samples that were kept.
+    column!("time_mad_ns", time_mad_ns, F32 x 1),
+    // Samples during which the thread changed its CPU.
+    column!("n_rejected", n_rejected, U8 x 1),
+];
+
 const COUNTERS: [Column; 9] = [
     // BVH nodes entered by all rays of the pixel.
     column!("node_visits", node_visits, U32 x 1),
@@ -68,14 +76,19 @@ const COUNTERS: [Column; 9] = [
     column!("thread", thread, I32 x 1),
 ];
 
-/// The arrays of a film of this mode, in the order of the files.
-pub fn columns(cost: CostMode) -> impl Iterator<Item = &'static Column> {
+/// The arrays of a film of this mode that was rendered so many times, in the
+/// order of the files.
+pub fn columns(cost: CostMode, n_repeats: u8) -> impl Iterator<Item = &'static Column> {
     let (time, counters): (&[_], &[_]) = match cost {
         CostMode::None => (&[], &[]),
         CostMode::Counters => (&[], &COUNTERS),
         CostMode::Time => (&TIME, &COUNTERS),
     };
-    GEOMETRY.iter().chain(time).chain(counters)
+    let repeated: &[_] = match cost.has_time() && n_repeats > 1 {
+        true => &REPEATED,
+        false => &[],
+    };
+    GEOMETRY.iter().chain(time).chain(repeated).chain(counters)
 }
 
 impl Column {
@@ -97,9 +110,9 @@ mod tests {
     #[test]
     fn every_column_has_its_stride_of_bytes_a_pixel() {
         let modes = [CostMode::None, CostMode::Counters, CostMode::Time];
-        for (mode, expected) in modes.into_iter().zip([43, 79, 83]) {
+        for (mode, expected) in modes.into_iter().zip([43, 79, 84]) {
             let film = Film::new(5, 4, mode);
-            for column in columns(mode) {
+            for column in columns(mode, film.n_repeats) {
                 let bytes = (column.bytes)(&film.strips[0]);
                 assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
             }

@@ -29,6 +29,8 @@ pub struct Film {
     pub height: u32,
     /// Which of the cost arrays are there.
     pub cost: CostMode,
+    /// How often it was rendered.
+    pub n_repeats: u8,
     /// The counters of all pixels together; zero where nothing was counted.
     pub totals: Cost,
     /// The rows, top strip first.
@@ -53,6 +55,9 @@ pub struct Strip {
     pub object: Vec<i32>,
     pub material: Vec<i32>,
     pub time_ns: Vec<f32>,
+    /// Empty unless the film was rendered more than once.
+    pub time_mad_ns: Vec<f32>,
+    pub n_rejected: Vec<u8>,
     pub node_visits: Vec<u32>,
     pub primitive_tests: Vec<u32>,
     pub rays: Vec<u32>,
@@ -82,17 +87,28 @@ pub struct Pixel {
 pub struct PixelCost {
     /// The counters.
     pub counted: Cost,
-    /// Thread time in nanoseconds, where it was measured.
-    pub time_ns: Option<f32>,
+    /// Thread time, where it was measured.
+    pub time: Option<PixelTime>,
     /// The tile that it was in.
     pub tile: u32,
     /// The thread that rendered it.
     pub thread: u32,
 }
 
+/// One measured time of a pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelTime {
+    /// In nanoseconds.
+    pub ns: f32,
+    /// Whether the thread changed its CPU meanwhile: not a time of the pixel
+    /// alone.
+    pub is_rejected: bool,
+}
+
 /// Bytes of memory that a film takes for each pixel.
 pub fn bytes_per_pixel(cost: CostMode) -> usize {
-    size_of::<Vec3>() + columns(cost).map(Column::stride).sum::<usize>()
+    let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
+    size_of::<Vec3>() + rejected + columns(cost, 1).map(Column::stride).sum::<usize>()
 }
 
 impl Film {
@@ -106,6 +122,7 @@ impl Film {
             width,
             height,
             cost,
+            n_repeats: 1,
             totals: Cost::default(),
             strips: (0..height)
                 .step_by(STRIP_ROWS as usize)
@@ -123,6 +140,19 @@ impl Film {
     /// The sum of `time_ns` over all pixels; 0 where no time was measured.
     pub fn total_time_ns(&self) -> f64 {
         self.values(|strip| &strip.time_ns).map(f64::from).sum()
+    }
+
+    /// The sum of `time_mad_ns` over all pixels; 0 unless rendered more than
+    /// once.
+    pub fn total_time_mad_ns(&self) -> f64 {
+        let deviations = self.strips.iter().flat_map(|strip| &strip.time_mad_ns);
+        deviations.map(|&ns| f64::from(ns)).sum()
+    }
+
+    /// How many samples of all pixels were rejected: times during which the
+    /// thread changed its CPU.
+    pub fn n_rejected(&self) -> u64 {
+        self.values(|strip| &strip.n_rejected).map(u64::from).sum()
     }
 
     /// One array's rows, the film's uppermost first, each a slice of its strip.
@@ -161,6 +191,8 @@ impl Strip {
             object: vec![0; n],
             material: vec![0; n],
             time_ns: vec![0.0; n_times],
+            time_mad_ns: Vec::new(),
+            n_rejected: vec![0; n_times],
             node_visits: vec![0; n_counters],
             primitive_tests: vec![0; n_counters],
             rays: vec![0; n_counters],
@@ -201,9 +233,12 @@ impl Strip {
     }
 
     fn put_costs(&mut self, first: usize, pixels: &[Pixel]) {
-        let time_ns = |pixel: &Pixel| pixel.cost.as_ref().and_then(|cost| cost.time_ns);
+        let time = |pixel: &Pixel| pixel.cost.as_ref().and_then(|cost| cost.time);
         fill(&mut self.time_ns, first, pixels, |pixel| {
-            time_ns(pixel).unwrap_or_default()
+            time(pixel).map_or(0.0, |time| time.ns)
+        });
+        fill(&mut self.n_rejected, first, pixels, |pixel| {
+            time(pixel).map_or(0, |time| time.is_rejected.into())
         });
         macro_rules! put_counter {
             ($field:ident, $count:expr) => {

@@ -14,13 +14,16 @@ mod picture;
 mod reach;
 pub(crate) mod rgb_png;
 pub(crate) mod state;
+mod accounts;
 mod summary;
 mod trace_events;
 mod traced;
 pub(crate) mod vtk;
 
 use std::io::{self, Write};
+use std::time::Duration;
 
+pub use accounts::Accounts;
 pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
 pub use objects::Group;
@@ -40,6 +43,7 @@ use crate::config::{Config, Extra};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::ledger::Ledger;
+use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
@@ -62,10 +66,24 @@ pub struct Rendering<'a> {
     pub film: &'a Film,
     /// When each tile of them was rendered.
     pub schedule: &'a Schedule,
+    /// Each time that they were rendered.
+    pub repeats: &'a [Repeat],
+    /// What measuring them costs, where that was asked.
+    pub overhead: Option<Overhead>,
     /// What things cost, if that is asked for.
     pub ledger: Option<&'a Ledger>,
     /// How many threads rendered.
     pub threads: Threads,
+}
+
+impl Rendering<'_> {
+    /// Time on the wall of one rendering: the median where there are several,
+    /// and of the two in the middle the longer one.
+    pub fn median_wall(&self) -> Duration {
+        let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();
+        walls.sort_unstable();
+        walls.get(walls.len() / 2).copied().unwrap_or_default()
+    }
 }
 
 /// A file of the output folder.

@@ -9,11 +9,12 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
-use super::{Rendering, Written};
+use super::{Accounts, Rendering, Written};
 use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
+use crate::render::{N_ROUNDS, Overhead};
 use crate::schedule::Schedule;
 
 /// The file's name.
@@ -67,13 +68,12 @@ impl Stages {
 
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
-        let ms = |elapsed: Duration| (elapsed.as_secs_f64() * 1e6).round() / 1e3;
         let (wall, cpu) = (Instant::now(), ProcessTime::now());
         self.ended.push(Stage {
             name,
             span: self.wall..wall,
-            wall_ms: ms(wall - self.wall),
-            cpu_ms: ms(cpu.duration_since(self.cpu)),
+            wall_ms: milliseconds(wall - self.wall),
+            cpu_ms: milliseconds(cpu.duration_since(self.cpu)),
         });
         (self.wall, self.cpu) = (wall, cpu);
     }
@@ -83,6 +83,11 @@ impl Stages {
         let stage = self.ended.iter().find(|stage| stage.name == name);
         Duration::from_secs_f64(stage.map_or(0.0, |stage| stage.wall_ms / 1e3))
     }
+}
+
+/// To a thousandth.
+fn milliseconds(elapsed: Duration) -> f64 {
+    (elapsed.as_secs_f64() * 1e6).round() / 1e3
 }
 
 /// Writes the summary as indented JSON.
@@ -112,9 +117,12 @@ pub(super) fn write(
         "machine": machine(),
         "threads": rendering.threads,
         "stages": stages.ended,
+        "repeats": repeats(rendering),
+        "thread_time": thread_time(rendering),
+        "overhead": rendering.overhead.as_ref().map(overhead),
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
-        "cost": cost(rendering, stages),
+        "cost": cost(rendering),
         "schedule": schedule(rendering.schedule),
         "files": files,
     });
@@ -139,13 +147,13 @@ fn camera(plane: &ImagePlane) -> Value {
 }
 
 /// What was measured, how, and the sums of it.
-fn cost(rendering: &Rendering, stages: &Stages) -> Value {
+fn cost(rendering: &Rendering) -> Value {
     let film = rendering.film;
     let clock = rendering
         .meter
         .clock()
         .map(|clock| json!({ "source": clock.source_name(), "overhead_ns": clock.overhead_ns() }));
-    let seconds = stages.wall("render").as_secs_f64();
+    let seconds = rendering.median_wall().as_secs_f64();
     let has_counters = film.cost.has_counters();
     json!({
         "mode": film.cost,
@@ -153,6 +161,41 @@ fn cost(rendering: &Rendering, stages: &Stages) -> Value {
         "clock": clock,
         "totals": has_counters.then(|| totals(film)),
         "mrays_per_second": has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
+    })
+}
+
+/// Each rendering by itself. Times are those of all pixels together; there are
+/// none where none were measured.
+fn repeats(rendering: &Rendering) -> Value {
+    let repeats = rendering.repeats;
+    let busy_ns = repeats.iter().filter_map(|repeat| repeat.pixels_ns);
+    let wall_ms = repeats.iter().map(|repeat| milliseconds(repeat.wall));
+    json!({
+        "n": repeats.len(),
+        "busy_ns": busy_ns.collect::<Vec<_>>(),
+        "wall_ms": wall_ms.collect::<Vec<_>>(),
+        "n_rejected": repeats.iter().map(|repeat| repeat.n_rejected).sum::<u64>(),
+    })
+}
+
+fn thread_time(rendering: &Rendering) -> Option<Value> {
+    let accounts = Accounts::of(rendering)?;
+    let mut value = json!(accounts);
+    value["unexplained_percent"] = accounts.percent(accounts.unexplained_ns).into();
+    Some(value)
+}
+
+fn overhead(overhead: &Overhead) -> Value {
+    json!({
+        "rounds": N_ROUNDS,
+        "none_ms": overhead.none_ms,
+        "counters_ms": overhead.counters_ms,
+        "single_ray_ms": overhead.single_ray_ms,
+        "time_ms": overhead.time_ms,
+        "counters_percent": overhead.counters_percent(),
+        "single_ray_percent": overhead.single_ray_percent(),
+        "instruments_percent": overhead.instruments_percent(),
+        "time_percent": overhead.time_percent(),
     })
 }
 

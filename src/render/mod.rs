@@ -12,6 +12,8 @@ mod stream;
 mod timed;
 mod prepass;
 mod plan;
+mod repeat;
+mod overhead;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
@@ -26,7 +28,10 @@ use stream::StreamRenderer;
 use timed::TimedRenderer;
 pub(crate) use view::View;
 
+pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
 pub use plan::Plan;
+pub(crate) use repeat::repeat_bytes_per_pixel;
+pub use repeat::{Repeat, repeat};
 
 /// Pixels that are rendered at one go: a larger tile is rendered some rows at a
 /// time, so that all of it stays in the cache on its way into the film.
@@ -51,14 +56,25 @@ pub fn render(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let view = View::new(scene, accel, &plan.image);
     let film = Film::new(plan.image.width, plan.image.height, meter.mode());
+    render_onto(film, scene, accel, plan, meter, report)
+}
+
+/// Renders onto a film of the image's size and the meter's mode.
+fn render_onto(
+    film: Film,
+    scene: &Scene,
+    accel: &Accel,
+    plan: &Plan,
+    meter: &Meter,
+    report: impl Fn(Progress) + Sync,
+) -> (Film, Schedule) {
+    let view = View::new(scene, accel, &plan.image);
     match meter {
         Meter::Off => render_tiles(film, plan, || StreamRenderer::<NoProbe>::new(view), report),
         Meter::Counters => render_tiles(film, plan, || StreamRenderer::<Cost>::new(view), report),
         Meter::Time(clock) => {
-            let n_pixels = MAX_PIXELS.min(plan.grid.tile_size.pow(2) as usize);
-            let renderer = || TimedRenderer::new(view, clock, n_pixels);
+            let renderer = || TimedRenderer::new(view, clock, plan.max_pixels());
             render_tiles(film, plan, renderer, report)
         }
     }

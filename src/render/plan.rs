@@ -1,6 +1,6 @@
 //! What is to be rendered: which tiles, in which order.
 
-use super::prepass;
+use super::{MAX_PIXELS, prepass};
 use crate::accel::Accel;
 use crate::config::{Image, TileOrder, Tiling};
 use crate::scene::Scene;
@@ -38,6 +38,11 @@ impl Plan {
             order: tiling.order,
             sequence,
         }
+    }
+
+    /// Pixels that are rendered at one go, at most.
+    pub(super) fn max_pixels(&self) -> usize {
+        MAX_PIXELS.min(self.grid.tile_size.pow(2) as usize)
     }
 
     /// The tile that is taken when so many have been; `None` after the last.

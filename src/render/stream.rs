@@ -167,7 +167,7 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
         for (pixel, &probe) in self.pixels.iter_mut().zip(&self.probes) {
             pixel.cost = Some(PixelCost {
                 counted: probe.into(),
-                time_ns: None,
+                time: None,
                 tile: tile.number,
                 thread,
             });

@@ -90,6 +90,8 @@ pub fn with_cost(config: Config, cost: CostMode) -> Config {
 pub fn lasting(mut film: Film) -> Vec<Strip> {
     for strip in &mut film.strips {
         strip.time_ns.clear();
+        strip.time_mad_ns.clear();
+        strip.n_rejected.clear();
         strip.thread.clear();
         // NaN is equal to nothing, itself included: compare its bits.
         let misses = strip

@@ -14,8 +14,10 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 24) as u8
     };
+    film.n_repeats = 2;
     for strip in &mut film.strips {
-        let arrays: [&mut [u8]; 17] = [
+        strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
+        let arrays: [&mut [u8]; 19] = [
             cast_slice_mut(&mut strip.rgb),
             cast_slice_mut(&mut strip.position),
             cast_slice_mut(&mut strip.normal),
@@ -24,6 +26,8 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             cast_slice_mut(&mut strip.object),
             cast_slice_mut(&mut strip.material),
             cast_slice_mut(&mut strip.time_ns),
+            cast_slice_mut(&mut strip.time_mad_ns),
+            cast_slice_mut(&mut strip.n_rejected),
             cast_slice_mut(&mut strip.node_visits),
             cast_slice_mut(&mut strip.primitive_tests),
             cast_slice_mut(&mut strip.rays),

@@ -23,7 +23,7 @@ pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
     };
     let image = DataSet::Image {
         size: [film.width, film.height],
-        point_data: columns(film.cost).map(array).collect(),
+        point_data: columns(film.cost, film.n_repeats).map(array).collect(),
     };
     appended::write(&image, out)
 }

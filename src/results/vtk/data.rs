@@ -215,12 +215,16 @@ impl Arrays {
     fn missing(&self, name: &str) -> Diagnostic {
         let path = self.file.path().display();
         let error = Diagnostic::new(format!("`{path}` has no array `{name}`"));
-        let written_with = |mode| columns(mode).any(|column| column.name == name);
-        if written_with(CostMode::Counters) {
+        let written_with =
+            |mode, n_repeats| columns(mode, n_repeats).any(|column| column.name == name);
+        if written_with(CostMode::Counters, 1) {
             return error.with_help("render again without `--no-cost`");
         }
-        if written_with(CostMode::Time) {
+        if written_with(CostMode::Time, 1) {
             return error.with_help("render again with `--cost time`");
+        }
+        if written_with(CostMode::Time, 2) {
+            return error.with_help("render again with `--repeats 10`");
         }
         let names: Vec<&str> = self.infos.iter().map(|info| info.name.as_str()).collect();
         error.with_help(format!("its arrays are {}", names.join(", ")))

@@ -1,0 +1,64 @@
+//! The closing lines that tell how far times can be trusted.
+
+use std::time::Duration;
+
+use crate::output::{Accounts, Rendering, format};
+use crate::render::{N_ROUNDS, Overhead};
+
+/// The lines that there is something to say in, each with its end.
+pub(super) fn lines(rendering: &Rendering) -> String {
+    let accounts = Accounts::of(rendering);
+    let lines = [
+        accounts.as_ref().map(threads),
+        accounts.and_then(|_| repeats(rendering)),
+        rendering.overhead.as_ref().map(overhead),
+    ];
+    lines.into_iter().flatten().collect()
+}
+
+/// Where the threads' time went.
+fn threads(accounts: &Accounts) -> String {
+    let percent = |part_ns| accounts.percent(part_ns);
+    format!(
+        "threads {} at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % unexplained\n",
+        format::duration(Duration::from_nanos(accounts.busy_ns as u64)),
+        percent(accounts.pixels_ns),
+        percent(accounts.film_ns),
+        percent(accounts.clock_ns),
+        percent(accounts.unexplained_ns),
+    )
+}
+
+/// How often pixels were timed, how much that varies, and what was dropped.
+fn repeats(rendering: &Rendering) -> Option<String> {
+    let film = rendering.film;
+    let n_rejected: u64 = rendering
+        .repeats
+        .iter()
+        .map(|repeat| repeat.n_rejected)
+        .sum();
+    let moved = format!(
+        "{} of a thread that changed its CPU",
+        format::counted(n_rejected, "time")
+    );
+    match (film.n_repeats, n_rejected) {
+        (0 | 1, 0) => None,
+        (0 | 1, _) => Some(format!("repeats none; {moved}, kept: see `--repeats`\n")),
+        (n, _) => Some(format!(
+            "repeats {n}; MAD {:.1} % of the time; {moved}, dropped\n",
+            100.0 * film.total_time_mad_ns() / film.total_time_ns(),
+        )),
+    }
+}
+
+/// What measuring costs.
+fn overhead(overhead: &Overhead) -> String {
+    format!(
+        "measure counters {:+.1} %, time {:+.1} % (rays one by one {:+.1} %, then counters and \
+         clock {:+.1} %), {N_ROUNDS} rounds\n",
+        overhead.counters_percent(),
+        overhead.time_percent(),
+        overhead.single_ray_percent(),
+        overhead.instruments_percent(),
+    )
+}

@@ -1,0 +1,170 @@
+//! What it costs to measure what rendering costs.
+//!
+//! The same picture is rendered in four ways, turn by turn, so that a drifting
+//! machine meets all of them alike. Timing pixels costs for two reasons: rays
+//! that have a time of their own cannot be traced in streams, and instruments
+//! are read. Rays one by one without any instrument tell the two apart.
+//!
+//! What is compared is CPU time: other programs that run meanwhile double the
+//! time on the wall, and hardly change this one.
+
+use std::hint::black_box;
+
+use cpu_time::ProcessTime;
+
+use super::timed::BareRenderer;
+use super::{Plan, Progress, View, render, render_tiles};
+use crate::accel::Accel;
+use crate::config::CostMode;
+use crate::cost::Meter;
+use crate::film::Film;
+use crate::scene::Scene;
+
+/// Rounds of four renderings each: each way takes each turn equally often.
+pub const N_ROUNDS: usize = 8;
+
+/// Renderings that [`Overhead::measure`] makes.
+pub const N_RENDERINGS: usize = 4 * N_ROUNDS;
+
+/// CPU time of one rendering in milliseconds, all threads together, the film's
+/// memory included: medians of [`N_ROUNDS`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overhead {
+    /// Rays in streams, nothing measured.
+    pub none_ms: f64,
+    /// Rays in streams, counted.
+    pub counters_ms: f64,
+    /// Rays one by one, nothing measured.
+    pub single_ray_ms: f64,
+    /// Rays one by one, counted, and each pixel timed.
+    pub time_ms: f64,
+}
+
+/// A way to render.
+#[derive(Debug, Clone, Copy)]
+enum Way {
+    Measured(Meter),
+    /// Rays one by one, nothing measured.
+    Bare,
+}
+
+impl Overhead {
+    /// Renders the picture [`N_RENDERINGS`] times on the current rayon pool.
+    pub fn measure(
+        scene: &Scene,
+        accel: &Accel,
+        plan: &Plan,
+        report: impl Fn(Progress) + Sync,
+    ) -> Self {
+        let [none, counters, time] =
+            [CostMode::None, CostMode::Counters, CostMode::Time].map(Meter::new);
+        let ways = [
+            Way::Measured(none),
+            Way::Measured(counters),
+            Way::Bare,
+            Way::Measured(time),
+        ];
+        let mut times_ms: [Vec<f64>; 4] = Default::default();
+        for round in 0..N_ROUNDS {
+            for turn in 0..ways.len() {
+                let way = (round + turn) % ways.len();
+                let begin = ProcessTime::now();
+                let film = ways[way].render(scene, accel, plan, &report);
+                times_ms[way].push(begin.elapsed().as_secs_f64() * 1e3);
+                // Given back outside of the time.
+                drop(black_box(film));
+            }
+        }
+        Self::of(times_ms)
+    }
+
+    /// The medians of these times, a row for each field in their order.
+    fn of(times_ms: [Vec<f64>; 4]) -> Self {
+        let [none_ms, counters_ms, single_ray_ms, time_ms] = times_ms.map(median);
+        Self {
+            none_ms,
+            counters_ms,
+            single_ray_ms,
+            time_ms,
+        }
+    }
+
+    /// What counters add to streams, in percent.
+    pub fn counters_percent(&self) -> f64 {
+        percent_more(self.counters_ms, self.none_ms)
+    }
+
+    /// What tracing rays one by one adds to streams, in percent.
+    pub fn single_ray_percent(&self) -> f64 {
+        percent_more(self.single_ray_ms, self.none_ms)
+    }
+
+    /// What counters and clock add to rays one by one, in percent.
+    pub fn instruments_percent(&self) -> f64 {
+        percent_more(self.time_ms, self.single_ray_ms)
+    }
+
+    /// What both together add, in percent of streams without any.
+    pub fn time_percent(&self) -> f64 {
+        percent_more(self.time_ms, self.none_ms)
+    }
+}
+
+impl Way {
+    fn render(
+        self,
+        scene: &Scene,
+        accel: &Accel,
+        plan: &Plan,
+        report: impl Fn(Progress) + Sync,
+    ) -> Film {
+        match self {
+            Self::Measured(meter) => render(scene, accel, plan, &meter, report).0,
+            Self::Bare => {
+                let view = View::new(scene, accel, &plan.image);
+                let film = Film::new(plan.image.width, plan.image.height, CostMode::None);
+                let renderer = || BareRenderer::new(view, plan.max_pixels());
+                render_tiles(film, plan, renderer, report).0
+            }
+        }
+    }
+}
+
+fn percent_more(ms: f64, base_ms: f64) -> f64 {
+    100.0 * (ms / base_ms - 1.0)
+}
+
+/// The middle value, or the mean of the two; there is at least one.
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    (times[(times.len() - 1) / 2] + times[times.len() / 2]) / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_way_keeps_its_times() {
+        let row = |ms: f64| (0..N_ROUNDS).map(|round| ms + round as f64).collect();
+        let overhead = Overhead::of([row(96.5), row(106.5), row(146.5), row(196.5)]);
+        assert_eq!(
+            overhead,
+            Overhead {
+                none_ms: 100.0,
+                counters_ms: 110.0,
+                single_ray_ms: 150.0,
+                time_ms: 200.0,
+            }
+        );
+        let percents = [
+            (overhead.counters_percent(), 10.0),
+            (overhead.single_ray_percent(), 50.0),
+            (overhead.instruments_percent(), 100.0 / 3.0),
+            (overhead.time_percent(), 100.0),
+        ];
+        for (percent, expected) in percents {
+            assert!((percent - expected).abs() < 1e-9, "{percent}");
+        }
+    }
+}
