@@ -36,4 +36,5 @@ pub mod render;
 pub mod observe;
 pub mod memory;
 pub mod output;
+pub mod study;
 pub mod cli;

@@ -5,6 +5,7 @@ mod completions;
 mod failure;
 mod progress;
 mod render;
+mod study;
 
 use clap::{Parser, Subcommand};
 
@@ -28,6 +29,8 @@ enum Command {
     Render(render::Arguments),
     /// Tell what rendering a scene would do, and render nothing
     Check(check::Arguments),
+    /// Measure how the cost of scenes depends on what you vary
+    Study(study::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -41,7 +44,18 @@ impl Cli {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
+            Command::Study(arguments) => study::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
+        }
+    }
+}
+
+impl Cli {
+    /// Finds what is wrong with the scene of a `check`, and prints nothing.
+    fn check_alone(&self) -> Result<(), crate::yaml::Diagnostic> {
+        match &self.command {
+            Command::Check(arguments) => arguments.check_alone(),
+            _ => Ok(()),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::progress::{Bar, BuildBar};
 use crate::accel::Accel;
-use crate::config::{Config, CostMode, Extra, MAX_SIDE};
+use crate::config::{Config, CostMode, Extra, MAX_SIDE, Structure};
 use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
 use crate::memory::{self, Memory};
@@ -62,6 +62,19 @@ pub(super) struct SceneArguments {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
+    /// Longest path in bounces, instead of the file's
+    #[arg(long, value_name = "BOUNCES")]
+    max_depth: Option<u8>,
+
+    /// How hits are found, instead of the file's
+    #[arg(long, value_name = "STRUCTURE")]
+    acceleration: Option<Structure>,
+
+    /// Spheres of each `sphere_cloud`, instead of the file's; their radii change
+    /// so that they fill the same share of space
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    count: Option<u32>,
+
     /// What is measured of each pixel, instead of the file's
     #[arg(long, value_name = "MODE")]
     cost: Option<CostMode>,
@@ -92,6 +105,13 @@ impl SceneArguments {
         image.height = self.height.unwrap_or(image.height);
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
+        config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
+        config.acceleration = self.acceleration.map_or(config.acceleration, Into::into);
+        if let Some(count) = self.count {
+            config
+                .set_count(count)
+                .map_err(|fault| source.point_at(fault))?;
+        }
         config.cost = self.cost().unwrap_or(config.cost);
         self.also.iter().for_each(|&extra| config.output.add(extra));
         let available = memory::available();

@@ -17,7 +17,7 @@ mod shading;
 use indexmap::IndexMap;
 use serde::Deserialize;
 
-pub use acceleration::{Acceleration, Quality};
+pub use acceleration::{Acceleration, Quality, Structure};
 pub use background::Background;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
@@ -30,6 +30,7 @@ pub use shading::{Shading, ShadingModel};
 use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
+use crate::yaml::{Fault, Path};
 
 /// A whole scene file.
 ///
@@ -77,4 +78,32 @@ pub struct Config {
     pub lights: Vec<Light>,
     /// The objects, at least one; their ids count from 0 in this order.
     pub objects: Vec<Object>,
+}
+
+impl Config {
+    /// Gives each `sphere_cloud` so many spheres, from 1 to a billion; their
+    /// radii change so that they fill the same share of space.
+    ///
+    /// # Errors
+    /// If there is no such cloud.
+    pub fn set_count(&mut self, count: u32) -> Result<(), Fault> {
+        let clouds = self
+            .objects
+            .iter_mut()
+            .filter_map(|object| match &mut object.geometry {
+                Geometry::Generator(Generator::SphereCloud(cloud)) => Some(cloud),
+                _ => None,
+            });
+        let mut has_cloud = false;
+        clouds.for_each(|cloud| {
+            cloud.set_count(count);
+            has_cloud = true;
+        });
+        if has_cloud {
+            return Ok(());
+        }
+        let objects = Path::default().key("objects");
+        let message = "there is no `sphere_cloud` whose count could change";
+        Err(Fault::new(objects, message, "no cloud among them"))
+    }
 }

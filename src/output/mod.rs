@@ -10,6 +10,7 @@ pub mod format;
 mod heatmap;
 mod measure;
 mod picture;
+mod resources;
 mod rgb_png;
 mod state;
 mod summary;
@@ -18,7 +19,8 @@ mod vtk;
 use std::io::{self, Write};
 
 pub use folder::{OutputFolder, WriteError};
-pub use summary::{Stage, Stages, Threads};
+pub use resources::SystemWork;
+pub use summary::{Stage, Stages, Threads, build, machine};
 pub use vtk::{write_frame, write_hits};
 
 use rayon::prelude::*;

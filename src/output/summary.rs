@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
+use super::resources::{self, SystemWork};
 use super::{Rendering, Written};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
@@ -34,6 +35,9 @@ pub struct Stage {
     pub wall_ms: f64,
     /// Time of all threads together, in milliseconds.
     pub cpu_ms: f64,
+    /// What the operating system had to do in it, where that is known.
+    #[serde(flatten)]
+    pub system: Option<SystemWork>,
 }
 
 /// A stopwatch that is pressed at the end of each stage.
@@ -41,6 +45,7 @@ pub struct Stage {
 pub struct Stages {
     wall: Instant,
     cpu: ProcessTime,
+    system: Option<SystemWork>,
     /// The stages that have ended.
     pub ended: Vec<Stage>,
 }
@@ -51,6 +56,7 @@ impl Stages {
         Self {
             wall: Instant::now(),
             cpu: ProcessTime::now(),
+            system: SystemWork::so_far(),
             ended: Vec::new(),
         }
     }
@@ -58,12 +64,17 @@ impl Stages {
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
         let ms = |elapsed: Duration| (elapsed.as_secs_f64() * 1e6).round() / 1e3;
+        let system = SystemWork::so_far();
         self.ended.push(Stage {
             name,
             wall_ms: ms(self.wall.elapsed()),
             cpu_ms: ms(self.cpu.elapsed()),
+            system: system
+                .zip(self.system)
+                .map(|(now, before)| now.since(before)),
         });
         (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
+        self.system = system;
     }
 
     /// Time on the wall of the stage with this name; zero if it never was.
@@ -97,8 +108,10 @@ pub(super) fn write(
         "n_degenerate_triangles": rendering.scene.n_degenerate,
         "acceleration": acceleration(rendering),
         "machine": machine(),
+        "build": build(),
         "threads": rendering.threads,
         "stages": stages.ended,
+        "peak_memory_bytes": resources::peak_memory_bytes(),
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering, stages),
@@ -161,7 +174,19 @@ fn totals(film: &Film) -> Value {
     })
 }
 
-fn machine() -> Value {
+/// What made this program.
+pub fn build() -> Value {
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": option_env!("RAYCOST_COMMIT"),
+        "compiler": env!("RAYCOST_COMPILER"),
+        "profile": env!("RAYCOST_PROFILE"),
+        "flags": env!("RAYCOST_FLAGS"),
+    })
+}
+
+/// What this program runs on.
+pub fn machine() -> Value {
     let mut system = System::new();
     system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
     let cpu = system.cpus().first().map(|cpu| cpu.brand().trim());
