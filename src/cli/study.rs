@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::progress::StudyBar;
 use super::{Cli, Failure};
 use crate::output::{self, format::duration};
-use crate::study::{Metrics, Plan, Point, Results, Row, Run, Turn, rows, write_csv};
+use crate::study::{Figure, Metrics, Plan, Point, Results, Row, Run, Turn, rows, write_csv};
 use crate::yaml::{Diagnostic, Source};
 
 /// Measure how the cost of scenes depends on what you vary
@@ -165,6 +165,14 @@ fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> io::Result<()> {
     let mut table = Vec::new();
     write_csv(rows, &mut table)?;
     fs::write(out.join("statistics.csv"), table)?;
+    for (number, plot) in plan.plots.iter().enumerate() {
+        let Some(figure) = Figure::of(plot, &plan.title, rows) else {
+            continue;
+        };
+        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y, plot.x);
+        fs::write(out.join(format!("{name}.svg")), figure.to_svg()?)?;
+        fs::write(out.join(format!("{name}.png")), figure.to_png()?)?;
+    }
     let all = json!({ "title": plan.title, "made_by": made_by(), "rows": rows });
     fs::write(
         out.join("statistics.json"),

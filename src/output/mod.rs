@@ -18,6 +18,7 @@ mod vtk;
 
 use std::io::{self, Write};
 
+pub(crate) use cost_picture::{Ticks, ticks};
 pub use folder::{OutputFolder, WriteError};
 pub use resources::SystemWork;
 pub use summary::{Stage, Stages, Threads, build, machine};

@@ -14,8 +14,14 @@ mod results;
 mod metrics;
 mod statistics;
 mod table;
+mod fit;
+mod figure;
+mod axis;
+mod plot;
 
 pub use factor::{Factor, Level};
+pub use figure::{Figure, Mark, Plot, Scale, Series};
+pub use fit::PowerLaw;
 pub use metrics::Metrics;
 pub use plan::{Plan, Turn};
 pub use point::Point;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
-use super::{Factor, Level, Point};
+use super::{Factor, Level, Plot, Point};
 use crate::sampling::uniform;
 use crate::yaml;
 
@@ -45,6 +45,9 @@ pub struct Plan {
     /// Seconds after which no further run begins; no limit if not given.
     #[serde(default, deserialize_with = "budget")]
     pub time_budget_s: Option<f32>,
+    /// What is drawn of it.
+    #[serde(default)]
+    pub plots: Vec<Plot>,
     /// What `--quick` takes instead, to see the study work.
     #[serde(default)]
     pub quick: Option<Quick>,

@@ -23,6 +23,7 @@ use colours::Colours;
 use layout::Layout;
 pub use range::Range;
 use text::Style;
+pub use ticks::{Ticks, ticks};
 
 /// What the picture shows.
 #[derive(Clone, Copy, Debug)]
