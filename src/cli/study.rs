@@ -169,7 +169,7 @@ fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> io::Result<()> {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
             continue;
         };
-        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y, plot.x);
+        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
         fs::write(out.join(format!("{name}.svg")), figure.to_svg()?)?;
         fs::write(out.join(format!("{name}.png")), figure.to_png()?)?;
     }

@@ -3,9 +3,11 @@
 use std::fmt;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use tempfile::NamedTempFile;
 
+use super::summary::milliseconds;
 use super::{Written, format};
 
 /// Bytes that go to the system at one go: many rows, and yet within the cache.
@@ -22,6 +24,7 @@ pub struct OutputFolder {
 pub(super) struct StagedFile {
     name: &'static str,
     n_bytes: u64,
+    write_ms: f64,
     temporary: NamedTempFile,
 }
 
@@ -116,6 +119,7 @@ impl OutputFolder {
         write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
     ) -> Result<StagedFile, WriteError> {
         let fail = |error| WriteError::new(self.path_of(name), error);
+        let start = Instant::now();
         let mut temporary = temporary_in(&self.path).map_err(fail)?;
         let mut out = BufWriter::with_capacity(BUFFER, &mut temporary);
         write(&mut out).and_then(|()| out.flush()).map_err(fail)?;
@@ -124,6 +128,7 @@ impl OutputFolder {
         Ok(StagedFile {
             name,
             n_bytes,
+            write_ms: milliseconds(start.elapsed()),
             temporary,
         })
     }
@@ -167,6 +172,7 @@ impl StagedFile {
         Written {
             file: self.name,
             bytes: self.n_bytes,
+            write_ms: self.write_ms,
         }
     }
 }

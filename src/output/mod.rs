@@ -82,6 +82,9 @@ pub struct Written {
     pub file: &'static str,
     /// Its length.
     pub bytes: u64,
+    /// Time on the wall from the first byte to the last, in milliseconds, while
+    /// other files were written, too.
+    pub write_ms: f64,
 }
 
 impl Artifact {

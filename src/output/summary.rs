@@ -40,6 +40,11 @@ pub struct Stage {
     pub system: Option<SystemWork>,
 }
 
+/// To a thousandth.
+pub(super) fn milliseconds(elapsed: Duration) -> f64 {
+    (elapsed.as_secs_f64() * 1e6).round() / 1e3
+}
+
 /// A stopwatch that is pressed at the end of each stage.
 #[derive(Debug, Clone)]
 pub struct Stages {
@@ -63,12 +68,11 @@ impl Stages {
 
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
-        let ms = |elapsed: Duration| (elapsed.as_secs_f64() * 1e6).round() / 1e3;
         let system = SystemWork::so_far();
         self.ended.push(Stage {
             name,
-            wall_ms: ms(self.wall.elapsed()),
-            cpu_ms: ms(self.cpu.elapsed()),
+            wall_ms: milliseconds(self.wall.elapsed()),
+            cpu_ms: milliseconds(self.cpu.elapsed()),
             system: system
                 .zip(self.system)
                 .map(|(now, before)| now.since(before)),

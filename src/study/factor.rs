@@ -27,6 +27,15 @@ pub enum Factor {
     Cost,
 }
 
+/// How choices stand in the study file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// As a list of at least one.
+    List,
+    /// As one value.
+    One,
+}
+
 /// One choice for a factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
@@ -50,34 +59,48 @@ impl Factor {
         }
     }
 
-    /// Reads the list behind this factor's key.
+    /// Reads what stands behind this factor's key.
     pub(super) fn next_levels<'de, A: MapAccess<'de>>(
         self,
         map: &mut A,
+        form: Form,
     ) -> Result<Vec<Level>, A::Error> {
         match self {
-            Self::ImageSize => levels(map, Size::level),
-            Self::SamplesPerPixel => levels(map, |n: Count<65_536>| n.level("spp")),
-            Self::Threads => levels(map, |n: Count<1024>| n.level("threads")),
-            Self::Objects => levels(map, |n: Count<1_000_000_000>| n.level("count")),
-            Self::MaxDepth => levels(map, |depth: u8| Level {
+            Self::ImageSize => levels(map, form, Size::level),
+            Self::SamplesPerPixel => levels(map, form, |n: Count<65_536>| n.level("spp")),
+            Self::Threads => levels(map, form, |n: Count<1024>| n.level("threads")),
+            Self::Objects => levels(map, form, |n: Count<1_000_000_000>| n.level("count")),
+            Self::MaxDepth => levels(map, form, |depth: u8| Level {
                 value: json!(depth),
                 flags: vec![format!("--max-depth={depth}")],
             }),
-            Self::Acceleration => {
-                levels(map, |structure: Structure| word("acceleration", structure))
-            }
-            Self::Cost => levels(map, |cost: CostMode| word("cost", cost)),
+            Self::Acceleration => levels(map, form, |structure: Structure| {
+                word("acceleration", structure)
+            }),
+            Self::Cost => levels(map, form, |cost: CostMode| word("cost", cost)),
         }
     }
 }
 
 fn levels<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
     map: &mut A,
+    form: Form,
     level: impl Fn(T) -> Level,
 ) -> Result<Vec<Level>, A::Error> {
-    let choices: Vec<T> = map.next_value()?;
+    let choices = match form {
+        Form::List => map.next_value::<Choices<T>>()?.0,
+        Form::One => vec![map.next_value::<T>()?],
+    };
     Ok(choices.into_iter().map(level).collect())
+}
+
+/// At least one.
+struct Choices<T>(Vec<T>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Choices<T> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        yaml::non_empty(d, "choice").map(Self)
+    }
 }
 
 /// A level whose flag takes one of clap's words.

@@ -1,7 +1,11 @@
 //! What a plot shows: rows of the table as series of points.
 
+use std::fmt;
+
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde_json::Value;
 
 use super::{PowerLaw, Row};
 
@@ -16,8 +20,10 @@ use super::{PowerLaw, Row};
 pub struct Plot {
     /// A factor, or what was measured, along the lower axis.
     pub x: String,
-    /// What was measured, along the left axis: medians with their intervals.
-    pub y: String,
+    /// What was measured, along the left axis: medians with their intervals; one
+    /// name or several of one unit.
+    #[serde(deserialize_with = "names")]
+    pub y: Vec<String>,
     /// The axes; logarithmic if not given.
     #[serde(default)]
     pub scale: Scale,
@@ -82,12 +88,17 @@ impl Figure {
         let mut figure = Self {
             title: title.to_owned(),
             x_title: titled(&plot.x),
-            y_title: titled(&plot.y),
+            y_title: plot
+                .y
+                .iter()
+                .map(|y| titled(y))
+                .collect::<Vec<_>>()
+                .join(", "),
             scale: plot.scale,
             categories: Vec::new(),
             series: Vec::new(),
         };
-        for row in rows.iter().filter(|row| row.metric == plot.y) {
+        for row in rows.iter().filter(|row| plot.y.contains(&row.metric)) {
             let Some(x) = figure.place(plot, row, rows) else {
                 continue;
             };
@@ -97,10 +108,7 @@ impl Figure {
                 y: statistics.median,
                 interval: [statistics.low_95, statistics.high_95],
             };
-            figure
-                .series_of(label(&row.point, &plot.x))
-                .points
-                .push(mark);
+            figure.series_of(label(row, &plot.x)).points.push(mark);
         }
         figure.leave_out_what_is_common();
         let has_categories = !figure.categories.is_empty();
@@ -172,14 +180,43 @@ impl Figure {
     }
 }
 
-/// "threads 2, cost time": the point's values but for one factor.
-fn label(point: &Map<String, Value>, left_out: &str) -> String {
-    let others = point.iter().filter(|(name, _)| *name != left_out);
+/// "threads 2, cost time, render wall (ms)": the point's values but for one
+/// factor, and what was measured.
+fn label(row: &Row, left_out: &str) -> String {
+    let others = row.point.iter().filter(|(name, _)| *name != left_out);
     let named = |(name, value): (&String, &Value)| match name.as_str() {
         "scene" => text(value),
         _ => format!("{} {}", name.replace('_', " "), text(value)),
     };
-    others.map(named).collect::<Vec<_>>().join(", ")
+    let metric = titled(&row.metric);
+    others
+        .map(named)
+        .chain([metric])
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// One name or several.
+fn names<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<String>, D::Error> {
+    d.deserialize_any(NamesVisitor)
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Vec<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of what was measured, or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<Vec<String>, E> {
+        Ok(vec![name.to_owned()])
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Vec<String>, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list))
+    }
 }
 
 fn text(value: &Value) -> String {

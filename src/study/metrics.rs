@@ -44,9 +44,28 @@ impl Metrics {
         }
         for file in items(&summary["files"]) {
             let name = file["file"].as_str().unwrap_or_default().replace('.', "_");
-            metrics.add(&format!("{name}_bytes"), file["bytes"].as_f64());
+            for part in ["bytes", "write_ms"] {
+                metrics.add(&format!("{name}_{part}"), file[part].as_f64());
+            }
         }
+        metrics.add_ratios();
         metrics
+    }
+
+    /// Adds what is told best as a share.
+    fn add_ratios(&mut self) {
+        for (name, part, whole) in [
+            ("hit_share", "n_hits", "n_pixels"),
+            ("node_visits_per_ray", "node_visits", "rays"),
+            ("primitive_tests_per_ray", "primitive_tests", "rays"),
+            ("ns_per_ray", "time_ns", "rays"),
+        ] {
+            let value = |name| self.0.get(name).copied();
+            let ratio = value(part)
+                .zip(value(whole))
+                .map(|(part, whole)| part / whole);
+            self.add(name, ratio.filter(|ratio| ratio.is_finite()));
+        }
     }
 
     /// Adds a number, if there is one.

@@ -23,7 +23,7 @@ pub use factor::{Factor, Level};
 pub use figure::{Figure, Mark, Plot, Scale, Series};
 pub use fit::PowerLaw;
 pub use metrics::Metrics;
-pub use plan::{Plan, Turn};
+pub use plan::{Case, Plan, Quick, Turn, Vary};
 pub use point::Point;
 pub use results::{Results, Run};
 pub use statistics::Statistics;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
+use super::factor::Form;
 use super::{Factor, Level, Plot, Point};
 use crate::sampling::uniform;
 use crate::yaml;
@@ -33,6 +34,10 @@ pub struct Plan {
     /// What is varied; every choice of one with every choice of the others.
     #[serde(default)]
     pub vary: Vary,
+    /// What changes together, such as the size with the threads: each case with
+    /// every choice of what is varied.
+    #[serde(default)]
+    pub cases: Vec<Case>,
     /// Flags that all runs have.
     #[serde(default)]
     pub flags: Vec<String>,
@@ -60,6 +65,9 @@ pub struct Quick {
     /// Takes the place of all that is varied.
     #[serde(default)]
     pub vary: Option<Vary>,
+    /// Takes the place of all cases.
+    #[serde(default)]
+    pub cases: Option<Vec<Case>>,
     /// Takes the place of the repeats.
     #[serde(default = "three", deserialize_with = "repeats")]
     pub repeats: u32,
@@ -68,6 +76,10 @@ pub struct Quick {
 /// The factors and their levels, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Vary(pub Vec<(Factor, Vec<Level>)>);
+
+/// A level of each of some factors.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Case(pub Vec<(Factor, Level)>);
 
 /// One turn of a study: a point to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,27 +96,28 @@ impl Plan {
         let quick = self.quick.take();
         self.repeats = quick.as_ref().map_or_else(three, |quick| quick.repeats);
         self.warm_up = self.warm_up.min(1);
-        if let Some(vary) = quick.and_then(|quick| quick.vary) {
-            self.vary = vary;
+        if let Some(Quick { vary, cases, .. }) = quick {
+            self.vary = vary.unwrap_or(self.vary);
+            self.cases = cases.unwrap_or(self.cases);
         }
         self
     }
 
-    /// All combinations: scene by scene, the last factor's levels first.
+    /// All combinations, scene by scene and case by case.
     pub fn points(&self) -> Vec<Point> {
         let scenes = self.scenes.iter().map(|scene| Point::of_scene(scene));
-        self.vary
-            .0
-            .iter()
-            .fold(scenes.collect(), |points, (factor, levels)| {
-                let with_levels = |point: &Point| -> Vec<Point> {
-                    levels
-                        .iter()
-                        .map(|level| point.with(*factor, level))
-                        .collect()
-                };
-                points.iter().flat_map(with_levels).collect()
-            })
+        let cases = scenes.flat_map(|point| match self.cases.is_empty() {
+            true => vec![point],
+            false => self.cases.iter().map(|case| case.of(&point)).collect(),
+        });
+        let choose = |points: Vec<Point>, (factor, levels): &(Factor, Vec<Level>)| {
+            let with_levels = |point: &Point| {
+                let points = levels.iter().map(|level| point.with(*factor, level));
+                points.collect::<Vec<_>>()
+            };
+            points.iter().flat_map(with_levels).collect()
+        };
+        self.vary.0.iter().fold(cases.collect(), choose)
     }
 
     /// Every run, round after round; each round has all points once, in an
@@ -123,32 +136,52 @@ impl Plan {
     }
 }
 
-impl<'de> Deserialize<'de> for Vary {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_map(VaryVisitor)
+impl Case {
+    /// The point with all of its levels.
+    fn of(&self, point: &Point) -> Point {
+        let with = |point: Point, (factor, level): &(Factor, Level)| point.with(*factor, level);
+        self.0.iter().fold(point.clone(), with)
     }
 }
 
-struct VaryVisitor;
+impl<'de> Deserialize<'de> for Vary {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_map(FactorsVisitor(Form::List)).map(Self)
+    }
+}
 
-impl<'de> Visitor<'de> for VaryVisitor {
-    type Value = Vary;
+impl<'de> Deserialize<'de> for Case {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let factors = d.deserialize_map(FactorsVisitor(Form::One))?.into_iter();
+        let one =
+            |(factor, levels): (Factor, Vec<Level>)| Some((factor, levels.into_iter().next()?));
+        Ok(Self(factors.filter_map(one).collect()))
+    }
+}
+
+struct FactorsVisitor(Form);
+
+impl<'de> Visitor<'de> for FactorsVisitor {
+    type Value = Vec<(Factor, Vec<Level>)>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("lists by name, such as { threads: [1, 2] }")
+        f.write_str(match self.0 {
+            Form::List => "lists by name, such as { threads: [1, 2] }",
+            Form::One => "values by name, such as { threads: 1, image_size: [512, 512] }",
+        })
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Vary, A::Error> {
-        let mut vary = Vary::default();
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut factors = Vec::new();
         while let Some(factor) = map.next_key::<Factor>()? {
-            vary.0.push((factor, factor.next_levels(&mut map)?));
+            factors.push((factor, factor.next_levels(&mut map, self.0)?));
         }
-        Ok(vary)
+        Ok(factors)
     }
 }
 
 fn scenes<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<PathBuf>, D::Error> {
-    yaml::non_empty(d, "scenes")
+    yaml::non_empty(d, "scene file")
 }
 
 fn repeats<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {

@@ -91,8 +91,8 @@ where
     d.deserialize_any(Whole(range))
 }
 
-/// A list of at least one; `what` is in it.
-pub fn non_empty<'de, D, T>(d: D, what: &str) -> Result<Vec<T>, D::Error>
+/// A list of at least one thing of a kind.
+pub fn non_empty<'de, D, T>(d: D, kind: &str) -> Result<Vec<T>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de>,
@@ -101,7 +101,7 @@ where
     match items.is_empty() {
         true => Err(D::Error::invalid_length(
             0,
-            &format!("at least one of the {what}").as_str(),
+            &format!("at least one {kind}").as_str(),
         )),
         false => Ok(items),
     }
