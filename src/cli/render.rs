@@ -11,7 +11,7 @@ use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
 use crate::memory::{self, Memory};
 use crate::output::{
-    self, OutputFolder, Rendering, Stages, Threads, Written,
+    self, HardwareCounters, OutputFolder, Rendering, Stages, Threads, Written,
     format::{bytes, count, counted, duration},
 };
 use crate::render::render;
@@ -30,6 +30,11 @@ pub(super) struct Arguments {
     /// Threads to render on [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// Have the processor count cycles, instructions, cache and branch misses of
+    /// each stage, where the machine lets it; see `stages` in summary.json
+    #[arg(long)]
+    hardware_counters: bool,
 
     /// Print nothing but errors
     #[arg(long, short)]
@@ -152,7 +157,10 @@ impl SceneArguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut stages = Stages::start();
+    let mut stages = Stages::start(match arguments.hardware_counters {
+        true => HardwareCounters::start(),
+        false => HardwareCounters::none(),
+    });
     let Loaded {
         source,
         config,

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::progress::StudyBar;
 use super::{Cli, Failure};
-use crate::output::{self, format::duration};
+use crate::output::{self, HardwareCounters, format::duration};
 use crate::study::{Figure, Metrics, Plan, Point, Results, Row, Run, Turn, rows, write_csv};
 use crate::yaml::{Diagnostic, Source};
 
@@ -83,8 +83,11 @@ fn check(plan: &Plan, point: &Point, folder: &Path) -> Result<(), Failure> {
     // Threads are no matter of `check`.
     let words = words.iter().filter(|word| !word.starts_with("--threads="));
     let refused = |error: clap::Error| {
-        let message = format!("cannot run {}: {}", point.label(), error.kind());
-        Diagnostic::new(message).with_help("see `raycost render --help` for the flags")
+        let text = error.to_string();
+        let reason = text.lines().next().unwrap_or_default();
+        let reason = reason.trim_start_matches("error: ");
+        Diagnostic::new(format!("cannot run {}: {reason}", point.label()))
+            .with_help("see `raycost render --help` for the flags")
     };
     let cli = Cli::try_parse_from(words).map_err(refused)?;
     Ok(cli.check_alone()?)
@@ -137,7 +140,7 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path) -> Result<Metrics, Failure
     command
         .arg("render")
         .arg(folder.join(&point.scene))
-        .arg("--quiet");
+        .args(["--quiet", "--hardware-counters"]);
     command.arg("--out").arg(out.path());
     command.args(&plan.flags).args(&point.flags);
     let start = Instant::now();
@@ -158,7 +161,11 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path) -> Result<Metrics, Failure
 
 /// What the runs have in common: those of others are not theirs.
 fn made_by() -> Value {
-    json!({ "machine": output::machine(), "build": output::build() })
+    json!({
+        "machine": output::machine(),
+        "build": output::build(),
+        "no_hardware_counters": HardwareCounters::start().why_not(),
+    })
 }
 
 fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> io::Result<()> {
@@ -209,6 +216,9 @@ fn closing_lines(plan: &Plan, rows: &[Row], out: &Path, n_left: usize) -> String
         "\nwrote   {}: runs.jsonl, statistics.csv, statistics.json\n",
         out.display()
     );
+    if let Some(reason) = HardwareCounters::start().why_not() {
+        text += &format!("note    cycles, instructions and misses: {reason}\n");
+    }
     if n_left > 0 {
         text += &format!("left    {n_left} runs when the time was up: give the command again\n");
     }

@@ -6,6 +6,7 @@
 
 mod cost_picture;
 mod folder;
+mod hardware;
 pub mod format;
 mod heatmap;
 mod measure;
@@ -20,6 +21,7 @@ use std::io::{self, Write};
 
 pub(crate) use cost_picture::{Ticks, ticks};
 pub use folder::{OutputFolder, WriteError};
+pub use hardware::{Counts, HardwareCounters};
 pub use resources::SystemWork;
 pub use summary::{Stage, Stages, Threads, build, machine};
 pub use vtk::{write_frame, write_hits};

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
+use super::hardware::{Counts, HardwareCounters};
 use super::resources::{self, SystemWork};
 use super::{Rendering, Written};
 use crate::config::Acceleration;
@@ -38,6 +39,8 @@ pub struct Stage {
     /// What the operating system had to do in it, where that is known.
     #[serde(flatten)]
     pub system: Option<SystemWork>,
+    /// What the processor counted in it; empty where it counts nothing.
+    pub events: Counts,
 }
 
 /// To a thousandth.
@@ -46,19 +49,23 @@ pub(super) fn milliseconds(elapsed: Duration) -> f64 {
 }
 
 /// A stopwatch that is pressed at the end of each stage.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Stages {
     wall: Instant,
     cpu: ProcessTime,
     system: Option<SystemWork>,
+    hardware: HardwareCounters,
+    counts: Counts,
     /// The stages that have ended.
     pub ended: Vec<Stage>,
 }
 
 impl Stages {
-    /// Starts the first stage now.
-    pub fn start() -> Self {
+    /// Starts the first stage now, watched by these counters.
+    pub fn start(mut hardware: HardwareCounters) -> Self {
         Self {
+            counts: hardware.read(),
+            hardware,
             wall: Instant::now(),
             cpu: ProcessTime::now(),
             system: SystemWork::so_far(),
@@ -69,6 +76,12 @@ impl Stages {
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
         let system = SystemWork::so_far();
+        let counts = self.hardware.read();
+        let before = |name| self.counts.get(name).copied().unwrap_or_default();
+        let events = counts
+            .iter()
+            .map(|(name, count)| (*name, count - before(name)));
+        let events = events.collect();
         self.ended.push(Stage {
             name,
             wall_ms: milliseconds(self.wall.elapsed()),
@@ -76,9 +89,10 @@ impl Stages {
             system: system
                 .zip(self.system)
                 .map(|(now, before)| now.since(before)),
+            events,
         });
         (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
-        self.system = system;
+        (self.system, self.counts) = (system, counts);
     }
 
     /// Time on the wall of the stage with this name; zero if it never was.
@@ -115,6 +129,7 @@ pub(super) fn write(
         "build": build(),
         "threads": rendering.threads,
         "stages": stages.ended,
+        "no_hardware_counters": stages.hardware.why_not(),
         "peak_memory_bytes": resources::peak_memory_bytes(),
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
