@@ -142,7 +142,8 @@ mod tests {
     }
 
     /// The interval of a normal sample holds the true median about as often as
-    /// it says.
+    /// it says: of 15 values it ends at the fourth or the fifth from each side,
+    /// which hold it in 96 and 88 of 100 cases.
     #[test]
     fn the_interval_covers() {
         let normal = |study: u64, i: u64| {
@@ -157,6 +158,6 @@ mod tests {
             statistics.low_95 <= 0.0 && 0.0 <= statistics.high_95
         };
         let n_covering = (0..200).filter(covers).count();
-        assert!((180..=199).contains(&n_covering), "{n_covering} of 200");
+        assert!((170..=199).contains(&n_covering), "{n_covering} of 200");
     }
 }
