@@ -24,6 +24,10 @@ pub struct Plot {
     /// name or several of one unit.
     #[serde(deserialize_with = "names")]
     pub y: Vec<String>,
+    /// The factors that tell series apart; if not given, all but `x`, and the
+    /// scene alone where `x` was measured.
+    #[serde(default)]
+    pub by: Option<Vec<String>>,
     /// The axes; logarithmic if not given.
     #[serde(default)]
     pub scale: Scale,
@@ -82,6 +86,26 @@ pub struct Mark {
     pub interval: [f64; 2],
 }
 
+impl Plot {
+    /// "threads 2, cost time, render wall (ms)": what tells a row's series apart,
+    /// and what was measured.
+    fn label(&self, row: &Row) -> String {
+        let is_factor = row.point.contains_key(&self.x);
+        let tells = |name: &str| match &self.by {
+            Some(by) => by.iter().any(|by| by == name),
+            None if is_factor => name != self.x,
+            None => name == "scene",
+        };
+        let named = |(name, value): (&String, &Value)| match name.as_str() {
+            "scene" => text(value),
+            _ => format!("{} {}", name.replace('_', " "), text(value)),
+        };
+        let factors = row.point.iter().filter(|(name, _)| tells(name)).map(named);
+        let metric = titled(&row.metric);
+        factors.chain([metric]).collect::<Vec<_>>().join(", ")
+    }
+}
+
 impl Figure {
     /// What a plot shows of these rows; `None` if they have nothing of it.
     pub fn of(plot: &Plot, title: &str, rows: &[Row]) -> Option<Self> {
@@ -108,7 +132,7 @@ impl Figure {
                 y: statistics.median,
                 interval: [statistics.low_95, statistics.high_95],
             };
-            figure.series_of(label(row, &plot.x)).points.push(mark);
+            figure.series_of(plot.label(row)).points.push(mark);
         }
         figure.leave_out_what_is_common();
         let has_categories = !figure.categories.is_empty();
@@ -178,22 +202,6 @@ impl Figure {
             self.scale = Scale::Linear;
         }
     }
-}
-
-/// "threads 2, cost time, render wall (ms)": the point's values but for one
-/// factor, and what was measured.
-fn label(row: &Row, left_out: &str) -> String {
-    let others = row.point.iter().filter(|(name, _)| *name != left_out);
-    let named = |(name, value): (&String, &Value)| match name.as_str() {
-        "scene" => text(value),
-        _ => format!("{} {}", name.replace('_', " "), text(value)),
-    };
-    let metric = titled(&row.metric);
-    others
-        .map(named)
-        .chain([metric])
-        .collect::<Vec<_>>()
-        .join(", ")
 }
 
 /// One name or several.

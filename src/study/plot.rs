@@ -3,9 +3,8 @@
 use std::io::{self, Cursor};
 
 use image::{ImageFormat, RgbImage};
-use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
-use plotters::element::{Circle, Cross, ErrorBar, IntoDynElement, TriangleMarker};
+use plotters::element::{Circle, Cross, PathElement, Text, TriangleMarker};
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
@@ -14,6 +13,8 @@ use super::figure::{Figure, Series};
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (960, 640);
+/// Part of the width for the names of series, where there are some.
+const LEGEND_WIDTH: u32 = 240;
 const FONT: &str = "sans-serif";
 
 /// Colours that the colour-blind tell apart: Okabe and Ito, "Color Universal
@@ -63,10 +64,30 @@ impl Figure {
 
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-fn draw<'a, DB: DrawingBackend + 'a>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
+fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
     // Only the bytes of a font could be refused, and these are known.
     let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
     area.fill(&WHITE)?;
+    let has_legend = figure
+        .series
+        .iter()
+        .any(|series| !name_of(series).is_empty());
+    let legend_width = if has_legend { LEGEND_WIDTH } else { 0 };
+    let (chart, legend) = area.split_horizontally(SIZE.0 - legend_width);
+    draw_chart(figure, &chart)?;
+    for (number, series) in figure.series.iter().enumerate() {
+        let y = 80 + 44 * number as i32;
+        draw_symbol(&legend, number, (8, y))?;
+        let name = name_of(series);
+        for (line, text) in name.split(": ").enumerate() {
+            let at = (22, y - 8 + 18 * line as i32);
+            legend.draw(&Text::new(text.to_owned(), at, (FONT, 16)))?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
     let (x, y) = axes(figure);
     let mut chart = ChartBuilder::on(area)
         .caption(&figure.title, (FONT, 26))
@@ -84,7 +105,7 @@ fn draw<'a, DB: DrawingBackend + 'a>(figure: &Figure, area: &DrawingArea<DB, Shi
         .light_line_style(BLACK.mix(0.06))
         .draw()?;
     for (number, series) in figure.series.iter().enumerate() {
-        let color = COLORS[number % COLORS.len()];
+        let color = color_of(number);
         let points = || series.points.iter();
         if let Some(law) = series.law {
             let ends = [points().next(), points().last()].into_iter().flatten();
@@ -94,56 +115,35 @@ fn draw<'a, DB: DrawingBackend + 'a>(figure: &Figure, area: &DrawingArea<DB, Shi
             let line = points().map(|mark| (mark.x, mark.y));
             chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
         }
-        let bar = |[low, high]: [f64; 2], x, y| {
-            ErrorBar::new_vertical(x, low, y, high, color.stroke_width(2), 10)
-        };
-        chart.draw_series(points().map(|mark| bar(mark.interval, mark.x, mark.y)))?;
-        // A shape of the series' own: colour is not all that tells them apart.
-        let (name, style) = (name_of(series), color.filled());
-        let places = points().map(|mark| (mark.x, mark.y));
-        match number % 3 {
-            0 => named(
-                chart.draw_series(places.map(|at| Circle::new(at, 5, style)))?,
-                name,
-                move |at| Circle::new(at, 5, style),
-            ),
-            1 => named(
-                chart.draw_series(places.map(|at| TriangleMarker::new(at, 7, style)))?,
-                name,
-                move |at| TriangleMarker::new(at, 7, style),
-            ),
-            _ => named(
-                chart.draw_series(places.map(|at| Cross::new(at, 5, color.stroke_width(2))))?,
-                name,
-                move |at| Cross::new(at, 5, color.stroke_width(2)),
-            ),
+        for mark in points() {
+            let [low, high] = mark.interval.map(|end| chart.backend_coord(&(mark.x, end)));
+            let interval = PathElement::new([low, high], color.stroke_width(2));
+            area.strip_coord_spec().draw(&interval)?;
+            let cap = |(x, y)| PathElement::new([(x - 5, y), (x + 5, y)], color.stroke_width(2));
+            area.strip_coord_spec().draw(&cap(low))?;
+            area.strip_coord_spec().draw(&cap(high))?;
+            draw_symbol(area, number, chart.backend_coord(&(mark.x, mark.y)))?;
         }
-    }
-    if figure
-        .series
-        .iter()
-        .any(|series| !name_of(series).is_empty())
-    {
-        chart
-            .configure_series_labels()
-            .label_font((FONT, 16))
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.2))
-            .position(SeriesLabelPosition::UpperLeft)
-            .draw()?;
     }
     Ok(())
 }
 
-/// Puts a series into the legend, if it has a name.
-fn named<'a, DB: DrawingBackend + 'a, E: IntoDynElement<'a, DB, (i32, i32)>>(
-    series: &mut SeriesAnno<'a, DB>,
-    name: String,
-    symbol: impl Fn((i32, i32)) -> E + 'a,
-) {
-    if !name.is_empty() {
-        series.label(name).legend(move |(x, y)| symbol((x + 10, y)));
+/// Draws the symbol of a series: colour is not all that tells them apart.
+fn draw_symbol<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    number: usize,
+    at: (i32, i32),
+) -> Drawn<DB> {
+    let color = color_of(number);
+    match number % 3 {
+        0 => area.draw(&Circle::new(at, 5, color.filled())),
+        1 => area.draw(&TriangleMarker::new(at, 7, color.filled())),
+        _ => area.draw(&Cross::new(at, 5, color.stroke_width(2))),
     }
+}
+
+fn color_of(number: usize) -> RGBColor {
+    COLORS[number % COLORS.len()]
 }
 
 fn axes(figure: &Figure) -> (Axis, Axis) {
