@@ -13,7 +13,7 @@ use std::time::Instant;
 use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
-use raycost::render::render;
+use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
 use raycost::yaml::{Diagnostic, Source};
 
@@ -50,13 +50,14 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
 fn compare(path: &Path) {
     let (config, scene) = read(path).unwrap_or_else(|error| panic!("{error}"));
     let accel = Accel::new(&scene.primitives, config.acceleration);
+    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
     let meters = MODES.map(Meter::new);
     let mut times = [[0.0; N_ROUNDS]; 3];
     let mut n_rays = 0;
     for round in 0..N_ROUNDS {
         for (meter, times) in meters.iter().zip(&mut times) {
             let start = Instant::now();
-            let film = render(&scene, &accel, &config.image, meter, |_| {});
+            let (film, _) = render(&scene, &accel, &plan, meter, |_| {});
             times[round] = start.elapsed().as_secs_f64();
             n_rays = n_rays.max(black_box(film).totals.n_rays());
         }

@@ -16,7 +16,7 @@ use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
-use raycost::render::render;
+use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
 use raycost::yaml::Source;
 
@@ -89,13 +89,8 @@ fn film(width: u32, height: u32) -> Film {
     let geometries = Geometries::read(&config, "configs".as_ref(), u64::MAX).unwrap();
     let scene = Scene::new(&config, geometries).unwrap();
     let accel = Accel::new(&scene.primitives, config.acceleration);
-    render(
-        &scene,
-        &accel,
-        &config.image,
-        &Meter::new(CostMode::Time),
-        |_| {},
-    )
+    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }
 
 /// The folder that the command line names, or one in memory.

@@ -2,7 +2,7 @@
 //!
 //! ```no_run
 //! # use raycost::scene::{Geometries, Scene};
-//! use raycost::{accel::Accel, config::Config, cost::Meter, render::render, yaml::Source};
+//! use raycost::{accel::Accel, config::Config, cost::Meter, render::{Plan, render}, yaml::Source};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let source = Source::read("configs/seed_sphere.yaml".as_ref())?;       // the text,
 //! let config: Config = source.parse()?;                                  // checked values,
@@ -11,8 +11,10 @@
 //! let scene = Scene::new(&config, geometries).map_err(point_at)?;        // world space,
 //! let accel = Accel::new(&scene.primitives, config.acceleration);        // a way to find hits,
 //! let meter = Meter::new(config.cost);                                   // time and counters,
-//! let film = render(&scene, &accel, &config.image, &meter, |_| {});      // pixels and their cost:
+//! let plan = Plan::new(&scene, &accel, &config.image, config.tiles);     // tiles in order,
+//! let (film, schedule) = render(&scene, &accel, &plan, &meter, |_| {});  // pixels and their cost:
 //! println!("{} pixels see something", film.n_hits());
+//! println!("{:.1} % of the time was idle", 100.0 * schedule.load().idle_share);
 //! # Ok(()) }
 //! ```
 //!
@@ -31,10 +33,16 @@ pub mod cost;
 pub mod accel;
 pub mod trace;
 pub mod shade;
+pub mod schedule;
 pub mod film;
 pub mod render;
 pub mod observe;
+pub mod ledger;
 pub mod memory;
 pub mod output;
+pub mod results;
+pub mod view;
+pub mod statistics;
+pub mod diff;
 pub mod study;
 pub mod cli;

@@ -3,9 +3,11 @@
 use sysinfo::System;
 
 use crate::accel::{Bvh, TooLarge};
-use crate::config::{Acceleration, Config};
+use crate::config::{Acceleration, Config, Image};
 use crate::film;
+use crate::ledger::Ledger;
 use crate::scene::{Geometries, Primitive};
+use crate::schedule::{TileGrid, TileRun};
 use crate::yaml::{Fault, Path};
 
 /// What the pictures and files take for each pixel while they are made: a copy
@@ -13,12 +15,16 @@ use crate::yaml::{Fault, Path};
 /// PNG.
 const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
 
+/// What the order and the record of a tile take: the threads' lists grow by
+/// doubling, and are there until the schedule is made of them.
+const BYTES_PER_TILE: u64 = 4 + 3 * size_of::<(u32, TileRun)>() as u64;
+
 /// What one rendering needs, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
     /// The film's arrays, and what is made of them at the end.
     pub film: u64,
-    /// Primitives and the structure over them.
+    /// Primitives, the structure over them, and what is told of both.
     pub scene: u64,
     n_primitives: usize,
 }
@@ -27,15 +33,29 @@ impl Memory {
     /// What the config and its geometries need; never less than is used in the
     /// end, but for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
+        let per_pixel = film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL;
+        let Image { width, height, .. } = config.image;
+        let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
+        let of_tiles = u64::from(n_tiles) * BYTES_PER_TILE;
+        let of_ledger = Ledger::bytes_per_primitive(&config.output, config.acceleration);
+        let bare = Self::of_scene(config, geometries);
+        Self {
+            film: config.image.n_pixels() as u64 * per_pixel + of_tiles,
+            scene: bare.scene + (bare.n_primitives * of_ledger) as u64,
+            ..bare
+        }
+    }
+
+    /// The same without a film, or anything told of it.
+    pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {
                 Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
                 Acceleration::BruteForce => size_of::<u32>(),
             };
-        let n_pixels = config.image.n_pixels() as u64;
         let n_primitives = geometries.n_primitives();
         Self {
-            film: n_pixels * (film::bytes_per_pixel(config.cost) as u64 + OUTPUT_BYTES_PER_PIXEL),
+            film: 0,
             // What was read, and its attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,

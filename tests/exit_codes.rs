@@ -156,7 +156,7 @@ fn a_folder_that_cannot_be_written_ends_with_1() {
             "{message}"
         );
         assert!(
-            message.contains("= help: choose another folder with `--out DIR`"),
+            message.contains("= help: choose another folder with `--out`"),
             "{message}"
         );
     }
@@ -169,12 +169,15 @@ fn a_folder_that_cannot_be_written_ends_with_1() {
 #[test]
 fn a_wrong_command_line_ends_with_2() {
     let folder = folder();
-    let lines: [&[&str]; 12] = [
+    let lines: [&[&str]; 15] = [
         &["render"],
         &["paint", "scene.yaml"],
         &["check", "scene.yaml", "scene.yaml"],
         &["render", "scene.yaml", "--width", "0"],
         &["render", "scene.yaml", "--width", "65536"],
+        &["render", "scene.yaml", "--tile-size", "1"],
+        &["render", "scene.yaml", "--tile-size", "257"],
+        &["render", "scene.yaml", "--tile-order", "spiral"],
         &["render", "scene.yaml", "--height", "tall"],
         &["render", "scene.yaml", "--spp", "-1"],
         &["render", "scene.yaml", "--seed", "1.5"],
@@ -190,5 +193,42 @@ fn a_wrong_command_line_ends_with_2() {
     let output = raycost(folder.path(), &[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(output.stdout.is_empty() && !output.stderr.contains(&0x1b));
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn files_of_what_is_not_measured_are_refused() {
+    let folder = folder();
+    let scene = fs::read_to_string(folder.path().join("scene.yaml")).unwrap();
+    let asking = format!("{scene}output: [schedule, surface]\n");
+    fs::write(folder.path().join("asking.yaml"), asking).unwrap();
+    let brute = format!("{scene}acceleration: brute_force\n");
+    fs::write(folder.path().join("brute.yaml"), brute).unwrap();
+
+    let by_flag = [
+        "render",
+        "scene.yaml",
+        "--no-cost",
+        "--also",
+        "schedule,objects",
+    ];
+    let message = failure(folder.path(), &by_flag, 2);
+    assert!(
+        message.contains("`objects` is made of counters"),
+        "{message}"
+    );
+    assert!(
+        message.contains("--cost counters") && !message.contains("-->"),
+        "{message}"
+    );
+    let by_file = ["check", "asking.yaml", "--no-cost"];
+    let message = failure(folder.path(), &by_file, 2);
+    assert!(
+        message.contains("`surface` is made of counters"),
+        "{message}"
+    );
+    assert!(message.contains("--> asking.yaml"), "{message}");
+    let message = failure(folder.path(), &["render", "brute.yaml", "--also=bvh"], 2);
+    assert!(message.contains("`brute_force` has none"), "{message}");
     assert!(!folder.path().join("out").exists());
 }

@@ -80,6 +80,30 @@ fn without_cost_the_files_of_an_earlier_cost_go() {
 }
 
 #[test]
+fn the_schedule_comes_where_it_is_asked_for_and_goes_again() {
+    let temporary = temporary();
+    let out = temporary.path();
+    let of_schedule = ["schedule.pvsm", "tiles.vti", "trace.json"];
+    let mut with_schedule = [&FILES[..], &of_schedule].concat();
+    with_schedule.sort();
+    for cost in ["--cost=time", "--cost=none"] {
+        let command = &mut render(out);
+        assert_success(&command.args(["--also=schedule", cost]).output().unwrap());
+        let names = names(out);
+        assert!(
+            of_schedule
+                .iter()
+                .all(|file| names.iter().any(|name| name == file))
+        );
+        assert_eq!(names == with_schedule, cost == "--cost=time", "{names:?}");
+    }
+    assert_success(&render(out).output().unwrap());
+    assert_eq!(names(out), FILES);
+    // Told in any case: it costs nothing.
+    assert_eq!(summary(out)["schedule"]["n_tiles"], 6);
+}
+
+#[test]
 fn counters_alone_come_without_a_time() {
     let temporary = temporary();
     let out = temporary.path();

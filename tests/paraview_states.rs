@@ -5,12 +5,12 @@ mod common;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 
 use common::data_set::DataSet;
+use common::paraview::{NOTHING, folder, load, render, scene_file, screenshot};
 use common::{assert_success, in_repository, raycost};
 
 /// Far from the origin, higher than wide, nothing in it symmetric.
@@ -35,19 +35,6 @@ objects:
     material: gold
   - sphere: { center: [1001.5, 249.7, -2999], radius: 0.7 }
     material: brick
-";
-
-/// A camera that looks away from the only object.
-const NOTHING: &str = "
-image: { width: 64, height: 48 }
-camera:
-  look_at: { eye: [0, 0, 5], target: [0, 0, 9], fov_y_deg: 40 }
-materials:
-  grey: { color: 0.5 }
-lights: []
-objects:
-  - sphere: { center: [0, 0, 0], radius: 1 }
-    material: grey
 ";
 
 #[test]
@@ -105,6 +92,42 @@ fn shows_its_output(out: &Path, cost: &str) {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn what_things_cost_is_shown() {
+    let flat = TOWER.to_owned() + "output: [surface, bvh: { max_depth: 0 }]\n";
+    let outputs = [
+        // Three spheres, and a mesh without any.
+        (
+            "charged spheres",
+            in_repository("configs/seed_extended.yaml"),
+            None,
+        ),
+        (
+            "charged mesh",
+            in_repository("configs/spot.yaml"),
+            Some("--cost=counters"),
+        ),
+        ("charged root", scene_file("flat", &flat), None),
+    ];
+    for (name, scene, cost) in outputs {
+        let mut flags = vec!["--also=surface,bvh", "--width=200", "--height=150"];
+        flags.extend(cost);
+        let out = render(&scene, name, &flags);
+        for (state, arrays) in [
+            ("surface", "wasted_tests,radius"),
+            ("bvh", "wasted_visits,RGB"),
+        ] {
+            let file = out.join(state).with_extension("pvsm");
+            let text = fs::read_to_string(&file).unwrap();
+            assert_eq!(text.contains("value=\"time_ns\""), cost.is_none());
+            let require = format!("--require={arrays}");
+            let flags = ["--from-state", &require];
+            assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "no cost", &["--no-cost"]);
@@ -127,10 +150,82 @@ fn a_state_of_no_hits_loads() {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_diff_is_shown() {
+    for (cost, array) in [("time", "time_ns"), ("counters", "primitive_tests")] {
+        let cost = format!("--cost={cost}");
+        let out = diff(&format!("diff {array}"), &[&cost]);
+        let file = out.join("diff.pvsm");
+        let require = format!("--require={array}_difference,{array}_ratio");
+        let flags = ["--from-state", &require];
+        assert!(
+            fs::read_to_string(&file)
+                .unwrap()
+                .contains(&format!("{array}_ratio"))
+        );
+        assert_success(&load(&file, &out, &screenshot(&out, "diff"), &flags));
+        // The template, too.
+        let template = in_repository("paraview/diff.pvsm");
+        if array == "time_ns" {
+            assert_success(&load(
+                &template,
+                &out,
+                &screenshot(&out, "diff by variable"),
+                &flags,
+            ));
+        }
+    }
+}
+
+/// The diff of two outputs of a scene, the second without a hierarchy.
+fn diff(name: &str, arguments: &[&str]) -> PathBuf {
+    let grid = "
+  - sphere_grid: { counts: [5, 5, 5], min: [997, 250, -3004], max: [1003, 254, -3002], radius: 0.2 }
+    material: gold
+";
+    let [a, b] = ["bvh", "brute_force"].map(|acceleration| {
+        let scene = format!("{TOWER}{}acceleration: {acceleration}\n", &grid[1..]);
+        let file = scene_file(acceleration, &scene);
+        render(&file, &format!("{name} {acceleration}"), arguments)
+    });
+    let out = folder("out ü & co").join(name);
+    let output = raycost()
+        .arg("diff")
+        .args([&a, &b])
+        .arg("--out")
+        .arg(&out)
+        .output();
+    assert_success(&output.unwrap());
+    out
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_schedule_is_shown() {
+    let tower = scene_file("schedule", TOWER);
+    for (name, flags) in [
+        ("schedule", ["--tile-order=cost", "--threads=3"]),
+        // Taller than wide, and a tile that is larger than the picture.
+        ("one tile", ["--tile-size=256", "--height=250"]),
+        (
+            "schedule without cost",
+            ["--tile-order=hilbert", "--no-cost"],
+        ),
+    ] {
+        let out = render(&tower, name, &[&["--also=schedule"], &flags[..]].concat());
+        let state = out.join("schedule.pvsm");
+        let flags = ["--from-state", "--require=RGB,duration_ns,thread,start_ns"];
+        assert_success(&load(&state, &out, &screenshot(&out, "schedule"), &flags));
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "repository", &[]);
-    for state in ["geometry", "heatmap", "overview"] {
+    let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
+    for state in [
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
+    ] {
         let file = in_repository("paraview").join(state).with_extension("pvsm");
         // `load` sets RAYCOST_OUT, which the paths begin with.
         let by_variable = screenshot(&out, &format!("{state} by variable"));
@@ -169,53 +264,6 @@ fn the_picture_carries_the_geometry_state() {
     assert_eq!(chunks[0].keyword, "ParaViewState");
     let state = fs::read_to_string(out.join("geometry.pvsm")).unwrap();
     assert!(chunks[0].text == state, "the text is not geometry.pvsm");
-}
-
-/// Renders into a folder whose name is a trial to states and shells.
-fn render(scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
-    let out = folder("out ü & co").join(name);
-    let output = raycost()
-        .arg("render")
-        .arg(scene)
-        .args(["--quiet", "--out"])
-        .arg(&out)
-        .args(arguments)
-        .output();
-    assert_success(&output.unwrap());
-    out
-}
-
-fn scene_file(name: &str, text: &str) -> PathBuf {
-    let file = folder("scenes").join(name).with_extension("yaml");
-    fs::write(&file, text).unwrap();
-    file
-}
-
-fn screenshot(out: &Path, what: &str) -> PathBuf {
-    let name = out.file_name().unwrap().to_str().unwrap();
-    folder("").join(format!("{name}, {what}.png"))
-}
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .with_file_name("paraview")
-        .join(name);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// Loads the state in ParaView and checks what it shows.
-fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
-    Command::new("xvfb-run")
-        // Without -noreset the screen is gone for a moment whenever ParaView
-        // closes a window.
-        .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
-        .arg(in_repository("paraview/check_state.py"))
-        .args([state, out, screenshot])
-        .args(flags)
-        .env("RAYCOST_OUT", out)
-        .output()
-        .expect("run tests/with-paraview")
 }
 
 /// The screenshot's cloud in its own colours is the picture, and neither its

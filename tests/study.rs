@@ -103,8 +103,8 @@ fn tables_and_plots_tell_the_runs() {
         let [threads, depth] = ["threads", "max_depth"].map(|name| row[column(name)].to_owned());
         let counts = |run: &&Value| {
             run["round"].as_u64() > Some(0)
-                && run["point"]["threads"].to_string() == threads
-                && run["point"]["max_depth"].to_string() == depth
+                && run["point"]["threads"].as_u64() == threads.parse().ok()
+                && run["point"]["max_depth"].as_u64() == depth.parse().ok()
         };
         let measured = runs[1..].iter().filter(counts);
         let times: Vec<f64> = measured

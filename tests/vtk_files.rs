@@ -5,15 +5,18 @@ mod common;
 
 use std::fs::File;
 use std::path::Path;
+use std::time::Instant;
 
-use bytemuck::cast_slice_mut;
 use glam::Vec3;
 
-use common::data_set::{Array, DataSet};
-use common::{config, film, parse, with_cost};
-use raycost::config::{Config, CostMode};
+use common::data_set::{Array, DataSet, assert_same, integers};
+use common::noise::noise;
+use common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
+use raycost::config::{Config, CostMode, TileOrder};
+use raycost::cost::Cost;
 use raycost::film::{Film, STRIP_ROWS, Strip};
-use raycost::output::{write_frame, write_hits};
+use raycost::output::{write_frame, write_hits, write_tiles};
+use raycost::schedule::{Schedule, TileGrid, TileRun};
 
 /// Two tests of each film.
 macro_rules! films {
@@ -46,7 +49,48 @@ films! {
     no_hit: film_of_hits(0, &scene(33, 17, 1, "{ center: [0, 0, 9], radius: 1 }"));
     one_hit: film_of_hits(1, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 0.1 }"));
     all_hits: film_of_hits(33 * 17, &scene(33, 17, 1, "{ center: [0, 0, 0], radius: 9 }"));
-    noise: noise();
+    noise: noise(33, 17, CostMode::Time, 0);
+}
+
+/// The diff of two outputs: what it holds is tested without VTK, in `diff`.
+#[test]
+#[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+fn a_diff_by_vtk() {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, quality) in [("a", "bvh"), ("b", "brute_force")] {
+        let scene = std::fs::read_to_string(in_repository("configs/seed_extended.yaml")).unwrap();
+        let file = folder.path().join(side).with_extension("yaml");
+        std::fs::write(&file, format!("{scene}acceleration: {quality}\n")).unwrap();
+        let mut render = raycost();
+        render
+            .arg("render")
+            .arg(file)
+            .arg("--out")
+            .arg(folder.path().join(side));
+        assert_success(&render.args(["--width=33", "--height=17"]).output().unwrap());
+    }
+    let mut diff = raycost();
+    let diff = diff
+        .args(["diff", "b", "a", "--out", "."])
+        .current_dir(folder.path());
+    assert_success(&diff.output().unwrap());
+    let file = folder.path().join("diff.vti");
+    assert_same(DataSet::read_with_vtk(&file), DataSet::read(&file));
+}
+
+mod tiles {
+    use super::*;
+
+    #[test]
+    fn as_the_format_says() {
+        check_tiles(DataSet::read);
+    }
+
+    #[test]
+    #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+    fn by_vtk() {
+        check_tiles(DataSet::read_with_vtk);
+    }
 }
 
 const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";
@@ -77,43 +121,6 @@ fn film_of_hits(n_hits: usize, config: &Config) -> Film {
     film
 }
 
-/// A film of noise: no array can be taken for another, and NaN comes in all
-/// its shapes.
-fn noise() -> Film {
-    let mut film = Film::new(33, 17, CostMode::Time);
-    let mut state = 0_u32;
-    let mut noise = || {
-        // The generator of Numerical Recipes.
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 24) as u8
-    };
-    for strip in &mut film.strips {
-        let arrays: [&mut [u8]; 17] = [
-            cast_slice_mut(&mut strip.rgb),
-            cast_slice_mut(&mut strip.position),
-            cast_slice_mut(&mut strip.normal),
-            cast_slice_mut(&mut strip.distance),
-            cast_slice_mut(&mut strip.footprint),
-            cast_slice_mut(&mut strip.object),
-            cast_slice_mut(&mut strip.material),
-            cast_slice_mut(&mut strip.time_ns),
-            cast_slice_mut(&mut strip.node_visits),
-            cast_slice_mut(&mut strip.primitive_tests),
-            cast_slice_mut(&mut strip.rays),
-            cast_slice_mut(&mut strip.shadow_rays),
-            cast_slice_mut(&mut strip.reflection_rays),
-            cast_slice_mut(&mut strip.refraction_rays),
-            cast_slice_mut(&mut strip.depth),
-            cast_slice_mut(&mut strip.tile),
-            cast_slice_mut(&mut strip.thread),
-        ];
-        for array in arrays {
-            array.fill_with(&mut noise);
-        }
-    }
-    film
-}
-
 /// Writes the film's two files and compares what `read` finds in them.
 fn check(film: &Film, read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
@@ -124,19 +131,90 @@ fn check(film: &Film, read: fn(&Path) -> DataSet) {
     assert_same(read(&hits), expected_hits(film));
 }
 
-fn assert_same(mut found: DataSet, mut expected: DataSet) {
-    for (found, expected) in found.arrays.iter_mut().zip(&mut expected.arrays) {
-        let [found, expected_bytes] =
-            [found, expected].map(|array| std::mem::take(&mut array.bytes));
-        let differ = found.iter().zip(&expected_bytes).position(|(a, b)| a != b);
-        let lengths = [found.len(), expected_bytes.len()];
-        assert!(
-            found == expected_bytes,
-            "{}: from byte {differ:?} on; lengths {lengths:?}",
-            expected.name
-        );
+/// Writes a schedule of 3 x 2 tiles, the last of each row and column cut, and
+/// compares what `read` finds.
+fn check_tiles(read: fn(&Path) -> DataSet) {
+    let run = |number: u32| TileRun {
+        thread: number % 2,
+        position: 5 - number,
+        start_ns: u64::from(number) << 33,
+        end_ns: (u64::from(number) << 33) + 7,
+        film_ns: 3,
+        counted: Cost {
+            node_visits: u64::from(number) << 34,
+            rays: [1, 2, 3, 4],
+            depth: number.into(),
+            ..Cost::default()
+        },
+    };
+    let schedule = Schedule {
+        grid: TileGrid::new(33, 17, 16),
+        order: TileOrder::Scanline,
+        n_threads: 2,
+        begin: Instant::now(),
+        runs: (0..6).map(run).collect(),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for cost in [CostMode::None, CostMode::Time] {
+        let path = folder.path().join("tiles.vti");
+        write_tiles(&schedule, cost, &mut File::create(&path).unwrap()).unwrap();
+        assert_same(read(&path), expected_tiles(cost));
     }
-    assert_eq!(found, expected);
+}
+
+/// What `tiles.vti` should hold: the lower row of tiles first.
+fn expected_tiles(cost: CostMode) -> DataSet {
+    let upward = [3, 4, 5, 0, 1, 2];
+    let f64s = |name: &str, value: fn(u32) -> f64| {
+        let bytes = upward.iter().flat_map(|&tile| value(tile).to_ne_bytes());
+        tile_array(name, "Float64", bytes.collect())
+    };
+    let u64s = |name: &str, value: fn(u64) -> u64| {
+        let bytes = upward
+            .iter()
+            .flat_map(|&tile| value(tile.into()).to_ne_bytes());
+        tile_array(name, "UInt64", bytes.collect())
+    };
+    let mut arrays = vec![
+        f64s("start_ns", |tile| f64::from(tile) * 2_f64.powi(33)),
+        f64s("end_ns", |tile| f64::from(tile) * 2_f64.powi(33) + 7.0),
+        f64s("duration_ns", |_| 7.0),
+        f64s("film_ns", |_| 3.0),
+        integers("thread", [1, 0, 1, 0, 1, 0].into_iter()),
+        integers("position", [2, 1, 0, 5, 4, 3].into_iter()),
+        integers("tile", [3, 4, 5, 0, 1, 2].into_iter()),
+    ];
+    if cost.has_counters() {
+        arrays.extend([
+            u64s("node_visits", |tile| tile << 34),
+            u64s("primitive_tests", |_| 0),
+            u64s("rays", |_| 10),
+            u64s("shadow_rays", |_| 2),
+            u64s("reflection_rays", |_| 3),
+            u64s("refraction_rays", |_| 4),
+            u64s("depth", |tile| tile),
+        ]);
+    }
+    DataSet {
+        kind: "ImageData".to_owned(),
+        n_points: 4 * 3,
+        n_cells: None,
+        extent: Some([0, 3, 0, 2, 0, 0]),
+        // Row 0 of the picture is up to y = 16.5 in frame.vti.
+        origin: Some([-0.5, 16.5 - 32.0, 0.0]),
+        spacing: Some([16.0; 3]),
+        normals: None,
+        arrays,
+    }
+}
+
+fn tile_array(name: &str, scalar: &str, bytes: Vec<u8>) -> Array {
+    Array {
+        name: name.to_owned(),
+        scalar: scalar.to_owned(),
+        n_components: 1,
+        bytes,
+    }
 }
 
 /// What `frame.vti` should hold: VTK's rows go up, the film's go down.
@@ -285,14 +363,5 @@ impl Pixel {
     fn of<T: Copy>(&self, film: &Film, field: fn(&Strip) -> &Vec<T>) -> T {
         let strip = &film.strips[(self.y / STRIP_ROWS) as usize];
         field(strip)[(self.y % STRIP_ROWS * film.width + self.x) as usize]
-    }
-}
-
-fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
-    Array {
-        name: name.to_owned(),
-        scalar: "Int32".to_owned(),
-        n_components: 1,
-        bytes: numbers.flat_map(i32::to_ne_bytes).collect(),
     }
 }

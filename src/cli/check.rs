@@ -4,11 +4,12 @@ use std::io::{self, Write};
 
 use super::Failure;
 use super::render::{Loaded, SceneArguments, primitives};
-use crate::config::{Acceleration, Config, CostMode};
+use crate::config::{Acceleration, Config, CostMode, Image, TileOrder, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
 use crate::scene::Scene;
+use crate::schedule::TileGrid;
 use crate::yaml::Diagnostic;
 
 /// Tell what rendering a scene would do, and render nothing
@@ -55,7 +56,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
     };
     let files = Artifact::ALL
         .iter()
-        .filter(|artifact| artifact.has_data(config.cost))
+        .filter(|artifact| artifact.is_wanted(config))
         .map(|artifact| artifact.file_name())
         .collect::<Vec<_>>();
     let lines = [
@@ -96,6 +97,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
             ),
         ),
         ("cost", cost(config.cost).to_owned()),
+        ("tiles", tiles(config)),
         (
             "memory",
             format!(
@@ -119,6 +121,20 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
         .iter()
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect()
+}
+
+/// How the picture would be dealt out.
+fn tiles(config: &Config) -> String {
+    let Image { width, height, .. } = config.image;
+    let Tiling { size, order } = config.tiles;
+    let n_tiles = TileGrid::new(width, height, size).n_tiles();
+    let order = match order {
+        TileOrder::Scanline => "along rows",
+        TileOrder::Hilbert => "along a Hilbert curve",
+        TileOrder::Cost => "the most costly first",
+    };
+    let n_tiles = counted(n_tiles.into(), "tile");
+    format!("{n_tiles} of {size} x {size} pixels, {order}")
 }
 
 /// What would be measured, and how.

@@ -8,6 +8,8 @@ use crate::yaml::Diagnostic;
 pub enum Failure {
     /// The user's input is wrong: exit code 2.
     Input(Diagnostic),
+    /// B costs more than the gate of `diff` allows: exit code 3.
+    Gate(Diagnostic),
     /// The machine could not do it: exit code 1.
     Machine(Diagnostic),
     /// Whoever read the output has gone, as `| head` does: end in silence.
@@ -42,6 +44,7 @@ impl Failure {
     /// The process's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Gate(_) => 3,
             Self::Input(_) => 2,
             Self::Machine(_) => 1,
             Self::ClosedOutput => 0,
@@ -51,7 +54,9 @@ impl Failure {
     /// What to tell the user, if anything.
     pub fn diagnostic(&self) -> Option<&Diagnostic> {
         match self {
-            Self::Input(diagnostic) | Self::Machine(diagnostic) => Some(diagnostic),
+            Self::Input(diagnostic) | Self::Gate(diagnostic) | Self::Machine(diagnostic) => {
+                Some(diagnostic)
+            }
             Self::ClosedOutput => None,
         }
     }

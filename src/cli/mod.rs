@@ -1,11 +1,19 @@
 //! The command line: one file a subcommand.
 
+mod charges;
 mod check;
 mod completions;
+mod diff;
 mod failure;
 mod progress;
+mod rectangle;
 mod render;
 mod study;
+mod trace;
+mod tree;
+mod view;
+
+use std::path::Path;
 
 use clap::{Parser, Subcommand};
 
@@ -29,6 +37,12 @@ enum Command {
     Render(render::Arguments),
     /// Tell what rendering a scene would do, and render nothing
     Check(check::Arguments),
+    /// Write a page that shows an output folder in a browser
+    View(view::Arguments),
+    /// Compare the costs of two outputs
+    Diff(diff::Arguments),
+    /// Show all rays of some pixels and what each costs
+    Trace(trace::Arguments),
     /// Measure how the cost of scenes depends on what you vary
     Study(study::Arguments),
     /// Print a completion script for a shell
@@ -44,6 +58,9 @@ impl Cli {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
+            Command::View(arguments) => view::run(&arguments),
+            Command::Diff(arguments) => diff::run(&arguments),
+            Command::Trace(arguments) => trace::run(&arguments),
             Command::Study(arguments) => study::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
         }
@@ -57,5 +74,15 @@ impl Cli {
             Command::Check(arguments) => arguments.check_alone(),
             _ => Ok(()),
         }
+    }
+}
+
+/// The path as one word for a shell.
+fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    match text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }

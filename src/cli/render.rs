@@ -3,19 +3,22 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::Failure;
+use super::charges;
 use super::progress::{Bar, BuildBar};
+use super::{Failure, shell_word};
 use crate::accel::Accel;
-use crate::config::{Config, CostMode, Extra, MAX_SIDE, Structure};
+use crate::config::{Config, CostMode, Extra, MAX_SIDE, Structure, TileOrder, Tiling};
 use crate::cost::Meter;
 use crate::film::bytes_per_pixel;
+use crate::ledger::Ledger;
 use crate::memory::{self, Memory};
 use crate::output::{
     self, HardwareCounters, OutputFolder, Rendering, Stages, Threads, Written,
     format::{bytes, count, counted, duration},
 };
-use crate::render::render;
+use crate::render::{Plan, render};
 use crate::scene::{Geometries, Scene};
+use crate::schedule::Schedule;
 use crate::yaml::{Diagnostic, Source};
 
 /// Render a scene and write its files
@@ -88,6 +91,14 @@ pub(super) struct SceneArguments {
     #[arg(long, conflicts_with = "cost")]
     no_cost: bool,
 
+    /// Pixels along a tile's side, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(Tiling::MIN_SIZE as i64..=Tiling::MAX_SIZE as i64))]
+    tile_size: Option<u32>,
+
+    /// In which order threads take tiles, instead of the file's
+    #[arg(long, value_name = "ORDER")]
+    tile_order: Option<TileOrder>,
+
     /// Files to write beside those of every run, and those that the scene asks for
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     also: Vec<Extra>,
@@ -101,8 +112,16 @@ pub(super) struct Loaded {
 }
 
 impl SceneArguments {
-    /// Reads the scene and makes sure that it fits into memory.
+    /// Reads the scene and makes sure that it fits into memory with its film.
     pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
+        self.load_for(Memory::of)
+    }
+
+    /// Reads the scene and makes sure that what is done with it fits into memory.
+    pub(super) fn load_for(
+        &self,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Loaded, Diagnostic> {
         let source = Source::read(&self.scene)?;
         let mut config: Config = source.parse()?;
         let image = &mut config.image;
@@ -118,12 +137,22 @@ impl SceneArguments {
                 .map_err(|fault| source.point_at(fault))?;
         }
         config.cost = self.cost().unwrap_or(config.cost);
+        let tiles = &mut config.tiles;
+        tiles.size = self.tile_size.unwrap_or(tiles.size);
+        tiles.order = self.tile_order.unwrap_or(tiles.order);
+        let by_file = config.output.clone();
         self.also.iter().for_each(|&extra| config.output.add(extra));
+        config
+            .check_output()
+            .map_err(|(extra, fault)| match by_file.has(extra) {
+                true => source.point_at(fault),
+                false => Diagnostic::without_place(fault),
+            })?;
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
         // What was read is part of the need, and no longer of what is free.
-        Memory::of(&config, &geometries)
+        needed(&config, &geometries)
             .check(available)
             .map_err(|fault| source.point_at(fault))?;
         Ok(Loaded {
@@ -131,6 +160,16 @@ impl SceneArguments {
             config,
             geometries,
         })
+    }
+
+    /// For a command that has its own files: makes sure that no others are
+    /// asked for.
+    pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
+        match self.also.is_empty() {
+            true => Ok(()),
+            false => Err(Diagnostic::new("these files are none of this command's")
+                .with_help("give `--also` to `raycost render`")),
+        }
     }
 
     /// What the command line says of the cost, if anything.
@@ -183,11 +222,27 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         stages.end("calibrate");
     }
 
+    let plan = pool.install(|| Plan::new(&scene, &accel, &config.image, config.tiles));
+    if plan.order == TileOrder::Cost {
+        stages.end("order");
+    }
+
     let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
     let report = |progress| bar.advance(progress);
-    let film = pool.install(|| render(&scene, &accel, &config.image, &meter, report));
+    let (film, schedule) = pool.install(|| render(&scene, &accel, &plan, &meter, report));
     bar.clear();
     stages.end("render");
+
+    let ledger = Ledger::is_wanted(&config.output).then(|| {
+        let bar = Bar::new(config.image.n_pixels() as u64, arguments.quiet);
+        let report = |progress| bar.advance(progress);
+        let world = (&scene, &accel, &config.image);
+        let keep = || Ledger::keep(world, (&film, &meter), &config.output, report);
+        let ledger = pool.install(keep);
+        bar.clear();
+        stages.end("observe");
+        ledger
+    });
 
     let rendering = Rendering {
         scene_file: source.name(),
@@ -197,6 +252,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         bvh: accel.statistics(),
         meter: &meter,
         film: &film,
+        schedule: &schedule,
+        ledger: ledger.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
             available: std::thread::available_parallelism().map_or(1, usize::from),
@@ -218,7 +275,7 @@ fn least_bytes(config: &Config) -> u64 {
 }
 
 /// Lets Ctrl-C, or a request to end, leave no half-written file behind.
-fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
+pub(super) fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
     let folder = folder.clone();
     let stop = move || {
         folder.remove_unfinished();
@@ -231,7 +288,7 @@ fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> 
     })
 }
 
-fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+pub(super) fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads.map_or(0, usize::from))
         .build()
@@ -259,14 +316,26 @@ fn closing_lines(
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
+    let costs = match rendering.ledger {
+        Some(ledger) if rendering.config.output.has(Extra::Objects) => {
+            charges::tables(rendering, ledger)
+        }
+        _ => String::new(),
+    };
     let state = match rendering.film.cost.has_counters() {
         true => "heatmap.pvsm",
         false => "geometry.pvsm",
+    };
+    let tiles = match rendering.config.output.has(Extra::Schedule) {
+        true => tiles(rendering.schedule),
+        false => String::new(),
     };
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
          time    {}\n\
          speed   {}\n\
+         {tiles}\
+         {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n",
         image.width,
@@ -276,6 +345,7 @@ fn closing_lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering, stages),
+        costs,
         out.display(),
         files.join(", "),
         shell_word(&out.join(state)),
@@ -289,6 +359,20 @@ pub(super) fn primitives(scene: &Scene) -> String {
         0 => kept,
         n => format!("{kept} ({} without area left out)", counted(n, "triangle")),
     }
+}
+
+/// How evenly the threads were at work.
+fn tiles(schedule: &Schedule) -> String {
+    let grid = &schedule.grid;
+    let load = schedule.load();
+    format!(
+        "tiles   {} of {size} x {size}, {} order, load imbalance {:.1} %, {:.1} % idle\n",
+        count(grid.n_tiles().into()),
+        schedule.order.name(),
+        100.0 * load.load_imbalance,
+        100.0 * load.idle_share,
+        size = grid.tile_size,
+    )
 }
 
 /// Rays a second, or samples where nothing was counted.
@@ -308,15 +392,5 @@ fn speed(rendering: &Rendering, stages: &Stages) -> String {
                 millions(n_samples)
             )
         }
-    }
-}
-
-/// The path as one word for a shell.
-fn shell_word(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    match text.chars().all(plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }

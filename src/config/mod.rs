@@ -13,6 +13,7 @@ mod image;
 mod object;
 mod outputs;
 mod shading;
+mod tiling;
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -26,6 +27,7 @@ pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, Extra, Outputs};
 pub use shading::{Shading, ShadingModel};
+pub use tiling::{TileOrder, Tiling};
 
 use crate::camera::Camera;
 use crate::light::Light;
@@ -69,6 +71,9 @@ pub struct Config {
     /// What is measured of each pixel.
     #[serde(default)]
     pub cost: CostMode,
+    /// How the picture is dealt out to the threads.
+    #[serde(default)]
+    pub tiles: Tiling,
     /// What is written beside the files of every run.
     #[serde(default)]
     pub output: Outputs,
@@ -81,6 +86,14 @@ pub struct Config {
 }
 
 impl Config {
+    /// Makes sure that all files that are asked for can be written.
+    ///
+    /// # Errors
+    /// What cannot be, and the fault of the section `output`.
+    pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
+        self.output.check(self.cost, self.acceleration)
+    }
+
     /// Gives each `sphere_cloud` so many spheres, from 1 to a billion; their
     /// radii change so that they fill the same share of space.
     ///

@@ -6,7 +6,8 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 
-use crate::yaml;
+use super::{Acceleration, CostMode};
+use crate::yaml::{self, Fault, Path};
 
 /// What is written beside the files of every run.
 ///
@@ -60,6 +61,23 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
     yaml::whole(d, 0..=u64::MAX)
 }
 
+impl Extra {
+    /// What it is called in scene files and on the command line.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Schedule => "schedule",
+            Self::Objects => "objects",
+            Self::Surface => "surface",
+            Self::Bvh => "bvh",
+        }
+    }
+
+    /// Whether it is made of counters.
+    fn needs_counters(self) -> bool {
+        self != Self::Schedule
+    }
+}
+
 impl Default for BvhLimits {
     fn default() -> Self {
         Self {
@@ -80,6 +98,34 @@ impl Outputs {
         if !self.has(extra) {
             self.extras.push(extra);
         }
+    }
+
+    /// Makes sure that all of it can be written of what is measured and built.
+    ///
+    /// # Errors
+    /// What cannot be, and the fault of the section.
+    pub(super) fn check(
+        &self,
+        cost: CostMode,
+        acceleration: Acceleration,
+    ) -> Result<(), (Extra, Fault)> {
+        for &extra in &self.extras {
+            let name = extra.name();
+            let fault = |message: String, help: &str| {
+                let output = Path::default().key("output");
+                let fault = Fault::of_key(output, message, format!("asks for `{name}`"));
+                Err((extra, fault.with_help(help)))
+            };
+            if extra.needs_counters() && !cost.has_counters() {
+                let message = format!("`{name}` is made of counters, and the cost is `none`");
+                return fault(message, "take `--cost counters`, or do not ask for it");
+            }
+            if extra == Extra::Bvh && acceleration == Acceleration::BruteForce {
+                let message = format!("`{name}` shows the hierarchy, and `brute_force` has none");
+                return fault(message, "take `acceleration: bvh`, or do not ask for it");
+            }
+        }
+        Ok(())
     }
 
     /// Whether nothing is asked for.

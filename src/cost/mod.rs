@@ -49,6 +49,19 @@ impl Cost {
         self.rays.iter().sum()
     }
 
+    /// All counts by their names in files.
+    pub fn by_name(&self) -> [(&'static str, u64); 7] {
+        [
+            ("node_visits", self.node_visits),
+            ("primitive_tests", self.primitive_tests),
+            ("rays", self.n_rays()),
+            ("shadow_rays", self.rays_of(RayKind::Shadow)),
+            ("reflection_rays", self.rays_of(RayKind::Reflection)),
+            ("refraction_rays", self.rays_of(RayKind::Refraction)),
+            ("depth", self.depth),
+        ]
+    }
+
     /// The counts of both; of two paths the longer one.
     pub fn with(self, other: Self) -> Self {
         Self {

@@ -15,8 +15,10 @@ use crate::config::CostMode;
 use crate::cost::{Cost, RayKind};
 use crate::trace::SurfacePoint;
 
-/// Rows in a strip but the last; the height of a tile.
-pub const STRIP_ROWS: u32 = 16;
+/// Rows in a strip but the last: fewer than a tile's, so that threads whose
+/// tiles stand side by side do not wait for one another for long, and enough to
+/// be written into a file at one go.
+pub const STRIP_ROWS: u32 = 4;
 
 /// A rendered picture: colours, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -253,7 +255,7 @@ fn shown(pixel: &Pixel, count: impl Fn(&Cost) -> u64) -> u32 {
 }
 
 /// Limited to 0..1, then to 8 bits by rounding; no gamma.
-fn to_rgb8(color: Vec3) -> [u8; 3] {
+pub(crate) fn to_rgb8(color: Vec3) -> [u8; 3] {
     (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
         .to_array()
         .map(rounded)

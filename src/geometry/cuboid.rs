@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Ray, Surface, Transform};
+use super::{Aabb, Patch, Ray, Surface, Transform};
 use crate::yaml;
 
 /// The surface of an axis-aligned box; a rotated one comes of a `transform`.
@@ -81,11 +81,34 @@ impl Surface for Cuboid {
         let bounds = transform.world_bounds(&self.bounds);
         transform.keeps_axes().then_some(Self { bounds })
     }
+
+    fn patch(&self) -> Option<Patch> {
+        let [a, b, c, d, e, f, g, h] = self.bounds.corners();
+        Some(Patch::Box([a, b, d, c, e, f, h, g]))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn its_corners_go_round_one_face_and_then_round_the_other() {
+        let cuboid = Cuboid::new(Aabb {
+            min: Vec3::new(-1.0, -2.0, 3.0),
+            max: Vec3::new(1.0, 2.0, 5.0),
+        });
+        let patch = cuboid.patch().unwrap();
+        let (near, far) = patch.corners().split_at(4);
+        for i in 0..4 {
+            assert_eq!(far[i] - near[i], Vec3::new(0.0, 0.0, 2.0));
+            let edge = near[(i + 1) % 4] - near[i];
+            assert_eq!((edge != Vec3::ZERO, edge.x * edge.y), (true, 0.0));
+        }
+        // VTK's hexahedron: its first face, seen from within, goes round to the right.
+        let [u, v] = [near[1] - near[0], near[2] - near[1]];
+        assert!(u.cross(v).dot(far[0] - near[0]) > 0.0);
+    }
 
     #[test]
     fn a_box_is_met_from_outside_and_inside_on_the_right_face() {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Plane, Ray, Surface, Transform};
+use super::{Aabb, Patch, Plane, Ray, Surface, Transform};
 use crate::yaml;
 
 /// The points of a plane within one distance of a centre.
@@ -69,6 +69,10 @@ impl Surface for Disk {
             normal: transform.world_normal(self.normal),
             radius: self.radius * transform.uniform_scale()?,
         })
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        Some(Patch::disk(self.center, self.normal, self.radius))
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Ray, Surface, Transform};
+use super::{Aabb, Patch, Ray, Surface, Transform};
 use crate::yaml;
 
 /// Rays flatter than this against the plane miss it: |cos| of the angle to the
@@ -53,6 +53,10 @@ impl Surface for Plane {
             point: transform.world_point(self.point),
             normal: transform.world_normal(self.normal),
         })
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        None
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use glam::Vec3;
 use serde::de::MapAccess;
 
-use super::{Aabb, Cuboid, Disk, Plane, Ray, Sphere, Transform, Triangle};
+use super::{Aabb, Cuboid, Disk, Patch, Plane, Ray, Sphere, Transform, Triangle};
 
 /// What a shape has to know.
 pub trait Surface: Sized {
@@ -22,6 +22,9 @@ pub trait Surface: Sized {
 
     /// Its image under the transform, if that is a shape of the same kind.
     fn transformed(&self, transform: &Transform) -> Option<Self>;
+
+    /// How a viewer of meshes draws it; `None` if it has no bounds.
+    fn patch(&self) -> Option<Patch>;
 }
 
 /// Makes the enum, its YAML keys and its dispatch of one list.
@@ -68,6 +71,10 @@ macro_rules! shapes {
                 match self {
                     $(Self::$shape(shape) => shape.transformed(transform).map(Self::$shape),)*
                 }
+            }
+
+            fn patch(&self) -> Option<Patch> {
+                match self { $(Self::$shape(shape) => shape.patch(),)* }
             }
         }
 

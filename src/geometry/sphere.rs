@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Ray, Surface, Transform};
+use super::{Aabb, Patch, Ray, Surface, Transform};
 use crate::yaml;
 
 /// The points at one distance from a centre.
@@ -64,6 +64,13 @@ impl Surface for Sphere {
         Some(Self {
             center: transform.world_point(self.center),
             radius: self.radius * transform.uniform_scale()?,
+        })
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        Some(Patch::Ball {
+            center: self.center,
+            radius: self.radius,
         })
     }
 }

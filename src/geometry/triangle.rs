@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
 
-use super::{Aabb, Ray, Shear, Surface, Transform};
+use super::{Aabb, Patch, Ray, Shear, Surface, Transform};
 use crate::yaml;
 
 /// The points between three corners.
@@ -67,6 +67,10 @@ impl Surface for Triangle {
     fn transformed(&self, transform: &Transform) -> Option<Self> {
         let vertices = self.vertices.map(|vertex| transform.world_point(vertex));
         Some(Self { vertices })
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        Some(Patch::Triangle(self.vertices))
     }
 }
 

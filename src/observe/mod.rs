@@ -7,6 +7,8 @@
 
 mod tree;
 mod observer;
+mod many;
 
+pub use many::{ObservedPixel, TooManyRays};
 pub use observer::Observer;
 pub use tree::{RayTree, TracedRay};

@@ -3,20 +3,23 @@
 use glam::Vec3;
 
 use super::{RayTree, TracedRay};
-use crate::accel::{Accel, Hit, ShadowRay, Step};
+use crate::accel::{Accel, Hit, Step};
+use crate::camera::ImagePlane;
 use crate::config::Image;
 use crate::cost::{Clock, Cost, RayKind};
 use crate::geometry::Ray;
 use crate::light::Illumination;
 use crate::render::View;
 use crate::scene::Scene;
-use crate::shade::Path;
+use crate::shade::{LightSample, Path};
 use crate::trace::SurfacePoint;
 
 /// Renders pixels and shows all of their rays.
 #[derive(Clone, Copy)]
 pub struct Observer<'a> {
     view: View<'a>,
+    scene: &'a Scene,
+    keeps_steps: bool,
     /// What times the rays, if anything does.
     clock: Option<&'a Clock>,
 }
@@ -26,6 +29,7 @@ struct Start {
     kind: RayKind,
     parent: Option<u32>,
     sample: u32,
+    light: Option<u32>,
     bounce: u32,
     ray: Ray,
     t_max: f32,
@@ -41,8 +45,36 @@ impl<'a> Observer<'a> {
     ) -> Self {
         Self {
             view: View::new(scene, accel, image),
+            scene,
+            keeps_steps: true,
             clock,
         }
+    }
+
+    /// The same, of pixels that lie in this plane in place of the scene's.
+    pub fn through(self, plane: ImagePlane) -> Self {
+        Self {
+            view: self.view.through(plane),
+            ..self
+        }
+    }
+
+    /// The same without the steps of the rays, which take most of the memory.
+    pub fn without_steps(self) -> Self {
+        Self {
+            keeps_steps: false,
+            ..self
+        }
+    }
+
+    /// Samples a pixel.
+    pub(super) fn n_samples(&self) -> u32 {
+        self.view.n_samples
+    }
+
+    /// Whether rays have a time.
+    pub(super) fn is_timed(&self) -> bool {
+        self.clock.is_some()
     }
 
     /// Makes `tree` that of the pixel in column `x` and row `y`, row 0 on top.
@@ -59,6 +91,7 @@ impl<'a> Observer<'a> {
                 kind,
                 parent,
                 sample,
+                light: None,
                 bounce: path.depth,
                 ray,
                 t_max: f32::INFINITY,
@@ -78,24 +111,33 @@ impl<'a> Observer<'a> {
         let ray = start.ray;
         let (cost, time_ns, met) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
         let watch = |steps: &mut Vec<Step>| tracer.watch(&ray, steps);
-        (add(start, cost, time_ns, watch, tree), met)
+        (self.add(start, cost, time_ns, watch, tree), met)
     }
 
-    /// Adds a shadow ray; gives its number and whether something is in its way.
-    fn trace_shadow(&self, parent: u32, shadow: &ShadowRay, tree: &mut RayTree) -> (u32, bool) {
+    /// Adds the shadow ray of a light sample; gives its number and whether
+    /// something is in its way.
+    fn trace_shadow(
+        &self,
+        parent: u32,
+        light: Option<u32>,
+        sample: &LightSample,
+        tree: &mut RayTree,
+    ) -> (u32, bool) {
         let tracer = &self.view.tracer;
+        let shadow = &sample.shadow;
         let from = &tree.rays[parent as usize];
         let start = Start {
             kind: RayKind::Shadow,
             parent: Some(parent),
             sample: from.sample,
+            light,
             bounce: from.bounce,
             ray: shadow.ray,
             t_max: shadow.t_max,
         };
         let (cost, time_ns, is_shadowed) = self.timed(|cost| tracer.is_shadowed(shadow, cost));
         let watch = |steps: &mut Vec<Step>| tracer.watch_shadow(shadow, steps);
-        (add(start, cost, time_ns, watch, tree), is_shadowed)
+        (self.add(start, cost, time_ns, watch, tree), is_shadowed)
     }
 
     /// Shades the point that a ray met; gives the ray that goes on.
@@ -109,8 +151,13 @@ impl<'a> Observer<'a> {
         let shader = &self.view.shader;
         let ray = tree.rays[number as usize].ray;
         let mut lights: Vec<(u32, Illumination)> = Vec::new();
+        // Light samples come in the order of the lights, some of which have none.
+        let mut sources = (0..).zip(&self.scene.lights);
         for sample in shader.light_samples(point) {
-            let (shadow, is_shadowed) = self.trace_shadow(number, &sample.shadow, tree);
+            let source =
+                sources.find(|(_, light)| light.illuminate(point.position) == sample.light);
+            let light = source.map(|(light, _)| light);
+            let (shadow, is_shadowed) = self.trace_shadow(number, light, &sample, tree);
             if !is_shadowed {
                 lights.push((shadow, sample.light));
             }
@@ -157,31 +204,36 @@ impl<'a> Observer<'a> {
         let time_ns = clock.elapsed_ns(begin, clock.now());
         (cost, time_ns, result)
     }
-}
 
-/// Adds a ray to the tree; gives its number.
-fn add(
-    start: Start,
-    cost: Cost,
-    time_ns: f32,
-    watch: impl FnOnce(&mut Vec<Step>) -> Option<Hit>,
-    tree: &mut RayTree,
-) -> u32 {
-    let first = tree.steps.len();
-    let hit = watch(&mut tree.steps);
-    tree.rays.push(TracedRay {
-        kind: start.kind,
-        parent: start.parent,
-        sample: start.sample,
-        bounce: start.bounce,
-        ray: start.ray,
-        t_max: start.t_max,
-        hit,
-        node_visits: cost.node_visits as u32,
-        primitive_tests: cost.primitive_tests as u32,
-        time_ns,
-        contribution: Vec3::ZERO,
-        steps: first..tree.steps.len(),
-    });
-    tree.rays.len() as u32 - 1
+    /// Adds a ray to the tree; gives its number.
+    fn add(
+        &self,
+        start: Start,
+        cost: Cost,
+        time_ns: f32,
+        watch: impl FnOnce(&mut Vec<Step>) -> Option<Hit>,
+        tree: &mut RayTree,
+    ) -> u32 {
+        let first = tree.steps.len();
+        let hit = watch(&mut tree.steps);
+        if !self.keeps_steps {
+            tree.steps.truncate(first);
+        }
+        tree.rays.push(TracedRay {
+            kind: start.kind,
+            parent: start.parent,
+            sample: start.sample,
+            light: start.light,
+            bounce: start.bounce,
+            ray: start.ray,
+            t_max: start.t_max,
+            hit,
+            node_visits: cost.node_visits as u32,
+            primitive_tests: cost.primitive_tests as u32,
+            time_ns,
+            contribution: Vec3::ZERO,
+            steps: first..tree.steps.len(),
+        });
+        tree.rays.len() as u32 - 1
+    }
 }

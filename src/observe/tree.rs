@@ -27,6 +27,9 @@ pub struct TracedRay {
     pub parent: Option<u32>,
     /// The pixel's sample that it belongs to.
     pub sample: u32,
+    /// The light that a shadow ray asks for, by its place in the scene file's
+    /// list; `None` for other rays.
+    pub light: Option<u32>,
     /// Mirrors on the way from the camera to its start.
     pub bounce: u32,
     /// Where it starts and goes.
@@ -49,7 +52,7 @@ pub struct TracedRay {
     /// shadow ray's is the part of its parent's that would be missing without
     /// its light.
     pub contribution: Vec3,
-    /// Its steps in those of the tree.
+    /// Its steps in those of the tree; none where the observer keeps none.
     pub steps: Range<usize>,
 }
 
@@ -72,8 +75,16 @@ impl RayTree {
 
     /// The pixel's colour before any limit.
     pub fn color(&self) -> Vec3 {
-        let rays = self.rays.iter().filter(|ray| ray.kind != RayKind::Shadow);
-        rays.map(|ray| ray.contribution).sum()
+        color_of(&self.rays)
+    }
+
+    /// The pixel's colour as the film has it: each sample is limited to 1, a
+    /// channel at a time, before their mean is taken.
+    pub fn limited_color(&self) -> Vec3 {
+        let n_samples = self.rays.last().map_or(0, |ray| ray.sample + 1);
+        let most = Vec3::splat(1.0 / n_samples as f32);
+        let samples = self.rays.chunk_by(|a, b| a.sample == b.sample);
+        samples.map(|rays| color_of(rays).min(most)).sum()
     }
 
     /// Empties it, to be used for another pixel.
@@ -81,4 +92,10 @@ impl RayTree {
         self.rays.clear();
         self.steps.clear();
     }
+}
+
+/// What these rays bring together: what shadow rays bring is part of the others'.
+fn color_of(rays: &[TracedRay]) -> Vec3 {
+    let rays = rays.iter().filter(|ray| ray.kind != RayKind::Shadow);
+    rays.map(|ray| ray.contribution).sum()
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use tempfile::NamedTempFile;
 
-use super::summary::milliseconds;
+use super::stages::milliseconds;
 use super::{Written, format};
 
 /// Bytes that go to the system at one go: many rows, and yet within the cache.
@@ -21,7 +21,7 @@ pub struct OutputFolder {
 
 /// A whole file that waits to take its name; without it, it goes.
 #[derive(Debug)]
-pub(super) struct StagedFile {
+pub(crate) struct StagedFile {
     name: &'static str,
     n_bytes: u64,
     write_ms: f64,
@@ -47,12 +47,12 @@ impl WriteError {
     pub fn help(&self) -> &'static str {
         match self.error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                "free some space, or choose another folder with `--out DIR`"
+                "free some space, or choose another folder with `--out`"
             }
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-                "choose a folder that you may write to with `--out DIR`"
+                "choose a folder that you may write to with `--out`"
             }
-            _ => "choose another folder with `--out DIR`",
+            _ => "choose another folder with `--out`",
         }
     }
 }
@@ -113,7 +113,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// What `write` or the system says.
-    pub(super) fn stage(
+    pub(crate) fn stage(
         &self,
         name: &'static str,
         write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
@@ -121,10 +121,7 @@ impl OutputFolder {
         let fail = |error| WriteError::new(self.path_of(name), error);
         let start = Instant::now();
         let mut temporary = temporary_in(&self.path).map_err(fail)?;
-        let mut out = BufWriter::with_capacity(BUFFER, &mut temporary);
-        write(&mut out).and_then(|()| out.flush()).map_err(fail)?;
-        drop(out);
-        let n_bytes = temporary.as_file().metadata().map_err(fail)?.len();
+        let n_bytes = fill(&mut temporary, write).map_err(fail)?;
         Ok(StagedFile {
             name,
             n_bytes,
@@ -138,7 +135,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// The first name that could not be given.
-    pub(super) fn commit(
+    pub(crate) fn commit(
         &self,
         files: Vec<StagedFile>,
         stale: impl Iterator<Item = &'static str>,
@@ -168,13 +165,48 @@ impl OutputFolder {
 
 impl StagedFile {
     /// What to say of it.
-    pub(super) fn written(&self) -> Written {
+    pub(crate) fn written(&self) -> Written {
         Written {
             file: self.name,
             bytes: self.n_bytes,
             write_ms: self.write_ms,
         }
     }
+}
+
+/// Writes a single file, which takes its name when it is whole; gives its
+/// length in bytes.
+///
+/// # Errors
+/// What `write` or the system says; then an old file is still there.
+pub(crate) fn write_file(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
+) -> Result<u64, WriteError> {
+    let fail = |error| WriteError::new(path, error);
+    if path.is_dir() {
+        return Err(fail(io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut temporary = temporary_in(folder).map_err(fail)?;
+    let n_bytes = fill(&mut temporary, write).map_err(fail)?;
+    temporary.persist(path).map_err(|error| fail(error.error))?;
+    Ok(n_bytes)
+}
+
+/// Writes all of a file; gives its length in bytes.
+fn fill(
+    temporary: &mut NamedTempFile,
+    write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
+) -> io::Result<u64> {
+    let mut out = BufWriter::with_capacity(BUFFER, &mut *temporary);
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
+    Ok(temporary.as_file().metadata()?.len())
 }
 
 /// A file without a name of its own yet, removed when dropped.

@@ -32,7 +32,7 @@ pub fn duration(elapsed: Duration) -> String {
     if seconds >= 100.0 {
         return format!("{seconds:.0} s");
     }
-    scaled(seconds * 1e9, 1e3, &["ns", "µs", "ms", "s"])
+    scaled(elapsed.as_nanos() as f64, 1e3, &["ns", "µs", "ms", "s"])
 }
 
 /// Three digits and the unit that fits.
@@ -67,6 +67,7 @@ mod tests {
     fn units_fit() {
         assert_eq!(bytes(512), "512 B");
         assert_eq!(bytes(1_500_000), "1.50 MB");
+        assert_eq!(duration(Duration::from_nanos(60)), "60 ns");
         assert_eq!(duration(Duration::from_micros(1250)), "1.25 ms");
         assert_eq!(duration(Duration::from_secs(250)), "250 s");
         assert_eq!(duration(Duration::from_nanos(999_600)), "1.00 ms");

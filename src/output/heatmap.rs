@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::cost_picture::{CostMap, draw};
+use super::cost_picture::{CostMap, Scale, draw};
 use super::measure::Measure;
 use super::{Rendering, format, rgb_png};
 
@@ -15,6 +15,7 @@ pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<(
     let values = measure.of(film);
     let picture = draw(&CostMap {
         values: &values,
+        scale: Scale::Logarithmic,
         width: film.width,
         height: film.height,
         title: &format!("{}: {}", rendering.name, measure.name),

@@ -4,38 +4,50 @@
 //! one folder. All are written beside their final names first and take them
 //! together at the end: a run that fails or is killed leaves the old files.
 
-mod cost_picture;
+pub(crate) mod cost_picture;
 mod folder;
 mod hardware;
 pub mod format;
 mod heatmap;
 mod measure;
+mod objects;
 mod picture;
+mod reach;
 mod resources;
-mod rgb_png;
-mod state;
+pub(crate) mod rgb_png;
+pub(crate) mod state;
+mod stages;
 mod summary;
-mod vtk;
+mod trace_events;
+mod traced;
+pub(crate) mod vtk;
 
 use std::io::{self, Write};
 
-pub(crate) use cost_picture::{Ticks, ticks};
+pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
 pub use hardware::{Counts, HardwareCounters};
+pub use objects::Group;
 pub use resources::SystemWork;
-pub use summary::{Stage, Stages, Threads, build, machine};
-pub use vtk::{write_frame, write_hits};
+pub use stages::{Stage, Stages};
+pub(crate) use summary::FILE as SUMMARY;
+pub use summary::{Threads, build, machine};
+pub use traced::{Traced, write_rays, write_traced};
+pub(crate) use vtk::{FRAME, HITS};
+pub use vtk::{write_frame, write_hits, write_nodes, write_surface, write_tiles};
 
 use rayon::prelude::*;
 
-use folder::StagedFile;
+pub(crate) use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;
-use crate::config::{Config, CostMode};
+use crate::config::{Config, Extra};
 use crate::cost::Meter;
 use crate::film::Film;
+use crate::ledger::Ledger;
 use crate::scene::Scene;
+use crate::schedule::Schedule;
 
 /// A finished rendering and what is known of it.
 #[derive(Debug)]
@@ -54,6 +66,10 @@ pub struct Rendering<'a> {
     pub meter: &'a Meter,
     /// The pixels.
     pub film: &'a Film,
+    /// When each tile of them was rendered.
+    pub schedule: &'a Schedule,
+    /// What things cost, if that is asked for.
+    pub ledger: Option<&'a Ledger>,
     /// How many threads rendered.
     pub threads: Threads,
 }
@@ -75,6 +91,22 @@ pub enum Artifact {
     HeatmapState,
     /// `overview.pvsm`: a ParaView state that shows picture, cost and cloud.
     OverviewState,
+    /// `tiles.vti`: when each tile was rendered, and by which thread.
+    Tiles,
+    /// `trace.json`: the same on a line of time, for Perfetto.
+    Trace,
+    /// `schedule.pvsm`: a ParaView state that shows the tiles.
+    ScheduleState,
+    /// `objects.csv`: what each object and each material cost.
+    Objects,
+    /// `surface.vtu`: what each primitive cost, on the scene's geometry.
+    Surface,
+    /// `surface.pvsm`: a ParaView state that shows it.
+    SurfaceState,
+    /// `bvh.vtu`: the boxes of the hierarchy and what each cost.
+    Bvh,
+    /// `bvh.pvsm`: a ParaView state that shows the dearest of them.
+    BvhState,
 }
 
 /// A file that was written.
@@ -91,7 +123,7 @@ pub struct Written {
 
 impl Artifact {
     /// All files but `summary.json`, which tells of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 15] = [
         Self::Image,
         Self::Cost,
         Self::Hits,
@@ -99,6 +131,14 @@ impl Artifact {
         Self::GeometryState,
         Self::HeatmapState,
         Self::OverviewState,
+        Self::Tiles,
+        Self::Trace,
+        Self::ScheduleState,
+        Self::Objects,
+        Self::Surface,
+        Self::SurfaceState,
+        Self::Bvh,
+        Self::BvhState,
     ];
 
     /// Its name in the folder.
@@ -111,16 +151,37 @@ impl Artifact {
             Self::GeometryState => "geometry.pvsm",
             Self::HeatmapState => "heatmap.pvsm",
             Self::OverviewState => "overview.pvsm",
+            Self::Tiles => vtk::TILES,
+            Self::Trace => trace_events::FILE,
+            Self::ScheduleState => "schedule.pvsm",
+            Self::Objects => objects::FILE,
+            Self::Surface => vtk::SURFACE,
+            Self::SurfaceState => "surface.pvsm",
+            Self::Bvh => vtk::NODES,
+            Self::BvhState => "bvh.pvsm",
         }
     }
 
-    /// Whether there is something to write for a film of this mode.
-    pub fn has_data(self, cost: CostMode) -> bool {
-        cost.has_counters()
-            || !matches!(self, Self::Cost | Self::HeatmapState | Self::OverviewState)
+    /// Whether it is written for a scene: there is something to write, and it
+    /// is asked for if it is not a file of every run.
+    pub fn is_wanted(self, config: &Config) -> bool {
+        match self {
+            Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
+            Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
+            Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
+            Self::Objects => config.output.has(Extra::Objects),
+            Self::Surface | Self::SurfaceState => config.output.has(Extra::Surface),
+            Self::Bvh | Self::BvhState => config.output.has(Extra::Bvh),
+        }
     }
 
-    fn write(self, rendering: &Rendering, states: &States, out: &mut impl Write) -> io::Result<()> {
+    fn write(
+        self,
+        rendering: &Rendering,
+        stages: &Stages,
+        states: &States,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         match self {
             Self::Image => picture::write(rendering.film, states, out),
             Self::Cost => heatmap::write(rendering, out),
@@ -129,13 +190,42 @@ impl Artifact {
             Self::GeometryState => out.write_all(states.geometry().as_bytes()),
             Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
             Self::OverviewState => out.write_all(states.overview().as_bytes()),
+            Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, out),
+            Self::Trace => trace_events::write(rendering, stages, out),
+            Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
+            Self::SurfaceState => out.write_all(states.surface().as_bytes()),
+            Self::BvhState => out.write_all(states.bvh().as_bytes()),
+            Self::Objects | Self::Surface | Self::Bvh => match rendering.ledger {
+                Some(ledger) => self.write_of(ledger, rendering, out),
+                None => Ok(()),
+            },
+        }
+    }
+
+    /// Writes what is told of a ledger.
+    fn write_of(
+        self,
+        ledger: &Ledger,
+        rendering: &Rendering,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
+        let cost = rendering.film.cost;
+        match (self, &ledger.primitives, &ledger.hierarchy) {
+            (Self::Objects, ..) => objects::write(rendering, ledger, out),
+            (Self::Surface, Some(visits), _) => {
+                vtk::write_surface(rendering.scene, visits, cost, out)
+            }
+            (Self::Bvh, _, Some(hierarchy)) => {
+                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, out)
+            }
+            _ => Ok(()),
         }
     }
 }
 
 /// Writes every file of the rendering on the current rayon pool; gives them in
 /// their order, with `summary.json` last. Files of an earlier run that this
-/// one has no data for are removed.
+/// one does not write are removed.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -147,10 +237,10 @@ pub fn write(
     let states = States::new(rendering, folder);
     let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL
         .into_iter()
-        .partition(|artifact| artifact.has_data(rendering.film.cost));
+        .partition(|artifact| artifact.is_wanted(rendering.config));
     let stage = |artifact: &Artifact| {
         folder.stage(artifact.file_name(), |out| {
-            artifact.write(rendering, &states, out)
+            artifact.write(rendering, &stages, &states, out)
         })
     };
     let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 /// Writes a picture of `size`, width and height, from its rows, 8 bits a
 /// channel and row 0 on top, with a text chunk of keyword and ASCII text if
 /// there is one.
-pub(super) fn write<'a>(
+pub(crate) fn write<'a>(
     [width, height]: [u32; 2],
     rows: impl Iterator<Item = &'a [u8]>,
     text: Option<(&str, String)>,

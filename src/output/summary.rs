@@ -1,22 +1,20 @@
 //! `summary.json`: what was done, on what, and what it cost in all.
 
 use std::io::{self, Write};
-use std::time::{Duration, Instant};
 
-use cpu_time::ProcessTime;
 use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
-use super::hardware::{Counts, HardwareCounters};
-use super::resources::{self, SystemWork};
-use super::{Rendering, Written};
+use super::{Rendering, Stages, Written, resources};
+use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
+use crate::schedule::Schedule;
 
 /// The file's name.
-pub(super) const FILE: &str = "summary.json";
+pub(crate) const FILE: &str = "summary.json";
 
 /// How many threads rendered.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -25,81 +23,6 @@ pub struct Threads {
     pub used: usize,
     /// That the machine has.
     pub available: usize,
-}
-
-/// A part of the run and its time.
-#[derive(Debug, Clone, Serialize)]
-pub struct Stage {
-    /// What was done.
-    pub name: &'static str,
-    /// Time on the wall, in milliseconds.
-    pub wall_ms: f64,
-    /// Time of all threads together, in milliseconds.
-    pub cpu_ms: f64,
-    /// What the operating system had to do in it, where that is known.
-    #[serde(flatten)]
-    pub system: Option<SystemWork>,
-    /// What the processor counted in it; empty where it counts nothing.
-    pub events: Counts,
-}
-
-/// To a thousandth.
-pub(super) fn milliseconds(elapsed: Duration) -> f64 {
-    (elapsed.as_secs_f64() * 1e6).round() / 1e3
-}
-
-/// A stopwatch that is pressed at the end of each stage.
-#[derive(Debug)]
-pub struct Stages {
-    wall: Instant,
-    cpu: ProcessTime,
-    system: Option<SystemWork>,
-    hardware: HardwareCounters,
-    counts: Counts,
-    /// The stages that have ended.
-    pub ended: Vec<Stage>,
-}
-
-impl Stages {
-    /// Starts the first stage now, watched by these counters.
-    pub fn start(mut hardware: HardwareCounters) -> Self {
-        Self {
-            counts: hardware.read(),
-            hardware,
-            wall: Instant::now(),
-            cpu: ProcessTime::now(),
-            system: SystemWork::so_far(),
-            ended: Vec::new(),
-        }
-    }
-
-    /// Ends the running stage and starts the next one.
-    pub fn end(&mut self, name: &'static str) {
-        let system = SystemWork::so_far();
-        let counts = self.hardware.read();
-        let before = |name| self.counts.get(name).copied().unwrap_or_default();
-        let events = counts
-            .iter()
-            .map(|(name, count)| (*name, count - before(name)));
-        let events = events.collect();
-        self.ended.push(Stage {
-            name,
-            wall_ms: milliseconds(self.wall.elapsed()),
-            cpu_ms: milliseconds(self.cpu.elapsed()),
-            system: system
-                .zip(self.system)
-                .map(|(now, before)| now.since(before)),
-            events,
-        });
-        (self.wall, self.cpu) = (Instant::now(), ProcessTime::now());
-        (self.system, self.counts) = (system, counts);
-    }
-
-    /// Time on the wall of the stage with this name; zero if it never was.
-    pub fn wall(&self, name: &str) -> Duration {
-        let stage = self.ended.iter().find(|stage| stage.name == name);
-        Duration::from_secs_f64(stage.map_or(0.0, |stage| stage.wall_ms / 1e3))
-    }
 }
 
 /// Writes the summary as indented JSON.
@@ -120,6 +43,7 @@ pub(super) fn write(
             "samples_per_pixel": image.samples_per_pixel,
             "seed": image.seed,
         },
+        "camera": camera(&rendering.scene.image_plane),
         "objects": objects(rendering),
         "materials": config.materials.keys().collect::<Vec<_>>(),
         "n_primitives": rendering.scene.primitives.len(),
@@ -129,15 +53,32 @@ pub(super) fn write(
         "build": build(),
         "threads": rendering.threads,
         "stages": stages.ended,
-        "no_hardware_counters": stages.hardware.why_not(),
+        "no_hardware_counters": stages.no_hardware_counters(),
         "peak_memory_bytes": resources::peak_memory_bytes(),
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering, stages),
+        "schedule": schedule(rendering.schedule),
         "files": files,
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;
     writeln!(out)
+}
+
+/// Where the pixels lie in the world: the sample point of the one on top left,
+/// the steps to the next column and row, and where the rays come from.
+fn camera(plane: &ImagePlane) -> Value {
+    let (eye, direction) = match plane.projection {
+        Projection::Perspective { eye } => (Some(eye.to_array()), None),
+        Projection::Parallel { direction } => (None, Some(direction.to_array())),
+    };
+    json!({
+        "eye": eye,
+        "direction": direction,
+        "origin": plane.origin.to_array(),
+        "right": plane.right.to_array(),
+        "down": plane.down.to_array(),
+    })
 }
 
 /// What was measured, how, and the sums of it.
@@ -155,6 +96,18 @@ fn cost(rendering: &Rendering, stages: &Stages) -> Value {
         "clock": clock,
         "totals": has_counters.then(|| totals(film)),
         "mrays_per_second": has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
+    })
+}
+
+/// How the tiles were dealt out.
+fn schedule(schedule: &Schedule) -> Value {
+    let load = schedule.load();
+    json!({
+        "tile_size": schedule.grid.tile_size,
+        "order": schedule.order,
+        "n_tiles": schedule.grid.n_tiles(),
+        "load_imbalance": load.load_imbalance,
+        "idle_share": load.idle_share,
     })
 }
 

@@ -5,27 +5,32 @@
 //! memory, or ray after ray (`timed`), which gives every pixel a time of its
 //! own. Both give the same pixels and the same counters.
 
-mod tile;
+mod canvas;
 mod view;
 mod wave;
 mod stream;
 mod timed;
+mod prepass;
+mod plan;
 
-use std::sync::{Mutex, PoisonError};
-
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
 
 use crate::accel::Accel;
-use crate::config::Image;
 use crate::cost::{Cost, Meter, NoProbe};
-use crate::film::{Film, Pixel, STRIP_ROWS};
+use crate::film::{Film, Pixel};
 use crate::scene::Scene;
+use crate::schedule::{Schedule, Tile, TileRun};
+use canvas::Canvas;
 use stream::StreamRenderer;
-use tile::{Tile, Tiles};
 use timed::TimedRenderer;
 pub(crate) use view::View;
 
-pub use tile::TILE_SIDE;
+pub use plan::Plan;
+
+/// Pixels that are rendered at one go: a larger tile is rendered some rows at a
+/// time, so that all of it stays in the cache on its way into the film.
+const MAX_PIXELS: usize = 2048;
 
 /// What has been rendered since the last report.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,63 +41,100 @@ pub struct Progress {
     pub n_rays: u64,
 }
 
-/// Renders the scene on the current rayon pool and measures every pixel with
-/// the `meter`. `report` hears of each tile, from any thread.
+/// Renders the plan on all threads of the current rayon pool and measures
+/// every pixel with the `meter`. `report` hears of each tile, from any thread.
+/// The schedule tells when each tile was rendered.
 pub fn render(
     scene: &Scene,
     accel: &Accel,
-    image: &Image,
+    plan: &Plan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
-) -> Film {
-    let view = View::new(scene, accel, image);
-    let film = Film::new(image.width, image.height, meter.mode());
+) -> (Film, Schedule) {
+    let view = View::new(scene, accel, &plan.image);
+    let film = Film::new(plan.image.width, plan.image.height, meter.mode());
     match meter {
-        Meter::Off => render_tiles(film, || StreamRenderer::<NoProbe>::new(view), report),
-        Meter::Counters => render_tiles(film, || StreamRenderer::<Cost>::new(view), report),
-        Meter::Time(clock) => render_tiles(film, || TimedRenderer::new(view, clock), report),
+        Meter::Off => render_tiles(film, plan, || StreamRenderer::<NoProbe>::new(view), report),
+        Meter::Counters => render_tiles(film, plan, || StreamRenderer::<Cost>::new(view), report),
+        Meter::Time(clock) => {
+            let n_pixels = MAX_PIXELS.min(plan.grid.tile_size.pow(2) as usize);
+            let renderer = || TimedRenderer::new(view, clock, n_pixels);
+            render_tiles(film, plan, renderer, report)
+        }
     }
 }
 
 /// A way to render tiles, with room for one: each thread has its own.
 trait TileRenderer {
-    /// The tile's pixels, in the order of [`Tile::pixels`].
+    /// The tile's pixels, at most [`MAX_PIXELS`], in the order of
+    /// [`Tile::pixels`].
     fn render(&mut self, tile: &Tile) -> &[Pixel];
 }
 
-/// The film, all of its tiles rendered.
+/// The film, all of its tiles rendered. Each thread takes the next tile in the
+/// plan's order until there is none.
 fn render_tiles<R: TileRenderer>(
     mut film: Film,
-    renderer: impl Fn() -> R + Sync + Send,
+    plan: &Plan,
+    renderer: impl Fn() -> R + Sync,
     report: impl Fn(Progress) + Sync,
-) -> Film {
-    let tiles = Tiles::of(&film);
-    let strips: Vec<_> = film.strips.iter_mut().map(Mutex::new).collect();
-    let render_tile = |renderer: &mut R, number| {
-        let tile = tiles.tile(number);
-        let pixels = renderer.render(&tile);
+) -> (Film, Schedule) {
+    let canvas = Canvas::of(&mut film);
+    let n_taken = AtomicU32::new(0);
+    let begin = Instant::now();
+    let render_some = |context: rayon::BroadcastContext| {
+        let mut renderer = renderer();
+        let mut runs = Vec::new();
+        loop {
+            let position = n_taken.fetch_add(1, Ordering::Relaxed);
+            let Some(tile) = plan.tile(position) else {
+                return runs;
+            };
+            let run = TileRun {
+                thread: context.index() as u32,
+                position,
+                ..render_tile(&mut renderer, &tile, &canvas, begin)
+            };
+            runs.push((tile.number, run));
+            report(Progress {
+                n_pixels: tile.n_pixels() as u64,
+                n_rays: run.counted.n_rays(),
+            });
+        }
+    };
+    let runs = rayon::broadcast(render_some);
+    let schedule = Schedule::new(plan.grid, plan.order, begin, runs);
+    film.totals = schedule.counted();
+    (film, schedule)
+}
+
+/// Renders a tile into the film; gives its times since `begin` and its
+/// counters.
+fn render_tile(
+    renderer: &mut impl TileRenderer,
+    tile: &Tile,
+    canvas: &Canvas,
+    begin: Instant,
+) -> TileRun {
+    let now_ns = || begin.elapsed().as_nanos() as u64;
+    let start_ns = now_ns();
+    let mut run = TileRun {
+        start_ns,
+        end_ns: start_ns,
+        ..TileRun::default()
+    };
+    for part in tile.parts(MAX_PIXELS) {
+        let pixels = renderer.render(&part);
+        let costs = pixels.iter().filter_map(|pixel| pixel.cost);
+        run.counted = costs.fold(run.counted, |sum, cost| sum.with(cost.counted));
         // The film is written a tile at a time, outside of any pixel's time:
         // first touches of its memory would show in the heatmap.
-        let strip = &strips[(tile.rows[0] / STRIP_ROWS) as usize];
-        tile.store(
-            pixels,
-            &mut strip.lock().unwrap_or_else(PoisonError::into_inner),
-        );
-        let costs = pixels.iter().filter_map(|pixel| pixel.cost);
-        let counted = costs.fold(Cost::default(), |sum, cost| sum.with(cost.counted));
-        report(Progress {
-            n_pixels: pixels.len() as u64,
-            n_rays: counted.n_rays(),
-        });
-        counted
-    };
-    let totals = (0..tiles.n)
-        .into_par_iter()
-        .map_init(renderer, render_tile)
-        .reduce(Cost::default, Cost::with);
-    drop(strips);
-    film.totals = totals;
-    film
+        let rendered_ns = now_ns();
+        canvas.store(&part, pixels);
+        run.end_ns = now_ns();
+        run.film_ns += run.end_ns - rendered_ns;
+    }
+    run
 }
 
 /// The number of this thread in its pool.

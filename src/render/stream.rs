@@ -8,20 +8,20 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::tile::Tile;
 use super::view::{View, limited};
 use super::wave::{Shadows, Wave};
 use super::{TileRenderer, thread_number};
 use crate::accel::Hit;
 use crate::cost::{ByPixel, Cost, Probe, RayKind};
 use crate::film::{Pixel, PixelCost};
+use crate::schedule::Tile;
 use crate::shade::Path;
 use crate::trace::SurfacePoint;
 
 /// Paths that are followed at the same time, at most, if a tile's pixels are no
 /// more: enough to keep the kernel busy, few enough to stay in the cache between
 /// two steps.
-const WAVE_LEN: usize = 2048;
+pub(super) const WAVE_LEN: usize = 2048;
 
 /// Renders tiles in waves of rays; a `P` hears of each pixel's cost. All
 /// buffers are kept from tile to tile.
@@ -57,6 +57,27 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
             shadows: Shadows::default(),
             colors: Vec::new(),
         }
+    }
+
+    /// Follows all paths of these pixels.
+    pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, u32)>) {
+        self.places.clear();
+        self.places.extend(places);
+        let n_pixels = self.places.len();
+        self.pixels.clear();
+        self.pixels.resize(n_pixels, Pixel::default());
+        self.probes.clear();
+        self.probes.resize(n_pixels, P::default());
+        let n_samples = self.view.n_samples;
+        let n_together = (WAVE_LEN / n_pixels).max(1);
+        for first in (0..n_samples).step_by(n_together) {
+            self.render_samples(first..n_samples.min(first + n_together as u32));
+        }
+    }
+
+    /// What the pixels last followed cost, one a pixel.
+    pub(super) fn counted(&self) -> &[P] {
+        &self.probes
     }
 
     /// Renders these samples of all pixels.
@@ -156,18 +177,7 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
 
 impl<P: Probe + Copy + Default + Into<Cost>> TileRenderer for StreamRenderer<'_, P> {
     fn render(&mut self, tile: &Tile) -> &[Pixel] {
-        self.places.clear();
-        self.places.extend(tile.pixels());
-        let n_pixels = self.places.len();
-        self.pixels.clear();
-        self.pixels.resize(n_pixels, Pixel::default());
-        self.probes.clear();
-        self.probes.resize(n_pixels, P::default());
-        let n_samples = self.view.n_samples;
-        let n_together = (WAVE_LEN / n_pixels).max(1);
-        for first in (0..n_samples).step_by(n_together) {
-            self.render_samples(first..n_samples.min(first + n_together as u32));
-        }
+        self.follow(tile.pixels());
         if P::COUNTS {
             self.measure(tile);
         }

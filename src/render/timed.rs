@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::tile::{TILE_SIDE, Tile};
 use super::view::{View, limited};
 use super::{TileRenderer, thread_number};
 use crate::cost::{Clock, Cost, Probe, RayKind};
 use crate::film::{Pixel, PixelCost};
 use crate::geometry::Ray;
+use crate::schedule::Tile;
 use crate::shade::Path;
 use crate::trace::SurfacePoint;
 
@@ -15,14 +15,15 @@ use crate::trace::SurfacePoint;
 pub(super) struct TimedRenderer<'a> {
     view: View<'a>,
     clock: &'a Clock,
-    /// As many as a tile has at most.
+    /// The pixels that are rendered at one go, at most.
     pixels: Vec<Pixel>,
 }
 
 impl<'a> TimedRenderer<'a> {
-    pub(super) fn new(view: View<'a>, clock: &'a Clock) -> Self {
+    /// Renders `n_pixels` pixels at one go, at most.
+    pub(super) fn new(view: View<'a>, clock: &'a Clock, n_pixels: usize) -> Self {
         // Written to once: no pixel shall pay for the first touch of memory.
-        let pixels = vec![Pixel::default(); (TILE_SIDE * TILE_SIDE) as usize];
+        let pixels = vec![Pixel::default(); n_pixels];
         Self {
             view,
             clock,

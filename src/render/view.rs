@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::accel::Accel;
+use crate::camera::ImagePlane;
 use crate::config::Image;
 use crate::film::Pixel;
 use crate::geometry::Ray;
@@ -20,7 +21,8 @@ pub(crate) struct View<'a> {
     pub(crate) n_samples: u32,
     /// The sample whose camera ray goes through the pixel's middle.
     pub(super) middle: u32,
-    scene: &'a Scene,
+    /// Where the pixels lie.
+    plane: ImagePlane,
     pattern: PixelPattern,
     width: u32,
 }
@@ -33,25 +35,28 @@ impl<'a> View<'a> {
             shader: Shader::new(scene),
             n_samples: image.samples_per_pixel,
             middle: pattern.center(),
-            scene,
+            plane: scene.image_plane,
             pattern,
             width: image.width,
         }
+    }
+
+    /// The same scene in pixels that lie elsewhere.
+    pub(crate) fn through(self, plane: ImagePlane) -> Self {
+        Self { plane, ..self }
     }
 
     /// The camera ray of one of the pixel's samples.
     pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
         let pixel = u64::from(y) * u64::from(self.width) + u64::from(x);
         let offset = self.pattern.point(pixel, sample);
-        let plane = &self.scene.image_plane;
-        plane.ray(x as f32 + offset.x, y as f32 + offset.y)
+        self.plane.ray(x as f32 + offset.x, y as f32 + offset.y)
     }
 
     /// Makes the sum of the samples' colours their mean, and adds what follows
     /// from the place.
     pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
-        let plane = &self.scene.image_plane;
-        let footprint_at = |distance| plane.footprint(x as f32, y as f32, distance);
+        let footprint_at = |distance| self.plane.footprint(x as f32, y as f32, distance);
         pixel.color /= self.n_samples as f32;
         pixel.footprint = pixel
             .surface

@@ -90,6 +90,11 @@ impl Scene {
         Ok(scene)
     }
 
+    /// How many objects.
+    pub fn n_objects(&self) -> usize {
+        self.attributes.len()
+    }
+
     /// The material with this id.
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.0 as usize]

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Aabb, Ray, Shape, Surface, Transform};
+use crate::geometry::{Aabb, Patch, Ray, Shape, Surface, Transform};
 
 /// The number of an object in the file's `objects`, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,6 +78,15 @@ impl Primitive {
             None => self.shape.bounds(),
             Some(placement) => placement.world_bounds(&self.shape.bounds()),
         }
+    }
+
+    /// How a viewer of meshes draws it in world space; `None` for a plane.
+    pub fn patch(&self) -> Option<Patch> {
+        let patch = self.shape.patch()?;
+        Some(match &self.placement {
+            None => patch,
+            Some(placement) => patch.transformed(placement),
+        })
     }
 
     /// Whether it has no end.

@@ -4,7 +4,7 @@ use serde::de::{Deserializer, MapAccess};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::config::{CostMode, MAX_SIDE, Structure};
+use crate::config::{CostMode, MAX_SIDE, Structure, TileOrder, Tiling};
 use crate::yaml;
 
 /// Something that a study varies, by flags of `raycost render`.
@@ -23,6 +23,10 @@ pub enum Factor {
     Objects,
     /// Longest path in bounces.
     MaxDepth,
+    /// Pixels along a tile's side.
+    TileSize,
+    /// In which order threads take tiles.
+    TileOrder,
     /// What is measured of each pixel.
     Cost,
 }
@@ -55,6 +59,8 @@ impl Factor {
             Self::Acceleration => "acceleration",
             Self::Objects => "objects",
             Self::MaxDepth => "max_depth",
+            Self::TileSize => "tile_size",
+            Self::TileOrder => "tile_order",
             Self::Cost => "cost",
         }
     }
@@ -77,6 +83,11 @@ impl Factor {
             Self::Acceleration => levels(map, form, |structure: Structure| {
                 word("acceleration", structure)
             }),
+            Self::TileSize => {
+                const MOST: u64 = Tiling::MAX_SIZE as u64;
+                levels(map, form, |n: Count<MOST>| n.level("tile-size"))
+            }
+            Self::TileOrder => levels(map, form, |order: TileOrder| word("tile-order", order)),
             Self::Cost => levels(map, form, |cost: CostMode| word("cost", cost)),
         }
     }

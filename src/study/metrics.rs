@@ -24,6 +24,9 @@ impl Metrics {
                 metrics.add(&format!("{name}_{event}"), count.as_f64());
             }
         }
+        for part in ["load_imbalance", "idle_share"] {
+            metrics.add(part, summary["schedule"][part].as_f64());
+        }
         metrics.add("peak_memory_bytes", summary["peak_memory_bytes"].as_f64());
         metrics.add("n_primitives", summary["n_primitives"].as_f64());
         metrics.add("n_pixels", summary["n_pixels"].as_f64());

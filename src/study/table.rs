@@ -6,7 +6,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{Plan, Results, Run, Statistics};
+use super::{Plan, Results, Run};
+use crate::statistics::SampleStatistics;
 
 /// One number of one point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,7 +18,7 @@ pub struct Row {
     pub metric: String,
     /// Over the runs that count.
     #[serde(flatten)]
-    pub statistics: Statistics,
+    pub statistics: SampleStatistics,
     /// Whether the first run of all, warm-up left out, is an outlier above.
     pub first_is_slow: bool,
 }
@@ -33,7 +34,7 @@ pub fn rows(plan: &Plan, results: &Results) -> Vec<Row> {
             }
         }
         let row = |(metric, measured): (&str, Vec<f64>)| {
-            let statistics = Statistics::of(&measured)?;
+            let statistics = SampleStatistics::of(&measured)?;
             let first = measured[0];
             Some(Row {
                 point: values.clone(),
@@ -74,7 +75,7 @@ pub fn write_csv(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     }
     for row in rows {
         let values = row.point.values().map(text);
-        let Statistics {
+        let SampleStatistics {
             n,
             mean,
             standard_deviation,

@@ -106,6 +106,15 @@ impl Diagnostic {
         }
     }
 
+    /// The fault of something that stands in no text: on the command line.
+    pub fn without_place(fault: Fault) -> Self {
+        Self {
+            message: fault.message,
+            place: None,
+            help: fault.help,
+        }
+    }
+
     /// The same, with a hint what to do.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());

@@ -10,10 +10,10 @@ use super::in_repository;
 /// A data set as a reader found it, or as it should be.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct DataSet {
-    /// `ImageData` or `UnstructuredGrid`.
+    /// `ImageData`, `UnstructuredGrid` or `PolyData`.
     pub kind: String,
     pub n_points: usize,
-    /// Of a grid.
+    /// Of a grid, or the lines of PolyData.
     pub n_cells: Option<usize>,
     /// Of an image, as the three below.
     pub extent: Option<[i32; 6]>,
@@ -78,7 +78,7 @@ impl DataSet {
             n_points: n_points
                 .or_else(|| number(header, "NumberOfPoints"))
                 .unwrap(),
-            n_cells: number(header, "NumberOfCells"),
+            n_cells: number(header, "NumberOfCells").or_else(|| number(header, "NumberOfLines")),
             extent,
             origin: numbers(header, "Origin"),
             spacing: numbers(header, "Spacing"),
@@ -123,10 +123,60 @@ impl DataSet {
 impl Array {
     /// Its numbers, which are `UInt32`.
     pub fn u32s(&self) -> impl Iterator<Item = u32> + '_ {
-        assert_eq!(self.scalar, "UInt32", "{}", self.name);
-        self.bytes
-            .chunks_exact(4)
-            .map(|bytes| u32::from_ne_bytes(bytes.try_into().unwrap()))
+        self.numbers("UInt32").map(u32::from_ne_bytes)
+    }
+
+    /// Its numbers, which are `Int32`.
+    pub fn i32s(&self) -> impl Iterator<Item = i32> + '_ {
+        self.numbers("Int32").map(i32::from_ne_bytes)
+    }
+
+    /// Its numbers, which are `Float32`.
+    pub fn f32s(&self) -> impl Iterator<Item = f32> + '_ {
+        self.numbers("Float32").map(f32::from_ne_bytes)
+    }
+
+    /// Its triples of `Float32`.
+    pub fn triples(&self) -> impl Iterator<Item = [f32; 3]> {
+        assert_eq!(self.n_components, 3, "{}", self.name);
+        let numbers: Vec<f32> = self.f32s().collect();
+        let triples: Vec<[f32; 3]> = numbers
+            .chunks_exact(3)
+            .map(|c| [c[0], c[1], c[2]])
+            .collect();
+        triples.into_iter()
+    }
+
+    fn numbers(&self, scalar: &str) -> impl Iterator<Item = [u8; 4]> + '_ {
+        assert_eq!(self.scalar, scalar, "{}", self.name);
+        let bytes = self.bytes.chunks_exact(4);
+        bytes.map(|bytes| bytes.try_into().unwrap())
+    }
+}
+
+/// Fails with the first array that differs, and says where.
+pub fn assert_same(mut found: DataSet, mut expected: DataSet) {
+    for (found, expected) in found.arrays.iter_mut().zip(&mut expected.arrays) {
+        let [found, expected_bytes] =
+            [found, expected].map(|array| std::mem::take(&mut array.bytes));
+        let differ = found.iter().zip(&expected_bytes).position(|(a, b)| a != b);
+        let lengths = [found.len(), expected_bytes.len()];
+        assert!(
+            found == expected_bytes,
+            "{}: from byte {differ:?} on; lengths {lengths:?}",
+            expected.name
+        );
+    }
+    assert_eq!(found, expected);
+}
+
+/// An array of `Int32`.
+pub fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
+    Array {
+        name: name.to_owned(),
+        scalar: "Int32".to_owned(),
+        n_components: 1,
+        bytes: numbers.flat_map(i32::to_ne_bytes).collect(),
     }
 }
 

@@ -1,8 +1,13 @@
 //! What several test files need.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod chromium;
 pub mod data_set;
 pub mod generators;
+pub mod kept;
+pub mod noise;
+pub mod paraview;
+pub mod scenes;
 pub mod twins;
 
 use std::path::PathBuf;
@@ -12,8 +17,9 @@ use raycost::accel::{Accel, Simd};
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::{Film, Strip};
-use raycost::render::render;
+use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
+use raycost::schedule::Schedule;
 use raycost::yaml::Source;
 
 /// A path below the repository's root.
@@ -58,6 +64,11 @@ pub fn film(config: &Config, n_threads: usize) -> Film {
 
 /// The film of a config with rays traced by these instructions.
 pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
+    rendered(config, n_threads, simd).0
+}
+
+/// The film of a config, and when each of its tiles was rendered.
+pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedule) {
     let scene = scene_of(config);
     let accel = Accel::new(&scene.primitives, config.acceleration).with_simd(simd);
     let pool = rayon::ThreadPoolBuilder::new()
@@ -65,13 +76,8 @@ pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
         .build()
         .unwrap();
     pool.install(|| {
-        render(
-            &scene,
-            &accel,
-            &config.image,
-            &Meter::new(config.cost),
-            |_| {},
-        )
+        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        render(&scene, &accel, &plan, &Meter::new(config.cost), |_| {})
     })
 }
 

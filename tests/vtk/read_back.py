@@ -1,6 +1,6 @@
 """Reads a VTK file with VTK and hands over all that is in it.
 
-    python read_back.py FILE.vtu|FILE.vti
+    python read_back.py FILE.vtu|FILE.vti|FILE.vtp
 
 Prints a line of JSON that tells what the data set is and lists its arrays, then the arrays
 themselves, each with its length in 64 bits before it. Fails if VTK says a word on the way.
@@ -11,7 +11,9 @@ import struct
 import sys
 
 from vtkmodules.vtkCommonCore import vtkOutputWindow
-from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+
+READERS = dict(vti=vtkXMLImageDataReader, vtp=vtkXMLPolyDataReader, vtu=vtkXMLUnstructuredGridReader)
 
 
 def main(path):
@@ -22,12 +24,12 @@ def main(path):
         n_points=data.GetNumberOfPoints(),
         normals=None if normals is None else normals.GetName(),
     )
-    arrays = point_arrays(data)
+    arrays = attribute_arrays(data.GetPointData()) + attribute_arrays(data.GetCellData())
     if header["kind"] == "ImageData":
         header.update(extent=data.GetExtent(), origin=data.GetOrigin(), spacing=data.GetSpacing())
     else:
         header.update(n_cells=data.GetNumberOfCells())
-        arrays += grid_arrays(data)
+        arrays += mesh_arrays(data)
     header["arrays"] = [array for array, _ in arrays]
     sys.stdout.buffer.write(json.dumps(header).encode() + b"\n")
     for _, content in arrays:
@@ -35,7 +37,7 @@ def main(path):
 
 
 def read(path):
-    reader = vtkXMLImageDataReader() if path.endswith(".vti") else vtkXMLUnstructuredGridReader()
+    reader = READERS[path.rsplit(".", 1)[1]]()
     complaints = []
     for speaker in (reader, vtkOutputWindow.GetInstance()):
         for event in ("ErrorEvent", "WarningEvent"):
@@ -49,21 +51,21 @@ def read(path):
     return reader.GetOutput()
 
 
-def point_arrays(data):
-    arrays = data.GetPointData()
+def attribute_arrays(arrays):
     return [described(arrays.GetArrayName(i), arrays.GetArray(i)) for i in range(arrays.GetNumberOfArrays())]
 
 
-def grid_arrays(data):
-    cells = data.GetCells()
+def mesh_arrays(data):
+    """Points and cells: those of a grid, with their types, or the lines of PolyData."""
+    is_grid = data.IsA("vtkUnstructuredGrid")
+    cells = data.GetCells() if is_grid else data.GetLines()
     offsets, ends = described("offsets", cells.GetOffsetsArray())
     types = bytes(data.GetCellType(i) for i in range(data.GetNumberOfCells()))
     return [
         described("Points", data.GetPoints().GetData()),
         described("connectivity", cells.GetConnectivityArray()),
         (offsets, ends[cells.GetOffsetsArray().GetDataTypeSize() :]),  # files leave out the 0 in front
-        (dict(name="types", scalar="UInt8", n_components=1), types),
-    ]
+    ] + [(dict(name="types", scalar="UInt8", n_components=1), types)] * is_grid
 
 
 def described(name, array):

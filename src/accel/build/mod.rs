@@ -71,6 +71,11 @@ pub(super) fn bytes_per_primitive(quality: Quality) -> usize {
     size_of::<u32>() + (references_per_primitive(quality) * of_reference).ceil() as usize
 }
 
+/// Lines of the arena for each primitive at most.
+pub(super) fn lines_per_primitive(quality: Quality) -> usize {
+    (references_per_primitive(quality) * LINES_PER_REFERENCE).ceil() as usize
+}
+
 /// Builds the hierarchy over the primitives with these indices. No lines for no
 /// primitives. `report` hears of the
 /// parts that are done, which add up to 1, from any thread.

@@ -5,9 +5,9 @@ use image::{Rgb, RgbImage};
 use super::canvas::{self, Rect, Triangle, px};
 use super::colours::Colours;
 use super::label::Unit;
-use super::range::Range;
+use super::range::{Range, Scale};
 use super::text::{CAP_HEIGHT_EM, Style};
-use super::ticks::ticks;
+use super::ticks::{ticks, ticks_around_zero};
 
 /// Which way the values grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +78,11 @@ impl Bar {
         let tip_px = |n_pixels| if n_pixels > 0 { px(TIP_EM * em_px) } else { 0 };
         let (low_tip_px, high_tip_px) = (tip_px(range.n_below), tip_px(range.n_above));
         let scale_px = (length_px - low_tip_px - high_tip_px) as f32;
-        let ticks = ticks(range.low, range.high, (pitch_em * em_px / scale_px).into());
+        let min_gap = (pitch_em * em_px / scale_px).into();
+        let ticks = match range.scale {
+            Scale::Logarithmic => ticks(range.low, range.high, min_gap),
+            Scale::AroundZero => ticks_around_zero(range.high, min_gap),
+        };
         let style = Style::new(em_px, canvas::INK);
         let label = |&value: &f64| Label::new(value, range, unit, &style);
         Self {

@@ -1,20 +1,23 @@
-//! Inferno over a logarithmic range: dark for cheap, light for dear, monotone in lightness.
+//! Inferno over a logarithmic range: dark for cheap, light for dear, monotone in lightness. For
+//! changes ColorBrewer's blue and red, light in the middle: blue for cheaper, red for dearer.
 
 use image::Rgb;
 
-use super::range::{Range, is_drawable};
+use super::range::{Range, Scale};
 
-/// Of pixels without a value on the logarithmic scale; Inferno has no grey.
+/// Of pixels without a value on the scale; no scale has this grey.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
 
 /// The colours of a range of values.
 ///
-/// The bits of positive floats sort like the floats, so a table over equal pieces of the range's
-/// bits replaces one logarithm a pixel. A piece spans less than a fifth of a colour's share, so
-/// that both ways give the same picture; a test compares them.
+/// The bits of positive floats sort like the floats, so a table over equal pieces of a logarithmic
+/// range's bits replaces one logarithm a pixel. A piece spans less than a fifth of a colour's share,
+/// so that both ways give the same picture; a test compares them.
 pub struct Colours {
+    range: Range,
     /// Equal steps of position from 0 to 1.
     ladder: Vec<Rgb<u8>>,
+    /// Empty where the scale is not logarithmic.
     by_piece: Vec<Rgb<u8>>,
     low_bits: u32,
     high_bits: u32,
@@ -23,31 +26,42 @@ pub struct Colours {
 }
 
 impl Colours {
-    /// Inferno's first colour at `range.low`, its last at `range.high`.
+    /// The scale's first colour at `range.low`, its last at `range.high`.
     pub fn over(range: &Range) -> Self {
-        let inferno = |i| Rgb(colorous::INFERNO.eval_rational(i, N_COLOURS).into_array());
         let (low_bits, high_bits) = ((range.low as f32).to_bits(), (range.high as f32).to_bits());
-        let n_floats = high_bits - low_bits + 1;
         let mut colours = Self {
-            ladder: (0..N_COLOURS).map(inferno).collect(),
+            range: *range,
+            ladder: ladder(range.scale),
             by_piece: Vec::new(),
             low_bits,
             high_bits,
-            piece_log2: (n_floats / N_PIECES).checked_ilog2().unwrap_or(0),
+            piece_log2: 0,
         };
-        let middle = (1 << colours.piece_log2) / 2;
-        colours.by_piece = (low_bits..=high_bits)
-            .step_by(1 << colours.piece_log2)
-            .map(|bits| f32::from_bits((bits + middle).min(high_bits)))
-            .map(|value| colours.at(range.position(value.into()) as f32))
-            .collect();
+        if range.scale == Scale::Logarithmic {
+            colours.fill_pieces();
+        }
         colours
+    }
+
+    fn fill_pieces(&mut self) {
+        let (low_bits, high_bits) = (self.low_bits, self.high_bits);
+        let n_floats = high_bits - low_bits + 1;
+        self.piece_log2 = (n_floats / N_PIECES).checked_ilog2().unwrap_or(0);
+        let middle = (1 << self.piece_log2) / 2;
+        self.by_piece = (low_bits..=high_bits)
+            .step_by(1 << self.piece_log2)
+            .map(|bits| f32::from_bits((bits + middle).min(high_bits)))
+            .map(|value| self.at(self.range.position(value.into()) as f32))
+            .collect();
     }
 
     /// The colour of one value; that of the nearer end outside the range.
     pub fn of(&self, value: f32) -> Rgb<u8> {
-        if !is_drawable(value) {
+        if !self.range.can_show(value) {
             return NO_VALUE;
+        }
+        if self.by_piece.is_empty() {
+            return self.at(self.range.position(value.into()) as f32);
         }
         let bits = value.to_bits().clamp(self.low_bits, self.high_bits);
         self.by_piece[((bits - self.low_bits) >> self.piece_log2) as usize]
@@ -59,6 +73,17 @@ impl Colours {
         // The cast saturates: below the range to 0.
         self.ladder[((step + 0.5) as usize).min(N_COLOURS - 1)]
     }
+}
+
+/// A scale's colours in equal steps.
+fn ladder(scale: Scale) -> Vec<Rgb<u8>> {
+    let colour = |i| match scale {
+        Scale::Logarithmic => colorous::INFERNO.eval_rational(i, N_COLOURS),
+        Scale::AroundZero => colorous::RED_BLUE.eval_rational(N_COLOURS - 1 - i, N_COLOURS),
+    };
+    (0..N_COLOURS)
+        .map(|i| Rgb(colour(i).into_array()))
+        .collect()
 }
 
 /// Finer than 8 bits can tell apart, so that the bar shows no bands of its own.
@@ -110,6 +135,16 @@ mod tests {
             .map(|i| lightness(10f32.powf(i as f32 * 0.3)))
             .collect();
         assert!(ladder.is_sorted_by(|a, b| a < b), "{ladder:?}");
+    }
+
+    #[test]
+    fn cheaper_is_blue_and_dearer_is_red() {
+        let colours = Colours::over(&Range::on(Scale::AroundZero, &[-50.0, 20.0]));
+        let [cheaper, same, dearer] = [-50.0, 0.0, 50.0].map(|change| colours.of(change).0);
+        assert!(cheaper[2] > 2 * cheaper[0] && dearer[0] > 2 * dearer[2]);
+        assert!(same.iter().all(|&channel| channel > 230), "{same:?}");
+        assert_eq!([colours.of(-1e9).0, colours.of(1e9).0], [cheaper, dearer]);
+        assert_eq!(colours.of(f32::NAN), NO_VALUE);
     }
 
     #[test]

@@ -1,15 +1,19 @@
 //! What the colour bar cannot say: the kind of scale, and the pixels that it leaves out.
 
 use super::label::Unit;
-use super::range::Range;
+use super::range::{Range, Scale};
 
 /// One line such as "Logarithmic scale; 2 pixels above 9.81 µs, up to 412 µs".
 pub fn line(unit_name: &str, range: &Range) -> String {
     let unit = Unit::named(unit_name);
     let label = |value: f64| unit.label(value, 3);
+    let scale = match range.scale {
+        Scale::Logarithmic => "Logarithmic scale",
+        Scale::AroundZero => "Red is dearer, blue cheaper; linear scale",
+    };
     let mut parts = vec![match unit_name {
-        "ns" => "Logarithmic scale".to_owned(),
-        other => format!("Logarithmic scale of {other}"),
+        "ns" => scale.to_owned(),
+        other => format!("{scale} of {other}"),
     }];
     if range.n_above > 0 {
         let (end, extreme) = (label(range.high), label(range.max.into()));

@@ -17,8 +17,17 @@ impl Unit {
         Self { suffixes }
     }
 
-    /// `value`, a positive number, rounded to `n_digits` significant digits: "500 ns", "1.5 µs".
+    /// `value`, rounded to `n_digits` significant digits: "500 ns", "1.5 µs", "−20 ns", "0".
     pub fn label(&self, value: f64, n_digits: usize) -> String {
+        match value {
+            0.0 => "0".to_owned(),
+            ..0.0 => format!("−{}", self.size_label(-value, n_digits)),
+            _ => self.size_label(value, n_digits),
+        }
+    }
+
+    /// The label of a positive number.
+    fn size_label(&self, value: f64, n_digits: usize) -> String {
         let exponential = format!("{:.*e}", n_digits - 1, value);
         let rounded: f64 = exponential.parse().unwrap_or(value);
         let [smallest, .., largest] = self.suffixes;
@@ -64,6 +73,8 @@ mod tests {
             (1.2e12, "1200 s"),
             (3e20, "3e11 s"),
             (2e-9, "2e-9 ns"),
+            (0.0, "0"),
+            (-1500.0, "−1.5 µs"),
         ];
         for (value, expected) in table {
             assert_eq!(Unit::named("ns").label(value, 3), expected);

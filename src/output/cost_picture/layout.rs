@@ -97,11 +97,13 @@ const MIN_TEXT_WIDTH_EM: f32 = 30.0;
 
 #[cfg(test)]
 mod tests {
+    use super::super::range::Scale;
     use super::*;
 
     fn layout(width: u32, height: u32) -> Layout {
         let map = CostMap {
             values: &[],
+            scale: Scale::Logarithmic,
             width,
             height,
             title: "t",

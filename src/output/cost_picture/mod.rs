@@ -1,12 +1,14 @@
 //! The per-pixel cost map as a self-explaining picture: title, subtitle, map, colour bar, footer.
 //!
-//! Takes one positive value a pixel, gives an RGB picture that can be read without any other
+//! Takes one value a pixel, gives an RGB picture that can be read without any other
 //! tool. Cost spans decades, so the colours (Inferno, perceptually uniform) follow the logarithm.
 //! `range` decides which values the colours span, so that one interrupted pixel does not flatten
-//! the rest; the footer and the tips of the colour bar say what was cut off.
+//! the rest; the footer and the tips of the colour bar say what was cut off. What a pixel's cost
+//! changed by is drawn the same way, in colours that part at zero.
 
 // In the order of the data; each uses only those above it.
 mod canvas;
+mod census;
 mod range;
 mod colours;
 mod ticks;
@@ -21,16 +23,18 @@ use image::RgbImage;
 use canvas::{GREY_INK, INK, LINE, PAPER};
 use colours::Colours;
 use layout::Layout;
-pub use range::Range;
+pub use range::{Range, Scale};
 use text::Style;
 pub use ticks::{Ticks, ticks};
 
 /// What the picture shows.
 #[derive(Clone, Copy, Debug)]
 pub struct CostMap<'a> {
-    /// One value a pixel, row-major, `width * height`, row 0 on top. Zero, negative, subnormal,
-    /// infinite and NaN values have no place on a logarithmic scale and are drawn mid-grey.
+    /// One value a pixel, row-major, `width * height`, row 0 on top. Infinite and NaN values, on a
+    /// logarithmic scale also zero, negative and subnormal ones, are drawn mid-grey.
     pub values: &'a [f32],
+    /// How the values are spread over the colours.
+    pub scale: Scale,
     /// Pixels a row, at least 1.
     pub width: u32,
     /// Rows, at least 1.
@@ -51,7 +55,7 @@ pub struct CostMap<'a> {
 /// The same map gives the same picture, and no value of any kind makes this panic.
 pub fn draw(map: &CostMap) -> RgbImage {
     debug_assert_eq!(map.values.len(), map.width as usize * map.height as usize);
-    let range = Range::of(map.values);
+    let range = Range::on(map.scale, map.values);
     let colours = Colours::over(&range);
     let layout = Layout::of(map, &range);
 

@@ -3,17 +3,28 @@
 //! One interrupt makes a pixel a thousand times dearer than its neighbours; colours from the
 //! smallest to the largest value would then show one bright dot on black. So the range runs
 //! between the 0.5 % and the 99.5 % quantile and takes in the extremes only where they are near.
-//!
-//! The quantiles come from a histogram over the upper half of the floats' bits, which sort like
-//! the positive floats themselves: one pass, no copy of the values, no dependence on their order,
-//! and bins of less than 1 %, finer than a colour can show.
+//! Changes go both ways from zero, which stays in the middle: their range reaches as far up as
+//! down, to the 99 % quantile of what is not zero.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+use super::census::{Census, N_BINS, bin, is_drawable, lower_edge, upper_edge};
+
+/// How values are spread over the colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal ratios are equally far apart; for positive values, of which most is dearest.
+    Logarithmic,
+    /// Equal differences are equally far apart, and zero is in the middle; for changes.
+    AroundZero,
+}
 
 /// The values that the colours span, and a census of those outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Drawn in the first colour; positive.
+    /// How they are spread.
+    pub scale: Scale,
+    /// Drawn in the first colour; positive on a logarithmic scale, else `-high`.
     pub low: f64,
     /// Drawn in the last colour; at least 1 % above `low`.
     pub high: f64,
@@ -25,12 +36,21 @@ pub struct Range {
     pub n_below: u64,
     /// Pixels above `high`.
     pub n_above: u64,
-    /// Pixels that a logarithmic scale cannot show: zero, negative, subnormal, infinite or NaN.
+    /// Pixels that the scale cannot show: NaN or infinite; where it is logarithmic also zero,
+    /// negative or subnormal.
     pub n_undrawable: u64,
 }
 
 impl Range {
-    /// The range for `values`, in any order; 1 to 2 where none can be drawn.
+    /// The range for `values`, in any order, on this scale.
+    pub fn on(scale: Scale, values: &[f32]) -> Self {
+        match scale {
+            Scale::Logarithmic => Self::of(values),
+            Scale::AroundZero => Self::around_zero(values),
+        }
+    }
+
+    /// The logarithmic range for `values`, in any order; 1 to 2 where none can be drawn.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let census = Census::of(values);
         let Census {
@@ -52,6 +72,7 @@ impl Range {
             high
         };
         Self {
+            scale: Scale::Logarithmic,
             low,
             high,
             min,
@@ -62,104 +83,44 @@ impl Range {
         }
     }
 
-    /// Where `value` lies between `low` (0) and `high` (1) on the logarithmic scale; beyond both
-    /// for values outside. Grows with `value`, a positive number.
-    pub fn position(&self, value: f64) -> f64 {
-        (value.log2() - self.low.log2()) / (self.high.log2() - self.low.log2())
-    }
-}
-
-/// Whether a logarithmic scale can show `value`.
-pub fn is_drawable(value: f32) -> bool {
-    (f32::MIN_POSITIVE..f32::INFINITY).contains(&value)
-}
-
-/// Positive floats by their upper 16 bits.
-const N_BINS: usize = 1 << 15;
-
-fn bin(positive: f32) -> usize {
-    (positive.to_bits() >> 16) as usize
-}
-
-/// Smallest float in `bin`.
-fn lower_edge(bin: usize) -> f64 {
-    f32::from_bits((bin as u32) << 16).into()
-}
-
-/// Largest float in `bin`.
-fn upper_edge(bin: usize) -> f64 {
-    f32::from_bits((bin as u32) << 16 | 0xffff).into()
-}
-
-/// How the drawable values are distributed.
-struct Census {
-    n_by_bin: Vec<u64>,
-    n: u64,
-    n_undrawable: u64,
-    /// 1 where there is no value.
-    min: f32,
-    /// 1 where there is no value.
-    max: f32,
-}
-
-impl Census {
-    fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        let mut n_by_bin = vec![0; N_BINS];
-        let (mut min, mut max, mut n) = (f32::INFINITY, 0.0_f32, 0);
-        let mut n_undrawable = 0;
-        for &value in values {
-            if is_drawable(value) {
-                n_by_bin[bin(value)] += 1;
-                (min, max, n) = (min.min(value), max.max(value), n + 1);
-            } else {
-                n_undrawable += 1;
-            }
-        }
-        if n == 0 {
-            (min, max) = (1.0, 1.0);
-        }
-        Self {
-            n_by_bin,
-            n,
-            n_undrawable,
-            min,
-            max,
-        }
-    }
-
-    fn n_in(&self, bins: std::ops::Range<usize>) -> u64 {
-        self.n_by_bin
-            .get(bins)
-            .map_or(0, |counts| counts.iter().sum())
-    }
-
-    /// The 0.5 % and 99.5 % quantiles, each replaced by the extreme value on its side where that
-    /// is within a factor of two, or adds at most a third to the logarithmic range.
-    fn robust_ends(&self) -> (f64, f64) {
-        let (min, max) = (f64::from(self.min), f64::from(self.max));
-        // Below a hundred pixels a single one is no outlier but a part of the picture.
-        let n_tail = if self.n < 100 {
-            0
-        } else {
-            (self.n / 200).max(1)
+    /// As far up from zero as down; to 1 where nothing differs from it.
+    fn around_zero(values: &[f32]) -> Self {
+        let sizes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
+        let census = Census::of(&sizes);
+        let reach = match census.n {
+            0 => 1.0,
+            _ => census.size_of_most(),
         };
-        let low = lower_edge(self.bin_past(n_tail, 0..N_BINS)).max(min);
-        let high = upper_edge(self.bin_past(n_tail, (0..N_BINS).rev())).min(max);
-        let reach = (high / low).cbrt().max(2.0);
-        (
-            if low / min <= reach { min } else { low },
-            if max / high <= reach { max } else { high },
-        )
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let n = |is_so: &dyn Fn(f64) -> bool| finite().filter(|&v| is_so(v.into())).count() as u64;
+        Self {
+            scale: Scale::AroundZero,
+            low: -reach,
+            high: reach,
+            min: finite().fold(0.0, f32::min),
+            max: finite().fold(0.0, f32::max),
+            n_below: n(&|value| value < -reach),
+            n_above: n(&|value| value > reach),
+            n_undrawable: (values.len() - finite().count()) as u64,
+        }
     }
 
-    /// The first of `bins` with which more than `n_tail` values are passed.
-    fn bin_past(&self, n_tail: u64, mut bins: impl Iterator<Item = usize>) -> usize {
-        let mut n_passed = 0;
-        bins.find(|&bin| {
-            n_passed += self.n_by_bin[bin];
-            n_passed > n_tail
-        })
-        .unwrap_or(bin(1.0))
+    /// Where `value` lies between `low` (0) and `high` (1); beyond both for values outside. Grows
+    /// with `value`, on a logarithmic scale a positive number.
+    pub fn position(&self, value: f64) -> f64 {
+        let along = match self.scale {
+            Scale::Logarithmic => f64::log2,
+            Scale::AroundZero => |value| value,
+        };
+        (along(value) - along(self.low)) / (along(self.high) - along(self.low))
+    }
+
+    /// Whether the scale can show `value`.
+    pub fn can_show(&self, value: f32) -> bool {
+        match self.scale {
+            Scale::Logarithmic => is_drawable(value),
+            Scale::AroundZero => value.is_finite(),
+        }
     }
 }
 
@@ -262,6 +223,36 @@ mod tests {
         let range = Range::of(&values);
         values.reverse();
         assert_eq!(Range::of(&values), range);
+    }
+
+    #[test]
+    fn changes_reach_as_far_up_as_down() {
+        let values: Vec<f32> = (0..1000).map(|i| i as f32 - 700.0).collect();
+        let range = Range::on(Scale::AroundZero, &values);
+        assert_eq!((range.low, range.high), (-700.0, 700.0));
+        assert_eq!((range.min, range.max, range.n_below), (-700.0, 299.0, 0));
+        assert_eq!(
+            [-700.0, 0.0, 350.0].map(|v| range.position(v)),
+            [0.0, 0.5, 0.75]
+        );
+    }
+
+    #[test]
+    fn an_outlier_among_changes_is_cut_off() {
+        let mut values = vec![0.0; 10_000];
+        values[..900].fill(-3.0);
+        (values[900], values[901]) = (1e6, f32::NAN);
+        let range = Range::on(Scale::AroundZero, &values);
+        assert!(range.high >= 3.0 && range.high < 3.03, "{range:?}");
+        assert_eq!(
+            (range.n_below, range.n_above, range.n_undrawable),
+            (0, 1, 1)
+        );
+        assert_eq!(Range::on(Scale::AroundZero, &[0.0; 9]).high, 1.0);
+        assert_eq!(
+            Range::on(Scale::AroundZero, &[f32::INFINITY]).n_undrawable,
+            1
+        );
     }
 
     #[test]

@@ -10,6 +10,7 @@ fn map(values: &[f32], width: u32) -> CostMap<'_> {
     let height = values.len() as u32 / width;
     CostMap {
         values,
+        scale: Scale::Logarithmic,
         width,
         height,
         title: "title",
@@ -19,7 +20,7 @@ fn map(values: &[f32], width: u32) -> CostMap<'_> {
 }
 
 fn layout(map: &CostMap) -> Layout {
-    Layout::of(map, &Range::of(map.values))
+    Layout::of(map, &Range::on(map.scale, map.values))
 }
 
 /// The colour in the middle of each value's square.
@@ -50,6 +51,21 @@ fn each_value_has_its_colour() {
     let [low, high] = [inferno(0.0), inferno(1.0)];
     assert_eq!(colours[..5], [low, high, NO_VALUE, high, low]);
     assert!(is_close(colours[5], inferno(0.5)));
+}
+
+#[test]
+fn each_change_has_its_colour() {
+    let changes = CostMap {
+        scale: Scale::AroundZero,
+        ..map(&[-10.0, 0.0, 10.0, f32::NAN], 2)
+    };
+    let red_blue = |t: f64| Rgb(colorous::RED_BLUE.eval_continuous(1.0 - t).into_array());
+    let colours = drawn_colours(&changes);
+    assert_eq!(
+        [colours[0], colours[2], colours[3]],
+        [red_blue(0.0), red_blue(1.0), NO_VALUE]
+    );
+    assert!(is_close(colours[1], red_blue(0.5)));
 }
 
 #[test]
@@ -154,8 +170,11 @@ fn nothing_is_cut_off_and_nothing_panics() {
         (&steady, 30),
     ];
     for (values, width) in maps {
-        for (title, unit) in [(long.as_str(), "ns"), ("", long.as_str())] {
+        let texts = [(long.as_str(), "ns"), ("", long.as_str())];
+        let scales = [Scale::Logarithmic, Scale::AroundZero];
+        for ((title, unit), scale) in texts.into_iter().flat_map(|t| scales.map(|s| (t, s))) {
             let picture = draw(&CostMap {
+                scale,
                 title,
                 unit,
                 subtitle: title,

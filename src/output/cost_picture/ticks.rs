@@ -1,4 +1,4 @@
-//! Where a logarithmic scale gets its ticks.
+//! Where a scale gets its ticks.
 
 /// Ticks of a scale, each in rising order and within its ends.
 #[derive(Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// Ticks from `low` to `high`, at least 1 % above it, as dense as labels fit that need `min_gap`
+/// Ticks of a logarithmic scale from `low` to `high`, at least 1 % above it, as dense as labels fit that need `min_gap`
 /// of the scale's length, up to 0.14, from one to the next.
 ///
 /// They are 1, 2, 5 times a power of ten; on a narrow range multiples of such a number; on a wide
@@ -38,6 +38,28 @@ pub fn ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
     Ticks {
         major: powers.iter().copied().filter(is_major).collect(),
         minor: powers,
+    }
+}
+
+/// Ticks of a linear scale from `-reach` to `reach`, with labels at least `min_gap` of its length
+/// apart, up to 0.14: at zero and at multiples of 1, 2 or 5 times a power of ten on both sides.
+pub fn ticks_around_zero(reach: f64, min_gap: f64) -> Ticks {
+    // Closer labels than these are hard to take in.
+    let least_step = 2.0 * reach * min_gap.max(0.08);
+    let power = 10f64.powf(least_step.log10().floor());
+    let choices = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0), (10.0, 5.0)];
+    let is_far_enough = |(factor, _): &(f64, f64)| factor * power >= least_step;
+    let (factor, n_minor_steps) = choices
+        .into_iter()
+        .find(is_far_enough)
+        .unwrap_or(choices[3]);
+    let on_both_sides = |step: f64| -> Vec<f64> {
+        let n = (reach / step * (1.0 + 1e-9)).floor() as i64;
+        (-n..=n).map(|i| i as f64 * step).collect()
+    };
+    Ticks {
+        major: on_both_sides(factor * power),
+        minor: on_both_sides(factor * power / n_minor_steps),
     }
 }
 
@@ -155,6 +177,29 @@ mod tests {
                 is_equal,
                 "{low} to {high}, gap {min_gap}: {got:?}, expected {expected:?}"
             );
+        }
+    }
+
+    #[test]
+    fn ticks_around_zero_are_round_and_far_enough_apart() {
+        let ticks = |reach, min_gap| ticks_around_zero(reach, min_gap).major;
+        assert_eq!(ticks(1.0, 0.14), [-1.0, -0.5, 0.0, 0.5, 1.0]);
+        assert_eq!(
+            ticks(700.0, 0.05),
+            [-600.0, -400.0, -200.0, 0.0, 200.0, 400.0, 600.0]
+        );
+        for i in 0..2000 {
+            let reach = 10f64.powf(-30.0 + f64::from(i) * 0.03);
+            for min_gap in [0.01, 0.1, 0.14] {
+                let ticks = ticks(reach, min_gap);
+                let n = ticks.len();
+                assert!(
+                    n % 2 == 1 && (3..=13).contains(&n) && ticks[n / 2] == 0.0,
+                    "{ticks:?}"
+                );
+                assert!(ticks[n - 1] <= reach * (1.0 + 1e-8) && ticks[0] == -ticks[n - 1]);
+                assert!(ticks[n - 1] - ticks[n - 2] >= 2.0 * reach * min_gap * (1.0 - 1e-9));
+            }
         }
     }
 

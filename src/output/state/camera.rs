@@ -6,7 +6,7 @@ use crate::camera::{ImagePlane, Projection};
 
 /// ParaView's camera for the picture as a whole, in the middle part of a view
 /// of usual shape, between its caption and its colour bar.
-pub(super) fn picture_camera([width, height]: [f64; 2], key: &str) -> Option<f64> {
+pub(crate) fn picture_camera([width, height]: [f64; 2], key: &str) -> Option<f64> {
     let scale = (height / (2.0 * 0.79)).max(width / (2.0 * 0.96 * 1.1));
     match key {
         "parallel_scale" => Some(scale),
@@ -70,6 +70,20 @@ impl Camera {
             half_height: (half(right) / FILLED[0]).max(half(up) / FILLED[1]),
             is_parallel,
             is_mirrored,
+        }
+    }
+
+    /// To the right, up and forward as ParaView's view has them, unit vectors.
+    pub(super) fn axes(&self) -> [Vec3; 3] {
+        let forward = (self.focal_point - self.position).normalize();
+        [forward.cross(self.up), self.up, forward]
+    }
+
+    /// The point in the world as the view shows it.
+    pub(super) fn mirrored(&self, point: Vec3) -> Vec3 {
+        match self.is_mirrored {
+            true => point - 2.0 * self.right.dot(point - self.position) * self.right,
+            false => point,
         }
     }
 

@@ -1,5 +1,5 @@
-//! `geometry.pvsm`, `heatmap.pvsm` and `overview.pvsm`: ParaView's states for
-//! this output.
+//! `geometry.pvsm`, `heatmap.pvsm` and the others: ParaView's states for this
+//! output.
 //!
 //! The states in the repository's `paraview/` folder are the templates. Each
 //! value that hangs on the output carries its key there:
@@ -11,24 +11,36 @@
 //! Here the values take their places and the keys go.
 
 mod camera;
+mod ledger;
+mod rays;
 mod template;
 
-use camera::{Camera, picture_camera};
-use template::fill;
+use camera::Camera;
+pub(crate) use camera::picture_camera;
+use ledger::LedgerValues;
+pub(super) use rays::of_rays;
+pub(crate) use template::fill;
 
 use super::cost_picture::Range;
 use super::measure::Measure;
 use super::{OutputFolder, Rendering, vtk};
 use crate::film::Film;
+use crate::schedule::Schedule;
 
 const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
 const OVERVIEW: &str = include_str!("../../../paraview/overview.pvsm");
+const SCHEDULE: &str = include_str!("../../../paraview/schedule.pvsm");
+const SURFACE: &str = include_str!("../../../paraview/surface.pvsm");
+const BVH: &str = include_str!("../../../paraview/bvh.pvsm");
 
 /// The states of one output, in ASCII.
 pub(super) struct States {
     hits: String,
     frame: String,
+    tiles: String,
+    nodes: String,
+    surface: String,
     /// What tells most of the cost, and what comes next.
     measures: Option<[Measure; 2]>,
     camera: Camera,
@@ -36,8 +48,10 @@ pub(super) struct States {
     size: [f64; 2],
     cost_range: [f64; 2],
     counter_range: [f64; 2],
+    schedule_ranges: ScheduleRanges,
     /// Hits farther away are not shown.
     max_distance: f64,
+    ledger: LedgerValues,
 }
 
 impl States {
@@ -53,12 +67,17 @@ impl States {
         Self {
             hits: path_of(vtk::HITS),
             frame: path_of(vtk::FRAME),
+            tiles: path_of(vtk::TILES),
+            nodes: path_of(vtk::NODES),
+            surface: path_of(vtk::SURFACE),
             measures,
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size: [film.width, film.height].map(f64::from),
             cost_range,
             counter_range,
+            schedule_ranges: ScheduleRanges::of(rendering.schedule),
             max_distance: distances.max_shown,
+            ledger: LedgerValues::of(rendering),
         }
     }
 
@@ -77,17 +96,38 @@ impl States {
         fill(OVERVIEW, |key| self.value(key))
     }
 
+    /// When each tile was rendered, and by which thread.
+    pub(super) fn schedule(&self) -> String {
+        fill(SCHEDULE, |key| self.value(key))
+    }
+
+    /// The scene's surface by its cost.
+    pub(super) fn surface(&self) -> String {
+        fill(SURFACE, |key| self.value(key))
+    }
+
+    /// The dearest boxes of the hierarchy.
+    pub(super) fn bvh(&self) -> String {
+        fill(BVH, |key| self.value(key))
+    }
+
     fn value(&self, key: &str) -> Option<String> {
         match key {
+            vtk::NODES => Some(self.nodes.clone()),
+            vtk::SURFACE => Some(self.surface.clone()),
             vtk::HITS => Some(self.hits.clone()),
             vtk::FRAME => Some(self.frame.clone()),
+            vtk::TILES => Some(self.tiles.clone()),
             "cost.array" => Some(self.cost().0.to_owned()),
             "cost.title" => Some(self.cost().1.to_owned()),
             "cost.log10" => Some(format!("log10({})", self.cost().0)),
             "cost.log10.title" => Some(format!("{}, log scale", self.cost().1)),
             "counter.array" => Some(self.measures?[1].array.to_owned()),
             "counter.title" => Some(self.measures?[1].axis.to_owned()),
-            _ => self.number(key).map(|number| number.to_string()),
+            _ => self
+                .ledger
+                .value(key)
+                .or_else(|| self.number(key).map(|number| number.to_string())),
         }
     }
 
@@ -113,6 +153,9 @@ impl States {
             let [low, high] = self.counter_range;
             return between(fraction, |f| low + (high - low) * f);
         }
+        if let Some(rest) = key.strip_prefix("tiles.") {
+            return self.schedule_ranges.number(rest);
+        }
         if let Some(rest) = key.strip_prefix("image.") {
             return picture_camera(self.size, rest);
         }
@@ -125,7 +168,7 @@ impl States {
 
 /// The interpolated value for the text behind `log(` or `linear(`: a fraction
 /// from 0 to 1 and a closing bracket.
-fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
+pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }
 
@@ -146,6 +189,41 @@ fn counter_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
     let low = f64::from(least.unwrap_or(0.0));
     let high = counts.iter().copied().map(f64::from);
     [low, high.fold(low + 1.0, f64::max)]
+}
+
+/// The values that the colours of the tiles span.
+struct ScheduleRanges {
+    /// Without outliers: a thread that was interrupted shows no more than that.
+    duration_ns: Range,
+    last_start_ns: f64,
+    last_thread: f64,
+}
+
+impl ScheduleRanges {
+    fn of(schedule: &Schedule) -> Self {
+        let runs = &schedule.runs;
+        let durations: Vec<f32> = runs.iter().map(|run| run.duration_ns() as f32).collect();
+        let last_start = runs.iter().map(|run| run.start_ns).max();
+        Self {
+            duration_ns: Range::of(&durations),
+            last_start_ns: last_start.unwrap_or(0).max(1) as f64,
+            last_thread: f64::from(schedule.n_threads - 1).max(1.0),
+        }
+    }
+
+    /// The value of a key without its `tiles.`.
+    fn number(&self, key: &str) -> Option<f64> {
+        let (name, fraction) = key.split_once('(')?;
+        match name {
+            "duration.log" => {
+                let Range { low, high, .. } = self.duration_ns;
+                between(fraction, |f| low * (high / low).powf(f))
+            }
+            "start.linear" => between(fraction, |f| self.last_start_ns * f),
+            "thread.linear" => between(fraction, |f| self.last_thread * f),
+            _ => None,
+        }
+    }
 }
 
 /// How far the hits are along their camera rays.

@@ -3,7 +3,7 @@
 /// The template with every `value="…" fill="KEY"` replaced by
 /// `value="VALUE"`; a key that `value` does not know keeps what the template
 /// has. Values are escaped to ASCII.
-pub(super) fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
+pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
     let mut filled = String::with_capacity(template.len());
     for line in template.split_inclusive('\n') {
         let Some((element, key, rest)) = marked(line) else {

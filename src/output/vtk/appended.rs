@@ -2,22 +2,8 @@
 
 use std::io::{self, Write};
 
-use vtkio::model::ScalarType;
-
+use super::array::Array;
 use super::header::DataSet;
-
-/// Writes an array's bytes.
-pub(super) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
-
-/// An array that is written when its turn comes.
-pub(super) struct Array<'a> {
-    pub(super) name: &'static str,
-    pub(super) scalar: ScalarType,
-    pub(super) n_components: usize,
-    pub(super) n_bytes: u64,
-    /// Writes exactly `n_bytes`, in native byte order.
-    pub(super) write: WriteBytes<'a>,
-}
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
 /// last one up to the opening tag of the arrays. With expat 2.6, or an older one
@@ -26,13 +12,9 @@ pub(super) struct Array<'a> {
 /// Debian 12 and of Ubuntu 22.04 to 24.04. Blanks pass.
 const N_BLANKS: usize = 2 * 4096;
 
-/// Writes the whole file: `data_set` describes the arrays in their order.
-pub(super) fn write(
-    data_set: DataSet,
-    arrays: &[&[Array]],
-    out: &mut impl Write,
-) -> io::Result<()> {
-    let arrays: Vec<&Array> = arrays.iter().copied().flatten().collect();
+/// Writes the whole file.
+pub(crate) fn write(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
+    let arrays = data_set.arrays();
     let header = data_set.xml(&offsets(&arrays))?;
     // The tags stand on lines of their own: vtk.js looks for them that way.
     write!(
@@ -83,24 +65,28 @@ impl<W: Write> Write for Counted<'_, W> {
 
 #[cfg(test)]
 mod tests {
+    use vtkio::model::ScalarType;
+
     use super::*;
 
-    fn array(n_bytes: u64) -> Array<'static> {
-        Array {
+    fn image(arrays: &[u64]) -> DataSet<'static> {
+        let array = |&n_bytes| Array {
             name: "tile",
             scalar: ScalarType::I32,
             n_components: 1,
             n_bytes,
             write: Box::new(|out| out.write_all(&[1, 2, 3, 4])),
+        };
+        DataSet::Image {
+            size: [2, 1],
+            point_data: arrays.iter().map(array).collect(),
         }
     }
 
     #[test]
     fn offsets_count_beyond_4_gib() {
-        let arrays = [array(5 << 30), array(4), array(4)];
-        let xml = DataSet::image(2, 1, &arrays)
-            .xml(&offsets(&arrays.iter().collect::<Vec<_>>()))
-            .unwrap();
+        let data_set = image(&[5 << 30, 4, 4]);
+        let xml = data_set.xml(&offsets(&data_set.arrays())).unwrap();
         assert!(
             xml.contains("offset=\"0\"") && xml.contains("offset=\"5368709128\""),
             "{xml}"
@@ -110,10 +96,8 @@ mod tests {
 
     #[test]
     fn the_block_that_vtk_may_read_too_many_is_blank() {
-        let arrays = [array(4)];
-        let data_set = DataSet::image(2, 1, &arrays);
         let mut file = Vec::new();
-        write(data_set, &[&arrays], &mut file).unwrap();
+        write(&image(&[4]), &mut file).unwrap();
         let tag = b"<AppendedData encoding=\"raw\">";
         let begin = file.windows(tag.len()).position(|bytes| bytes == tag);
         let end = begin.unwrap() + tag.len();
@@ -123,9 +107,7 @@ mod tests {
 
     #[test]
     fn an_array_of_the_wrong_length_is_an_error() {
-        let arrays = [array(8)];
-        let data_set = DataSet::image(2, 1, &arrays);
-        let error = write(data_set, &[&arrays], &mut Vec::new()).unwrap_err();
+        let error = write(&image(&[8]), &mut Vec::new()).unwrap_err();
         assert!(
             error.to_string().contains("4 bytes instead of 8"),
             "{error}"

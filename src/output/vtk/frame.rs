@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::appended::{self, Array};
+use super::appended;
+use super::array::Array;
 use super::header::DataSet;
 use crate::film::{Column, Film, columns};
 
@@ -20,9 +21,11 @@ pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
         n_bytes: n_pixels * column.stride() as u64,
         write: Box::new(|out| write_rows(film, column, out)),
     };
-    let arrays: Vec<Array> = columns(film.cost).map(array).collect();
-    let data_set = DataSet::image(film.width, film.height, &arrays);
-    appended::write(data_set, &[&arrays], out)
+    let image = DataSet::Image {
+        size: [film.width, film.height],
+        point_data: columns(film.cost).map(array).collect(),
+    };
+    appended::write(&image, out)
 }
 
 fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {

@@ -15,9 +15,9 @@ const MAD_TO_SIGMA: f64 = 1.4826;
 /// Detect and Handle Outliers", ASQC 1993.
 const OUTLIER: f64 = 3.5;
 
-/// Statistics of one number over the runs of a point.
+/// SampleStatistics of one number over the runs of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Statistics {
+pub struct SampleStatistics {
     /// Runs.
     pub n: usize,
     /// Arithmetic mean.
@@ -42,7 +42,7 @@ pub struct Statistics {
     pub n_outliers: usize,
 }
 
-impl Statistics {
+impl SampleStatistics {
     /// Of the values, in the order that they were measured; `None` without any.
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() {
@@ -115,19 +115,19 @@ mod tests {
 
     #[test]
     fn they_are_what_the_textbook_says() {
-        let statistics = Statistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
+        let statistics = SampleStatistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert_eq!((statistics.n, statistics.mean), (8, 5.0));
         assert!((statistics.standard_deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-12);
         assert_eq!((statistics.min, statistics.max), (2.0, 9.0));
         assert_eq!((statistics.median, statistics.mad), (4.5, 0.5));
         assert!((2.0..=4.5).contains(&statistics.low_95));
         assert!((4.5..=9.0).contains(&statistics.high_95));
-        assert_eq!(Statistics::of(&[]), None);
+        assert_eq!(SampleStatistics::of(&[]), None);
     }
 
     #[test]
     fn one_value_is_all_of_it() {
-        let one = Statistics::of(&[3.0]).unwrap();
+        let one = SampleStatistics::of(&[3.0]).unwrap();
         assert_eq!((one.standard_deviation, one.mad), (0.0, 0.0));
         assert_eq!([one.low_95, one.median, one.high_95], [3.0; 3]);
     }
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn far_values_are_outliers_and_stay_in() {
         let values = [10.0, 10.1, 9.9, 10.0, 10.2, 30.0];
-        let statistics = Statistics::of(&values).unwrap();
+        let statistics = SampleStatistics::of(&values).unwrap();
         assert_eq!((statistics.n, statistics.n_outliers), (6, 1));
         assert!(statistics.is_outlier(30.0) && !statistics.is_outlier(10.2));
         assert_eq!(statistics.max, 30.0);
@@ -154,7 +154,7 @@ mod tests {
         };
         let covers = |study: &u64| {
             let values: Vec<f64> = (0..15).map(|i| normal(*study, i)).collect();
-            let statistics = Statistics::of(&values).unwrap();
+            let statistics = SampleStatistics::of(&values).unwrap();
             statistics.low_95 <= 0.0 && 0.0 <= statistics.high_95
         };
         let n_covering = (0..200).filter(covers).count();

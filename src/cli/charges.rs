@@ -1,0 +1,100 @@
+//! What objects and materials cost, as tables on the terminal.
+
+use crate::ledger::{Account, Charge, Ledger, Work};
+use crate::output::{Group, Rendering};
+
+/// Rows of a table before the rest is told in one.
+const N_ROWS: usize = 10;
+/// Most characters of a name.
+const MAX_NAME: usize = 30;
+
+/// What a share is of, and how to take it from some work.
+type Measure = (&'static str, fn(&Work) -> u64);
+
+/// What tells most first.
+const MEASURES: [Measure; 4] = [
+    ("time", |work| work.time_ps),
+    ("node visits", |work| work.node_visits),
+    ("primitive tests", |work| work.primitive_tests),
+    ("rays", |work| work.rays),
+];
+
+/// A row: of the picture, and of the cost charged to what is seen and to what is
+/// met.
+struct Row {
+    name: String,
+    /// From 0 to 1.
+    shares: [f64; 3],
+}
+
+/// Two tables: for each object and for each material its share of the picture
+/// beside its share of the cost, the dearest first.
+pub(super) fn tables(rendering: &Rendering, ledger: &Ledger) -> String {
+    let whole = ledger.objects.iter().copied();
+    let whole = whole.fold(Account::default(), Account::with);
+    let all = whole.all(Charge::Hit);
+    let has_some = |measure: &&Measure| (measure.1)(&all) > 0;
+    let measure = MEASURES.iter().find(has_some).unwrap_or(&MEASURES[3]);
+    let groups = Group::all(rendering, ledger);
+    groups
+        .iter()
+        .map(|group| table(group, &whole, measure))
+        .collect()
+}
+
+fn table(group: &Group, whole: &Account, (measure, amount): &Measure) -> String {
+    let numbers = |account: &Account| {
+        let [seen, met] = Charge::ALL.map(|charge| amount(&account.all(charge)));
+        [account.n_samples(), seen, met]
+    };
+    let whole = numbers(whole);
+    let row = |(name, account): (&String, &Account)| {
+        let numbers = numbers(account);
+        let share = |i: usize| numbers[i] as f64 / whole[i].max(1) as f64;
+        Row {
+            name: cut(name),
+            shares: std::array::from_fn(share),
+        }
+    };
+    let mut rows: Vec<Row> = group.names.iter().zip(group.accounts).map(row).collect();
+    // A stable sort: what costs the same stays in the scene's order.
+    rows.sort_by(|a, b| b.shares[1].total_cmp(&a.shares[1]));
+    sum_up_the_rest(&mut rows, group.kind);
+    let widest = rows.iter().map(|row| row.name.chars().count()).max();
+    let width = widest.unwrap_or(0).max(group.kind.len());
+    let mut text = format!(
+        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   {measure} of what it shows, of rays that met it\n",
+        "", group.kind, "pixels", "shows", "met"
+    );
+    for Row { name, shares } in rows {
+        let [pixels, seen, met] = shares.map(|share| format!("{:.1} %", 100.0 * share));
+        text += &format!("        {name:<width$}  {pixels:>8}  {seen:>8}  {met:>8}\n");
+    }
+    text
+}
+
+/// Makes one row of those that are too many.
+fn sum_up_the_rest(rows: &mut Vec<Row>, kind: &str) {
+    if rows.len() <= N_ROWS + 1 {
+        return;
+    }
+    let rest = rows.split_off(N_ROWS);
+    rows.push(Row {
+        name: format!("{} more {kind}s", rest.len()),
+        shares: std::array::from_fn(|i| rest.iter().map(|row| row.shares[i]).sum()),
+    });
+}
+
+/// The name, or its beginning, on one line.
+fn cut(name: &str) -> String {
+    let shown = |c: char| if c.is_control() { ' ' } else { c };
+    match name.char_indices().nth(MAX_NAME) {
+        None => name.chars().map(shown).collect(),
+        Some(_) => name
+            .chars()
+            .take(MAX_NAME - 1)
+            .map(shown)
+            .chain(['…'])
+            .collect(),
+    }
+}

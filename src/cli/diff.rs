@@ -1,0 +1,89 @@
+//! `raycost diff`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::render::remove_unfinished_when_stopped;
+use super::{Failure, shell_word};
+use crate::diff::{self, Diff, Gate, Limit, Side};
+use crate::output::format::bytes;
+use crate::output::{OutputFolder, Written};
+use crate::yaml::Diagnostic;
+
+/// Compare the costs of two outputs
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  raycost diff out/before out/after
+  raycost diff out/before out/after --fail-above 5%
+
+Exit code 3: B costs more than `--fail-above` allows.")]
+pub(super) struct Arguments {
+    /// The folder that `raycost render` wrote first
+    a: PathBuf,
+
+    /// The folder to compare with it, of the same size in pixels
+    b: PathBuf,
+
+    /// Folder to write to [default: out/diff-<A>-<B>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Print all that is known as JSON
+    #[arg(long)]
+    json: bool,
+
+    /// Fail if B's whole cost is above A's by more than this, such as `5%`:
+    /// its time, by more than noise explains, or node visits and primitive
+    /// tests where a time is missing
+    #[arg(long, value_name = "PERCENT")]
+    fail_above: Option<Limit>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let sides = Side::open([&arguments.a, &arguments.b])?;
+    let diff = Diff::of(&sides)?;
+    let gate = match arguments.fail_above {
+        Some(limit) => Some(Gate::of(&diff, limit)?),
+        None => None,
+    };
+    let out = out(arguments, &sides);
+    let folder = OutputFolder::create(&out, 0)?;
+    remove_unfinished_when_stopped(&folder)?;
+    let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
+    let text = match arguments.json {
+        true => format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref())),
+        false => {
+            let report = diff::report(&diff, &sides, gate.as_ref());
+            report + &closing_lines(&out, &written)
+        }
+    };
+    io::stdout().write_all(text.as_bytes())?;
+    match gate.filter(|gate| !gate.passed) {
+        Some(gate) => Err(Failure::Gate(Diagnostic::new(gate.sentence()))),
+        None => Ok(()),
+    }
+}
+
+/// The folder to write to.
+fn out(arguments: &Arguments, [a, b]: &[Side; 2]) -> PathBuf {
+    match &arguments.out {
+        Some(out) => out.clone(),
+        None => {
+            let name = format!("diff-{}-{}", a.label(), b.label());
+            Path::new("out").join(name.replace('/', "-"))
+        }
+    }
+}
+
+fn closing_lines(out: &Path, written: &[Written]) -> String {
+    let files: Vec<String> = written
+        .iter()
+        .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
+        .collect();
+    format!(
+        "wrote     {}: {}\nnext      paraview --state={}\n",
+        out.display(),
+        files.join(", "),
+        shell_word(&out.join("diff.pvsm")),
+    )
+}

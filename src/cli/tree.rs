@@ -1,0 +1,286 @@
+//! The rays of a pixel as a tree on the terminal.
+
+use std::io::{self, Write};
+use std::time::Duration;
+
+use clap::builder::styling::{AnsiColor, Style};
+use glam::Vec3;
+
+use crate::config::Config;
+use crate::cost::RayKind;
+use crate::film::to_rgb8;
+use crate::observe::{ObservedPixel, RayTree, TracedRay};
+use crate::output::Traced;
+use crate::output::format::{count, counted, duration};
+
+/// Pixels that are shown.
+const MOST_PIXELS: usize = 3;
+/// Rays of a pixel that are shown.
+const MOST_RAYS: usize = 40;
+/// Characters of a name that are shown.
+const MOST_CHARACTERS: usize = 24;
+
+const BOLD: Style = Style::new().bold();
+const DIMMED: Style = Style::new().dimmed();
+
+/// Traced pixels and the names of what their rays met.
+pub(super) struct Trees<'a> {
+    config: &'a Config,
+    traced: &'a Traced<'a>,
+}
+
+/// A line of the table.
+struct Row {
+    /// The branches of the tree before the kind.
+    branches: String,
+    first: (String, Style),
+    /// What the ray met, the numbers, and the colour.
+    cells: Vec<String>,
+}
+
+impl<'a> Trees<'a> {
+    pub(super) fn new(config: &'a Config, traced: &'a Traced<'a>) -> Self {
+        Self { config, traced }
+    }
+
+    /// Prints the first pixels.
+    ///
+    /// # Errors
+    /// What the terminal says.
+    pub(super) fn print(&self, out: &mut impl Write) -> io::Result<()> {
+        let (shown, others) = {
+            let n = MOST_PIXELS.min(self.traced.pixels.len());
+            self.traced.pixels.split_at(n)
+        };
+        for pixel in shown {
+            print(&self.table(pixel), out)?;
+            writeln!(out)?;
+        }
+        if !others.is_empty() {
+            let n = counted(others.len() as u64, "more pixel");
+            writeln!(out, "and {n} in rays.vtp\n")?;
+        }
+        Ok(())
+    }
+
+    /// A header, the rays, and their sums.
+    fn table(&self, pixel: &ObservedPixel) -> Vec<Row> {
+        let ((x, y), tree) = (pixel.place, &pixel.tree);
+        let mut header = vec!["meets", "distance", "nodes", "tests"];
+        if self.traced.is_timed {
+            header.push("time");
+        }
+        header.extend(["red", "green", "blue"]);
+        let mut rows = vec![Row {
+            branches: String::new(),
+            first: (format!("pixel {x},{y}"), BOLD),
+            cells: header.into_iter().map(str::to_owned).collect(),
+        }];
+        rows.extend(self.rays(tree));
+        rows.extend(self.sums(tree));
+        rows
+    }
+
+    /// The rays, each above those that start from its hit.
+    fn rays(&self, tree: &RayTree) -> Vec<Row> {
+        let mut children = vec![Vec::new(); tree.rays.len()];
+        let mut next = Vec::new();
+        for (number, ray) in tree.rays.iter().enumerate() {
+            match ray.parent {
+                Some(parent) => children[parent as usize].push(number),
+                None => next.push((number, String::new(), String::new())),
+            }
+        }
+        next.reverse();
+        let mut rows = Vec::new();
+        while let Some((number, branches, below)) = next.pop() {
+            if rows.len() == MOST_RAYS {
+                let n = counted((tree.rays.len() - rows.len()) as u64, "more ray");
+                rows.push(Row::of_text(format!("and {n} in rays.vtp")));
+                break;
+            }
+            rows.push(self.ray(&tree.rays[number], branches, tree));
+            for (i, &child) in children[number].iter().rev().enumerate() {
+                let [branch, trunk] = if i == 0 {
+                    ["└─ ", "   "]
+                } else {
+                    ["├─ ", "│  "]
+                };
+                next.push((child, below.clone() + branch, below.clone() + trunk));
+            }
+        }
+        rows
+    }
+
+    fn ray(&self, ray: &TracedRay, branches: String, tree: &RayTree) -> Row {
+        let is_shadow = ray.kind == RayKind::Shadow;
+        let distance = match ray.hit {
+            Some(hit) => hit.t,
+            None => ray.t_max,
+        };
+        let mut cells = vec![self.meets(ray), significant(distance)];
+        cells.extend(self.costs([ray.node_visits, ray.primitive_tests], ray.time_ns));
+        cells.extend(match (is_shadow, ray.contribution) {
+            (true, Vec3::ZERO) => Default::default(),
+            (true, part) => part.to_array().map(|channel| format!("({channel:.3})")),
+            (false, color) => channels(color),
+        });
+        let (kind, color) = kind(ray.kind);
+        let has_samples = tree.rays.last().is_some_and(|last| last.sample > 0);
+        let sample = match ray.parent.is_none() && has_samples {
+            true => format!(", sample {}", ray.sample),
+            false => String::new(),
+        };
+        Row {
+            branches,
+            first: (format!("{kind}{sample}"), color.on_default()),
+            cells,
+        }
+    }
+
+    /// What the ray met, in words.
+    fn meets(&self, ray: &TracedRay) -> String {
+        let met = ray.hit.map(|hit| {
+            let primitive = &self.traced.scene.primitives[hit.primitive as usize];
+            let object = self.object(primitive.object.0);
+            (object, self.material(primitive.material.0))
+        });
+        let light = ray
+            .light
+            .map_or("a light".to_owned(), |light| format!("light {light}"));
+        match (ray.kind, met) {
+            (RayKind::Shadow, None) => light,
+            (RayKind::Shadow, Some((object, _))) => format!("{object}, before {light}"),
+            (_, None) => "background".to_owned(),
+            (_, Some((object, material))) => format!("{object} ({material})"),
+        }
+    }
+
+    fn object(&self, id: u32) -> String {
+        let object = &self.config.objects[id as usize];
+        match &object.name {
+            Some(name) => short(name),
+            None => format!("{} {id}", object.geometry),
+        }
+    }
+
+    fn material(&self, id: u32) -> String {
+        let material = self.config.materials.get_index(id as usize);
+        material.map_or_else(|| id.to_string(), |(name, _)| short(name))
+    }
+
+    /// The sums over all rays, and what becomes of their colour.
+    fn sums(&self, tree: &RayTree) -> Vec<Row> {
+        let cost = tree.cost();
+        let time_ns = tree.rays.iter().map(|ray| ray.time_ns).sum();
+        let mut cells = vec![String::new(), String::new()];
+        cells.extend(self.costs([cost.node_visits, cost.primitive_tests], time_ns));
+        cells.extend(channels(tree.color()));
+        let n_rays = counted(tree.rays.len() as u64, "ray");
+        let sums = Row {
+            first: (n_rays, BOLD),
+            cells,
+            ..Row::of_text(String::new())
+        };
+        let limited = tree.limited_color();
+        let [red, green, blue] = to_rgb8(limited);
+        let shown = format!("#{red:02x}{green:02x}{blue:02x} in the picture");
+        let remark = match limited.abs_diff_eq(tree.color(), 1e-5) {
+            true => shown,
+            false => format!("{shown}, each sample limited to 1"),
+        };
+        vec![sums, Row::of_text(remark)]
+    }
+
+    fn costs<N: Into<u64>>(&self, counts: [N; 2], time_ns: f32) -> Vec<String> {
+        let counts = counts.map(|n| count(n.into()));
+        let time = || duration(Duration::from_nanos(time_ns as u64));
+        let time = self.traced.is_timed.then(time);
+        counts.into_iter().chain(time).collect()
+    }
+}
+
+impl Row {
+    /// A remark below the table.
+    fn of_text(text: String) -> Self {
+        Self {
+            branches: String::new(),
+            first: (text, DIMMED),
+            cells: Vec::new(),
+        }
+    }
+}
+
+/// What a kind of rays is called, and its colour, which is that of `rays.pvsm`
+/// as far as terminals go.
+fn kind(kind: RayKind) -> (&'static str, AnsiColor) {
+    match kind {
+        RayKind::Camera => ("camera", AnsiColor::Blue),
+        RayKind::Shadow => ("shadow", AnsiColor::Yellow),
+        RayKind::Reflection => ("reflection", AnsiColor::Red),
+        RayKind::Refraction => ("refraction", AnsiColor::Green),
+    }
+}
+
+fn channels(color: Vec3) -> [String; 3] {
+    color.to_array().map(|channel| format!("{channel:.3} "))
+}
+
+/// Three digits or more; nothing for what is infinite.
+fn significant(number: f32) -> String {
+    match number {
+        n if n.is_infinite() => String::new(),
+        n if n >= 100.0 => format!("{n:.0}"),
+        n if n >= 10.0 => format!("{n:.1}"),
+        n if n >= 0.01 => format!("{n:.2}"),
+        n => format!("{n:.0e}"),
+    }
+}
+
+/// The beginning of a name, on one line.
+fn short(name: &str) -> String {
+    let mut short: String = name
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if let Some((end, _)) = short.char_indices().nth(MOST_CHARACTERS) {
+        short.truncate(end);
+        short.push('…');
+    }
+    short
+}
+
+/// Prints rows in columns, the first two from the left and the numbers from
+/// the right.
+fn print(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
+    let cell = |row: &Row, i: usize| row.cells.get(i).map_or(0, |cell| cell.chars().count());
+    let n_columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..n_columns)
+        .map(|i| rows.iter().map(|row| cell(row, i)).max().unwrap_or(0))
+        .collect();
+    let in_columns = rows.iter().filter(|row| !row.cells.is_empty());
+    let first = in_columns.map(Row::first_width).max().unwrap_or(0);
+    for row in rows {
+        let (text, style) = &row.first;
+        let mut line = String::new();
+        for (i, (cell, width)) in row.cells.iter().zip(&widths).enumerate() {
+            line += &match i {
+                0 => format!("  {cell:<width$}"),
+                _ => format!("  {cell:>width$}"),
+            };
+        }
+        let blanks = match line.is_empty() {
+            true => 0,
+            false => first - row.first_width(),
+        };
+        let line = format!("{:blanks$}{}", "", line.trim_end());
+        writeln!(out, "{}{style}{text}{style:#}{line}", row.branches)?;
+    }
+    Ok(())
+}
+
+impl Row {
+    fn first_width(&self) -> usize {
+        self.branches.chars().count() + self.first.0.chars().count()
+    }
+}

@@ -1,0 +1,60 @@
+//! A diff as JSON: what the terminal shows, and all groups.
+
+use serde_json::{Value, json};
+
+use super::gate::Gate;
+use super::measure::{Measure, ratio};
+use super::{Diff, Group, Side, Total, Totals};
+use crate::statistics::CONFIDENCE;
+
+/// The whole diff. A ratio to nothing, which is infinite, is null.
+pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
+    let [a, b] = sides.each_ref().map(side);
+    json!({
+        "raycost": env!("CARGO_PKG_VERSION"),
+        "a": a,
+        "b": b,
+        "image": { "width": diff.size[0], "height": diff.size[1] },
+        "totals": totals(&diff.totals),
+        "noise": diff.noise,
+        "confidence": CONFIDENCE,
+        "gate": gate,
+        "objects": groups(&diff.objects),
+        "objects_reached": groups(&diff.reached),
+        "tiles": groups(&diff.tiles),
+        "picture": diff.picture,
+        "n_pixels_of_other_objects": diff.n_other_objects,
+        "settings": diff.settings,
+        "machine": diff.machine,
+    })
+}
+
+fn side(side: &Side) -> Value {
+    json!({ "folder": side.name(), "scene": side.summary().get("scene") })
+}
+
+/// By the arrays' names.
+fn totals(totals: &Totals) -> Value {
+    let total = |total: &Total| {
+        let [a, b] = total.cost;
+        let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.measure {
+            Measure::TIME => json!(value),
+            _ => json!(value as i64),
+        });
+        let value = json!({
+            "a": number_a, "b": number_b, "difference": difference, "ratio": ratio([a, b]),
+        });
+        (total.measure.array.to_owned(), value)
+    };
+    Value::Object(totals.0.iter().map(total).collect())
+}
+
+fn groups(groups: &[Group]) -> Value {
+    let group = |group: &Group| match group.bounds {
+        Some(bounds) => {
+            json!({ "name": group.name, "x": bounds.x, "y": bounds.y, "totals": totals(&group.totals) })
+        }
+        None => json!({ "name": group.name, "totals": totals(&group.totals) }),
+    };
+    groups.iter().map(group).collect()
+}

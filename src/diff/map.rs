@@ -1,0 +1,44 @@
+//! `diff.png`: what each pixel's cost changed by.
+
+use std::io::{self, Write};
+
+use super::report::ratio_label;
+use super::{Diff, Noise, Side};
+use crate::output::cost_picture::{CostMap, Scale, draw};
+use crate::output::rgb_png;
+
+/// Writes the map of the change that tells most.
+pub(super) fn write(diff: &Diff, [a, b]: &[Side; 2], out: &mut impl Write) -> io::Result<()> {
+    let change = &diff.change;
+    let [width, height] = diff.size;
+    let picture = draw(&CostMap {
+        values: &change.differences,
+        scale: Scale::AroundZero,
+        width,
+        height,
+        title: &format!(
+            "{} − {}: {} per pixel",
+            b.label(),
+            a.label(),
+            change.measure.name
+        ),
+        unit: change.measure.unit,
+        subtitle: &subtitle(diff),
+    });
+    let (width, height) = picture.dimensions();
+    let rows = picture.chunks_exact(3 * width as usize);
+    rgb_png::write([width, height], rows, None, out)
+}
+
+fn subtitle(diff: &Diff) -> String {
+    let measure = diff.change.measure;
+    let cost = diff.totals.cost(measure).unwrap_or_default();
+    let [a, b] = cost.map(|cost| measure.label(cost));
+    let ratio = ratio_label(cost);
+    let noise = match diff.noise.as_ref().and_then(Noise::test) {
+        Some(test) => format!("; Mann-Whitney {}", test.p_label()),
+        None => String::new(),
+    };
+    let [width, height] = diff.size;
+    format!("{width} × {height} pixels; sum {a}, then {b}; B / A {ratio}{noise}")
+}

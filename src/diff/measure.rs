@@ -1,0 +1,122 @@
+//! The arrays of `frame.vti` that are costs.
+
+use std::time::Duration;
+
+use crate::output::format;
+
+/// A cost that every pixel has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Measure {
+    /// The array's name in `frame.vti`.
+    pub array: &'static str,
+    /// What it is called in tables.
+    pub name: &'static str,
+    /// Its unit in pictures.
+    pub(super) unit: &'static str,
+}
+
+const fn count(array: &'static str, name: &'static str) -> Measure {
+    Measure {
+        array,
+        name,
+        unit: name,
+    }
+}
+
+impl Measure {
+    /// Thread time: the only one that noise touches.
+    pub const TIME: Self = Self {
+        array: "time_ns",
+        name: "time",
+        unit: "ns",
+    };
+    /// BVH nodes entered.
+    pub const NODE_VISITS: Self = count("node_visits", "node visits");
+    /// Ray-primitive tests.
+    pub const PRIMITIVE_TESTS: Self = count("primitive_tests", "primitive tests");
+    /// Longest path: of several pixels the longest, not the sum.
+    pub const DEPTH: Self = count("depth", "longest path");
+
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; 8] = [
+        Self::TIME,
+        Self::NODE_VISITS,
+        Self::PRIMITIVE_TESTS,
+        count("rays", "rays"),
+        count("shadow_rays", "shadow rays"),
+        count("reflection_rays", "reflection rays"),
+        count("refraction_rays", "refraction rays"),
+        Self::DEPTH,
+    ];
+
+    /// What several pixels cost together, one value of them and the next.
+    pub(super) fn add(self, sum: f64, value: f64) -> f64 {
+        match self {
+            Self::DEPTH => sum.max(value),
+            _ => sum + value,
+        }
+    }
+
+    /// A value, or some together, as people read it.
+    pub(super) fn label(self, value: f64) -> String {
+        match self {
+            Self::TIME => format::duration(Duration::from_nanos(value as u64)),
+            _ => format::count(value as u64),
+        }
+    }
+
+    /// The same of a change, with its sign.
+    pub(super) fn change_label(self, change: f64) -> String {
+        match change {
+            0.0 => "0".to_owned(),
+            ..0.0 => format!("-{}", self.label(-change)),
+            _ => format!("+{}", self.label(change)),
+        }
+    }
+}
+
+/// `b / a`, where nothing and nothing is 1, no change, and something instead
+/// of nothing is infinite.
+pub fn ratio([a, b]: [f64; 2]) -> f64 {
+    match a == b {
+        true => 1.0,
+        false => b / a,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::CostMode;
+    use crate::film::columns;
+
+    #[test]
+    fn every_array_of_the_film_is_a_cost_or_known_not_to_be() {
+        let others = [
+            "RGB",
+            "Normals",
+            "distance",
+            "footprint",
+            "object",
+            "material",
+            "tile",
+            "thread",
+        ];
+        let costs = Measure::ALL.map(|measure| measure.array);
+        for column in columns(CostMode::Time) {
+            let n = costs
+                .iter()
+                .chain(&others)
+                .filter(|name| **name == column.name);
+            assert_eq!(n.count(), 1, "{}", column.name);
+        }
+    }
+
+    #[test]
+    fn ratios_of_nothing_are_told() {
+        assert_eq!(ratio([0.0, 0.0]), 1.0);
+        assert_eq!(ratio([0.0, 3.0]), f64::INFINITY);
+        assert_eq!(ratio([3.0, 0.0]), 0.0);
+        assert_eq!(ratio([4.0, 3.0]), 0.75);
+    }
+}

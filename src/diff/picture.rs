@@ -1,0 +1,62 @@
+//! How far two pictures are apart.
+
+use serde::Serialize;
+
+/// The difference of two pictures of one size, in steps of the 255 of a
+/// colour channel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PictureDifference {
+    /// Pixels whose colours are not the same.
+    pub n_pixels: u64,
+    /// The greatest difference of a channel.
+    pub max: u8,
+    /// The root of the mean square over all channels of all pixels.
+    pub rms: f64,
+}
+
+impl PictureDifference {
+    /// Compares the colours of all pixels.
+    pub(super) fn of(a: &[[u8; 3]], b: &[[u8; 3]]) -> Self {
+        let (mut n_pixels, mut max, mut squares) = (0, 0, 0_u64);
+        for (a, b) in a.iter().zip(b).filter(|(a, b)| a != b) {
+            n_pixels += 1;
+            for (a, b) in a.iter().zip(b) {
+                let apart = a.abs_diff(*b);
+                max = max.max(apart);
+                squares += u64::from(apart).pow(2);
+            }
+        }
+        let n_channels = 3 * a.len().max(1);
+        Self {
+            n_pixels,
+            max,
+            rms: (squares as f64 / n_channels as f64).sqrt(),
+        }
+    }
+}
+
+/// The greatest difference of a channel in each pixel.
+pub(super) fn by_pixel(a: &[[u8; 3]], b: &[[u8; 3]]) -> Vec<u8> {
+    let apart = |(a, b): (&[u8; 3], &[u8; 3])| {
+        let channels = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b));
+        channels.max().unwrap_or(0)
+    };
+    a.iter().zip(b).map(apart).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_counted_and_measured() {
+        let a = [[0, 0, 0], [10, 20, 30], [255, 255, 255]];
+        let b = [[0, 0, 0], [10, 24, 33], [255, 255, 0]];
+        let found = PictureDifference::of(&a, &b);
+        assert_eq!((found.n_pixels, found.max), (2, 255));
+        let mean_square = f64::from(4 * 4 + 3 * 3 + 255 * 255) / 9.0;
+        assert!((found.rms - mean_square.sqrt()).abs() < 1e-12);
+        assert_eq!(PictureDifference::of(&a, &a).n_pixels, 0);
+        assert_eq!(by_pixel(&a, &b), [0, 4, 255]);
+    }
+}

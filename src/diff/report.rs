@@ -1,0 +1,225 @@
+//! A diff as text for the terminal.
+
+use super::gate::Gate;
+use super::group::Rectangle;
+use super::measure::{Measure, ratio};
+use super::noise::{Noise, Test};
+use super::settings::Setting;
+use super::{Diff, Group, Side, Total};
+use crate::output::format::{count, counted};
+use crate::statistics::CONFIDENCE;
+
+/// Rows that are shown of a table of objects or tiles.
+const MAX_ROWS: usize = 5;
+/// Settings that are shown; more are told by their number.
+const MAX_SETTINGS: usize = 12;
+
+/// What changed, for the terminal; most important first.
+pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
+    let mut text = String::new();
+    for (letter, side) in ["A", "B"].into_iter().zip(sides) {
+        text += &entry(letter, &[side.sentence()]);
+    }
+    text += &totals_table(diff);
+    text += &entry("noise", &noise_lines(diff));
+    if let Some(gate) = gate {
+        text += &entry("gate", &[gate.sentence()]);
+    }
+    text += &groups_table("by what the camera sees", &diff.objects);
+    text += &groups_table("by what any ray meets", &diff.reached);
+    text += &groups_table("by tile", &diff.tiles);
+    text.push('\n');
+    text += &entry("picture", &[picture_sentence(diff)]);
+    text += &entry("settings", &setting_lines(&diff.settings));
+    text += &entry("machine", &setting_lines(&diff.machine));
+    text
+}
+
+/// `name    first line`, the further ones below the first.
+fn entry(name: &str, lines: &[String]) -> String {
+    let names = std::iter::once(name).chain(std::iter::repeat(""));
+    let line = |(name, line): (&str, &String)| format!("{name:<10}{line}\n");
+    names.zip(lines).map(line).collect()
+}
+
+fn totals_table(diff: &Diff) -> String {
+    let heading = ["cost", "A", "B", "B - A", "B / A"].map(str::to_owned);
+    let row = |total: &Total| {
+        let [a, b] = total.cost;
+        let name = total.measure.name.to_owned();
+        [
+            name,
+            total.measure.label(a),
+            total.measure.label(b),
+            total.measure.change_label(b - a),
+            ratio_label(total.cost),
+        ]
+    };
+    let is_there = |total: &&Total| total.cost != [0.0; 2];
+    let rows = diff.totals.0.iter().filter(is_there).map(row);
+    format!("\n{}\n", table(std::iter::once(heading).chain(rows)))
+}
+
+/// The groups that changed most, by what tells most of the cost.
+fn groups_table(title: &str, groups: &[Group]) -> String {
+    let Some(first) = groups.first() else {
+        return String::new();
+    };
+    let (measure, name) = match first.totals.cost(Measure::TIME) {
+        Some(_) => (Measure::TIME, "time"),
+        None => (Measure::NODE_VISITS, "nodes + tests"),
+    };
+    let n_changed = groups.iter().filter(|group| group.change() != 0.0).count();
+    let (shown, rest) = groups.split_at(n_changed.min(MAX_ROWS));
+    if shown.is_empty() {
+        return format!("\n{name} {title}: the same\n");
+    }
+    let title = &format!("{name} {title}");
+    let heading = [title, "A", "B", "B - A", "B / A", "nodes", "tests"].map(str::to_owned);
+    let row = |group: &Group| {
+        let [a, b] = group.totals.main();
+        let ratio_of = |measure| group.totals.cost(measure).map(ratio_label);
+        [
+            name_and_place(group),
+            measure.label(a),
+            measure.label(b),
+            measure.change_label(group.change()),
+            ratio_label([a, b]),
+            ratio_of(Measure::NODE_VISITS).unwrap_or_default(),
+            ratio_of(Measure::PRIMITIVE_TESTS).unwrap_or_default(),
+        ]
+    };
+    let rows = shown.iter().map(row);
+    let mut text = format!("\n{}", table(std::iter::once(heading).chain(rows)));
+    if !rest.is_empty() {
+        let change = measure.change_label(rest.iter().map(Group::change).sum());
+        text += &format!("and {} more: {change} together\n", count(rest.len() as u64));
+    }
+    text
+}
+
+fn name_and_place(group: &Group) -> String {
+    match group.bounds {
+        None => group.name.clone(),
+        Some(Rectangle { x, y }) => {
+            format!("{}, x {}..{}, y {}..{}", group.name, x[0], x[1], y[0], y[1])
+        }
+    }
+}
+
+/// `0.902`; `new` where there was nothing.
+pub(super) fn ratio_label(cost: [f64; 2]) -> String {
+    match ratio(cost) {
+        ratio if ratio.is_finite() => format!("{ratio:.3}"),
+        _ => "new".to_owned(),
+    }
+}
+
+/// Rows of cells, the first column flush left, the others flush right.
+fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
+    let rows: Vec<[String; N]> = rows.collect();
+    let width = |column: usize| {
+        let widths = rows.iter().map(|row| row[column].chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let widths: [usize; N] = std::array::from_fn(width);
+    let line = |row: &[String; N]| {
+        let mut line = format!("{:<1$}", row[0], widths[0]);
+        for (cell, width) in row.iter().zip(widths).skip(1) {
+            line += &format!("  {cell:>width$}");
+        }
+        format!("{}\n", line.trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
+fn noise_lines(diff: &Diff) -> Vec<String> {
+    let mut lines = vec![noise_sentence(diff)];
+    let is_hardware = |setting: &Setting| setting.name.starts_with("machine.");
+    if diff.noise.is_some() && diff.machine.iter().any(is_hardware) {
+        lines.push("A and B are of different machines: so are their times".to_owned());
+    }
+    lines
+}
+
+/// Whether the times differ.
+fn noise_sentence(diff: &Diff) -> String {
+    let Some(noise) = &diff.noise else {
+        return "none: counters are exact; a time is missing in A or B".to_owned();
+    };
+    let advice = "render both with `--repeats 10`";
+    match noise {
+        Noise::Unknown => {
+            format!("cannot be told of the time without repeats: {advice}; counters are exact")
+        }
+        Noise::TooFew(test) => format!(
+            "cannot be told of the time from so few repeats, {advice}: {}",
+            evidence(test)
+        ),
+        Noise::WithinNoise(test) => format!(
+            "the time changed no more than noise does: {}",
+            evidence(test)
+        ),
+        Noise::Slower(test) => format!("B is slower by more than noise: {}", evidence(test)),
+        Noise::Faster(test) => format!("B is faster by more than noise: {}", evidence(test)),
+    }
+}
+
+/// The estimate, its interval, the test.
+fn evidence(test: &Test) -> String {
+    let estimate = format_ratio(test.ratio.estimate);
+    let interval = test.ratio.interval.map_or(String::new(), |[low, high]| {
+        let percent = 100.0 * CONFIDENCE;
+        format!(
+            " ({percent} %: {} to {})",
+            format_ratio(low),
+            format_ratio(high)
+        )
+    });
+    let [n_a, n_b] = test.n;
+    format!(
+        "B / A is {estimate}{interval}; Mann-Whitney {}, {n_a} and {n_b} repeats",
+        test.p_label()
+    )
+}
+
+/// Three decimals.
+fn format_ratio(ratio: f64) -> String {
+    format!("{ratio:.3}")
+}
+
+fn picture_sentence(diff: &Diff) -> String {
+    let picture = &diff.picture;
+    let n_all = count(diff.size.iter().map(|&n| u64::from(n)).product());
+    let colours = match picture.n_pixels {
+        0 => "the same colours".to_owned(),
+        n => format!(
+            "{} of {n_all} pixels differ, by {} of 255 at most, RMS {:.2}",
+            count(n),
+            picture.max,
+            picture.rms
+        ),
+    };
+    match diff.n_other_objects {
+        0 => colours,
+        n => format!(
+            "{colours}; {} another object",
+            match n {
+                1 => "1 pixel sees".to_owned(),
+                n => format!("{} see", counted(n, "pixel")),
+            }
+        ),
+    }
+}
+
+fn setting_lines(settings: &[Setting]) -> Vec<String> {
+    if settings.is_empty() {
+        return vec!["the same".to_owned()];
+    }
+    let line = |setting: &Setting| format!("{}: {} → {}", setting.name, setting.a, setting.b);
+    let mut lines: Vec<String> = settings.iter().take(MAX_SETTINGS).map(line).collect();
+    if settings.len() > MAX_SETTINGS {
+        lines.push(format!("and {} more", settings.len() - MAX_SETTINGS));
+    }
+    lines
+}

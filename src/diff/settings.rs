@@ -1,0 +1,111 @@
+//! What two summaries say of how the outputs were made.
+
+use serde::Serialize;
+use serde_json::Value;
+
+/// Something that is not the same in both runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Setting {
+    /// Its path in `summary.json`.
+    pub name: String,
+    /// Its value in A; null where it is not there.
+    pub a: Value,
+    /// Its value in B; null where it is not there.
+    pub b: Value,
+}
+
+/// What describes the machine and the program.
+const MACHINE: [&str; 4] = ["raycost", "machine", "cost/kernel", "cost/clock/source"];
+
+/// What was asked for.
+const SETTINGS: [&str; 13] = [
+    "scene",
+    "image",
+    "objects",
+    "materials",
+    "n_primitives",
+    "n_degenerate_triangles",
+    "acceleration/kind",
+    "acceleration/quality",
+    "threads/used",
+    "cost/mode",
+    "repeats/n",
+    "schedule/tile_size",
+    "schedule/order",
+];
+
+/// The differences of machine and program.
+pub(super) fn of_machine(a: &Value, b: &Value) -> Vec<Setting> {
+    differences(&MACHINE, a, b)
+}
+
+/// The differences of what was asked for.
+pub(super) fn of_run(a: &Value, b: &Value) -> Vec<Setting> {
+    differences(&SETTINGS, a, b)
+}
+
+fn differences(paths: &[&str], a: &Value, b: &Value) -> Vec<Setting> {
+    let mut found = Vec::new();
+    for path in paths {
+        let [a, b] = [a, b].map(|summary| summary.pointer(&format!("/{path}")));
+        let name = path.replace('/', ".");
+        compare(
+            name,
+            a.unwrap_or(&Value::Null),
+            b.unwrap_or(&Value::Null),
+            &mut found,
+        );
+    }
+    found
+}
+
+/// Goes into mappings, so that `image.seed` differs and not `image`.
+fn compare(name: String, a: &Value, b: &Value, found: &mut Vec<Setting>) {
+    if a == b {
+        return;
+    }
+    let (Value::Object(in_a), Value::Object(in_b)) = (a, b) else {
+        let [a, b] = [a, b].map(Value::clone);
+        found.push(Setting { name, a, b });
+        return;
+    };
+    let only_in_b = in_b.keys().filter(|key| !in_a.contains_key(*key));
+    for key in in_a.keys().chain(only_in_b) {
+        let [a, b] = [in_a, in_b].map(|map| map.get(key).unwrap_or(&Value::Null));
+        compare(format!("{name}.{key}"), a, b, found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn settings_differ_by_their_paths_and_results_never_do() {
+        let a = json!({
+            "image": { "width": 4, "seed": 1 }, "threads": { "used": 2, "available": 2 },
+            "acceleration": { "kind": "bvh", "quality": "fast", "bvh": { "n_nodes": 7 } },
+            "machine": { "cpu": "one" }, "n_hits": 3,
+        });
+        let b = json!({
+            "image": { "width": 4, "seed": 2 }, "threads": { "used": 2, "available": 8 },
+            "acceleration": { "kind": "brute_force", "quality": null, "bvh": null },
+            "machine": { "cpu": "two" }, "n_hits": 5,
+        });
+        let named = |settings: Vec<Setting>| -> Vec<String> {
+            let line = |setting: Setting| format!("{} {} {}", setting.name, setting.a, setting.b);
+            settings.into_iter().map(line).collect()
+        };
+        assert_eq!(
+            named(of_run(&a, &b)),
+            [
+                "image.seed 1 2",
+                "acceleration.kind \"bvh\" \"brute_force\"",
+                "acceleration.quality \"fast\" null"
+            ]
+        );
+        assert_eq!(named(of_machine(&a, &b)), ["machine.cpu \"one\" \"two\""]);
+    }
+}

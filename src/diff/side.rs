@@ -1,0 +1,195 @@
+//! One of the two outputs.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::Measure;
+use crate::results::{Number, Results};
+use crate::yaml::Diagnostic;
+
+/// An output folder that is compared with another.
+#[derive(Debug)]
+pub struct Side {
+    results: Results,
+    /// All of `summary.json`.
+    summary: Value,
+    label: String,
+    size: [u32; 2],
+    arrays: Vec<String>,
+}
+
+impl Side {
+    /// Opens two folders, A and B.
+    ///
+    /// # Errors
+    /// A folder that holds no output, or none that can be read.
+    pub fn open([a, b]: [&Path; 2]) -> Result<[Self; 2], Diagnostic> {
+        let labels = labels([a, b]);
+        let [label_a, label_b] = labels;
+        Ok([Self::new(a, label_a)?, Self::new(b, label_b)?])
+    }
+
+    fn new(folder: &Path, label: String) -> Result<Self, Diagnostic> {
+        let results = Results::open(folder)?;
+        let frame = results.frame()?;
+        let names = frame.arrays().iter().map(|array| array.name.clone());
+        Ok(Self {
+            size: [frame.width(), frame.height()],
+            arrays: names.collect(),
+            summary: summary(&results.file("summary.json")?)?,
+            results,
+            label,
+        })
+    }
+
+    /// The folder as the user typed it.
+    pub fn name(&self) -> String {
+        self.results.folder().display().to_string()
+    }
+
+    /// A short name that the other one does not have.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// All of `summary.json`.
+    pub fn summary(&self) -> &Value {
+        &self.summary
+    }
+
+    /// The path of a file in the folder.
+    pub(super) fn path_of(&self, file: &str) -> PathBuf {
+        self.results.folder().join(file)
+    }
+
+    /// Whether the output has this cost.
+    pub fn has(&self, measure: Measure) -> bool {
+        self.arrays.iter().any(|array| array == measure.array)
+    }
+
+    /// The cost of every pixel, row-major, row 0 on top.
+    pub(super) fn values(&self, measure: Measure) -> Result<Vec<f64>, Diagnostic> {
+        let array = self.results.frame()?.read(measure.array)?;
+        match array.n_components {
+            1 => Ok(array.values.iter().collect()),
+            _ => Err(self.foreign(measure.array)),
+        }
+    }
+
+    /// An array of ids, one a pixel, row-major, row 0 on top.
+    pub(super) fn ids(&self, array: &str) -> Result<Vec<i32>, Diagnostic> {
+        self.numbers(array, 1)
+    }
+
+    /// The colour of every pixel, row-major, row 0 on top.
+    pub(super) fn colours(&self) -> Result<Vec<[u8; 3]>, Diagnostic> {
+        let channels: Vec<u8> = self.numbers("RGB", 3)?;
+        Ok(channels.as_chunks().0.to_vec())
+    }
+
+    fn numbers<T: Number>(&self, name: &str, n_components: usize) -> Result<Vec<T>, Diagnostic> {
+        let array = self.results.frame()?.read(name)?;
+        let numbers = array
+            .values
+            .as_slice()
+            .filter(|_| array.n_components == n_components);
+        Ok(numbers.ok_or_else(|| self.foreign(name))?.to_vec())
+    }
+
+    /// The time of all pixels in each repeat, in nanoseconds; none where the
+    /// run was not repeated.
+    ///
+    /// # Errors
+    /// Times that are not positive.
+    pub(super) fn repeats(&self) -> Result<Vec<f64>, Diagnostic> {
+        let repeats = self.results.summary.repeats.as_ref();
+        let times = repeats.map_or(&[][..], |repeats| &repeats.busy_ns);
+        if times.iter().all(|time| *time > 0.0) {
+            return Ok(times.to_vec());
+        }
+        let path = self.path_of("summary.json");
+        let message = format!("`{}`: a repeat took no time", path.display());
+        Err(Diagnostic::new(message).with_help("render the scene again"))
+    }
+
+    /// What an object is called: its name, or its kind and its place in the
+    /// scene file.
+    pub(super) fn object_name(&self, id: i32) -> String {
+        let objects = &self.results.summary.objects;
+        let object = usize::try_from(id)
+            .ok()
+            .and_then(|index| objects.get(index));
+        match object {
+            _ if id < 0 => "nothing".to_owned(),
+            None => format!("object {id}"),
+            Some(object) => match &object.name {
+                Some(name) => name.clone(),
+                None => format!("{} (object {id})", object.kind),
+            },
+        }
+    }
+
+    /// The folder, what it shows and what rendered it.
+    pub(super) fn sentence(&self) -> String {
+        let version = self.summary.get("raycost").and_then(Value::as_str);
+        format!(
+            "{}: {}, raycost {}",
+            self.name(),
+            self.results.summary.scene.file,
+            version.unwrap_or("of unknown version")
+        )
+    }
+
+    fn foreign(&self, array: &str) -> Diagnostic {
+        let path = self.path_of("frame.vti");
+        let message = format!(
+            "`{}`: `{array}` is not as raycost writes it",
+            path.display()
+        );
+        Diagnostic::new(message).with_help("render the scene again")
+    }
+}
+
+fn summary(path: &Path) -> Result<Value, Diagnostic> {
+    let fail = |error: String| {
+        let message = format!("cannot read `{}`: {error}", path.display());
+        Diagnostic::new(message).with_help("render the scene again")
+    };
+    let text = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+    serde_json::from_slice(&text).map_err(|error| fail(error.to_string()))
+}
+
+/// The ends of two paths, as short as tells them apart: `fast` and `high`, but
+/// `before/spot` and `after/spot`.
+fn labels(paths: [&Path; 2]) -> [String; 2] {
+    let names = paths.map(|path| {
+        // `.` has a name of its own only when it is resolved.
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let names = path.iter().map(|name| name.to_string_lossy().into_owned());
+        names.collect::<Vec<_>>()
+    });
+    let end = |names: &[String], n: usize| names[names.len().saturating_sub(n)..].join("/");
+    let longest = names.iter().map(Vec::len).max().unwrap_or(0);
+    let apart = |n: &usize| end(&names[0], *n) != end(&names[1], *n);
+    let n = (1..=longest).find(apart).unwrap_or(1);
+    names.each_ref().map(|names| end(names, n))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_tell_folders_apart() {
+        let labels = |a: &str, b: &str| labels([a, b].map(Path::new));
+        assert_eq!(labels("/no/fast", "/no/high"), ["fast", "high"]);
+        assert_eq!(labels("/no/a/spot", "/no/b/spot"), ["a/spot", "b/spot"]);
+        assert_eq!(labels("/no/spot", "/no/spot"), ["spot", "spot"]);
+    }
+}

@@ -1,0 +1,124 @@
+//! Shapes as viewers of meshes draw them.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+use super::Transform;
+
+/// Corners of what stands for a circle.
+const N_CORNERS: usize = 32;
+/// Bands from pole to pole of what stands for an ellipsoid.
+const N_BANDS: usize = 12;
+
+/// A shape as the corners of one cell.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Patch {
+    /// Of a sphere the centre alone: a viewer draws many as discs.
+    Ball {
+        /// The centre.
+        center: Vec3,
+        /// The radius.
+        radius: f32,
+    },
+    /// A triangle.
+    Triangle([Vec3; 3]),
+    /// A flat polygon, corner after corner.
+    Polygon(Vec<Vec3>),
+    /// A box: the four corners of one face in turn, then those that they have
+    /// an edge to.
+    Box([Vec3; 8]),
+    /// Triangles, one for each three corners in a row.
+    Strip(Vec<Vec3>),
+}
+
+impl Patch {
+    /// What stands for a disk around `center` with this unit normal.
+    pub(super) fn disk(center: Vec3, normal: Vec3, radius: f32) -> Self {
+        let (u, v) = normal.any_orthonormal_pair();
+        let corner = |i: usize| {
+            let (sin, cos) = (TAU * i as f32 / N_CORNERS as f32).sin_cos();
+            center + radius * (cos * u + sin * v)
+        };
+        Self::Polygon((0..N_CORNERS).map(corner).collect())
+    }
+
+    /// The corners.
+    pub fn corners(&self) -> &[Vec3] {
+        match self {
+            Self::Ball { center, .. } => std::slice::from_ref(center),
+            Self::Triangle(corners) => corners,
+            Self::Box(corners) => corners,
+            Self::Polygon(corners) | Self::Strip(corners) => corners,
+        }
+    }
+
+    /// Its image under the transform.
+    pub fn transformed(self, transform: &Transform) -> Self {
+        let place = |corner| transform.world_point(corner);
+        let place_all = |corners: Vec<Vec3>| corners.into_iter().map(place).collect();
+        match self {
+            Self::Ball { center, radius } => Self::Strip(place_all(strip(center, radius))),
+            Self::Triangle(corners) => Self::Triangle(corners.map(place)),
+            Self::Box(corners) => Self::Box(corners.map(place)),
+            Self::Polygon(corners) => Self::Polygon(place_all(corners)),
+            Self::Strip(corners) => Self::Strip(place_all(corners)),
+        }
+    }
+}
+
+/// One strip around a sphere, band after band from pole to pole.
+fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {
+    let corner = |circle: usize, i: usize| {
+        let (sin_polar, cos_polar) = (PI * circle as f32 / N_BANDS as f32).sin_cos();
+        let (sin, cos) = (TAU * (i % N_CORNERS) as f32 / N_CORNERS as f32).sin_cos();
+        center + radius * Vec3::new(sin_polar * cos, cos_polar, sin_polar * sin)
+    };
+    let pair = |band, i| [corner(band, i), corner(band + 1, i)];
+    (0..N_BANDS)
+        .flat_map(|band| (0..=N_CORNERS).flat_map(move |i| pair(band, i)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Aabb, Disk, Surface};
+
+    /// Twice the sum of the areas of the strip's triangles, as vectors: each
+    /// second triangle goes round the other way.
+    fn double_areas(strip: &[Vec3]) -> impl Iterator<Item = Vec3> + '_ {
+        strip.windows(3).enumerate().map(|(i, corners)| {
+            let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            if i % 2 == 0 { area } else { -area }
+        })
+    }
+
+    #[test]
+    fn a_strip_covers_the_sphere_once() {
+        let strip = strip(Vec3::ONE, 2.0);
+        assert!(
+            strip
+                .iter()
+                .all(|c| (c.distance(Vec3::ONE) - 2.0).abs() < 1e-5)
+        );
+        let closed: Vec3 = double_areas(&strip).sum();
+        assert!(closed.length() < 1e-3, "{closed}");
+        let area: f32 = double_areas(&strip).map(Vec3::length).sum::<f32>() / 2.0;
+        assert!((0.96..1.0).contains(&(area / (4.0 * PI * 4.0))), "{area}");
+    }
+
+    #[test]
+    fn a_disk_is_as_large_as_its_bounds() {
+        let disk = Disk {
+            center: Vec3::ONE,
+            normal: Vec3::new(0.6, 0.0, 0.8),
+            radius: 2.0,
+        };
+        let patch = disk.patch().unwrap();
+        let found = Aabb::of_points(patch.corners().iter().copied());
+        let bounds = disk.bounds();
+        assert!(found.min.abs_diff_eq(bounds.min, 0.02));
+        assert!(found.max.abs_diff_eq(bounds.max, 0.02));
+    }
+}

@@ -1,0 +1,164 @@
+//! `objects.csv`: what each object and each material cost.
+
+use std::io::{self, Write};
+
+use super::Rendering;
+use crate::cost::RayKind;
+use crate::ledger::{Account, Charge, Ledger, Work};
+
+/// The file's name.
+pub(super) const FILE: &str = "objects.csv";
+
+/// What the accounts behind those of all things are called.
+const NOTHING: &str = "nothing";
+
+/// Kinds of rays as the file calls them; `None` for all.
+const RAY_KINDS: [(&str, Option<RayKind>); 5] = [
+    ("all", None),
+    ("camera", Some(RayKind::Camera)),
+    ("shadow", Some(RayKind::Shadow)),
+    ("reflection", Some(RayKind::Reflection)),
+    ("refraction", Some(RayKind::Refraction)),
+];
+
+/// Numbers of a row, each followed by its share of the whole picture's at the
+/// end of the row.
+const NUMBERS: [&str; 5] = [
+    "pixels",
+    "rays",
+    "node_visits",
+    "primitive_tests",
+    "time_ns",
+];
+
+/// Objects or materials.
+pub struct Group<'a> {
+    /// `object` or `material`.
+    pub kind: &'static str,
+    /// What each account is called, in their order, "nothing" last.
+    pub names: Vec<String>,
+    /// The accounts.
+    pub accounts: &'a [Account],
+}
+
+impl<'a> Group<'a> {
+    /// Objects, then materials.
+    pub fn all(rendering: &Rendering, ledger: &'a Ledger) -> [Self; 2] {
+        let config = rendering.config;
+        let object = |(id, object): (usize, &crate::config::Object)| match &object.name {
+            Some(name) => name.clone(),
+            None => format!("{} {id}", object.geometry),
+        };
+        let nothing = || std::iter::once(NOTHING.to_owned());
+        let objects = config.objects.iter().enumerate().map(object);
+        let materials = config.materials.keys().cloned();
+        [
+            Self {
+                kind: "object",
+                names: objects.chain(nothing()).collect(),
+                accounts: &ledger.objects,
+            },
+            Self {
+                kind: "material",
+                names: materials.chain(nothing()).collect(),
+                accounts: &ledger.materials,
+            },
+        ]
+    }
+}
+
+/// Writes a row for each thing, each way to charge and each kind of ray; times
+/// only if there are any.
+pub(super) fn write(
+    rendering: &Rendering,
+    ledger: &Ledger,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let n_numbers = match rendering.film.cost.has_time() {
+        true => NUMBERS.len(),
+        false => NUMBERS.len() - 1,
+    };
+    let mut table = Table {
+        rows: csv::Writer::from_writer(out),
+        n_numbers,
+        samples_per_pixel: f64::from(rendering.config.image.samples_per_pixel),
+    };
+    table.write_names()?;
+    for group in Group::all(rendering, ledger) {
+        let accounts = group.accounts.iter();
+        let whole = accounts.fold(Account::default(), |sum, account| sum.with(*account));
+        for (id, (name, account)) in group.names.iter().zip(group.accounts).enumerate() {
+            let id = match id + 1 == group.accounts.len() {
+                true => "-1".to_owned(),
+                false => id.to_string(),
+            };
+            table.write_thing([group.kind, &id, name], account, &whole)?;
+        }
+    }
+    table.rows.flush()
+}
+
+struct Table<W: Write> {
+    rows: csv::Writer<W>,
+    /// How many of [`NUMBERS`] there are.
+    n_numbers: usize,
+    samples_per_pixel: f64,
+}
+
+impl<W: Write> Table<W> {
+    fn write_names(&mut self) -> io::Result<()> {
+        let words = ["kind", "id", "name", "charge", "ray_kind"].map(str::to_owned);
+        let numbers = &NUMBERS[..self.n_numbers];
+        let names = numbers.iter().copied().map(str::to_owned);
+        let shares = numbers.iter().map(|name| format!("{name}_share"));
+        let row = words.into_iter().chain(names).chain(shares);
+        Ok(self.rows.write_record(row)?)
+    }
+
+    /// Writes the rows of an object or a material, of which `words` tell kind,
+    /// id and name; `whole` is the account of all.
+    fn write_thing(
+        &mut self,
+        words: [&str; 3],
+        account: &Account,
+        whole: &Account,
+    ) -> io::Result<()> {
+        for charge in Charge::ALL {
+            let whole = self.numbers(whole, whole.all(charge));
+            for (ray_kind, kind) in RAY_KINDS {
+                let work = match kind {
+                    None => account.all(charge),
+                    Some(kind) => account.of_kind(charge, kind),
+                };
+                let numbers = self.numbers(account, work);
+                let words = words.into_iter().chain([charge.name(), ray_kind]);
+                let shares = numbers.iter().zip(&whole).map(|(n, all)| share(*n, *all));
+                let row = words
+                    .map(str::to_owned)
+                    .chain(numbers.iter().take(self.n_numbers).map(f64::to_string))
+                    .chain(shares.take(self.n_numbers));
+                self.rows.write_record(row)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// In the order of [`NUMBERS`].
+    fn numbers(&self, account: &Account, work: Work) -> [f64; 5] {
+        [
+            account.n_samples() as f64 / self.samples_per_pixel,
+            work.rays as f64,
+            work.node_visits as f64,
+            work.primitive_tests as f64,
+            (work.time_ps as f64 / 1e3).round(),
+        ]
+    }
+}
+
+/// From 0 to 1.
+fn share(n: f64, whole: f64) -> String {
+    match whole {
+        0.0 => "0".to_owned(),
+        whole => format!("{:.6}", n / whole),
+    }
+}

@@ -1,0 +1,85 @@
+//! How far a ray is drawn that meets nothing.
+
+use glam::Vec3;
+
+use crate::camera::{ImagePlane, Projection};
+use crate::geometry::{Aabb, Ray};
+use crate::observe::TracedRay;
+use crate::scene::Scene;
+
+/// A light farther away than this, in radii, is not drawn to.
+const FAR_LIGHT: f32 = 10.0;
+/// The shortest ray that leaves the scene, in radii.
+const SHORTEST: f32 = 0.25;
+
+/// A ball around the scene: the primitives that have an end, and the camera.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    pub(super) center: Vec3,
+    /// In world units, greater than 0.
+    pub(super) radius: f32,
+}
+
+impl Reach {
+    /// The ball around what is seen through this plane.
+    pub(super) fn of(scene: &Scene, plane: &ImagePlane) -> Self {
+        let eye = match plane.projection {
+            Projection::Perspective { eye } => eye,
+            Projection::Parallel { .. } => plane.center(),
+        };
+        let [right, bottom] = plane.size.map(|n| n as f32);
+        let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
+        let camera = corners.map(|(x, y)| plane.point(x, y));
+        let camera = Aabb::of_points(camera.into_iter().chain([eye]));
+        let bounded = scene.primitives.iter().filter(|p| !p.is_unbounded());
+        let bounds = bounded.fold(camera, |all, primitive| all.union(primitive.bounds()));
+        Self {
+            center: bounds.center(),
+            radius: 0.5 * bounds.min.distance(bounds.max),
+        }
+    }
+
+    /// The length of the line that shows a ray: to its hit, to its light, or to
+    /// where it leaves the ball.
+    pub(super) fn length(&self, ray: &TracedRay) -> f32 {
+        match ray.hit {
+            Some(hit) => hit.t,
+            None if ray.t_max <= FAR_LIGHT * self.radius => ray.t_max,
+            None => self.exit(&ray.ray).max(SHORTEST * self.radius),
+        }
+    }
+
+    /// Where the ray leaves the ball; 0 if it does not meet it.
+    fn exit(&self, ray: &Ray) -> f32 {
+        let from_center = ray.origin - self.center;
+        let middle = -from_center.dot(ray.direction);
+        let off_center = from_center + middle * ray.direction;
+        let half_chord = self.radius.powi(2) - off_center.length_squared();
+        match half_chord > 0.0 {
+            true => middle + half_chord.sqrt(),
+            false => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: Reach = Reach {
+        center: Vec3::X,
+        radius: 2.0,
+    };
+
+    fn exit(origin: Vec3, direction: Vec3) -> f32 {
+        UNIT.exit(&Ray { origin, direction })
+    }
+
+    #[test]
+    fn rays_end_where_they_leave_the_ball() {
+        assert_eq!(exit(Vec3::X, Vec3::Y), 2.0);
+        assert_eq!(exit(Vec3::NEG_X * 4.0, Vec3::X), 7.0);
+        assert!(exit(Vec3::X * 9.0, Vec3::X) < 0.0);
+        assert_eq!(exit(Vec3::Y * 9.0, Vec3::X), 0.0);
+    }
+}

@@ -1,0 +1,101 @@
+//! `trace.json`: the run on a line of time, in the format of Chrome's trace
+//! events, which ui.perfetto.dev and chrome://tracing show.
+//!
+//! "Trace Event Format", docs.google.com/document/d/1CvAClvFfyA5R-PhYUmn5OOQtYMH4h6I0nSsKchNAySU.
+
+use std::io::{self, Write};
+use std::ops::Range;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::{Rendering, Stages};
+use crate::schedule::{Tile, TileRun};
+
+/// The file's name.
+pub(super) const FILE: &str = "trace.json";
+
+/// The line of the stages; the threads' lines follow.
+const STAGES: u32 = 0;
+
+/// Writes the stages up to now, and every tile on the line of its thread, an
+/// event a line of text. Times are in microseconds since the program began.
+pub(super) fn write(
+    rendering: &Rendering,
+    stages: &Stages,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let schedule = rendering.schedule;
+    let has_counters = rendering.film.cost.has_counters();
+    let since_begin = |moment: Instant| (moment - stages.begin).as_nanos() as u64;
+    let threads = (0..schedule.n_threads)
+        .map(|thread| name("thread_name", line_of(thread), &format!("thread {thread}")));
+    let names = [
+        name(
+            "process_name",
+            STAGES,
+            &format!("raycost {}", rendering.name),
+        ),
+        name("thread_name", STAGES, "stages"),
+    ];
+    let of_stages = stages.ended.iter().map(|stage| {
+        let [start, end] = [stage.span.start, stage.span.end].map(since_begin);
+        event(stage.name, STAGES, start..end, json!({}))
+    });
+    let begin_ns = since_begin(schedule.begin);
+    let of_tiles = (0..).zip(&schedule.runs).map(|(number, run)| {
+        let tile = schedule.grid.tile(number);
+        let span = begin_ns + run.start_ns..begin_ns + run.end_ns;
+        let args = arguments(&tile, run, has_counters);
+        event(&format!("tile {number}"), line_of(run.thread), span, args)
+    });
+    let events = names.into_iter().chain(threads);
+    writeln!(out, "{{\"displayTimeUnit\":\"ns\",\"traceEvents\":[")?;
+    for (i, event) in events.chain(of_stages).chain(of_tiles).enumerate() {
+        if i > 0 {
+            writeln!(out, ",")?;
+        }
+        serde_json::to_writer(&mut *out, &event)?;
+    }
+    writeln!(out, "\n]}}")
+}
+
+/// The line of a thread.
+fn line_of(thread: u32) -> u32 {
+    STAGES + 1 + thread
+}
+
+/// An event of metadata: what the process or a line is called.
+fn name(kind: &str, line: u32, name: &str) -> Value {
+    json!({ "ph": "M", "name": kind, "pid": 1, "tid": line, "args": { "name": name } })
+}
+
+/// A complete event, given its nanoseconds.
+fn event(name: &str, line: u32, span_ns: Range<u64>, arguments: Value) -> Value {
+    json!({
+        "ph": "X",
+        "name": name,
+        "pid": 1,
+        "tid": line,
+        "ts": span_ns.start as f64 / 1e3,
+        "dur": (span_ns.end - span_ns.start) as f64 / 1e3,
+        "args": arguments,
+    })
+}
+
+/// What is shown of a tile that is clicked on.
+fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
+    let mut arguments = json!({
+        "position": run.position,
+        "x": tile.columns[0],
+        "y": tile.rows[0],
+        "n_pixels": tile.n_pixels(),
+        "film_ns": run.film_ns,
+    });
+    if has_counters {
+        for (name, count) in run.counted.by_name() {
+            arguments[name] = count.into();
+        }
+    }
+    arguments
+}

@@ -1,0 +1,226 @@
+//! The arrays of a file.
+
+use std::io::{self, Write};
+use std::ops::Range;
+
+use bytemuck::NoUninit;
+use vtkio::model::{CellType, ScalarType};
+
+/// Numbers that are made at one go.
+const CHUNK: usize = 1 << 14;
+
+/// Writes an array's bytes.
+pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+
+/// An array that is written when its turn comes.
+pub(crate) struct Array<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) scalar: ScalarType,
+    pub(crate) n_components: usize,
+    pub(crate) n_bytes: u64,
+    /// Writes exactly `n_bytes`, in native byte order.
+    pub(crate) write: WriteBytes<'a>,
+}
+
+/// What one entry of an array is.
+pub(crate) trait Entry: NoUninit {
+    /// Its numbers.
+    const SCALAR: ScalarType;
+    /// How many.
+    const N_COMPONENTS: usize = 1;
+}
+
+impl Entry for u8 {
+    const SCALAR: ScalarType = ScalarType::U8;
+}
+
+impl Entry for i32 {
+    const SCALAR: ScalarType = ScalarType::I32;
+}
+
+impl Entry for i64 {
+    const SCALAR: ScalarType = ScalarType::I64;
+}
+
+impl Entry for u32 {
+    const SCALAR: ScalarType = ScalarType::U32;
+}
+
+impl Entry for u64 {
+    const SCALAR: ScalarType = ScalarType::U64;
+}
+
+impl Entry for f64 {
+    const SCALAR: ScalarType = ScalarType::F64;
+}
+
+impl Entry for f32 {
+    const SCALAR: ScalarType = ScalarType::F32;
+}
+
+impl<E: Entry, const N: usize> Entry for [E; N]
+where
+    Self: NoUninit,
+{
+    const SCALAR: ScalarType = E::SCALAR;
+    const N_COMPONENTS: usize = N * E::N_COMPONENTS;
+}
+
+impl<'a> Array<'a> {
+    /// An array of `n` entries, made anew each time they are written.
+    pub(crate) fn of<E: Entry, I: Iterator<Item = E>>(
+        name: &'static str,
+        n: usize,
+        entries: impl Fn() -> I + 'a,
+    ) -> Self {
+        Self {
+            name,
+            scalar: E::SCALAR,
+            n_components: E::N_COMPONENTS,
+            n_bytes: (n * size_of::<E>()) as u64,
+            write: Box::new(move |out| {
+                let mut entries = entries();
+                let mut chunk = Vec::with_capacity(CHUNK.min(n));
+                loop {
+                    chunk.clear();
+                    chunk.extend(entries.by_ref().take(CHUNK));
+                    if chunk.is_empty() {
+                        return Ok(());
+                    }
+                    out.write_all(bytemuck::cast_slice(&chunk))?;
+                }
+            }),
+        }
+    }
+}
+
+/// Whole numbers in as few bytes as they need: ParaView loads 32-bit cells a
+/// third faster than 64-bit ones.
+#[derive(Clone, Copy)]
+pub(crate) enum Integers {
+    I32,
+    I64,
+}
+
+impl Integers {
+    /// For numbers from -1 to `largest`.
+    pub(crate) fn up_to(largest: usize) -> Self {
+        match i32::try_from(largest) {
+            Ok(_) => Self::I32,
+            Err(_) => Self::I64,
+        }
+    }
+
+    /// An array of `n` of them; `write` writes them.
+    pub(crate) fn array<'a>(
+        self,
+        name: &'static str,
+        n: usize,
+        write: impl Fn(&mut dyn Write) -> io::Result<()> + 'a,
+    ) -> Array<'a> {
+        let (scalar, n_bytes) = match self {
+            Self::I32 => (ScalarType::I32, 4 * n as u64),
+            Self::I64 => (ScalarType::I64, 8 * n as u64),
+        };
+        Array {
+            name,
+            scalar,
+            n_components: 1,
+            n_bytes,
+            write: Box::new(write),
+        }
+    }
+
+    /// Writes `factor` times each of the numbers.
+    pub(crate) fn write_multiples(
+        self,
+        factor: usize,
+        numbers: Range<usize>,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        for first in numbers.clone().step_by(CHUNK) {
+            let chunk = first..numbers.end.min(first + CHUNK);
+            match self {
+                Self::I32 => {
+                    let chunk: Vec<i32> = chunk.map(|n| (factor * n) as i32).collect();
+                    out.write_all(bytemuck::cast_slice(&chunk))?;
+                }
+                Self::I64 => {
+                    let chunk: Vec<i64> = chunk.map(|n| (factor * n) as i64).collect();
+                    out.write_all(bytemuck::cast_slice(&chunk))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `n` cells of `n_corners` points each, which no two cells share: the points
+/// of the first cell come first. Gives `connectivity`, 0, 1, …, and `offsets`,
+/// the ends of the cells.
+pub(crate) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
+    let n_points = n_corners * n;
+    let ids = Integers::up_to(n_points);
+    [
+        ids.array("connectivity", n_points, move |out| {
+            ids.write_multiples(1, 0..n_points, out)
+        }),
+        ids.array("offsets", n, move |out| {
+            ids.write_multiples(n_corners, 1..n + 1, out)
+        }),
+    ]
+}
+
+/// The `types` of `n` cells of one type.
+pub(crate) fn types_of(cell: CellType, n: usize) -> Array<'static> {
+    Array::of("types", n, move || std::iter::repeat_n(cell as u8, n))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bytes(array: &Array) -> Vec<u8> {
+        let mut out = Vec::new();
+        (array.write)(&mut out).unwrap();
+        assert_eq!(out.len() as u64, array.n_bytes);
+        out
+    }
+
+    #[test]
+    fn entries_are_written_as_they_come() {
+        let n = 2 * CHUNK + 1;
+        let pairs = Array::of("pairs", n, || (0..n as u32).map(|i| [i, i * i]));
+        assert_eq!(pairs.n_components, 2);
+        let expected: Vec<u32> = (0..n as u32).flat_map(|i| [i, i * i]).collect();
+        assert_eq!(bytes(&pairs), bytemuck::cast_slice::<u32, u8>(&expected));
+        let none = Array::of("none", 0, std::iter::empty::<f32>);
+        assert!(bytes(&none).is_empty());
+    }
+
+    #[test]
+    fn integers_beyond_32_bits_are_64_bits_wide() {
+        let bytes_of = |largest, numbers: Range<usize>| {
+            let integers = Integers::up_to(largest);
+            bytes(&integers.array("pixel", 2, |out| {
+                integers.write_multiples(1, numbers.clone(), out)
+            }))
+        };
+        assert_eq!(bytes_of(i32::MAX as usize, 7..9).len(), 8);
+        let wide = bytes_of(1 << 31, (1 << 31)..(1 << 31) + 2);
+        assert_eq!(wide[..8], (1_i64 << 31).to_ne_bytes());
+    }
+
+    #[test]
+    fn cells_end_where_the_next_begins() {
+        let [connectivity, offsets] = separate_cells(2, 3);
+        let of = |numbers: &[i32]| bytemuck::cast_slice::<i32, u8>(numbers).to_vec();
+        assert_eq!(bytes(&connectivity), of(&[0, 1, 2, 3, 4, 5]));
+        assert_eq!(bytes(&offsets), of(&[2, 4, 6]));
+        assert!(
+            separate_cells(2, 0)
+                .iter()
+                .all(|array| bytes(array).is_empty())
+        );
+    }
+}

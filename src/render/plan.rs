@@ -1,0 +1,65 @@
+//! What is to be rendered: which tiles, in which order.
+
+use super::prepass;
+use crate::accel::Accel;
+use crate::config::{Image, TileOrder, Tiling};
+use crate::scene::Scene;
+use crate::schedule::{Tile, TileGrid, hilbert_curve};
+
+/// A picture in tiles, ready to be rendered any number of times.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The picture.
+    pub image: Image,
+    /// Its tiles.
+    pub grid: TileGrid,
+    /// The order in which threads take them.
+    pub order: TileOrder,
+    /// The tiles' numbers in that order.
+    sequence: Vec<u32>,
+}
+
+impl Plan {
+    /// Cuts the picture into tiles and puts them in order. [`TileOrder::Cost`]
+    /// traces a few rays through each tile, on the current rayon pool.
+    pub fn new(scene: &Scene, accel: &Accel, image: &Image, tiling: Tiling) -> Self {
+        let grid = TileGrid::new(image.width, image.height, tiling.size);
+        let sequence = match tiling.order {
+            TileOrder::Scanline => (0..grid.n_tiles()).collect(),
+            TileOrder::Hilbert => hilbert_curve(grid.n_columns, grid.n_rows)
+                .into_iter()
+                .map(|(column, row)| row * grid.n_columns + column)
+                .collect(),
+            TileOrder::Cost => costliest_first(&prepass::work(scene, accel, image, &grid)),
+        };
+        Self {
+            image: *image,
+            grid,
+            order: tiling.order,
+            sequence,
+        }
+    }
+
+    /// The tile that is taken when so many have been; `None` after the last.
+    pub fn tile(&self, position: u32) -> Option<Tile> {
+        let number = self.sequence.get(position as usize)?;
+        Some(self.grid.tile(*number))
+    }
+}
+
+/// The tiles' numbers, those with most work first, and equal ones in their order.
+fn costliest_first(work: &[u64]) -> Vec<u32> {
+    let mut sequence: Vec<u32> = (0..work.len() as u32).collect();
+    sequence.sort_by_key(|&number| std::cmp::Reverse(work[number as usize]));
+    sequence
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_work_keeps_its_order() {
+        assert_eq!(costliest_first(&[3, 9, 3, 0, 9]), [1, 4, 0, 2, 3]);
+    }
+}

@@ -1,0 +1,137 @@
+//! An output folder → what `raycost render` wrote into it.
+//!
+//! Takes a folder; gives its summary at once and, where asked for, the arrays
+//! of its VTK files. Whatever does not hold together is an error that says what
+//! to do. The arrays are read as the writer of [`crate::output`] puts them: raw,
+//! behind an XML header. A real VTK reads more, and costs an installation.
+
+mod summary;
+mod vtk;
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+pub use summary::{
+    Acceleration, Camera, Clock, Cost, Image, Machine, Object, Repeats, SceneName, Stage, Summary,
+    Threads,
+};
+pub use vtk::{Array, ArrayInfo, Frame, Hits, Number, Values};
+
+use crate::output::format::counted;
+use crate::yaml::Diagnostic;
+
+/// An output folder whose summary has been read.
+#[derive(Debug, Clone)]
+pub struct Results {
+    folder: PathBuf,
+    /// What was done, on what, and what it cost in all.
+    pub summary: Summary,
+}
+
+impl Results {
+    /// Opens a folder and reads its `summary.json`.
+    ///
+    /// # Errors
+    /// A diagnostic where there is no folder, or none that `raycost render`
+    /// wrote.
+    pub fn open(folder: &Path) -> Result<Self, Diagnostic> {
+        let shown = folder.display();
+        let hint = "give a folder that `raycost render` wrote, such as out/seed_sphere";
+        let metadata = folder.metadata().map_err(|error| {
+            Diagnostic::new(format!("cannot read the folder `{shown}`: {error}")).with_help(hint)
+        })?;
+        if !metadata.is_dir() {
+            let message = format!("`{shown}` is a file, not an output folder");
+            return Err(Diagnostic::new(message).with_help(hint));
+        }
+        let path = folder.join(summary::FILE);
+        if !path.exists() {
+            let message = format!("`{shown}` holds no output: it has no summary.json");
+            return Err(Diagnostic::new(message).with_help(hint));
+        }
+        Ok(Self {
+            folder: folder.to_owned(),
+            summary: Summary::read(&path)?,
+        })
+    }
+
+    /// The folder as it was given.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Opens `frame.vti`.
+    ///
+    /// # Errors
+    /// A diagnostic where it is missing, damaged, none of raycost's, or has
+    /// other pixels than the summary tells.
+    pub fn frame(&self) -> Result<Frame, Diagnostic> {
+        let frame = Frame::open(&self.file(crate::output::FRAME)?)?;
+        let Image { width, height, .. } = self.summary.image;
+        let found = (frame.width(), frame.height());
+        match found == (width, height) {
+            true => Ok(frame),
+            false => Err(self.mixed(format!(
+                "frame.vti has {} x {} pixels, summary.json tells of {width} x {height}",
+                found.0, found.1
+            ))),
+        }
+    }
+
+    /// Opens `hits.vtu`.
+    ///
+    /// # Errors
+    /// A diagnostic where it is missing, damaged, none of raycost's, or has
+    /// another number of points than the summary tells.
+    pub fn hits(&self) -> Result<Hits, Diagnostic> {
+        let hits = Hits::open(&self.file(crate::output::HITS)?)?;
+        match hits.n_points() as u64 == self.summary.n_hits {
+            true => Ok(hits),
+            false => Err(self.mixed(format!(
+                "hits.vtu has {}, summary.json tells of {}",
+                counted(hits.n_points() as u64, "point"),
+                counted(self.summary.n_hits, "hit")
+            ))),
+        }
+    }
+
+    /// The path of a file that has to be there.
+    ///
+    /// # Errors
+    /// A diagnostic where it is missing.
+    pub fn file(&self, name: &str) -> Result<PathBuf, Diagnostic> {
+        let path = self.folder.join(name);
+        match path.is_file() {
+            true => Ok(path),
+            false => Err(Diagnostic::new(format!("`{}` is missing", path.display()))
+                .with_help(self.advice())),
+        }
+    }
+
+    fn mixed(&self, what: String) -> Diagnostic {
+        let folder = self.folder.display();
+        Diagnostic::new(format!(
+            "`{folder}` holds files of different renderings: {what}"
+        ))
+        .with_help(self.advice())
+    }
+
+    fn advice(&self) -> String {
+        let scene = &self.summary.scene.file;
+        let folder = self.folder.display();
+        format!("render it again: raycost render {scene} --out {folder}")
+    }
+}
+
+/// The whole text of a file of at most `max_bytes`.
+fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
+    let mut text = String::new();
+    let n_read = File::open(path)?
+        .take(max_bytes + 1)
+        .read_to_string(&mut text)?;
+    match n_read as u64 > max_bytes {
+        true => Err(io::ErrorKind::FileTooLarge.into()),
+        false => Ok(text),
+    }
+}

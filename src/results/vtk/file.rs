@@ -1,0 +1,184 @@
+//! A VTK file: its header, and where its arrays begin.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::header::{DataArray, Header};
+use super::values::{Values, n_bytes};
+use crate::output::format::count;
+use crate::yaml::Diagnostic;
+
+/// Longest header that is read, in bytes; raycost's have a few thousand.
+const MAX_HEADER: u64 = 1 << 20;
+/// The element that holds the arrays.
+const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
+/// What stands before each array: its length.
+const LENGTH_BYTES: u64 = size_of::<u64>() as u64;
+
+/// An open file.
+#[derive(Debug)]
+pub(super) struct VtkFile {
+    path: PathBuf,
+    file: File,
+    n_bytes: u64,
+    /// Where the offsets count from.
+    begin: u64,
+}
+
+/// An array's place in a file.
+#[derive(Debug)]
+pub(super) struct Place {
+    name: String,
+    vtk_type: String,
+    n_numbers: u64,
+    n_bytes: u64,
+    offset: u64,
+}
+
+impl VtkFile {
+    /// Opens a file and reads its header.
+    pub(super) fn open(path: &Path) -> Result<(Self, Header), Diagnostic> {
+        let cannot = |error: io::Error| cannot_read(path, &error);
+        let file = File::open(path).map_err(cannot)?;
+        let n_bytes = file.metadata().map_err(cannot)?.len();
+        let mut head = Vec::new();
+        (&file)
+            .take(MAX_HEADER)
+            .read_to_end(&mut head)
+            .map_err(cannot)?;
+        let mut this = Self {
+            path: path.to_owned(),
+            file,
+            n_bytes,
+            begin: 0,
+        };
+        let header = this.header(&head)?;
+        Ok((this, header))
+    }
+
+    fn header(&mut self, head: &[u8]) -> Result<Header, Diagnostic> {
+        if !head.starts_with(b"<?xml") && !head.starts_with(b"<VTKFile") {
+            return Err(self.foreign("it does not begin as VTK's XML files do"));
+        }
+        let tag = head.windows(APPENDED.len()).position(|at| at == APPENDED);
+        let Some(tag) = tag else {
+            return Err(match self.n_bytes < MAX_HEADER {
+                true => self.foreign("it has no raw arrays, or was cut short before them"),
+                false => self.foreign("it has no raw arrays behind its header"),
+            });
+        };
+        let (xml, rest) = head.split_at(tag);
+        let blanks = &rest[APPENDED.len()..];
+        let underscore = blanks.iter().position(|byte| !byte.is_ascii_whitespace());
+        match underscore.map(|at| (at, blanks[at])) {
+            Some((at, b'_')) => self.begin = (tag + APPENDED.len() + at + 1) as u64,
+            Some(_) => return Err(self.foreign("no `_` stands before its arrays")),
+            None => return Err(self.cut_short("its header")),
+        }
+        let xml = String::from_utf8_lossy(xml) + "</VTKFile>";
+        let header: Header = quick_xml::de::from_str(&xml)
+            .map_err(|error| self.foreign(&format!("its header is damaged: {error}")))?;
+        let native = match cfg!(target_endian = "little") {
+            true => "LittleEndian",
+            false => "BigEndian",
+        };
+        if header.byte_order != native {
+            return Err(self.foreign("its bytes are in the order of another machine"));
+        }
+        if header.header_type.as_deref() != Some("UInt64") || header.compressor.is_some() {
+            return Err(self.foreign("its arrays are compressed, or their lengths no UInt64"));
+        }
+        Ok(header)
+    }
+
+    /// Where an array of `n_tuples` is; makes sure that the file holds it.
+    pub(super) fn place(&self, array: &DataArray, n_tuples: u64) -> Result<Place, Diagnostic> {
+        let DataArray { scalar, name, .. } = array;
+        let Some(width) = n_bytes(scalar) else {
+            let why = format!("`{name}` has numbers of the type `{scalar}`");
+            return Err(self.foreign(&why));
+        };
+        let Some(offset) = array.offset else {
+            return Err(self.foreign(&format!("`{name}` is not among its raw arrays")));
+        };
+        let n_numbers = n_tuples.checked_mul(array.n_components.into());
+        let n_bytes = n_numbers.and_then(|n| n.checked_mul(width));
+        let end = n_bytes.and_then(|n| {
+            let begin = self.begin.checked_add(offset)?.checked_add(LENGTH_BYTES)?;
+            begin.checked_add(n)
+        });
+        match (n_numbers, n_bytes, end) {
+            (Some(n_numbers), Some(n_bytes), Some(end)) if end <= self.n_bytes => Ok(Place {
+                name: name.clone(),
+                vtk_type: scalar.clone(),
+                n_numbers,
+                n_bytes,
+                offset,
+            }),
+            (_, _, Some(end)) => {
+                Err(self.cut_short(&format!("`{name}`, which ends at byte {},", count(end))))
+            }
+            _ => Err(self.foreign(&format!("no file is as long as its array `{name}`"))),
+        }
+    }
+
+    /// Reads an array that stands there in `n_rows` equal rows, last row first.
+    pub(super) fn read(&mut self, place: &Place, n_rows: usize) -> Result<Values, Diagnostic> {
+        let name = &place.name;
+        let no_memory = || {
+            let n_bytes = crate::output::format::bytes(place.n_bytes);
+            let shown = self.path.display();
+            Diagnostic::new(format!(
+                "the array `{name}` of `{shown}` takes {n_bytes}: memory does not suffice"
+            ))
+        };
+        let n_numbers = usize::try_from(place.n_numbers).map_err(|_| no_memory())?;
+        let values = Values::zeros(&place.vtk_type, n_numbers).map_err(|_| no_memory())?;
+        let Some(mut values) = values else {
+            return Err(self.foreign(&format!("`{name}` has numbers of an unknown type")));
+        };
+        let mut length = [0; LENGTH_BYTES as usize];
+        let read = |values: &mut Values, length: &mut [u8]| {
+            (&self.file).seek(SeekFrom::Start(self.begin + place.offset))?;
+            let mut from = BufReader::new(&self.file);
+            from.read_exact(length)?;
+            values.read_rows(n_rows, &mut from)
+        };
+        read(&mut values, &mut length).map_err(|error| cannot_read(&self.path, &error))?;
+        let length = u64::from_ne_bytes(length);
+        match length == place.n_bytes {
+            true => Ok(values),
+            false => Err(self.foreign(&format!(
+                "`{name}` has {} bytes instead of {}",
+                count(length),
+                count(place.n_bytes)
+            ))),
+        }
+    }
+
+    /// The file is none of raycost's.
+    pub(super) fn foreign(&self, why: &str) -> Diagnostic {
+        let shown = self.path.display();
+        Diagnostic::new(format!("`{shown}` is not as raycost writes it: {why}"))
+            .with_help("render the scene again; files that other programs saved are not read")
+    }
+
+    fn cut_short(&self, of: &str) -> Diagnostic {
+        let shown = self.path.display();
+        let n_bytes = count(self.n_bytes);
+        Diagnostic::new(format!(
+            "`{shown}` was cut short: its {n_bytes} bytes end before {of} does"
+        ))
+        .with_help("copy the file again, or render the scene again")
+    }
+
+    /// The path as it was given.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+fn cannot_read(path: &Path, error: &io::Error) -> Diagnostic {
+    Diagnostic::new(format!("cannot read `{}`: {error}", path.display()))
+}

@@ -1,0 +1,112 @@
+//! The tiles of a picture.
+
+/// A picture cut into square tiles, numbered along rows from the top left. The
+/// last of a row and those of the last row are what is left of a square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TileGrid {
+    /// Pixels along a tile's side.
+    pub tile_size: u32,
+    /// Tiles in a row.
+    pub n_columns: u32,
+    /// Rows of tiles.
+    pub n_rows: u32,
+    /// Columns of pixels.
+    pub width: u32,
+    /// Rows of pixels.
+    pub height: u32,
+}
+
+/// A rectangle of pixels that one thread renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tile {
+    /// Its number in the grid.
+    pub number: u32,
+    /// First column of pixels and the one after the last.
+    pub columns: [u32; 2],
+    /// First row of pixels and the one after the last, row 0 on top.
+    pub rows: [u32; 2],
+}
+
+impl TileGrid {
+    /// Cuts a picture of `width * height` pixels into tiles of `tile_size`
+    /// pixels a side; none of the three is 0.
+    pub fn new(width: u32, height: u32, tile_size: u32) -> Self {
+        Self {
+            tile_size,
+            n_columns: width.div_ceil(tile_size),
+            n_rows: height.div_ceil(tile_size),
+            width,
+            height,
+        }
+    }
+
+    /// How many tiles.
+    pub fn n_tiles(&self) -> u32 {
+        self.n_columns * self.n_rows
+    }
+
+    /// The tile with this number, less than [`n_tiles`](Self::n_tiles).
+    pub fn tile(&self, number: u32) -> Tile {
+        let span = |index: u32, end: u32| {
+            let first = index * self.tile_size;
+            [first, (first + self.tile_size).min(end)]
+        };
+        Tile {
+            number,
+            columns: span(number % self.n_columns, self.width),
+            rows: span(number / self.n_columns, self.height),
+        }
+    }
+}
+
+impl Tile {
+    /// Its pixels (x, y), row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let [[left, right], [top, bottom]] = [self.columns, self.rows];
+        (top..bottom).flat_map(move |y| (left..right).map(move |x| (x, y)))
+    }
+
+    /// The tile cut into as many whole rows as `n_pixels` hold, at least one.
+    pub fn parts(&self, n_pixels: usize) -> impl Iterator<Item = Tile> + use<> {
+        let tile = *self;
+        let [top, bottom] = tile.rows;
+        let width = tile.columns[1] - tile.columns[0];
+        let n_rows = (n_pixels as u32 / width).max(1);
+        (top..bottom)
+            .step_by(n_rows as usize)
+            .map(move |first| Tile {
+                rows: [first, (first + n_rows).min(bottom)],
+                ..tile
+            })
+    }
+
+    /// How many pixels.
+    pub fn n_pixels(&self) -> usize {
+        let [width, height] = [self.columns, self.rows].map(|[first, end]| (end - first) as usize);
+        width * height
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        for (width, height) in [(1, 1), (16, 16), (17, 33), (50, 7)] {
+            for tile_size in [2, 3, 16, 256] {
+                let grid = TileGrid::new(width, height, tile_size);
+                let tiles = (0..grid.n_tiles()).map(|number| grid.tile(number));
+                let mut pixels = Vec::new();
+                for tile in tiles {
+                    assert_eq!(tile.pixels().count(), tile.n_pixels());
+                    let parts = tile.parts(100).flat_map(|part| part.pixels());
+                    assert!(parts.eq(tile.pixels()));
+                    pixels.extend(tile.pixels().map(|(x, y)| y * width + x));
+                }
+                pixels.sort_unstable();
+                assert!(pixels.into_iter().eq(0..width * height));
+            }
+        }
+    }
+}

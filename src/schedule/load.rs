@@ -1,0 +1,97 @@
+//! How evenly threads were at work.
+
+use serde::Serialize;
+
+use super::TileRun;
+
+/// How evenly the work was shared out. A thread is busy while it renders a
+/// tile; the rendering spans from the begin of the first tile to the end of the
+/// last.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Load {
+    /// The longest busy time of a thread over the mean of all, minus 1: by what
+    /// part the rendering could be shorter if all were equally busy.
+    ///
+    /// Pearce, Gamblin et al., "Quantifying the Effectiveness of Load Balance
+    /// Algorithms", ICS 2012.
+    pub load_imbalance: f64,
+    /// The part of the threads' time in which they had no tile: 1 minus the
+    /// busy time over the number of threads times the span. 1 minus this is the
+    /// parallel efficiency of the POP metrics (pop-coe.eu).
+    pub idle_share: f64,
+}
+
+impl Load {
+    /// The load of `n_threads` threads with these tiles between them; 0 in both
+    /// numbers without any time.
+    pub fn of(runs: &[TileRun], n_threads: u32) -> Self {
+        let mut busy_ns = vec![0_u64; n_threads as usize];
+        for run in runs {
+            busy_ns[run.thread as usize] += run.duration_ns();
+        }
+        let longest = busy_ns.iter().copied().max().unwrap_or(0) as f64;
+        let all = busy_ns.iter().sum::<u64>() as f64;
+        let start = runs.iter().map(|run| run.start_ns).min().unwrap_or(0);
+        let end = runs.iter().map(|run| run.end_ns).max().unwrap_or(0);
+        let threads_time = f64::from(n_threads) * (end - start) as f64;
+        if all == 0.0 {
+            return Self {
+                load_imbalance: 0.0,
+                idle_share: 0.0,
+            };
+        }
+        Self {
+            load_imbalance: longest * f64::from(n_threads) / all - 1.0,
+            idle_share: 1.0 - all / threads_time,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::Cost;
+
+    fn run(thread: u32, start_ns: u64, end_ns: u64) -> TileRun {
+        TileRun {
+            thread,
+            position: 0,
+            start_ns,
+            end_ns,
+            film_ns: 0,
+            counted: Cost::default(),
+        }
+    }
+
+    #[test]
+    fn a_schedule_by_hand() {
+        // Busy for 90, 60 and 30 of 100 ns, and one thread without a tile.
+        let runs = [
+            run(0, 0, 50),
+            run(1, 10, 70),
+            run(2, 20, 50),
+            run(0, 60, 100),
+        ];
+        let load = Load::of(&runs, 4);
+        assert_eq!(load.load_imbalance, 90.0 / 45.0 - 1.0);
+        assert_eq!(load.idle_share, 1.0 - 180.0 / 400.0);
+    }
+
+    #[test]
+    fn equal_threads_are_balanced_and_one_alone_is() {
+        let even = [run(0, 0, 10), run(1, 0, 10)];
+        let alone = [run(0, 5, 10), run(0, 10, 25)];
+        for (runs, n_threads) in [(&even, 2), (&alone, 1)] {
+            let load = Load::of(runs, n_threads);
+            assert_eq!((load.load_imbalance, load.idle_share), (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn no_time_is_no_imbalance() {
+        for runs in [&[][..], &[run(0, 0, 0)]] {
+            let load = Load::of(runs, 2);
+            assert_eq!((load.load_imbalance, load.idle_share), (0.0, 0.0));
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What the page's script is told of the rendering.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::cloud::Cloud;
+use super::frame::Pixels;
+use super::payload::type_name;
+use crate::config::CostMode;
+use crate::output::format::counted;
+use crate::results::{Array, Summary};
+
+/// All of it as JSON.
+pub(super) fn json(
+    summary: &Summary,
+    pixels: &Pixels,
+    arrays: &[Array],
+    cloud: &Cloud,
+    notes: &[String],
+) -> String {
+    let array = |(i, array): (usize, &Array)| {
+        json!({
+            "id": array_id(i),
+            "name": array.name,
+            "type": type_name(&array.values),
+            "n_components": array.n_components,
+        })
+    };
+    let about = json!({
+        "name": summary.scene.name,
+        "facts": facts(summary),
+        "notes": notes,
+        "size": pixels.shown(),
+        "full_size": pixels.full,
+        "step": pixels.step,
+        "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
+        "objects": objects(summary),
+        "materials": summary.materials,
+        "cloud": { "n": cloud.len(), "n_all": cloud.n_all() },
+        "camera": summary.camera,
+        "color_maps": {
+            "Inferno": color_map(colorous::INFERNO),
+            "Viridis": color_map(colorous::VIRIDIS),
+        },
+    });
+    about.to_string()
+}
+
+/// The id of the frame's array with this position. Its name would not do: it
+/// may hold anything.
+pub(super) fn array_id(position: usize) -> String {
+    format!("array-{position}")
+}
+
+/// What was not measured, if anything.
+pub(super) fn missing(summary: &Summary) -> Option<String> {
+    let note = match summary.cost.mode {
+        CostMode::Time => return None,
+        CostMode::Counters => "Time was not measured: render again with `--cost time` to see it.",
+        CostMode::None => {
+            "Cost was not measured: render again without `--no-cost` to see time and counters."
+        }
+    };
+    Some(note.to_owned())
+}
+
+/// Short words on the rendering, most important first.
+fn facts(summary: &Summary) -> Vec<String> {
+    let image = &summary.image;
+    let structure = match (&*summary.acceleration.kind, &summary.acceleration.quality) {
+        ("bvh", Some(quality)) => format!("BVH ({quality})"),
+        ("bvh", None) => "BVH".to_owned(),
+        _ => "brute force".to_owned(),
+    };
+    let mut facts = vec![
+        format!("{} × {} pixels", image.width, image.height),
+        format!(
+            "{} a pixel",
+            counted(image.samples_per_pixel.into(), "sample")
+        ),
+        counted(summary.n_primitives, "primitive"),
+        structure,
+        counted(summary.threads.used as u64, "thread"),
+    ];
+    let totals = summary.cost.totals.as_ref();
+    if let Some(Some(rays)) = totals.and_then(|totals| totals.get("rays")) {
+        facts.push(counted(*rays as u64, "ray"));
+    }
+    facts.extend(summary.machine.cpu.clone());
+    facts
+}
+
+/// What to call each object: its name, or else its shape.
+fn objects(summary: &Summary) -> Vec<Value> {
+    let label = |object: &crate::results::Object| {
+        let label = object.name.as_deref().unwrap_or(&object.kind);
+        Value::from(label)
+    };
+    summary.objects.iter().map(label).collect()
+}
+
+/// 256 colours of three bytes as base64.
+fn color_map(gradient: colorous::Gradient) -> String {
+    let colors = (0..256).flat_map(|i| gradient.eval_rational(i, 256).into_array());
+    STANDARD.encode(colors.collect::<Vec<u8>>())
+}

@@ -1,0 +1,89 @@
+//! An output folder → `view.html`, one page to look at all of it in a browser.
+//!
+//! Takes [`Results`]; gives a page that needs no server and no network: the
+//! arrays stand in it as text, the script that shows them beside them. What is
+//! too much for a page is thinned out, evenly and the same way each time, and
+//! the page says so: a value that it shows is always one of the rendering's.
+
+mod about;
+mod cloud;
+mod frame;
+mod html;
+mod payload;
+mod table;
+
+use std::io::{self, Write};
+
+use rayon::prelude::*;
+
+use crate::results::Results;
+use crate::yaml::Diagnostic;
+
+use cloud::Cloud;
+use frame::Pixels;
+use payload::Payload;
+use table::Table;
+
+/// The page's name in the output folder.
+pub const FILE: &str = "view.html";
+
+/// All that goes into a page.
+#[derive(Debug)]
+pub struct View {
+    title: String,
+    /// What the script is told, as JSON.
+    about: String,
+    payloads: Vec<Payload>,
+    notes: Vec<String>,
+}
+
+impl View {
+    /// Reads what the page shows.
+    ///
+    /// # Errors
+    /// A diagnostic where a file of the folder is missing or damaged.
+    pub fn of(results: &Results) -> Result<Self, Diagnostic> {
+        let mut frame = results.frame()?;
+        let pixels = Pixels::of(&frame);
+        // Without these there is nothing to draw: say so.
+        if let Some(missing) = ["RGB", "footprint"].iter().find(|name| !frame.has(name)) {
+            frame.read(missing)?;
+        }
+        let arrays = pixels.read(&mut frame)?;
+        let cloud = Cloud::read(&mut results.hits()?, &pixels)?;
+        let table = Table::read(results)?;
+        let notes = [
+            pixels.note(),
+            cloud.note(),
+            about::missing(&results.summary),
+        ];
+        let notes: Vec<String> = notes.into_iter().flatten().collect();
+        let about = about::json(&results.summary, &pixels, &arrays, &cloud, &notes);
+        let mut payloads: Vec<Payload> = arrays
+            .par_iter()
+            .enumerate()
+            .map(|(i, array)| Payload::of_numbers(&about::array_id(i), &array.values))
+            .collect();
+        payloads.extend(cloud.payloads());
+        payloads.extend(table.map(|table| table.payload()));
+        Ok(Self {
+            title: results.summary.scene.name.clone(),
+            about,
+            payloads,
+            notes,
+        })
+    }
+
+    /// Writes the page.
+    ///
+    /// # Errors
+    /// What `out` says.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        html::write(&self.title, &self.about, &self.payloads, out)
+    }
+
+    /// What the page does not show, and why; one sentence or two each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}

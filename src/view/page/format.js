@@ -1,0 +1,77 @@
+// Arrays and numbers in words.
+
+/** What the arrays of a rendering are, in the order of the menu. */
+const ARRAYS = {
+  time_ns: { group: "Cost", label: "Time", about: "thread time spent in the pixel", log: true },
+  node_visits: { group: "Cost", label: "Node visits", about: "BVH nodes entered by all rays of the pixel", log: true },
+  primitive_tests: { group: "Cost", label: "Primitive tests", about: "tests of rays against primitives", log: true },
+  rays: { group: "Cost", label: "Rays", about: "all rays of the pixel" },
+  shadow_rays: { group: "Cost", label: "Shadow rays", about: "rays toward lights" },
+  reflection_rays: { group: "Cost", label: "Reflection rays", about: "rays mirrored off surfaces" },
+  refraction_rays: { group: "Cost", label: "Refraction rays", about: "rays through surfaces" },
+  depth: { group: "Cost", label: "Depth", about: "longest path in bounces" },
+  tile: { group: "Work", label: "Tile", about: "the tile that the pixel was rendered in" },
+  thread: { group: "Work", label: "Thread", about: "the thread that rendered the pixel" },
+  distance: { group: "Geometry", label: "Distance", about: "from the camera along its ray" },
+  footprint: { group: "Geometry", label: "Footprint", about: "world size of the pixel where it hits" },
+  object: { group: "Geometry", label: "Object", about: "position in the scene's list; -1 for none", names: about.objects },
+  material: { group: "Geometry", label: "Material", about: "position in the scene's list; -1 for none", names: about.materials },
+  Normals: { group: "Geometry", label: "Normal", about: "unit normal on the side that is seen", components: ["x", "y", "z"] },
+  RGB: { group: "Picture", label: "Colour", about: "8 bits a channel", components: ["red", "green", "blue"] },
+};
+
+/** Names of arrays in the order of the menu, those that are not known last. */
+function inOrder(names) {
+  const known = Object.keys(ARRAYS);
+  const place = (name) => (known.includes(name) ? known.indexOf(name) : known.length);
+  return names.sort((a, b) => place(a) - place(b));
+}
+
+/** How to call an array; one that is not known keeps its name. */
+function described(name) {
+  const unit = name.endsWith("_ns") ? "ns" : "";
+  return { group: "Other", label: name, about: "", unit, ...ARRAYS[name] };
+}
+
+/** The name of a field in the menu. */
+function labelOf(key) {
+  const { name, n, component } = FIELDS.get(key);
+  const { label, components } = described(name);
+  return n === 1 ? label : `${label} ${components?.[component] ?? component}`;
+}
+
+/** A number as it is read best. */
+function format(value, name = "") {
+  if (Number.isNaN(value)) return "none";
+  const { names, unit } = described(name);
+  if (names) return value < 0 ? "none" : `${names[value] ?? "?"} (${value})`;
+  if (unit === "ns") return formatTime(value);
+  if (Math.abs(value) >= 1000) return value.toLocaleString("en", { maximumFractionDigits: 2 });
+  return String(Number(value.toPrecision(7)));
+}
+
+function formatTime(ns, digits = 4) {
+  const units = ["ns", "µs", "ms", "s"];
+  let unit = 0;
+  while (Math.abs(ns) >= 999.95 && unit < 3) [ns, unit] = [ns / 1000, unit + 1];
+  return `${Number(ns.toPrecision(digits))} ${units[unit]}`;
+}
+
+/** A short number for an axis. */
+function formatTick(value, name) {
+  if (described(name).unit === "ns") return formatTime(value, 6);
+  const size = Math.abs(value);
+  for (const [unit, word] of [[1e9, "G"], [1e6, "M"], [1e3, "k"]]) {
+    if (size >= unit) return `${Number((value / unit).toPrecision(6))}${word}`;
+  }
+  return String(Number(value.toPrecision(6)));
+}
+
+/** A number for a text field. */
+function formatInput(value) {
+  return String(Number(value.toPrecision(6)));
+}
+
+function percent(share) {
+  return `${(100 * share).toFixed(share < 0.1 ? 2 : 1)} %`;
+}

@@ -1,0 +1,190 @@
+// The state of the page, and what happens when it changes.
+
+const byId = (id) => document.getElementById(id);
+
+/** What is shown: a field, its axis and colours, marked values, a pixel. */
+const state = { field: null, axis: null, scale: null, table: null, mark: null, x: WIDTH >> 1, y: HEIGHT >> 1 };
+/** Counts choices of the menu: one that has been overtaken is not shown. */
+let n_choices = 0;
+let rgb = null;
+let cloud = null;
+
+const pane_events = { onProbe: moveProbe, onZoom: placeCursors };
+const picture = createPane(byId("picture"), pane_events);
+const map = createPane(byId("map"), pane_events);
+const probe = createProbe(byId("probe"));
+const ruler = createRuler(byId("ruler"), { onScale: setScale, onMark: (from, to) => mark(state.field, from, to) });
+
+function moveProbe(x, y, byKey) {
+  Object.assign(state, { x, y });
+  if (byKey) reveal(x, y);
+  placeCursors();
+  showProbe(byKey);
+}
+
+function placeCursors() {
+  for (const pane of [picture, map]) pane.place(state.x, state.y);
+}
+
+function showProbe(byKey = false) {
+  const index = state.y * WIDTH + state.x;
+  probe.update(state.x, state.y, state.field, byKey);
+  cloud?.probe(index);
+  drawRuler();
+}
+
+function drawRuler() {
+  ruler.update({ ...state, probed: state.field.values[state.y * WIDTH + state.x] });
+}
+
+const paintPixels = oncePerFrame(() => {
+  const paint = painter(state.scale, state.table);
+  const { values } = state.field;
+  map.paint((i) => paint(values[i]));
+  cloud?.update(state);
+});
+
+/** Shows what hangs on the colours. */
+function paintMap() {
+  paintPixels();
+  drawRuler();
+  byId("low").value = formatInput(state.scale.low);
+  byId("high").value = formatInput(state.scale.high);
+}
+
+function setScale(low, high) {
+  if (!(low < high) || (state.axis.log && !(low > 0))) return;
+  state.scale = new Scale(low, high, state.axis.log);
+  paintMap();
+}
+
+function setAxis() {
+  state.axis = axisOf(state.field, byId("log").checked);
+  state.scale = fitted(state.field, state.axis);
+  paintMap();
+}
+
+const paintMarks = oncePerFrame(() => {
+  const { field, from, to } = state.mark ?? {};
+  const isMarked = field && ((i) => field.values[i] >= from && field.values[i] <= to);
+  picture.paint(pictureColor(rgb, isMarked));
+  cloud?.mark(isMarked);
+  byId("marked").textContent = field ? describeMark(state.mark) : "Drag over the histogram.";
+});
+
+/** Marks the pixels whose value of a field is within a range; null ends it. */
+function mark(field, from, to, name = "") {
+  state.mark = from === null ? null : { field, from, to, name };
+  paintMarks();
+  drawRuler();
+  const isShown = state.mark && field.key === state.field.key;
+  byId("mark-from").value = isShown ? formatInput(from) : "";
+  byId("mark-to").value = isShown ? formatInput(to) : "";
+}
+
+/** How many pixels are marked, and which part of the whole cost is theirs. */
+function describeMark({ field, from, to, name }) {
+  let [n, sum, total] = [0, 0, 0];
+  for (const value of field.values) {
+    if (Number.isNaN(value)) continue;
+    total += value;
+    if (value >= from && value <= to) [n, sum] = [n + 1, sum + value];
+  }
+  const share = `${format(n)} pixels, ${percent(n / field.values.length)}`;
+  const { group, label } = described(field.name);
+  const cost = group === "Cost" && total > 0 ? `; ${percent(sum / total)} of ${label.toLowerCase()}` : "";
+  return (name ? `${name}: ` : "") + share + cost;
+}
+
+async function chooseArray(key) {
+  const choice = ++n_choices;
+  const chosen = await field(key);
+  if (choice !== n_choices) return;
+  const { about: text, log, unit } = described(chosen.name);
+  state.field = chosen;
+  byId("array").value = key;
+  byId("array-about").textContent = text;
+  byId("map-title").textContent = labelOf(key);
+  for (const place of document.querySelectorAll(".unit")) place.textContent = unit && `(${unit})`;
+  byId("log").disabled = !hasPositive(chosen);
+  byId("log").checked = Boolean(log) && !byId("log").disabled;
+  setAxis();
+  showProbe();
+  if (state.mark) mark(state.mark.field, state.mark.from, state.mark.to, state.mark.name);
+}
+
+/** Marks an object or a material of the table. */
+async function pick(kind, id, name) {
+  mark(await field(kind), id, id, name || kind);
+  byId("picture").scrollIntoView({ block: "nearest" });
+}
+
+function fillMenus() {
+  const groups = new Map(["Cost", "Geometry", "Work", "Picture", "Other"].map((name) => [name, element("optgroup", { label: name })]));
+  const fields = [...FIELDS.values()];
+  for (const name of inOrder(about.arrays.map((array) => array.name))) {
+    for (const { key } of fields.filter((field) => field.name === name)) {
+      groups.get(described(name).group).append(element("option", { value: key }, labelOf(key)));
+    }
+  }
+  byId("array").append(...[...groups.values()].filter((group) => group.children.length > 0));
+  byId("color-map").append(...Object.keys(about.color_maps).map((name) => element("option", {}, name)));
+}
+
+/** Takes numbers typed into two fields when both are some. */
+function onTyped(ids, take) {
+  const typed = () => {
+    const [from, to] = ids.map((id) => (byId(id).value.trim() === "" ? NaN : Number(byId(id).value)));
+    ids.forEach((id, i) => byId(id).toggleAttribute("aria-invalid", Number.isNaN([from, to][i])));
+    if (from <= to) take(from, to);
+  };
+  for (const id of ids) byId(id).addEventListener("change", typed);
+}
+
+function listenToControls() {
+  byId("controls").addEventListener("submit", (event) => event.preventDefault());
+  byId("array").addEventListener("change", (event) => chooseArray(event.target.value));
+  byId("color-map").addEventListener("change", (event) => {
+    state.table = colorTable(event.target.value);
+    paintMap();
+  });
+  byId("log").addEventListener("change", setAxis);
+  byId("fit").addEventListener("click", setAxis);
+  byId("all").addEventListener("click", () => setScale(state.axis.low, state.axis.high));
+  byId("clear").addEventListener("click", () => mark(null, null, null));
+  onTyped(["low", "high"], setScale);
+  onTyped(["mark-from", "mark-to"], (from, to) => mark(state.field, from, to));
+  new ResizeObserver(placeCursors).observe(byId("map"));
+}
+
+async function start() {
+  byId("facts").append(...about.facts.map((fact) => element("li", {}, fact)));
+  byId("notes").append(...about.notes.map((note) => element("li", {}, note)));
+  state.table = colorTable(Object.keys(about.color_maps)[0]);
+  fillMenus();
+  listenToControls();
+  rgb = await frameArray("RGB");
+  picture.paint(pictureColor(rgb, null));
+  const first = ["time_ns", "node_visits", "distance"].find((name) => FIELDS.has(name));
+  await chooseArray(first ?? byId("array").value);
+  placeCursors();
+  for (const { name } of about.arrays) probe.learn(name, await frameArray(name));
+  showProbe();
+  await createTable(byId("objects"), { onPick: pick });
+  cloud = await createCloud(byId("cloud"));
+  cloud.update(state);
+  if (state.mark) paintMarks();
+  showProbe();
+  document.body.dataset.ready = "";
+}
+
+function fail(error) {
+  const failure = byId("failure");
+  const old = typeof DecompressionStream === "undefined" ? " This browser is too old to unpack the page's data." : "";
+  failure.textContent = `The page could not be shown: ${error?.message ?? error}.${old}`;
+  failure.hidden = false;
+}
+
+addEventListener("error", (event) => fail(event.error ?? event.message));
+addEventListener("unhandledrejection", (event) => fail(event.reason));
+start();

@@ -1,0 +1,113 @@
+// From values to positions between 0 and 1.
+
+/** A range of values, linear or logarithmic. */
+class Scale {
+  constructor(low, high, log) {
+    const span = log ? Math.log(high / low) : high - low;
+    Object.assign(this, { low, high, log, span });
+  }
+
+  /** 0 at the low end, 1 at the high one; NaN for what has no place. */
+  position(value) {
+    if (!this.log) return (value - this.low) / this.span;
+    return value > 0 ? Math.log(value / this.low) / this.span : NaN;
+  }
+
+  value(position) {
+    return this.log ? this.low * Math.exp(position * this.span) : this.low + position * this.span;
+  }
+
+  /** Round values within, each with its position. */
+  ticks(n) {
+    const values = this.log ? logTicks(this, n) : linearTicks(this, n);
+    return values.map((value) => [value, this.position(value)]);
+  }
+}
+
+function linearTicks({ low, high }, n) {
+  const rough = (high - low) / n;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+  const values = [];
+  for (let i = Math.ceil(low / step); i * step <= high * (1 + 1e-12); i++) values.push(i * step);
+  return values;
+}
+
+function logTicks({ low, high }, n) {
+  const n_decades = Math.log10(high / low);
+  if (n_decades < 0.7) return linearTicks({ low, high }, n);
+  const factors = n_decades * 9 < n ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : n_decades * 3 < n ? [1, 2, 5] : [1];
+  const each = Math.max(1, Math.ceil(n_decades / n));
+  const values = [];
+  for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; decade += each) {
+    for (const factor of factors) values.push(factor * 10 ** decade);
+  }
+  return values.filter((value) => value >= low && value <= high);
+}
+
+/** The ends of a field's values, as far as they are numbers. */
+function extent({ values }) {
+  let [low, high, positive] = [Infinity, -Infinity, Infinity];
+  for (const value of values) {
+    if (value < low && value > -Infinity) low = value;
+    if (value > high && value < Infinity) high = value;
+    if (value > 0 && value < positive) positive = value;
+  }
+  return { low, high, positive };
+}
+
+/** The axis that has all values of a field on it. */
+function axisOf(field, log) {
+  let { low, high, positive } = extent(field);
+  if (log) [low, high] = low < high && low <= 0 ? [positive, high] : [low, high];
+  if (!(low <= high)) [low, high] = [1, 1]; // no value at all
+  if (log) return low < high ? new Scale(low, high, true) : new Scale(low / 2, high * 2, true);
+  if (field.whole && high - low < 400) return new Scale(low - 0.5, high + 0.5, false);
+  return low < high ? new Scale(low, high, false) : new Scale(low - 0.5, high + 0.5, false);
+}
+
+/** Whether a logarithmic axis has a place for some value. */
+function hasPositive(field) {
+  return extent(field).positive < Infinity;
+}
+
+/** How many values fall into each of equal pieces of an axis. */
+function histogram({ values }, axis, n_bins) {
+  const counts = new Uint32Array(n_bins);
+  for (const value of values) {
+    const position = axis.position(value);
+    if (position >= 0 && position <= 1) counts[Math.min(n_bins - 1, Math.floor(position * n_bins))]++;
+  }
+  return counts;
+}
+
+/** The colours' range at first: one value in two hundred is outside at each
+ * end, so that interrupted pixels do not flatten the rest. */
+function fitted(field, axis) {
+  const n_bins = 4096;
+  const counts = histogram(field, axis, n_bins);
+  const n_outside = counts.reduce((sum, n) => sum + n, 0) / 200;
+  const firstWithin = (bins) => {
+    let sum = 0;
+    return bins.findIndex((n) => (sum += n) > n_outside);
+  };
+  const first = firstWithin(counts);
+  const last = n_bins - 1 - firstWithin(counts.slice().reverse());
+  let [low, high] = [axis.value(first / n_bins), axis.value((last + 1) / n_bins)];
+  if (field.whole) [low, high] = [Math.ceil(low), Math.floor(high)];
+  return first < last && low < high ? new Scale(low, high, axis.log) : axis;
+}
+
+/** The table's color at each value, 0xAABBGGRR; grey without a place. */
+function painter(scale, table) {
+  const ladder = new Uint32Array(256);
+  for (let i = 0; i < 256; i++) {
+    const [r, g, b] = table.subarray(3 * i, 3 * i + 3);
+    ladder[i] = 0xff000000 | (b << 16) | (g << 8) | r;
+  }
+  return (value) => {
+    const position = scale.position(value);
+    if (Number.isNaN(position)) return 0xff808080;
+    return ladder[Math.max(0, Math.min(255, Math.round(position * 255)))];
+  };
+}

@@ -1,0 +1,79 @@
+//! States on their way into a real ParaView.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use super::{assert_success, in_repository, raycost};
+
+/// A camera that looks away from the only object.
+pub const NOTHING: &str = "
+image: { width: 64, height: 48 }
+camera:
+  look_at: { eye: [0, 0, 5], target: [0, 0, 9], fov_y_deg: 40 }
+materials:
+  grey: { color: 0.5 }
+lights: []
+objects:
+  - sphere: { center: [0, 0, 0], radius: 1 }
+    material: grey
+";
+
+/// Renders into a folder whose name is a trial to states and shells.
+pub fn render(scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    run("render", scene, name, arguments)
+}
+
+/// Traces pixels into such a folder.
+pub fn trace(scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    run("trace", scene, name, arguments)
+}
+
+fn run(command: &str, scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let out = folder("out ü & co").join(name);
+    let output = raycost()
+        .arg(command)
+        .arg(scene)
+        .args(["--quiet", "--out"])
+        .arg(&out)
+        .args(arguments)
+        .output();
+    assert_success(&output.unwrap());
+    out
+}
+
+/// A scene of this text.
+pub fn scene_file(name: &str, text: &str) -> PathBuf {
+    let file = folder("scenes").join(name).with_extension("yaml");
+    fs::write(&file, text).unwrap();
+    file
+}
+
+/// The picture of a state of an output.
+pub fn screenshot(out: &Path, what: &str) -> PathBuf {
+    let name = out.file_name().unwrap().to_str().unwrap();
+    folder("").join(format!("{name}, {what}.png"))
+}
+
+/// A folder in `target/paraview/`.
+pub fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .with_file_name("paraview")
+        .join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Loads the state in ParaView and checks what it shows.
+pub fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
+    Command::new("xvfb-run")
+        // Without -noreset the screen is gone for a moment whenever ParaView
+        // closes a window.
+        .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+        .arg(in_repository("paraview/check_state.py"))
+        .args([state, out, screenshot])
+        .args(flags)
+        .env("RAYCOST_OUT", out)
+        .output()
+        .expect("run tests/with-paraview")
+}

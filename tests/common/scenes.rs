@@ -1,0 +1,98 @@
+//! Random scenes.
+
+use std::fmt::Write;
+
+use proptest::prelude::*;
+use raycost::config::Config;
+
+use super::parse;
+
+/// Some spheres and a box above a plane, of materials that mirror more or less.
+#[derive(Debug, Clone)]
+pub struct RandomScene {
+    pub model: &'static str,
+    pub size: [u32; 2],
+    pub samples: u32,
+    pub max_depth: u32,
+    pub seed: u64,
+    pub reflections: [f32; 3],
+    pub specular: f32,
+    /// Whether each light is at a point.
+    pub lights: Vec<bool>,
+    pub acceleration: &'static str,
+}
+
+impl RandomScene {
+    /// What its YAML says.
+    pub fn config(&self) -> Config {
+        let Self {
+            model,
+            size: [width, height],
+            samples,
+            max_depth,
+            seed,
+            reflections: [floor, ball, cloud],
+            specular,
+            lights,
+            acceleration,
+        } = self;
+        let mut text = format!(
+            "
+image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed} }}
+camera:
+  look_at: {{ eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50 }}
+background:
+  gradient: {{ bottom: 0.2, top: [0.3, 0.5, 0.9] }}
+shading: {{ model: {model}, max_depth: {max_depth}, ambient: 0.1 }}
+acceleration: {acceleration}
+materials:
+  floor: {{ color: {{ checker: {{ even: 1, odd: 0.1, size: 0.5, axes: xz }} }}, reflection: {floor} }}
+  ball: {{ color: [0.9, 0.2, 0.1], specular: {specular}, reflection: {ball} }}
+  cloud: {{ color: 0.6, specular: 0.3, exponent: 7.5, reflection: {cloud} }}
+objects:
+  - plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}
+    material: floor
+  - sphere: {{ center: [0, 0, 0], radius: 0.9 }}
+    material: ball
+  - box: {{ min: [1, -1, -1], max: [2, 0.5, 0] }}
+    material: ball
+  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
+    material: cloud
+lights:"
+        );
+        for (i, at_point) in lights.iter().enumerate() {
+            let x = 3 * i as i32 - 4;
+            let light = match at_point {
+                true => format!("point: {{ position: [{x}, 4, 3], intensity: 0.6 }}"),
+                false => {
+                    format!("directional: {{ direction: [{x}, -2, -1], color: [0.5, 0.4, 0.3] }}")
+                }
+            };
+            write!(text, "\n  - {light}").unwrap();
+        }
+        if lights.is_empty() {
+            text.push_str(" []");
+        }
+        parse(&text)
+    }
+}
+
+prop_compose! {
+    /// Any of these scenes, small.
+    pub fn scenes()(
+        model in prop_oneof![Just("blinn_phong"), Just("seed")],
+        size in [1_u32..40, 1_u32..40],
+        samples in 1_u32..=9,
+        max_depth in 0_u32..6,
+        seed in 0_u64..1000,
+        reflections in [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
+            .prop_map(|shares| shares.map(|share| if share < 0.3 { 0.0 } else { share })),
+        specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
+        lights in prop::collection::vec(any::<bool>(), 0..4),
+        acceleration in prop_oneof![4 => Just("bvh"), 1 => Just("brute_force")],
+    ) -> RandomScene {
+        RandomScene {
+            model, size, samples, max_depth, seed, reflections, specular, lights, acceleration,
+        }
+    }
+}
