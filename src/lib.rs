@@ -44,4 +44,5 @@ pub mod results;
 pub mod view;
 pub mod statistics;
 pub mod diff;
+pub mod study;
 pub mod cli;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::generators::{self, ray, triple};
+use common::generators::{self, bundle, ray, triple};
 use common::twins::{QUALITIES, compare};
 use common::{parse, scene_of};
 use glam::Vec3;
@@ -89,6 +89,11 @@ proptest! {
 
     #[test]
     fn all_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
+        compare(&scene.primitives, &rays)?;
+    }
+
+    #[test]
+    fn all_find_the_same_hits_of_coherent_rays(scene in scene(), rays in bundle()) {
         compare(&scene.primitives, &rays)?;
     }
 

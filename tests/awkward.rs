@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::generators::{awkward_triangle, direction, point, primitives, ray, ray_at, shape};
+use common::generators::{
+    awkward_triangle, bundle, direction, point, primitives, ray, ray_at, shape,
+};
 use common::twins::compare;
 use glam::Vec3;
 use proptest::prelude::*;
@@ -38,6 +40,58 @@ proptest! {
     #[test]
     fn needles_points_and_giants_from_their_planes_edges_and_corners((triangles, rays) in aimed()) {
         compare(&primitives(triangles.into_iter().map(Shape::Triangle)), &rays)?;
+    }
+}
+
+/// Triangles, and rays from one point to many of the same triangle.
+fn aimed_together() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {
+    prop::collection::vec(awkward_triangle(), 1..60).prop_flat_map(|triangles| {
+        let one = prop::sample::select(triangles.clone());
+        let rays = one.prop_flat_map(|triangle| prop::collection::vec(ray_at(triangle), 16..40));
+        let rays = rays.prop_map(|rays| {
+            let origin = rays[0].origin;
+            let together = |ray: Ray| Ray { origin, ..ray };
+            rays.into_iter().map(together).collect()
+        });
+        (Just(triangles), rays)
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(300))]
+
+    #[test]
+    fn needles_points_and_giants_in_bundles((triangles, rays) in aimed_together()) {
+        compare(&primitives(triangles.into_iter().map(Shape::Triangle)), &rays)?;
+    }
+
+    /// Spheres and triangles that coincide, and some on the way.
+    #[test]
+    fn coherent_rays(
+        shapes in prop::collection::vec(shape(), 1..40),
+        twins in 1_usize..4,
+        planes in prop::collection::vec((point(), direction()), 0..2),
+        bundles in prop::collection::vec(bundle(), 1..4),
+    ) {
+        let plane = |(point, normal)| Shape::Plane(Plane { point, normal });
+        let n = twins * shapes.len();
+        let shapes = shapes.into_iter().cycle().take(n);
+        compare(&primitives(planes.into_iter().map(plane).chain(shapes)), &bundles.concat())?;
+    }
+
+    /// What is far from the origin of space is coarse.
+    #[test]
+    fn coherent_rays_far_from_the_origin(
+        triangles in prop::collection::vec(awkward_triangle(), 1..40),
+        rays in bundle(),
+        to in prop::sample::select(vec![1e2_f32, 1e4, 1e6, 1e8]),
+    ) {
+        let to = Vec3::new(to, -0.3 * to, 0.0);
+        let moved = |Triangle { vertices }| {
+            Shape::Triangle(Triangle { vertices: vertices.map(|vertex| vertex + to) })
+        };
+        let rays: Vec<Ray> = rays.iter().map(|ray| Ray { origin: ray.origin + to, ..*ray }).collect();
+        compare(&primitives(triangles.into_iter().map(moved)), &rays)?;
     }
 }
 

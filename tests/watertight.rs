@@ -98,20 +98,24 @@ impl Mesh {
         let kernels: Vec<Accel> = QUALITIES.into_iter().flat_map(of_quality).collect();
         (0..n_rays / N_TOGETHER).into_par_iter().for_each(|part| {
             let numbers = part * N_TOGETHER..(part + 1) * N_TOGETHER;
-            let rays: Vec<Ray> = numbers.map(|i| self.ray(i as u64)).collect();
-            kernels.iter().for_each(|accel| all_hit(accel, &rays));
+            for n_alike in [1, 16] {
+                let ray = |i| self.ray(i as u64, n_alike);
+                let rays: Vec<Ray> = numbers.clone().map(ray).collect();
+                kernels.iter().for_each(|accel| all_hit(accel, &rays));
+            }
         });
     }
 
     /// A ray from inside: in any direction, or at a corner or an edge, but for
-    /// some units in the last place.
-    fn ray(&self, i: u64) -> Ray {
-        let [x, y, z, share] = uniform([1, i, 0]);
+    /// some units in the last place. So many that follow each other start from
+    /// one point, and meet one triangle.
+    fn ray(&self, i: u64, n_alike: u64) -> Ray {
+        let [x, y, z, which] = uniform([1, i / n_alike, 0]);
         let origin = self.center + self.inside * (2.0 * Vec3::new(x, y, z) - 1.0);
-        let [which, x, y, z] = uniform([1, i, 1]);
+        let [share, x, y, z] = uniform([1, i, 1]);
         let [a, b, _] = self.triangles[(which * self.triangles.len() as f32) as usize];
         let target = match i % 3 {
-            0 => origin + Vec3::new(x, y, z) - 0.5,
+            0 if n_alike == 1 => origin + Vec3::new(x, y, z) - 0.5,
             1 => a,
             _ => a + share * (b - a),
         };

@@ -83,18 +83,18 @@ pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) ->
     ]
 }
 
-/// The pixels of a square picture, y * side + x, in the order of the tiles.
+/// The pixels of a square picture, y * side + x, in the order of the tiles and
+/// of the blocks within them.
 fn tiled(side: usize) -> impl Iterator<Item = usize> {
-    let spans = move || {
-        let span = move |first: usize| first..(first + TILE_SIDE).min(side);
-        (0..side).step_by(TILE_SIDE).map(span)
-    };
-    spans().flat_map(move |rows| {
-        spans().flat_map(move |columns| {
-            rows.clone()
-                .flat_map(move |y| columns.clone().map(move |x| y * side + x))
-        })
-    })
+    let starts = move |step| (0..side).step_by(step);
+    let tiles = starts(TILE_SIDE).flat_map(move |y| starts(TILE_SIDE).map(move |x| (x, y)));
+    let blocks = tiles.flat_map(|(x, y)| {
+        let blocks = (0..TILE_SIDE / 4).flat_map(|j| (0..TILE_SIDE / 4).map(move |i| (i, j)));
+        blocks.map(move |(i, j)| (x + 4 * i, y + 4 * j))
+    });
+    let pixels = blocks.flat_map(|(x, y)| (0..16).map(move |i| (x + i % 4, y + i / 4)));
+    let is_inside = move |&(x, y): &(usize, usize)| x < side && y < side;
+    pixels.filter(is_inside).map(move |(x, y)| y * side + x)
 }
 
 /// A unit vector above the surface, as likely as its cosine with the normal:

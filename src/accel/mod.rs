@@ -28,7 +28,7 @@ use crate::scene::{ObjectId, Primitive};
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
-use kernel::Stream;
+use kernel::{Batch, Packets, Stream};
 pub use nodes::BvhNode;
 use search::{Any, Nearest, Query, Search};
 pub use simd::Simd;
@@ -201,13 +201,18 @@ impl<'a> Accel<'a> {
         answers.clear();
         answers.resize_with(queries.len(), Q::Answer::default);
         let nothing = Arena::default();
-        self.simd.run(Stream {
+        let mut batch = Batch {
             arena: self.bvh.as_ref().map_or(&nothing, Bvh::arena),
             primitives: self.primitives,
             always: &self.always,
             queries,
             answers,
             probe,
+        };
+        let others = self.simd.run(Packets(batch.reborrow()));
+        self.simd.run(Stream {
+            batch,
+            numbers: &others,
         });
     }
 

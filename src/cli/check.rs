@@ -10,6 +10,7 @@ use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
+use crate::yaml::Diagnostic;
 
 /// Tell what rendering a scene would do, and render nothing
 #[derive(Debug, clap::Args)]
@@ -19,6 +20,19 @@ use crate::schedule::TileGrid;
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+}
+
+impl Arguments {
+    /// Finds what is wrong, and prints nothing.
+    pub(super) fn check_alone(&self) -> Result<(), Diagnostic> {
+        let Loaded {
+            source,
+            config,
+            geometries,
+        } = self.scene.load()?;
+        let scene = Scene::new(&config, geometries);
+        scene.map(|_| ()).map_err(|fault| source.point_at(fault))
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {

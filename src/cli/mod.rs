@@ -8,12 +8,13 @@ mod failure;
 mod progress;
 mod rectangle;
 mod render;
-mod view;
-
-use std::path::Path;
+mod study;
 mod trace;
 mod tree;
 mod trust;
+mod view;
+
+use std::path::Path;
 
 use clap::{Parser, Subcommand};
 
@@ -43,6 +44,8 @@ enum Command {
     Diff(diff::Arguments),
     /// Show all rays of some pixels and what each costs
     Trace(trace::Arguments),
+    /// Measure how the cost of scenes depends on what you vary
+    Study(study::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -59,7 +62,18 @@ impl Cli {
             Command::View(arguments) => view::run(&arguments),
             Command::Diff(arguments) => diff::run(&arguments),
             Command::Trace(arguments) => trace::run(&arguments),
+            Command::Study(arguments) => study::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
+        }
+    }
+}
+
+impl Cli {
+    /// Finds what is wrong with the scene of a `check`, and prints nothing.
+    fn check_alone(&self) -> Result<(), crate::yaml::Diagnostic> {
+        match &self.command {
+            Command::Check(arguments) => arguments.check_alone(),
+            _ => Ok(()),
         }
     }
 }

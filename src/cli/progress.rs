@@ -89,3 +89,32 @@ impl Bar {
         self.bar.finish_and_clear();
     }
 }
+
+/// A bar of runs for a study.
+pub(super) struct StudyBar {
+    bar: ProgressBar,
+}
+
+impl StudyBar {
+    /// A bar of this many runs; never drawn if `quiet`.
+    pub(super) fn new(n_runs: u64, quiet: bool) -> Self {
+        Self {
+            bar: bar(n_runs, quiet),
+        }
+    }
+
+    /// Tells which run is on.
+    pub(super) fn begin(&self, label: &str) {
+        self.bar.set_message(label.to_owned());
+    }
+
+    /// Moves the bar on by a run.
+    pub(super) fn advance(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Takes the bar off the terminal.
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}

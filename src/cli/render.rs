@@ -8,13 +8,13 @@ use super::progress::{Bar, BuildBar};
 use super::trust;
 use super::{Failure, shell_word};
 use crate::accel::Accel;
-use crate::config::{Config, CostMode, Extra, MAX_SIDE, TileOrder, Tiling};
+use crate::config::{Config, CostMode, Extra, MAX_SIDE, Structure, TileOrder, Tiling};
 use crate::cost::Meter;
 use crate::film::{Column, columns};
 use crate::ledger::Ledger;
 use crate::memory::{self, Memory};
 use crate::output::{
-    self, OutputFolder, Rendering, Stages, Threads, Written,
+    self, HardwareCounters, OutputFolder, Rendering, Stages, Threads, Written,
     format::{bytes, count, counted, duration},
 };
 use crate::render::{N_RENDERINGS, Overhead, Plan, repeat};
@@ -38,6 +38,11 @@ pub(super) struct Arguments {
     /// Also render in each mode of `--cost` by turns, and tell what measuring costs
     #[arg(long)]
     measure_overhead: bool,
+
+    /// Have the processor count cycles, instructions, cache and branch misses of
+    /// each stage, where the machine lets it; see `stages` in summary.json
+    #[arg(long)]
+    hardware_counters: bool,
 
     /// Print nothing but errors
     #[arg(long, short)]
@@ -69,6 +74,19 @@ pub(super) struct SceneArguments {
     /// Seed of the sampling pattern, instead of the file's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+
+    /// Longest path in bounces, instead of the file's
+    #[arg(long, value_name = "BOUNCES")]
+    max_depth: Option<u8>,
+
+    /// How hits are found, instead of the file's
+    #[arg(long, value_name = "STRUCTURE")]
+    acceleration: Option<Structure>,
+
+    /// Spheres of each `sphere_cloud`, instead of the file's; their radii change
+    /// so that they fill the same share of space
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    count: Option<u32>,
 
     /// What is measured of each pixel, instead of the file's
     #[arg(long, value_name = "MODE")]
@@ -120,6 +138,13 @@ impl SceneArguments {
         image.height = self.height.unwrap_or(image.height);
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
+        config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
+        config.acceleration = self.acceleration.map_or(config.acceleration, Into::into);
+        if let Some(count) = self.count {
+            config
+                .set_count(count)
+                .map_err(|fault| source.point_at(fault))?;
+        }
         config.cost = self.cost().unwrap_or(config.cost);
         config.n_repeats = self.n_repeats(&config, &source)?;
         let tiles = &mut config.tiles;
@@ -203,7 +228,10 @@ impl SceneArguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut stages = Stages::start();
+    let mut stages = Stages::start(match arguments.hardware_counters {
+        true => HardwareCounters::start(),
+        false => HardwareCounters::none(),
+    });
     let Loaded {
         source,
         config,

@@ -49,6 +49,35 @@ impl fmt::Display for Quality {
     }
 }
 
+/// An [`Acceleration`] by one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, serde::Serialize, clap::ValueEnum)]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "`fast`, `balanced`, `high` or `brute_force`"
+)]
+#[value(rename_all = "snake_case")]
+pub enum Structure {
+    /// A BVH of this quality
+    Fast,
+    /// A BVH of this quality
+    Balanced,
+    /// A BVH of this quality
+    High,
+    /// Every shape against every ray
+    BruteForce,
+}
+
+impl From<Structure> for Acceleration {
+    fn from(structure: Structure) -> Self {
+        match structure {
+            Structure::Fast => Self::Bvh(Quality::Fast),
+            Structure::Balanced => Self::Bvh(Quality::Balanced),
+            Structure::High => Self::Bvh(Quality::High),
+            Structure::BruteForce => Self::BruteForce,
+        }
+    }
+}
+
 const EXPECTED: &str = "`bvh`, `brute_force` or { quality: … }";
 
 /// A hierarchy of balanced quality.

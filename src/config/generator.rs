@@ -97,6 +97,13 @@ pub struct SphereCloud {
 }
 
 impl SphereCloud {
+    /// Makes so many spheres, at least 1, that fill the same share of space.
+    pub(super) fn set_count(&mut self, count: u32) {
+        let scale = (f64::from(self.count) / f64::from(count)).cbrt() as f32;
+        self.radius = self.radius.map(|radius| radius * scale);
+        self.count = count;
+    }
+
     fn sphere(&self, i: usize, n_materials: usize) -> (Sphere, usize) {
         let [x, y, z, r] = uniform([self.seed, i as u64, 0]);
         let [m, ..] = uniform([self.seed, i as u64, 1]);

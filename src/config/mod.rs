@@ -18,7 +18,7 @@ mod tiling;
 use indexmap::IndexMap;
 use serde::Deserialize;
 
-pub use acceleration::{Acceleration, Quality};
+pub use acceleration::{Acceleration, Quality, Structure};
 pub use background::Background;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
@@ -32,7 +32,7 @@ pub use tiling::{TileOrder, Tiling};
 use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
-use crate::yaml::Fault;
+use crate::yaml::{Fault, Path};
 
 /// A whole scene file.
 ///
@@ -96,6 +96,32 @@ impl Config {
     /// What cannot be, and the fault of the section `output`.
     pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
         self.output.check(self.cost, self.acceleration)
+    }
+
+    /// Gives each `sphere_cloud` so many spheres, from 1 to a billion; their
+    /// radii change so that they fill the same share of space.
+    ///
+    /// # Errors
+    /// If there is no such cloud.
+    pub fn set_count(&mut self, count: u32) -> Result<(), Fault> {
+        let clouds = self
+            .objects
+            .iter_mut()
+            .filter_map(|object| match &mut object.geometry {
+                Geometry::Generator(Generator::SphereCloud(cloud)) => Some(cloud),
+                _ => None,
+            });
+        let mut has_cloud = false;
+        clouds.for_each(|cloud| {
+            cloud.set_count(count);
+            has_cloud = true;
+        });
+        if has_cloud {
+            return Ok(());
+        }
+        let objects = Path::default().key("objects");
+        let message = "there is no `sphere_cloud` whose count could change";
+        Err(Fault::new(objects, message, "no cloud among them"))
     }
 }
 

@@ -3,9 +3,11 @@
 use std::fmt;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use tempfile::NamedTempFile;
 
+use super::stages::milliseconds;
 use super::{Written, format};
 
 /// Bytes that go to the system at one go: many rows, and yet within the cache.
@@ -22,6 +24,7 @@ pub struct OutputFolder {
 pub(crate) struct StagedFile {
     name: &'static str,
     n_bytes: u64,
+    write_ms: f64,
     temporary: NamedTempFile,
 }
 
@@ -116,11 +119,13 @@ impl OutputFolder {
         write: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<()>,
     ) -> Result<StagedFile, WriteError> {
         let fail = |error| WriteError::new(self.path_of(name), error);
+        let start = Instant::now();
         let mut temporary = temporary_in(&self.path).map_err(fail)?;
         let n_bytes = fill(&mut temporary, write).map_err(fail)?;
         Ok(StagedFile {
             name,
             n_bytes,
+            write_ms: milliseconds(start.elapsed()),
             temporary,
         })
     }
@@ -164,6 +169,7 @@ impl StagedFile {
         Written {
             file: self.name,
             bytes: self.n_bytes,
+            write_ms: self.write_ms,
         }
     }
 }

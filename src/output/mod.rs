@@ -5,16 +5,19 @@
 //! together at the end: a run that fails or is killed leaves the old files.
 
 pub(crate) mod cost_picture;
+mod accounts;
 mod folder;
 pub mod format;
+mod hardware;
 mod heatmap;
 mod measure;
 mod objects;
 mod picture;
 mod reach;
+mod resources;
 pub(crate) mod rgb_png;
 pub(crate) mod state;
-mod accounts;
+mod stages;
 mod summary;
 mod trace_events;
 mod traced;
@@ -24,18 +27,20 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 pub use accounts::Accounts;
-pub(crate) use folder::write_file;
 pub use folder::{OutputFolder, WriteError};
+pub(crate) use folder::{StagedFile, write_file};
+pub use hardware::{Counts, HardwareCounters};
 pub use objects::Group;
+pub use resources::SystemWork;
+pub use stages::{Stage, Stages};
 pub(crate) use summary::FILE as SUMMARY;
-pub use summary::{Stage, Stages, Threads};
+pub use summary::{Threads, build, machine};
 pub use traced::{Traced, write_rays, write_traced};
 pub(crate) use vtk::{FRAME, HITS};
 pub use vtk::{write_frame, write_hits, write_nodes, write_surface, write_tiles};
 
 use rayon::prelude::*;
 
-pub(crate) use folder::StagedFile;
 use state::States;
 
 use crate::accel::BvhStatistics;
@@ -128,6 +133,9 @@ pub struct Written {
     pub file: &'static str,
     /// Its length.
     pub bytes: u64,
+    /// Time on the wall from the first byte to the last, in milliseconds, while
+    /// other files were written, too.
+    pub write_ms: f64,
 }
 
 impl Artifact {

@@ -1,15 +1,13 @@
 //! `summary.json`: what was done, on what, and what it cost in all.
 
 use std::io::{self, Write};
-use std::ops::Range;
-use std::time::{Duration, Instant};
 
-use cpu_time::ProcessTime;
 use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
-use super::{Accounts, Rendering, Written};
+use super::stages::milliseconds;
+use super::{Accounts, Rendering, Stages, Written, resources};
 use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
@@ -27,67 +25,6 @@ pub struct Threads {
     pub used: usize,
     /// That the machine has.
     pub available: usize,
-}
-
-/// A part of the run and its time.
-#[derive(Debug, Clone, Serialize)]
-pub struct Stage {
-    /// What was done.
-    pub name: &'static str,
-    /// From when to when.
-    #[serde(skip)]
-    pub span: Range<Instant>,
-    /// Time on the wall, in milliseconds.
-    pub wall_ms: f64,
-    /// Time of all threads together, in milliseconds.
-    pub cpu_ms: f64,
-}
-
-/// A stopwatch that is pressed at the end of each stage.
-#[derive(Debug, Clone)]
-pub struct Stages {
-    /// When the first one began.
-    pub begin: Instant,
-    wall: Instant,
-    cpu: ProcessTime,
-    /// The stages that have ended.
-    pub ended: Vec<Stage>,
-}
-
-impl Stages {
-    /// Starts the first stage now.
-    pub fn start() -> Self {
-        let begin = Instant::now();
-        Self {
-            begin,
-            wall: begin,
-            cpu: ProcessTime::now(),
-            ended: Vec::new(),
-        }
-    }
-
-    /// Ends the running stage and starts the next one.
-    pub fn end(&mut self, name: &'static str) {
-        let (wall, cpu) = (Instant::now(), ProcessTime::now());
-        self.ended.push(Stage {
-            name,
-            span: self.wall..wall,
-            wall_ms: milliseconds(wall - self.wall),
-            cpu_ms: milliseconds(cpu.duration_since(self.cpu)),
-        });
-        (self.wall, self.cpu) = (wall, cpu);
-    }
-
-    /// Time on the wall of the stage with this name; zero if it never was.
-    pub fn wall(&self, name: &str) -> Duration {
-        let stage = self.ended.iter().find(|stage| stage.name == name);
-        Duration::from_secs_f64(stage.map_or(0.0, |stage| stage.wall_ms / 1e3))
-    }
-}
-
-/// To a thousandth.
-fn milliseconds(elapsed: Duration) -> f64 {
-    (elapsed.as_secs_f64() * 1e6).round() / 1e3
 }
 
 /// Writes the summary as indented JSON.
@@ -115,11 +52,14 @@ pub(super) fn write(
         "n_degenerate_triangles": rendering.scene.n_degenerate,
         "acceleration": acceleration(rendering),
         "machine": machine(),
+        "build": build(),
         "threads": rendering.threads,
         "stages": stages.ended,
         "repeats": repeats(rendering),
         "thread_time": thread_time(rendering),
         "overhead": rendering.overhead.as_ref().map(overhead),
+        "no_hardware_counters": stages.no_hardware_counters(),
+        "peak_memory_bytes": resources::peak_memory_bytes(),
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering),
@@ -246,7 +186,19 @@ fn totals(film: &Film) -> Value {
     })
 }
 
-fn machine() -> Value {
+/// What made this program.
+pub fn build() -> Value {
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": option_env!("RAYCOST_COMMIT"),
+        "compiler": env!("RAYCOST_COMPILER"),
+        "profile": env!("RAYCOST_PROFILE"),
+        "flags": env!("RAYCOST_FLAGS"),
+    })
+}
+
+/// What this program runs on.
+pub fn machine() -> Value {
     let mut system = System::new();
     system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
     let cpu = system.cpus().first().map(|cpu| cpu.brand().trim());

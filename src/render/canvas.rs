@@ -1,6 +1,6 @@
 //! A film that many threads write to.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::film::{Film, Pixel, STRIP_ROWS, Strip};
 use crate::schedule::Tile;
@@ -22,17 +22,25 @@ impl<'a> Canvas<'a> {
 
     /// Puts a tile's pixels, in the order of [`Tile::pixels`], into the film.
     pub(super) fn store(&self, tile: &Tile, pixels: &[Pixel]) {
-        let [left, right] = tile.columns.map(|column| column as usize);
-        let [top, bottom] = tile.rows;
-        let mut rows = pixels.chunks_exact(right - left);
-        for number in top / STRIP_ROWS..bottom.div_ceil(STRIP_ROWS) {
-            let strip = &self.strips[number as usize];
-            let mut strip = strip.lock().unwrap_or_else(PoisonError::into_inner);
-            let first = top.max(strip.first_row) - strip.first_row;
-            let end = (bottom - strip.first_row).min(strip.n_rows);
-            for (row, pixels) in (first..end).zip(rows.by_ref()) {
-                strip.put(row as usize * self.width + left, pixels);
+        let mut pixels = pixels;
+        let mut number = tile.rows[0] / STRIP_ROWS;
+        let mut strip = self.strip(number);
+        for (y, columns) in tile.block_rows() {
+            if y / STRIP_ROWS != number {
+                // One at a time, so that no thread waits for another's.
+                drop(strip);
+                number = y / STRIP_ROWS;
+                strip = self.strip(number);
             }
+            let (row, rest) = pixels.split_at(columns.len());
+            let first = (y - strip.first_row) as usize * self.width + columns.start as usize;
+            strip.put(first, row);
+            pixels = rest;
         }
+    }
+
+    fn strip(&self, number: u32) -> MutexGuard<'_, &'a mut Strip> {
+        let strip = self.strips[number as usize].lock();
+        strip.unwrap_or_else(PoisonError::into_inner)
     }
 }

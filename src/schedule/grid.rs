@@ -1,5 +1,11 @@
 //! The tiles of a picture.
 
+use std::ops::Range;
+
+/// Pixels along the side of a tile's blocks: 16 pixels, as many as the ray
+/// kernel takes together.
+const BLOCK_SIDE: u32 = 4;
+
 /// A picture cut into square tiles, numbered along rows from the top left. The
 /// last of a row and those of the last row are what is left of a square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,18 +66,37 @@ impl TileGrid {
 }
 
 impl Tile {
-    /// Its pixels (x, y), row by row.
+    /// Its pixels (x, y), block by block: rays that follow each other lie close
+    /// together, which the ray kernel makes use of.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
-        let [[left, right], [top, bottom]] = [self.columns, self.rows];
-        (top..bottom).flat_map(move |y| (left..right).map(move |x| (x, y)))
+        self.block_rows()
+            .flat_map(|(y, columns)| columns.map(move |x| (x, y)))
     }
 
-    /// The tile cut into as many whole rows as `n_pixels` hold, at least one.
+    /// The rows of its blocks, y and columns, in the order of
+    /// [`pixels`](Self::pixels).
+    pub fn block_rows(&self) -> impl Iterator<Item = (u32, Range<u32>)> + use<> {
+        let blocks = |[first, end]: [u32; 2]| {
+            let starts = (first..end).step_by(BLOCK_SIDE as usize);
+            starts.map(move |start| start..(start + BLOCK_SIDE).min(end))
+        };
+        let columns = self.columns;
+        blocks(self.rows).flat_map(move |rows| {
+            blocks(columns).flat_map(move |columns| rows.clone().map(move |y| (y, columns.clone())))
+        })
+    }
+
+    /// The tile cut into as many whole rows as `n_pixels` hold, at least one,
+    /// and into whole blocks if so many hold them.
     pub fn parts(&self, n_pixels: usize) -> impl Iterator<Item = Tile> + use<> {
         let tile = *self;
         let [top, bottom] = tile.rows;
         let width = tile.columns[1] - tile.columns[0];
         let n_rows = (n_pixels as u32 / width).max(1);
+        let n_rows = match n_rows < BLOCK_SIDE {
+            true => n_rows,
+            false => n_rows - n_rows % BLOCK_SIDE,
+        };
         (top..bottom)
             .step_by(n_rows as usize)
             .map(move |first| Tile {
@@ -100,8 +125,11 @@ mod tests {
                 let mut pixels = Vec::new();
                 for tile in tiles {
                     assert_eq!(tile.pixels().count(), tile.n_pixels());
-                    let parts = tile.parts(100).flat_map(|part| part.pixels());
+                    // Some hold whole blocks, and then their order is the tile's.
+                    let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());
                     assert!(parts.eq(tile.pixels()));
+                    let parts = tile.parts(100).flat_map(|part| part.pixels());
+                    assert_eq!(parts.count(), tile.n_pixels());
                     pixels.extend(tile.pixels().map(|(x, y)| y * width + x));
                 }
                 pixels.sort_unstable();

@@ -18,8 +18,8 @@ mod walk;
 pub use color::{ColorOr, color, hex_color, radiance};
 pub use diagnostic::{Diagnostic, Fault, Spot};
 pub use number::{
-    Number, coordinate, count, direction, fraction, non_negative, point, positive, positive_range,
-    range, scale, seed, vector, whole,
+    Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
+    positive_range, range, scale, seed, vector, whole,
 };
 pub use position::{Path, Step};
 pub use source::{Source, from_str};

@@ -8,6 +8,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 use glam::Vec3;
+use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 /// Largest magnitude of a coordinate or length.
@@ -88,6 +89,22 @@ where
     T: TryFrom<u64> + PartialOrd + fmt::Display,
 {
     d.deserialize_any(Whole(range))
+}
+
+/// A list of at least one thing of a kind.
+pub fn non_empty<'de, D, T>(d: D, kind: &str) -> Result<Vec<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    let items = Vec::<T>::deserialize(d)?;
+    match items.is_empty() {
+        true => Err(D::Error::invalid_length(
+            0,
+            &format!("at least one {kind}").as_str(),
+        )),
+        false => Ok(items),
+    }
 }
 
 /// A point: `[x, y, z]`.

@@ -47,6 +47,24 @@ pub fn ray() -> impl Strategy<Value = Ray> {
     })
 }
 
+/// Rays that go much the same way: from a point, to a point, or side by side;
+/// some so close that they are the same.
+pub fn bundle() -> impl Strategy<Value = Vec<Ray>> {
+    let spread = || prop::sample::select(vec![0.0_f32, 1e-7, 1e-3, 0.02, 0.1, 0.5]);
+    let offsets = prop::collection::vec([point(), point()], 16..40);
+    (ray(), [spread(), spread()], offsets).prop_map(|(ray, [aside, around], offsets)| {
+        let beside = |[aside_by, around_by]: [Vec3; 2]| Ray {
+            origin: ray.origin + aside * aside_by,
+            direction: match around {
+                // To the last bit, and with the signs of its zeros.
+                0.0 => ray.direction,
+                _ => (ray.direction + around * 0.25 * around_by).normalize(),
+            },
+        };
+        offsets.into_iter().map(beside).collect()
+    })
+}
+
 /// A sphere or a triangle, often one of a few, so that some coincide.
 pub fn shape() -> impl Strategy<Value = Shape> {
     let few = prop_oneof![Just(0.5_f32), Just(1.0), 0.01_f32..2.0];

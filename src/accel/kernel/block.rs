@@ -30,8 +30,13 @@ pub(super) struct Blocks<I: InstructionSet> {
 impl<I: InstructionSet> Blocks<I> {
     #[inline(always)]
     pub(super) fn new(set: I, ray: &Ray) -> Self {
+        Self::sheared_by(set, ray, Shear::along(ray.direction))
+    }
+
+    /// For a ray that runs along the last axis of this space.
+    #[inline(always)]
+    pub(super) fn sheared_by(set: I, ray: &Ray, shear: Shear) -> Self {
         let a = ray.direction.dot(ray.direction);
-        let shear = Shear::along(ray.direction);
         let [slope_x, slope_y] = shear.slopes;
         Self {
             set,

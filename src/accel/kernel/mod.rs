@@ -1,15 +1,19 @@
 //! Rays through the hierarchy, nearest children first.
 //!
-//! Two ways with the same visits, tests and answers: one ray at a time
-//! ([`Traversal`]), whose time can be told, and many rays in flight
-//! ([`Stream`]), which wait for memory and for each other's results together.
-//! Both are generic functions, compiled once for each instruction set, search
+//! Three ways with the same visits, tests and answers: one ray at a time
+//! ([`Traversal`]), whose time can be told; sixteen rays that go the same way
+//! ([`Packets`]), which share the work; and many rays in flight ([`Stream`]),
+//! which wait for memory and for each other's results together. Of a [`Batch`]
+//! of rays packets take what they can, and the stream what is left.
+//! All are generic functions, compiled once for each instruction set, search
 //! and probe; no allocation, no recursion.
 #![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
 
 mod block;
 mod slab;
 mod stack;
+mod batch;
+mod packet;
 mod stream;
 
 use super::arena::{Arena, Leaf};
@@ -18,7 +22,9 @@ use super::search::Search;
 use super::simd::{InstructionSet, Lanes, Mask, N_LANES, Work};
 use crate::cost::Probe;
 use crate::geometry::Ray;
+pub(super) use batch::Batch;
 use block::Blocks;
+pub(super) use packet::Packets;
 use slab::Slabs;
 use stack::Stack;
 pub(super) use stream::Stream;

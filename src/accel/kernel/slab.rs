@@ -7,7 +7,10 @@ use crate::geometry::Ray;
 /// Directions below this along an axis count as this: their reciprocals stay
 /// finite, and no product is NaN. Where it matters the box is hit in any case,
 /// by its margin.
-const MIN_DIRECTION: f32 = 1e-18;
+pub(super) const MIN_DIRECTION: f32 = 1e-18;
+
+/// Boxes grow by this part of the largest coordinate: see [`Slabs`].
+pub(super) const MARGIN: f32 = 2e-6;
 
 /// What a ray's tests against many boxes have in common.
 ///
@@ -48,7 +51,7 @@ impl<I: InstructionSet> Slabs<I> {
     /// For tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
     pub(super) fn new(set: I, ray: &Ray, largest: f32) -> Self {
-        let margin = 2e-6 * largest.max(ray.origin.abs().max_element());
+        let margin = MARGIN * largest.max(ray.origin.abs().max_element());
         let axis = |i: usize| Axis::new(set, i, ray.origin[i], ray.direction[i], margin);
         let down = |i: usize| u32::from(ray.direction[i].is_sign_negative()) << i;
         Self {

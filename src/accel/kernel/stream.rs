@@ -8,6 +8,7 @@
 
 use std::mem::MaybeUninit;
 
+use super::batch::Batch;
 use super::block::Blocks;
 use super::slab::Slabs;
 use super::stack::Stack;
@@ -17,23 +18,15 @@ use crate::accel::layout::Word;
 use crate::accel::search::{Query, Search};
 use crate::accel::simd::{InstructionSet, Work};
 use crate::cost::StreamProbe;
-use crate::scene::Primitive;
 
 /// Rays in flight: enough to hide memory's latency, few enough that their state
 /// stays in the nearest cache.
 const N_FLIGHTS: usize = 16;
 
-/// Rays through an arena, which may be empty.
+/// The queries of a batch with these numbers, each ray on its own.
 pub(in crate::accel) struct Stream<'a, Q: Query, P> {
-    pub(in crate::accel) arena: &'a Arena,
-    pub(in crate::accel) primitives: &'a [Primitive],
-    /// Primitives that are tested first.
-    pub(in crate::accel) always: &'a [u32],
-    pub(in crate::accel) queries: &'a [Q],
-    /// As many as there are queries.
-    pub(in crate::accel) answers: &'a mut [Q::Answer],
-    /// What hears of the nodes and tests.
-    pub(in crate::accel) probe: &'a mut P,
+    pub(in crate::accel) batch: Batch<'a, Q, P>,
+    pub(in crate::accel) numbers: &'a [u32],
 }
 
 /// A ray on its way.
@@ -67,14 +60,14 @@ impl<Q: Query, P: StreamProbe> Work for Stream<'_, Q, P> {
             while let Some(i) = nodes.take() {
                 // SAFETY: what is in a set was launched.
                 let flight = unsafe { flights[i].assume_init_mut() };
-                flight.descend::<P>(set, self.arena);
+                flight.descend::<P>(set, self.batch.arena);
                 at_leaves.insert_if(i, flight.word.is_leaf());
             }
             at_nodes.remove(at_leaves);
             while let Some(i) = leaves.take() {
                 // SAFETY: what is in a set was launched.
                 let flight = unsafe { flights[i].assume_init_mut() };
-                if flight.test::<P>(set, self.arena) {
+                if flight.test::<P>(set, self.batch.arena) {
                     at_leaves.insert_if(i, flight.word.is_leaf());
                     at_nodes.insert_if(i, !flight.word.is_leaf());
                 } else {
@@ -85,7 +78,7 @@ impl<Q: Query, P: StreamProbe> Work for Stream<'_, Q, P> {
                         search,
                         ..
                     } = flight;
-                    self.answer(*number, search, *n_visits, *n_tests);
+                    self.batch.answer(*number, search, *n_visits, *n_tests);
                     at_nodes.insert_if(i, self.launch(set, &mut n_launched, &mut flights[i]));
                 }
             }
@@ -103,20 +96,28 @@ impl<'a, Q: Query, P: StreamProbe> Stream<'a, Q, P> {
         n_launched: &mut usize,
         flight: &mut MaybeUninit<Flight<I, Q::Search<'a>>>,
     ) -> bool {
-        let n_tests = self.always.len() as u32;
-        while let Some(query) = self.queries.get(*n_launched) {
-            let number = *n_launched;
+        let Batch {
+            arena,
+            primitives,
+            always,
+            queries,
+            ..
+        } = self.batch;
+        let n_tests = always.len() as u32;
+        while let Some(&number) = self.numbers.get(*n_launched) {
+            let number = number as usize;
             *n_launched += 1;
-            let mut search = query.search(self.primitives);
-            for &primitive in self.always {
+            let query = &queries[number];
+            let mut search = query.search(primitives);
+            for &primitive in always {
                 search.test(primitive);
             }
-            if self.arena.is_empty() || search.is_done() {
-                self.answer(number, &search, 0, n_tests);
+            if arena.is_empty() || search.is_done() {
+                self.batch.answer(number, &search, 0, n_tests);
                 continue;
             }
             let flight = flight.write(Flight {
-                slabs: Slabs::new(set, query.ray(), self.arena.largest()),
+                slabs: Slabs::new(set, query.ray(), arena.largest()),
                 blocks: Blocks::new(set, query.ray()),
                 search,
                 word: Word::ROOT,
@@ -129,14 +130,6 @@ impl<'a, Q: Query, P: StreamProbe> Stream<'a, Q, P> {
             return true;
         }
         false
-    }
-
-    #[inline(always)]
-    fn answer(&mut self, number: usize, search: &Q::Search<'a>, n_visits: u32, n_tests: u32) {
-        if P::COUNTS {
-            self.probe.traversal(number, n_visits, n_tests);
-        }
-        self.answers[number] = Q::answer(search);
     }
 }
 

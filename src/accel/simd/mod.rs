@@ -107,6 +107,8 @@ pub(super) trait InstructionSet: Copy {
     fn load_bits(self, bits: &[u32; N_LANES]) -> Self::Lanes;
     /// The same bit pattern in all lanes.
     fn splat_bits(self, bits: u32) -> Self::Lanes;
+    /// Adds a number to the counts whose bits are set.
+    fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32);
     /// Asks for the cache line at this address, if there is one, to be at hand
     /// soon.
     fn prefetch<T>(self, address: *const T);
@@ -129,6 +131,8 @@ pub(super) trait Lanes:
     fn sqrt(self) -> Self;
     /// Changes the sign where `other` is negative.
     fn flip_sign_by(self, other: Self) -> Self;
+    /// Bit `i` where lane `i` has the sign of numbers below zero.
+    fn signs(self) -> u8;
     /// `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
     /// `self <= other`.

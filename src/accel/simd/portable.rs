@@ -32,6 +32,14 @@ impl InstructionSet for Portable {
         F32x8([f32::from_bits(bits); N_LANES])
     }
 
+    #[inline(always)]
+    fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32) {
+        for (lane, count) in counts.iter_mut().enumerate() {
+            let is_set = u32::from(bits) >> lane & 1;
+            *count += is_set.wrapping_neg() & n;
+        }
+    }
+
     /// Left to the machine.
     #[inline(always)]
     fn prefetch<T>(self, _: *const T) {}
@@ -107,6 +115,11 @@ impl Lanes for F32x8 {
     fn flip_sign_by(self, other: Self) -> Self {
         let sign = |x: f32| x.to_bits() & (1 << 31);
         self.zip(other, |a, b| f32::from_bits(a.to_bits() ^ sign(b)))
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u8 {
+        self.compare(self, |a, _| a.is_sign_negative()).0
     }
 
     #[inline(always)]

@@ -58,6 +58,21 @@ impl<R: Registers> InstructionSet for R {
     }
 
     #[inline(always)]
+    fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32) {
+        let counts: *mut __m256i = counts.as_mut_ptr().cast();
+        // SAFETY: `self` proves AVX2; the pointer is to eight words, at any
+        // alignment.
+        unsafe {
+            let lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let bits = _mm256_and_si256(_mm256_set1_epi32(bits.into()), lanes);
+            let is_set = _mm256_cmpeq_epi32(bits, lanes);
+            let added = _mm256_and_si256(is_set, _mm256_set1_epi32(n as i32));
+            let sum = _mm256_add_epi32(_mm256_loadu_si256(counts), added);
+            _mm256_storeu_si256(counts, sum);
+        }
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, address: *const T) {
         // SAFETY: every x86-64 CPU can prefetch, and at no address does that
         // fail or show.
@@ -119,6 +134,12 @@ impl<R: Registers> Lanes for Ymm<R> {
             let sign = _mm256_and_ps(_mm256_set1_ps(-0.0), other.0);
             _mm256_xor_ps(self.0, sign)
         })
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u8 {
+        // SAFETY: lanes are made by a set that proves AVX2.
+        unsafe { _mm256_movemask_ps(self.0) as u8 }
     }
 
     #[inline(always)]

@@ -1,0 +1,198 @@
+//! The test of a packet as a whole against the eight boxes of a node.
+
+use super::rays::{Rays, greatest, least};
+use crate::accel::layout::Node;
+use crate::accel::search::Search;
+use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES};
+
+/// What holds all rays of a packet: on each axis the extremes of the origins
+/// and of the reciprocal directions, which have the same sign.
+///
+/// A box that it misses is one that none of its rays enters, rounding and all.
+/// Take an axis that the rays go up, where `inverse > 0`, and a ray's
+/// `(plane - origin) * inverse`. Correct rounding keeps order: `a <= b` makes
+/// `fl(a) <= fl(b)`. So the difference is not less than that with the greatest
+/// origin, nor is its product with the ray's `inverse`; and a product with one
+/// number lies between the products of that number with the least and the
+/// greatest `inverse`, whatever its sign. So the lesser of these two is no
+/// later than the ray. Likewise the greater of the two, of the difference to
+/// the least origin, is no earlier. Where the rays go down, a product falls
+/// with the difference, and the origins change places. Maxima, minima and the
+/// largest limit keep the order, too: so if a ray has `enter <= exit`, then
+/// `enter(beam) <= enter <= exit <= exit(beam)`.
+pub(super) struct Beam<I: InstructionSet> {
+    axes: [Axis<I>; 3],
+    /// Where the order of a node's children for these rays begins, in bits.
+    order_shift: u32,
+}
+
+/// One axis.
+struct Axis<I: InstructionSet> {
+    inverse_min: I::Lanes,
+    inverse_max: I::Lanes,
+    origin_of_near: I::Lanes,
+    origin_of_far: I::Lanes,
+    near_row: usize,
+    far_row: usize,
+}
+
+impl<I: InstructionSet> Beam<I> {
+    #[inline(always)]
+    pub(super) fn around(rays: &Rays<I>) -> Self {
+        let [x, y, z] = rays.is_downward.map(u32::from);
+        Self {
+            axes: [
+                Axis::around(rays, 0),
+                Axis::around(rays, 1),
+                Axis::around(rays, 2),
+            ],
+            order_shift: 3 * (x | y << 1 | z << 2),
+        }
+    }
+
+    /// The places, in the order of the visit from last to first, of the boxes
+    /// that the beam enters before it leaves them or all rays have met their
+    /// limits; and by place where it enters.
+    #[inline(always)]
+    pub(super) fn entered<S: Search>(
+        &self,
+        set: I,
+        node: &Node,
+        farthest: f32,
+    ) -> (u8, [f32; N_LANES]) {
+        let [x, y, z] = &self.axes;
+        let (near_x, far_x) = x.planes(set, node);
+        let (near_y, far_y) = y.planes(set, node);
+        let (near_z, far_z) = z.planes(set, node);
+        let enter = near_x.max(near_y.max(near_z)).max(set.splat(0.0));
+        let exit = far_x.min(far_y).min(far_z.min(set.splat(farthest)));
+        if !S::NEAREST_FIRST {
+            return (enter.le(exit).bits(), enter.to_array());
+        }
+        let shift = set.splat_bits(self.order_shift);
+        let enter = enter.permute(&node.order, shift);
+        let exit = exit.permute(&node.order, shift);
+        (enter.le(exit).bits(), enter.to_array())
+    }
+
+    /// The child at this place.
+    #[inline(always)]
+    pub(super) fn lane<S: Search>(&self, node: &Node, place: usize) -> usize {
+        match S::NEAREST_FIRST {
+            true => (node.order[place] >> self.order_shift) as usize % N_LANES,
+            false => place,
+        }
+    }
+}
+
+impl<I: InstructionSet> Axis<I> {
+    #[inline(always)]
+    fn around(rays: &Rays<I>, axis: usize) -> Self {
+        let set = rays.set;
+        let [a, b] = &rays.halves;
+        let (a, b) = (&a.axes[axis], &b.axes[axis]);
+        let (near, far) = match rays.is_downward[axis] {
+            false => (
+                greatest(a.origin_of_near.max(b.origin_of_near)),
+                least(a.origin_of_far.min(b.origin_of_far)),
+            ),
+            true => (
+                least(a.origin_of_near.min(b.origin_of_near)),
+                greatest(a.origin_of_far.max(b.origin_of_far)),
+            ),
+        };
+        Self {
+            inverse_min: set.splat(least(a.inverse_direction.min(b.inverse_direction))),
+            inverse_max: set.splat(greatest(a.inverse_direction.max(b.inverse_direction))),
+            origin_of_near: set.splat(near),
+            origin_of_far: set.splat(far),
+            near_row: rays.near_rows[axis],
+            far_row: rays.far_rows[axis],
+        }
+    }
+
+    /// Where the first of the rays may meet the nearer plane of each box, and
+    /// the last of them the farther one.
+    #[inline(always)]
+    fn planes(&self, set: I, node: &Node) -> (I::Lanes, I::Lanes) {
+        let near = set.load(node.row(self.near_row)) - self.origin_of_near;
+        let far = set.load(node.row(self.far_row)) - self.origin_of_far;
+        (
+            (near * self.inverse_min).min(near * self.inverse_max),
+            (far * self.inverse_min).max(far * self.inverse_max),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::accel::kernel::packet::columns::Columns;
+    use crate::accel::search::Nearest;
+    use crate::accel::simd::{Simd, Work};
+    use crate::geometry::Ray;
+    use crate::sampling::uniform;
+
+    /// Boxes of any size about the origin, and rays that go much the same way.
+    fn random(i: u64) -> (Node, [Ray; 16]) {
+        let vector = |k| {
+            let [x, y, z, _] = uniform([5, i, k]);
+            2.0 * Vec3::new(x, y, z) - 1.0
+        };
+        let mut node = Node::EMPTY;
+        for lane in 0..N_LANES {
+            let (center, half) = (vector(lane as u64), 0.5 * vector(8 + lane as u64).abs());
+            for axis in 0..3 {
+                node.min[axis][lane] = center[axis] - half[axis];
+                node.max[axis][lane] = center[axis] + half[axis];
+                node.order[lane] = 0o1111_1111 * lane as u32;
+            }
+        }
+        let ray = |k| Ray {
+            origin: 2.0 * vector(16) + 0.1 * vector(20 + k),
+            direction: (vector(17) + 0.05 * vector(40 + k)).normalize(),
+        };
+        (node, std::array::from_fn(|k| ray(k as u64)))
+    }
+
+    /// The boxes that the beam meets, and those that one of the rays enters.
+    struct Entered(Node, [Ray; 16]);
+
+    impl Work for Entered {
+        type Output = [u8; 2];
+
+        #[inline(always)]
+        fn run<I: InstructionSet>(self, set: I) -> [u8; 2] {
+            let Self(node, rays) = self;
+            let mut columns = Columns::EMPTY;
+            columns.fill(&rays);
+            let others = !columns.like_first(set);
+            columns.replace_by_first(others);
+            let rays = Rays::new(set, &columns, 2.0);
+            let (met, _) = Beam::around(&rays).entered::<Nearest>(set, &node, f32::INFINITY);
+            let limits = [[f32::INFINITY; N_LANES]; 2];
+            let is_entered = |lane| rays.entering(&node, lane, &limits) != 0;
+            let entered = (0..N_LANES).map(|lane| u8::from(is_entered(lane)) << lane);
+            [met, entered.sum()]
+        }
+    }
+
+    #[test]
+    fn a_beam_meets_each_box_that_a_ray_enters() {
+        for simd in Simd::available() {
+            let (mut n_met, mut n_entered) = (0, 0);
+            for i in 0..3000 {
+                let (node, rays) = random(i);
+                let [met, entered] = simd.run(Entered(node, rays));
+                assert_eq!(entered & !met, 0, "{simd}, node {i}");
+                n_met += met.count_ones();
+                n_entered += entered.count_ones();
+            }
+            // And few others.
+            assert!(n_entered > 500, "{n_entered}");
+            assert!(n_met < 2 * n_entered, "{n_met} of {n_entered}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The test of a leaf's primitives, one after the other, against all rays: what
+//! [`Blocks`](crate::accel::kernel::block::Blocks) do, with rays in the lanes.
+
+use glam::Vec3;
+
+use super::N_HALVES;
+use super::rays::{Half, Rays};
+use crate::accel::arena::Leaf;
+use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
+use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
+use crate::geometry::Shear;
+
+impl<I: InstructionSet> Rays<'_, I> {
+    /// Tests triangles. `found` hears of each ray that meets one, at which
+    /// parameter, and which primitive it is.
+    #[inline(always)]
+    pub(super) fn triangles(
+        &self,
+        leaf: Leaf,
+        active: u16,
+        mut found: impl FnMut(usize, f32, u32),
+    ) {
+        let zero = self.set.splat(0.0);
+        let axes = self.shear_axes.map(|axis| axis % 3);
+        for i in 0..leaf.len() {
+            for (n, active) in active.to_le_bytes().into_iter().enumerate() {
+                if active == 0 {
+                    continue;
+                }
+                let n = n % N_HALVES;
+                let (a, b, c) = (
+                    self.sheared(n, axes, leaf, 0, i),
+                    self.sheared(n, axes, leaf, 3, i),
+                    self.sheared(n, axes, leaf, 6, i),
+                );
+                let u = b.x * c.y - b.y * c.x;
+                let v = c.x * a.y - c.y * a.x;
+                let w = a.x * b.y - a.y * b.x;
+                let area = u + v + w;
+                let (u, v, w) = (
+                    u.flip_sign_by(area),
+                    v.flip_sign_by(area),
+                    w.flip_sign_by(area),
+                );
+                // Rounding may make an area zero, but never turns its sign.
+                let mut inside = zero.le(u.min(v).min(w)).bits() & active;
+                if inside == 0 {
+                    continue;
+                }
+                let primitive = leaf.primitive(TRIANGLE_ROWS, i);
+                let (a, b, c) = (a.to_arrays(), b.to_arrays(), c.to_arrays());
+                while inside != 0 {
+                    let lane = inside.trailing_zeros() as usize % N_LANES;
+                    inside &= inside - 1;
+                    let corners =
+                        [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
+                    match self.shear(&self.halves[n], lane).crossing(corners) {
+                        Some(t) if t > 0.0 => found(N_LANES * n + lane, t, primitive),
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    /// The space of a ray.
+    #[inline(always)]
+    fn shear(&self, half: &Half<I>, lane: usize) -> Shear {
+        let [x, y] = &half.slopes;
+        Shear {
+            axes: self.shear_axes,
+            slopes: [x[lane], y[lane]],
+            scale: half.scale[lane],
+        }
+    }
+
+    /// The point whose coordinates are number `i` of three rows, in the spaces
+    /// of the rays of a half.
+    #[inline(always)]
+    fn sheared(
+        &self,
+        half: usize,
+        [x, y, z]: [usize; 3],
+        leaf: Leaf,
+        first: usize,
+        i: usize,
+    ) -> Vec3Lanes<I::Lanes> {
+        let set = self.set;
+        let origin = &self.columns.origins[half];
+        let [slope_x, slope_y] = &self.halves[half].slopes;
+        let i = i % N_LANES;
+        // No closure for what is alike here: it would not be inlined.
+        let in_x = set.splat(leaf.row(first + x)[i]) - set.load(&origin[x]);
+        let in_y = set.splat(leaf.row(first + y)[i]) - set.load(&origin[y]);
+        let in_z = set.splat(leaf.row(first + z)[i]) - set.load(&origin[z]);
+        Vec3Lanes {
+            x: in_x - set.load(slope_x) * in_z,
+            y: in_y - set.load(slope_y) * in_z,
+            z: in_z,
+        }
+    }
+
+    /// Tests spheres, as [`triangles`](Self::triangles) does.
+    #[inline(always)]
+    pub(super) fn spheres(&self, leaf: Leaf, active: u16, mut found: impl FnMut(usize, f32, u32)) {
+        let set = self.set;
+        let zero = set.splat(0.0);
+        for i in 0..leaf.len() {
+            let lane = i % N_LANES;
+            let center = Vec3Lanes {
+                x: set.splat(leaf.row(0)[lane]),
+                y: set.splat(leaf.row(1)[lane]),
+                z: set.splat(leaf.row(2)[lane]),
+            };
+            let r2 = set.splat(leaf.row(3)[lane]);
+            for (n, active) in active.to_le_bytes().into_iter().enumerate() {
+                if active == 0 {
+                    continue;
+                }
+                let n = n % N_HALVES;
+                let d = Vec3Lanes::load(set, &self.columns.directions[n]);
+                let c = center - Vec3Lanes::load(set, &self.columns.origins[n]);
+                let a = d.dot(d);
+                let inverse_a = set.splat(1.0) / a;
+                let b = c.dot(d);
+                let nearest = c - d * (b * inverse_a);
+                let discriminant = r2 - nearest.dot(nearest);
+                let met = zero.le(discriminant);
+                if met.bits() & active == 0 {
+                    continue;
+                }
+                // A discriminant below 0 gives NaN, in lanes that are out already.
+                let q = b + (a * discriminant).sqrt().flip_sign_by(b);
+                let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
+                let (near, far) = (t0.min(t1), t1.max(t0));
+                let t = I::Lanes::select(zero.lt(near), near, far);
+                let mut hits = (met & zero.lt(t)).bits() & active;
+                let t = t.to_array();
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize % N_LANES;
+                    hits &= hits - 1;
+                    found(N_LANES * n + lane, t[lane], leaf.primitive(SPHERE_ROWS, i));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What many runs say together.
+
+use serde::Serialize;
+
+use crate::sampling::uniform;
+
+/// Resamples of the bootstrap.
+const N_RESAMPLES: u64 = 2000;
+/// Share of the resamples' medians that the interval leaves out.
+const LEFT_OUT: f64 = 0.05;
+/// Median absolute deviations that make one standard deviation of a normal
+/// distribution.
+const MAD_TO_SIGMA: f64 = 1.4826;
+/// Modified z-scores above this are outliers: Iglewicz and Hoaglin, "How to
+/// Detect and Handle Outliers", ASQC 1993.
+const OUTLIER: f64 = 3.5;
+
+/// SampleStatistics of one number over the runs of a point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SampleStatistics {
+    /// Runs.
+    pub n: usize,
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Standard deviation of the sample; 0 for one run.
+    pub standard_deviation: f64,
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+    /// Median.
+    pub median: f64,
+    /// Median absolute deviation from the median.
+    pub mad: f64,
+    /// Ends of the interval that holds the median with 95 % confidence, by
+    /// bootstrap percentiles: Efron and Tibshirani, "An Introduction to the
+    /// Bootstrap", 1993, section 13.3.
+    pub low_95: f64,
+    /// See `low_95`.
+    pub high_95: f64,
+    /// Values whose modified z-score is above 3.5.
+    pub n_outliers: usize,
+}
+
+impl SampleStatistics {
+    /// Of the values, in the order that they were measured; `None` without any.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        if values.is_empty() {
+            return None;
+        }
+        let n = values.len();
+        let mean = values.iter().sum::<f64>() / n as f64;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let median = median(values.to_vec());
+        let mad = mad(values, median);
+        let [low_95, high_95] = interval(values);
+        let outliers = values
+            .iter()
+            .filter(|value| is_outlier(**value, median, mad));
+        Some(Self {
+            n,
+            mean,
+            standard_deviation: (squares / (n as f64 - 1.0).max(1.0)).sqrt(),
+            min: values.iter().copied().fold(f64::INFINITY, f64::min),
+            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            median,
+            mad,
+            low_95,
+            high_95,
+            n_outliers: outliers.count(),
+        })
+    }
+
+    /// Whether a value is far from what the others are.
+    pub fn is_outlier(&self, value: f64) -> bool {
+        is_outlier(value, self.median, self.mad)
+    }
+}
+
+/// The middle value, or the mean of the two in the middle.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    (values[(n - 1) / 2] + values[n / 2]) / 2.0
+}
+
+fn mad(values: &[f64], center: f64) -> f64 {
+    median(values.iter().map(|value| (value - center).abs()).collect())
+}
+
+fn is_outlier(value: f64, median: f64, mad: f64) -> bool {
+    mad > 0.0 && (value - median).abs() > OUTLIER * MAD_TO_SIGMA * mad
+}
+
+/// The percentile interval of the median's bootstrap distribution; the same on
+/// every call.
+fn interval(values: &[f64]) -> [f64; 2] {
+    let n = values.len() as u64;
+    let resample = |resample: u64| {
+        let pick = |i: u64| {
+            let [u, ..] = uniform([resample, i, n]);
+            values[(f64::from(u) * n as f64) as usize]
+        };
+        median((0..n).map(pick).collect())
+    };
+    let mut medians: Vec<f64> = (0..N_RESAMPLES).map(resample).collect();
+    medians.sort_by(f64::total_cmp);
+    let tail = (LEFT_OUT / 2.0 * N_RESAMPLES as f64) as usize;
+    [medians[tail], medians[medians.len() - 1 - tail]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn they_are_what_the_textbook_says() {
+        let statistics = SampleStatistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
+        assert_eq!((statistics.n, statistics.mean), (8, 5.0));
+        assert!((statistics.standard_deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-12);
+        assert_eq!((statistics.min, statistics.max), (2.0, 9.0));
+        assert_eq!((statistics.median, statistics.mad), (4.5, 0.5));
+        assert!((2.0..=4.5).contains(&statistics.low_95));
+        assert!((4.5..=9.0).contains(&statistics.high_95));
+        assert_eq!(SampleStatistics::of(&[]), None);
+    }
+
+    #[test]
+    fn one_value_is_all_of_it() {
+        let one = SampleStatistics::of(&[3.0]).unwrap();
+        assert_eq!((one.standard_deviation, one.mad), (0.0, 0.0));
+        assert_eq!([one.low_95, one.median, one.high_95], [3.0; 3]);
+    }
+
+    #[test]
+    fn far_values_are_outliers_and_stay_in() {
+        let values = [10.0, 10.1, 9.9, 10.0, 10.2, 30.0];
+        let statistics = SampleStatistics::of(&values).unwrap();
+        assert_eq!((statistics.n, statistics.n_outliers), (6, 1));
+        assert!(statistics.is_outlier(30.0) && !statistics.is_outlier(10.2));
+        assert_eq!(statistics.max, 30.0);
+    }
+
+    /// The interval of a normal sample holds the true median about as often as
+    /// it says: of 15 values it ends at the fourth or the fifth from each side,
+    /// which hold it in 96 and 88 of 100 cases.
+    #[test]
+    fn the_interval_covers() {
+        let normal = |study: u64, i: u64| {
+            let [a, b, c, d] = uniform([study, i, 77]);
+            let [e, f, g, h] = uniform([study, i, 78]);
+            let [j, k, l, m] = uniform([study, i, 79]);
+            f64::from(a + b + c + d + e + f + g + h + j + k + l + m) - 6.0
+        };
+        let covers = |study: &u64| {
+            let values: Vec<f64> = (0..15).map(|i| normal(*study, i)).collect();
+            let statistics = SampleStatistics::of(&values).unwrap();
+            statistics.low_95 <= 0.0 && 0.0 <= statistics.high_95
+        };
+        let n_covering = (0..200).filter(covers).count();
+        assert!((170..=199).contains(&n_covering), "{n_covering} of 200");
+    }
+}

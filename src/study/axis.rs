@@ -1,0 +1,165 @@
+//! An axis of a plot: where values lie, and which are named.
+
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
+use super::figure::Scale;
+use crate::output::cost_picture::{Ticks, ticks};
+
+/// Share of a logarithmic axis that a label needs.
+const LABEL_GAP: f64 = 0.12;
+
+/// One axis.
+pub(super) struct Axis {
+    low: f64,
+    high: f64,
+    scale: Scale,
+    /// Names of the places 0, 1, …, if those are no numbers.
+    names: Vec<String>,
+}
+
+impl Axis {
+    /// An axis for these values, at least one, with some room at its ends.
+    pub(super) fn around(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        let (low, high) = match scale {
+            Scale::Log => {
+                let room = (high / low).powf(0.08).max(1.2);
+                (low / room, high * room)
+            }
+            Scale::Linear => (low.min(0.0), high + 0.08 * (high - low.min(0.0)).max(1e-9)),
+        };
+        Self {
+            low,
+            high,
+            scale,
+            names: Vec::new(),
+        }
+    }
+
+    /// An axis of named places.
+    pub(super) fn of_names(names: &[String]) -> Self {
+        Self {
+            low: -0.5,
+            high: names.len() as f64 - 0.5,
+            scale: Scale::Linear,
+            names: names.to_vec(),
+        }
+    }
+
+    /// Named values, and others that a line may mark.
+    fn ticks(&self) -> Ticks {
+        if !self.names.is_empty() {
+            let major = (0..self.names.len()).map(|place| place as f64).collect();
+            return Ticks {
+                major,
+                minor: Vec::new(),
+            };
+        }
+        match self.scale {
+            Scale::Log => ticks(self.low, self.high, LABEL_GAP),
+            Scale::Linear => Ticks {
+                major: even_steps(self.low, self.high),
+                minor: Vec::new(),
+            },
+        }
+    }
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten, at most eight.
+fn even_steps(low: f64, high: f64) -> Vec<f64> {
+    let power = 10_f64.powf(((high - low) / 8.0).log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
+    let step = steps.into_iter().find(|step| (high - low) / step <= 8.0);
+    let step = step.unwrap_or(high - low);
+    let first = (low / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
+    (first..=last).map(|i| i as f64 * step).collect()
+}
+
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (begin, end): (i32, i32)) -> i32 {
+        let share = match self.scale {
+            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            Scale::Linear => (value - self.low) / (self.high - self.low),
+        };
+        begin + (share * f64::from(end - begin)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let ticks = self.ticks();
+        match hint.weight().allow_light_points() {
+            true => ticks.major.into_iter().chain(ticks.minor).collect(),
+            false => ticks.major,
+        }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, value: &f64) -> String {
+        match self.names.get(*value as usize) {
+            Some(name) => name.clone(),
+            None => short(*value),
+        }
+    }
+}
+
+/// "20 k" for 20,000: three digits are enough to read off a place.
+fn short(value: f64) -> String {
+    let units = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
+    let unit = units
+        .into_iter()
+        .find(|(unit, _)| value.abs() >= 0.999 * unit);
+    let (unit, name) = unit.unwrap_or((1.0, ""));
+    let digits = format!("{:.3}", value / unit);
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    match name {
+        "" => digits.to_owned(),
+        name => format!("{digits} {name}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_named_shortly() {
+        let names = [0.0, 0.05, 7.0, 1500.0, 2e6].map(short);
+        assert_eq!(names, ["0", "0.05", "7", "1.5 k", "2 M"]);
+    }
+
+    #[test]
+    fn steps_are_round_and_few() {
+        assert_eq!(
+            even_steps(0.0, 7.3),
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+        );
+        assert_eq!(
+            even_steps(0.0, 0.9),
+            [0.0, 0.2, 0.4, 0.6, 0.8].map(|x: f64| (x / 0.2).round() * 0.2)
+        );
+    }
+
+    #[test]
+    fn a_log_axis_has_equal_ratios_at_equal_distances() {
+        let axis = Axis {
+            low: 1.0,
+            high: 10_000.0,
+            scale: Scale::Log,
+            names: Vec::new(),
+        };
+        let places = [1.0, 10.0, 100.0, 1000.0, 10_000.0].map(|value| axis.map(&value, (0, 400)));
+        assert_eq!(places, [0, 100, 200, 300, 400]);
+    }
+}

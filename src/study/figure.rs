@@ -1,0 +1,245 @@
+//! What a plot shows: rows of the table as series of points.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde_json::Value;
+
+use super::{PowerLaw, Row};
+
+/// A plot, as the study file asks for it.
+///
+/// ```
+/// # use raycost::{study::Plot, yaml};
+/// let plot: Plot = yaml::from_str("{ x: threads, y: render_wall_ms, fit: true }").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plot {
+    /// A factor, or what was measured, along the lower axis.
+    pub x: String,
+    /// What was measured, along the left axis: medians with their intervals; one
+    /// name or several of one unit.
+    #[serde(deserialize_with = "names")]
+    pub y: Vec<String>,
+    /// The factors that tell series apart; if not given, all but `x`, and the
+    /// scene alone where `x` was measured.
+    #[serde(default)]
+    pub by: Option<Vec<String>>,
+    /// The axes; logarithmic if not given.
+    #[serde(default)]
+    pub scale: Scale,
+    /// Whether a power law is drawn through each series.
+    #[serde(default)]
+    pub fit: bool,
+}
+
+/// How values lie on the axes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`log` or `linear`")]
+pub enum Scale {
+    /// By their logarithms; where a value is 0, by themselves.
+    #[default]
+    Log,
+    /// By themselves, from 0.
+    Linear,
+}
+
+/// Series of points, to be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Above the axes.
+    pub title: String,
+    /// The lower axis.
+    pub x_title: String,
+    /// The left axis.
+    pub y_title: String,
+    /// The axes.
+    pub scale: Scale,
+    /// Names of the places 0, 1, … along the lower axis, if those are no numbers.
+    pub categories: Vec<String>,
+    /// At least one.
+    pub series: Vec<Series>,
+}
+
+/// Points of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What they have in common; empty for an only series.
+    pub label: String,
+    /// From left to right.
+    pub points: Vec<Mark>,
+    /// A law through them.
+    pub law: Option<PowerLaw>,
+}
+
+/// A median and the interval that holds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Place along the lower axis.
+    pub x: f64,
+    /// Median.
+    pub y: f64,
+    /// Ends of the interval.
+    pub interval: [f64; 2],
+}
+
+impl Plot {
+    /// "threads 2, cost time, render wall (ms)": what tells a row's series apart,
+    /// and what was measured.
+    fn label(&self, row: &Row) -> String {
+        let is_factor = row.point.contains_key(&self.x);
+        let tells = |name: &str| match &self.by {
+            Some(by) => by.iter().any(|by| by == name),
+            None if is_factor => name != self.x,
+            None => name == "scene",
+        };
+        let named = |(name, value): (&String, &Value)| match name.as_str() {
+            "scene" => text(value),
+            _ => format!("{} {}", name.replace('_', " "), text(value)),
+        };
+        let factors = row.point.iter().filter(|(name, _)| tells(name)).map(named);
+        let metric = titled(&row.metric);
+        factors.chain([metric]).collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl Figure {
+    /// What a plot shows of these rows; `None` if they have nothing of it.
+    pub fn of(plot: &Plot, title: &str, rows: &[Row]) -> Option<Self> {
+        let mut figure = Self {
+            title: title.to_owned(),
+            x_title: titled(&plot.x),
+            y_title: plot
+                .y
+                .iter()
+                .map(|y| titled(y))
+                .collect::<Vec<_>>()
+                .join(", "),
+            scale: plot.scale,
+            categories: Vec::new(),
+            series: Vec::new(),
+        };
+        for row in rows.iter().filter(|row| plot.y.contains(&row.metric)) {
+            let Some(x) = figure.place(plot, row, rows) else {
+                continue;
+            };
+            let statistics = &row.statistics;
+            let mark = Mark {
+                x,
+                y: statistics.median,
+                interval: [statistics.low_95, statistics.high_95],
+            };
+            figure.series_of(plot.label(row)).points.push(mark);
+        }
+        figure.leave_out_what_is_common();
+        let has_categories = !figure.categories.is_empty();
+        for series in &mut figure.series {
+            series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            let points: Vec<_> = series.points.iter().map(|mark| (mark.x, mark.y)).collect();
+            let is_positive = points.iter().all(|&(x, y)| x > 0.0 && y > 0.0);
+            if plot.fit && is_positive && !has_categories {
+                series.law = PowerLaw::through(&points);
+            }
+        }
+        figure.check_scale(has_categories);
+        (!figure.series.is_empty()).then_some(figure)
+    }
+
+    /// Where a row's point lies along the lower axis.
+    fn place(&mut self, plot: &Plot, row: &Row, rows: &[Row]) -> Option<f64> {
+        let Some(value) = row.point.get(&plot.x) else {
+            let is_it = |other: &&Row| other.metric == plot.x && other.point == row.point;
+            return rows.iter().find(is_it).map(|row| row.statistics.median);
+        };
+        if let Some(number) = value.as_f64() {
+            return Some(number);
+        }
+        let name = text(value);
+        let known = self.categories.iter().position(|known| *known == name);
+        let place = known.unwrap_or_else(|| {
+            self.categories.push(name);
+            self.categories.len() - 1
+        });
+        Some(place as f64)
+    }
+
+    fn series_of(&mut self, label: String) -> &mut Series {
+        let known = self.series.iter().position(|series| series.label == label);
+        let index = known.unwrap_or_else(|| {
+            self.series.push(Series {
+                label,
+                points: Vec::new(),
+                law: None,
+            });
+            self.series.len() - 1
+        });
+        &mut self.series[index]
+    }
+
+    /// Shortens the labels by the parts that all series share.
+    fn leave_out_what_is_common(&mut self) {
+        let parts = |label: &str| label.split(", ").map(str::to_owned).collect::<Vec<_>>();
+        let all: Vec<Vec<String>> = self
+            .series
+            .iter()
+            .map(|series| parts(&series.label))
+            .collect();
+        for (series, own) in self.series.iter_mut().zip(&all) {
+            let differs = |part: &&String| !all.iter().all(|parts| parts.contains(part));
+            let kept: Vec<&str> = own.iter().filter(differs).map(String::as_str).collect();
+            series.label = kept.join(", ");
+        }
+    }
+
+    /// No logarithms of what is not greater than 0.
+    fn check_scale(&mut self, has_categories: bool) {
+        let marks = self.series.iter().flat_map(|series| &series.points);
+        let is_positive = |mark: &Mark| (has_categories || mark.x > 0.0) && mark.interval[0] > 0.0;
+        if !marks.into_iter().all(is_positive) {
+            self.scale = Scale::Linear;
+        }
+    }
+}
+
+/// One name or several.
+fn names<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<String>, D::Error> {
+    d.deserialize_any(NamesVisitor)
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Vec<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of what was measured, or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<Vec<String>, E> {
+        Ok(vec![name.to_owned()])
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Vec<String>, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list))
+    }
+}
+
+fn text(value: &Value) -> String {
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// "render_wall_ms" as "render wall (ms)".
+fn titled(name: &str) -> String {
+    let units = ["ms", "ns", "bytes"];
+    match name.rsplit_once('_') {
+        Some((what, unit)) if units.contains(&unit) => {
+            format!("{} ({unit})", what.replace('_', " "))
+        }
+        _ => name.replace('_', " "),
+    }
+}

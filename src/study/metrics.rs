@@ -1,0 +1,84 @@
+//! What one run told of itself.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Numbers by name, in a fixed order; the unit ends the name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Metrics(pub IndexMap<String, f64>);
+
+impl Metrics {
+    /// The numbers of a `summary.json`, and how long the whole process took, in
+    /// milliseconds.
+    pub fn of(summary: &Value, process_ms: f64) -> Self {
+        let mut metrics = Self::default();
+        metrics.add("process_ms", Some(process_ms));
+        for stage in items(&summary["stages"]) {
+            let name = stage["name"].as_str().unwrap_or_default();
+            for part in ["wall_ms", "cpu_ms", "page_faults", "context_switches"] {
+                metrics.add(&format!("{name}_{part}"), stage[part].as_f64());
+            }
+            for (event, count) in stage["events"].as_object().into_iter().flatten() {
+                metrics.add(&format!("{name}_{event}"), count.as_f64());
+            }
+        }
+        for part in ["load_imbalance", "idle_share"] {
+            metrics.add(part, summary["schedule"][part].as_f64());
+        }
+        metrics.add("peak_memory_bytes", summary["peak_memory_bytes"].as_f64());
+        metrics.add("n_primitives", summary["n_primitives"].as_f64());
+        metrics.add("n_pixels", summary["n_pixels"].as_f64());
+        metrics.add("n_hits", summary["n_hits"].as_f64());
+        for (name, total) in summary["cost"]["totals"].as_object().into_iter().flatten() {
+            metrics.add(name, total.as_f64());
+        }
+        metrics.add(
+            "mrays_per_second",
+            summary["cost"]["mrays_per_second"].as_f64(),
+        );
+        for (name, value) in summary["acceleration"]["bvh"]
+            .as_object()
+            .into_iter()
+            .flatten()
+        {
+            metrics.add(&format!("bvh_{name}"), value.as_f64());
+        }
+        for file in items(&summary["files"]) {
+            let name = file["file"].as_str().unwrap_or_default().replace('.', "_");
+            for part in ["bytes", "write_ms"] {
+                metrics.add(&format!("{name}_{part}"), file[part].as_f64());
+            }
+        }
+        metrics.add_ratios();
+        metrics
+    }
+
+    /// Adds what is told best as a share.
+    fn add_ratios(&mut self) {
+        for (name, part, whole) in [
+            ("hit_share", "n_hits", "n_pixels"),
+            ("node_visits_per_ray", "node_visits", "rays"),
+            ("primitive_tests_per_ray", "primitive_tests", "rays"),
+            ("ns_per_ray", "time_ns", "rays"),
+        ] {
+            let value = |name| self.0.get(name).copied();
+            let ratio = value(part)
+                .zip(value(whole))
+                .map(|(part, whole)| part / whole);
+            self.add(name, ratio.filter(|ratio| ratio.is_finite()));
+        }
+    }
+
+    /// Adds a number, if there is one.
+    fn add(&mut self, name: &str, value: Option<f64>) {
+        if let Some(value) = value {
+            self.0.insert(name.to_owned(), value);
+        }
+    }
+}
+
+fn items(list: &Value) -> impl Iterator<Item = &Value> {
+    list.as_array().into_iter().flatten()
+}

@@ -1,0 +1,174 @@
+//! Figures → SVG and PNG.
+
+use std::io::{self, Cursor};
+
+use image::{ImageFormat, RgbImage};
+use plotters::coord::Shift;
+use plotters::element::{Circle, Cross, PathElement, Text, TriangleMarker};
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+
+use super::axis::Axis;
+use super::figure::{Figure, Series};
+
+/// Width and height in pixels.
+const SIZE: (u32, u32) = (960, 640);
+/// Part of the width for the names of series, where there are some.
+const LEGEND_WIDTH: u32 = 240;
+const FONT: &str = "sans-serif";
+
+/// Colours that the colour-blind tell apart: Okabe and Ito, "Color Universal
+/// Design", 2008, without the yellow, which is too light for lines.
+const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
+
+impl Figure {
+    /// The figure as SVG.
+    ///
+    /// # Errors
+    /// If it cannot be drawn.
+    pub fn to_svg(&self) -> io::Result<String> {
+        let mut svg = String::new();
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        draw(self, &area).map_err(failed)?;
+        area.present().map_err(failed)?;
+        drop(area);
+        Ok(svg)
+    }
+
+    /// The figure as PNG.
+    ///
+    /// # Errors
+    /// If it cannot be drawn.
+    pub fn to_png(&self) -> io::Result<Vec<u8>> {
+        let (width, height) = SIZE;
+        let mut rgb = vec![0; 3 * width as usize * height as usize];
+        let area = BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area();
+        draw(self, &area).map_err(failed)?;
+        area.present().map_err(failed)?;
+        drop(area);
+        let image = RgbImage::from_raw(width, height, rgb);
+        let image = image.ok_or_else(|| io::Error::other("a picture of the wrong size"))?;
+        let mut png = Cursor::new(Vec::new());
+        image.write_to(&mut png, ImageFormat::Png).map_err(failed)?;
+        Ok(png.into_inner())
+    }
+}
+
+type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+
+fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
+    // Only the bytes of a font could be refused, and these are known.
+    let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    area.fill(&WHITE)?;
+    let has_legend = figure
+        .series
+        .iter()
+        .any(|series| !name_of(series).is_empty());
+    let legend_width = if has_legend { LEGEND_WIDTH } else { 0 };
+    let (chart, legend) = area.split_horizontally(SIZE.0 - legend_width);
+    draw_chart(figure, &chart)?;
+    for (number, series) in figure.series.iter().enumerate() {
+        let y = 80 + 44 * number as i32;
+        draw_symbol(&legend, number, (8, y))?;
+        let name = name_of(series);
+        for (line, text) in name.split(": ").enumerate() {
+            let at = (22, y - 8 + 18 * line as i32);
+            legend.draw(&Text::new(text.to_owned(), at, (FONT, 16)))?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
+    let (x, y) = axes(figure);
+    let mut chart = ChartBuilder::on(area)
+        .caption(&figure.title, (FONT, 26))
+        .margin(16)
+        .x_label_area_size(56)
+        .y_label_area_size(84)
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .x_desc(&figure.x_title)
+        .y_desc(&figure.y_title)
+        .label_style((FONT, 17))
+        .axis_desc_style((FONT, 19))
+        .bold_line_style(BLACK.mix(0.18))
+        .light_line_style(BLACK.mix(0.06))
+        .draw()?;
+    for (number, series) in figure.series.iter().enumerate() {
+        let color = color_of(number);
+        let points = || series.points.iter();
+        if let Some(law) = series.law {
+            let ends = [points().next(), points().last()].into_iter().flatten();
+            let line = ends.map(|mark| (mark.x, law.at(mark.x)));
+            chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
+        } else if figure.categories.is_empty() {
+            let line = points().map(|mark| (mark.x, mark.y));
+            chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
+        }
+        for mark in points() {
+            let [low, high] = mark.interval.map(|end| chart.backend_coord(&(mark.x, end)));
+            let interval = PathElement::new([low, high], color.stroke_width(2));
+            area.strip_coord_spec().draw(&interval)?;
+            let cap = |(x, y)| PathElement::new([(x - 5, y), (x + 5, y)], color.stroke_width(2));
+            area.strip_coord_spec().draw(&cap(low))?;
+            area.strip_coord_spec().draw(&cap(high))?;
+            draw_symbol(area, number, chart.backend_coord(&(mark.x, mark.y)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws the symbol of a series: colour is not all that tells them apart.
+fn draw_symbol<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    number: usize,
+    at: (i32, i32),
+) -> Drawn<DB> {
+    let color = color_of(number);
+    match number % 3 {
+        0 => area.draw(&Circle::new(at, 5, color.filled())),
+        1 => area.draw(&TriangleMarker::new(at, 7, color.filled())),
+        _ => area.draw(&Cross::new(at, 5, color.stroke_width(2))),
+    }
+}
+
+fn color_of(number: usize) -> RGBColor {
+    COLORS[number % COLORS.len()]
+}
+
+fn axes(figure: &Figure) -> (Axis, Axis) {
+    let marks = || figure.series.iter().flat_map(|series| &series.points);
+    let y = Axis::around(
+        marks().flat_map(|mark| mark.interval.into_iter().chain([mark.y])),
+        figure.scale,
+    );
+    let x = match figure.categories.is_empty() {
+        true => Axis::around(marks().map(|mark| mark.x), figure.scale),
+        false => Axis::of_names(&figure.categories),
+    };
+    (x, y)
+}
+
+/// The series' label and the exponent of its law.
+fn name_of(series: &Series) -> String {
+    let law = series.law.map(|law| {
+        let [exponent, error] = [law.exponent, law.exponent_error];
+        format!("slope {exponent:.3} ± {error:.3}")
+    });
+    let label = Some(series.label.clone()).filter(|label| !label.is_empty());
+    label.into_iter().chain(law).collect::<Vec<_>>().join(": ")
+}
+
+fn failed(error: impl std::fmt::Display) -> io::Error {
+    io::Error::other(format!("cannot draw a plot: {error}"))
+}

@@ -1,0 +1,113 @@
+//! Results as a table: a row for each point and each number.
+
+use std::io::{self, Write};
+
+use indexmap::IndexMap;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::{Plan, Results, Run};
+use crate::statistics::SampleStatistics;
+
+/// One number of one point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// The point's values by factor.
+    pub point: Map<String, Value>,
+    /// What was measured, with its unit at the end.
+    pub metric: String,
+    /// Over the runs that count.
+    #[serde(flatten)]
+    pub statistics: SampleStatistics,
+    /// Whether the first run of all, warm-up left out, is an outlier above.
+    pub first_is_slow: bool,
+}
+
+/// The rows of all points of the plan that have been measured, in its order.
+pub fn rows(plan: &Plan, results: &Results) -> Vec<Row> {
+    let rows_of = |values: Map<String, Value>| {
+        let counts = |run: &&Run| run.round >= plan.warm_up && run.point == values;
+        let mut columns: IndexMap<&str, Vec<f64>> = IndexMap::new();
+        for run in results.runs.iter().filter(counts) {
+            for (name, value) in &run.metrics.0 {
+                columns.entry(name).or_default().push(*value);
+            }
+        }
+        let row = |(metric, measured): (&str, Vec<f64>)| {
+            let statistics = SampleStatistics::of(&measured)?;
+            let first = measured[0];
+            Some(Row {
+                point: values.clone(),
+                metric: metric.to_owned(),
+                statistics,
+                first_is_slow: statistics.is_outlier(first) && first > statistics.median,
+            })
+        };
+        columns.into_iter().filter_map(row).collect::<Vec<_>>()
+    };
+    let points = plan.points().into_iter();
+    points.flat_map(|point| rows_of(point.values)).collect()
+}
+
+/// Writes the rows as CSV, a column for each factor.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn write_csv(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(out);
+    if let Some(row) = rows.first() {
+        let factors = row.point.keys().map(String::as_str);
+        let columns = [
+            "metric",
+            "n",
+            "mean",
+            "standard_deviation",
+            "min",
+            "max",
+            "median",
+            "mad",
+            "low_95",
+            "high_95",
+            "n_outliers",
+            "first_is_slow",
+        ];
+        table.write_record(factors.chain(columns))?;
+    }
+    for row in rows {
+        let values = row.point.values().map(text);
+        let SampleStatistics {
+            n,
+            mean,
+            standard_deviation,
+            min,
+            max,
+            median,
+            mad,
+            low_95,
+            high_95,
+            n_outliers,
+        } = row.statistics;
+        let numbers = [
+            mean,
+            standard_deviation,
+            min,
+            max,
+            median,
+            mad,
+            low_95,
+            high_95,
+        ];
+        let measured = [row.metric.clone(), n.to_string()].into_iter();
+        let numbers = numbers.map(|number| number.to_string());
+        let notes = [n_outliers.to_string(), row.first_is_slow.to_string()];
+        table.write_record(values.chain(measured).chain(numbers).chain(notes))?;
+    }
+    table.flush()
+}
+
+fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
