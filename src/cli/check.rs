@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use super::Failure;
-use super::render::{Loaded, SceneArguments, primitives};
+use super::closing::primitives;
+use super::scene::{Loaded, SceneArguments};
 use crate::config::{Acceleration, Config, CostMode, Image, TileOrder, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;

@@ -2,12 +2,14 @@
 
 mod charges;
 mod check;
+mod closing;
 mod completions;
 mod diff;
 mod failure;
 mod progress;
 mod rectangle;
 mod render;
+mod scene;
 mod study;
 mod trace;
 mod tree;

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::progress::{Bar, BuildBar};
 use super::rectangle::Rectangle;
-use super::render::{Loaded, SceneArguments, remove_unfinished_when_stopped, thread_pool};
+use super::render::{remove_unfinished_when_stopped, thread_pool};
+use super::scene::{Loaded, SceneArguments};
 use super::tree::Trees;
 use super::{Failure, shell_word};
 use crate::accel::Accel;

@@ -1,0 +1,108 @@
+//! The last lines of `raycost render`: what was done and what to type next.
+
+use std::path::Path;
+
+use super::{charges, shell_word, trust};
+use crate::config::Extra;
+use crate::output::format::{bytes, count, counted, duration};
+use crate::output::{Rendering, Stages, Written};
+use crate::scene::Scene;
+use crate::schedule::Schedule;
+
+/// The lines for files that were written to `out`.
+pub(super) fn lines(
+    out: &Path,
+    rendering: &Rendering,
+    stages: &Stages,
+    written: &[Written],
+) -> String {
+    let image = &rendering.config.image;
+    let files: Vec<String> = written
+        .iter()
+        .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
+        .collect();
+    let times: Vec<String> = stages
+        .ended
+        .iter()
+        .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
+        .collect();
+    let costs = match rendering.ledger {
+        Some(ledger) if rendering.config.output.has(Extra::Objects) => {
+            charges::tables(rendering, ledger)
+        }
+        _ => String::new(),
+    };
+    let state = match rendering.film.cost.has_counters() {
+        true => "heatmap.pvsm",
+        false => "geometry.pvsm",
+    };
+    let trust = trust::lines(rendering);
+    let tiles = match rendering.config.output.has(Extra::Schedule) {
+        true => tiles(rendering.schedule),
+        false => String::new(),
+    };
+    format!(
+        "image   {} x {} pixels, {} per pixel, {}, {}\n\
+         time    {}\n\
+         speed   {}\n\
+         {tiles}\
+         {trust}\
+         {}\
+         wrote   {}: {}\n\
+         next    paraview --state={}\n",
+        image.width,
+        image.height,
+        counted(image.samples_per_pixel.into(), "sample"),
+        primitives(rendering.scene),
+        counted(rendering.threads.used as u64, "thread"),
+        times.join(", "),
+        speed(rendering),
+        costs,
+        out.display(),
+        files.join(", "),
+        shell_word(&out.join(state)),
+    )
+}
+
+/// "1,234 primitives", and how many were left out.
+pub(super) fn primitives(scene: &Scene) -> String {
+    let kept = counted(scene.primitives.len() as u64, "primitive");
+    match scene.n_degenerate {
+        0 => kept,
+        n => format!("{kept} ({} without area left out)", counted(n, "triangle")),
+    }
+}
+
+/// How evenly the threads were at work.
+fn tiles(schedule: &Schedule) -> String {
+    let grid = &schedule.grid;
+    let load = schedule.load();
+    format!(
+        "tiles   {} of {size} x {size}, {} order, load imbalance {:.1} %, {:.1} % idle\n",
+        count(grid.n_tiles().into()),
+        schedule.order.name(),
+        100.0 * load.load_imbalance,
+        100.0 * load.idle_share,
+        size = grid.tile_size,
+    )
+}
+
+/// Rays a second, or samples where nothing was counted.
+fn speed(rendering: &Rendering) -> String {
+    let seconds = rendering.median_wall().as_secs_f64();
+    let millions = |n: u64| n as f64 / seconds / 1e6;
+    match rendering.film.cost.has_counters() {
+        true => {
+            let n_rays = rendering.film.totals.n_rays();
+            format!("{:.1} Mrays/s, {} rays", millions(n_rays), count(n_rays))
+        }
+        false => {
+            let image = &rendering.config.image;
+            let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
+            format!(
+                "{:.1} million samples/s; rays were not counted",
+                millions(n_samples)
+            )
+        }
+    }
+}

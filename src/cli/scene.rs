@@ -1,0 +1,186 @@
+//! A scene as the command line names and changes it.
+
+use std::path::{Path, PathBuf};
+
+use crate::config::{Config, CostMode, Extra, MAX_SIDE, Structure, TileOrder, Tiling};
+use crate::memory::{self, Memory};
+use crate::scene::Geometries;
+use crate::yaml::{self, Diagnostic, Fault, Source};
+
+/// What names a scene and changes it.
+#[derive(Debug, clap::Args)]
+pub(super) struct SceneArguments {
+    /// The scene's YAML file
+    pub(super) scene: PathBuf,
+
+    /// Folder to write to [default: out/<the scene file's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Columns of the picture, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
+    width: Option<u32>,
+
+    /// Rows of the picture, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
+    height: Option<u32>,
+
+    /// Samples per pixel, instead of the file's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    spp: Option<u32>,
+
+    /// Seed of the sampling pattern, instead of the file's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Longest path in bounces, instead of the file's
+    #[arg(long, value_name = "BOUNCES")]
+    max_depth: Option<u8>,
+
+    /// How hits are found, instead of the file's
+    #[arg(long, value_name = "STRUCTURE")]
+    acceleration: Option<Structure>,
+
+    /// Spheres of each `sphere_cloud`, instead of the file's; their radii change
+    /// so that they fill the same share of space
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    count: Option<u32>,
+
+    /// What is measured of each pixel, instead of the file's
+    #[arg(long, value_name = "MODE")]
+    cost: Option<CostMode>,
+
+    /// Short for `--cost none`
+    #[arg(long, conflicts_with = "cost")]
+    no_cost: bool,
+
+    /// Times to render the picture: a pixel's time becomes the median
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    repeats: Option<u8>,
+
+    /// Pixels along a tile's side, instead of the file's
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(Tiling::MIN_SIZE as i64..=Tiling::MAX_SIZE as i64))]
+    tile_size: Option<u32>,
+
+    /// In which order threads take tiles, instead of the file's
+    #[arg(long, value_name = "ORDER")]
+    tile_order: Option<TileOrder>,
+
+    /// Files to write beside those of every run, and those that the scene asks for
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    also: Vec<Extra>,
+}
+
+/// A scene file, what it says, and what the files hold that it names.
+pub(super) struct Loaded {
+    pub(super) source: Source,
+    pub(super) config: Config,
+    pub(super) geometries: Geometries,
+}
+
+impl SceneArguments {
+    /// Reads the scene and makes sure that it fits into memory with its film.
+    pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
+        self.load_for(Memory::of)
+    }
+
+    /// Reads the scene and makes sure that what is done with it fits into memory.
+    pub(super) fn load_for(
+        &self,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Loaded, Diagnostic> {
+        let source = Source::read(&self.scene)?;
+        let mut config: Config = source.parse()?;
+        let image = &mut config.image;
+        image.width = self.width.unwrap_or(image.width);
+        image.height = self.height.unwrap_or(image.height);
+        image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
+        image.seed = self.seed.unwrap_or(image.seed);
+        config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
+        config.acceleration = self.acceleration.map_or(config.acceleration, Into::into);
+        if let Some(count) = self.count {
+            config
+                .set_count(count)
+                .map_err(|fault| source.point_at(fault))?;
+        }
+        config.cost = self.cost().unwrap_or(config.cost);
+        config.n_repeats = self.n_repeats(&config, &source)?;
+        let tiles = &mut config.tiles;
+        tiles.size = self.tile_size.unwrap_or(tiles.size);
+        tiles.order = self.tile_order.unwrap_or(tiles.order);
+        let by_file = config.output.clone();
+        self.also.iter().for_each(|&extra| config.output.add(extra));
+        config
+            .check_output()
+            .map_err(|(extra, fault)| match by_file.has(extra) {
+                true => source.point_at(fault),
+                false => Diagnostic::without_place(fault),
+            })?;
+        let available = memory::available();
+        let geometries = Geometries::read(&config, source.folder(), available)
+            .map_err(|fault| source.point_at(fault))?;
+        // What was read is part of the need, and no longer of what is free.
+        needed(&config, &geometries)
+            .check(available)
+            .map_err(|fault| source.point_at(fault))?;
+        Ok(Loaded {
+            source,
+            config,
+            geometries,
+        })
+    }
+
+    /// For a command that has its own files: makes sure that no others are
+    /// asked for.
+    pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
+        match self.also.is_empty() {
+            true => Ok(()),
+            false => Err(Diagnostic::new("these files are none of this command's")
+                .with_help("give `--also` to `raycost render`")),
+        }
+    }
+
+    /// What the command line says of the cost, if anything.
+    fn cost(&self) -> Option<CostMode> {
+        match self.no_cost {
+            true => Some(CostMode::None),
+            false => self.cost,
+        }
+    }
+
+    /// How often to render.
+    fn n_repeats(&self, config: &Config, source: &Source) -> Result<u8, Diagnostic> {
+        match self.repeats {
+            Some(_) if !config.cost.has_time() => {
+                let message = "`--repeats` needs times, and none are taken";
+                match self.cost() {
+                    Some(_) => Err(Diagnostic::new(message)
+                        .with_help("ask for `--cost time`, or leave out `--repeats`")),
+                    None => Err(source.point_at(
+                        Fault::new(
+                            yaml::Path::default().key("cost"),
+                            message,
+                            "expected `time`",
+                        )
+                        .with_help("add `--cost time`, or leave out `--repeats`"),
+                    )),
+                }
+            }
+            n_repeats => Ok(n_repeats.unwrap_or(1)),
+        }
+    }
+
+    /// The folder to write to.
+    pub(super) fn out(&self) -> PathBuf {
+        match &self.out {
+            Some(out) => out.clone(),
+            None => Path::new("out").join(self.name()),
+        }
+    }
+
+    /// The scene's name.
+    pub(super) fn name(&self) -> String {
+        let stem = self.scene.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+}
