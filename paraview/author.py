@@ -127,12 +127,11 @@ def bvh(out):
     hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
     nodes = reader(pv.XMLUnstructuredGridReader, out / "bvh.vtu")
     leaves = at_least(nodes, "CELLS", "is_leaf", Fill("bvh.is_leaf", 1), "Leaves")
-    least = {array: tenth(leaves, array) for array in ("time_ns", "wasted_visits")}
     dearest = at_least(
-        leaves, "CELLS", Fill("bvh.array", "time_ns"), Fill("bvh.least", least["time_ns"]), "Dearest"
+        leaves, "CELLS", Fill("bvh.array", "time_ns"), Fill("bvh.least", 0), "Dearest"
     )
     wasteful = at_least(
-        leaves, "CELLS", "wasted_visits", Fill("bvh.wasted.least", least["wasted_visits"]), "Most wasted"
+        leaves, "CELLS", "wasted_visits", Fill("bvh.wasted.least", 0), "Most wasted"
     )
     time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
     by_time = colour_map(dearest, "time_ns", INFERNO, "log", "bvh")
@@ -222,11 +221,6 @@ def cloud(hits, view):
         UseScaleFunction=0,
         GaussianRadius=0.75,
     )
-
-
-def tenth(source, array):
-    """What one cell in ten has at least of an array."""
-    return float(np.percentile(positive(source, array), 90))
 
 
 def boxes(source, view, array, lut):
