@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::progress::StudyBar;
 use super::{Cli, Failure};
-use crate::output::{self, HardwareCounters, format::duration};
+use crate::output::{self, HardwareCounters, format::duration, write_file};
 use crate::study::{Figure, Metrics, Plan, Point, Results, Row, Run, Turn, rows, write_csv};
 use crate::yaml::{Diagnostic, Source};
 
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let turns = plan.turns();
     let left = measure(arguments, &plan, &turns, &points, folder, &mut results)?;
     let rows = rows(&plan, &results);
-    write_tables(&out, &plan, &rows).map_err(|error| cannot_write(&out, &error))?;
+    write_tables(&out, &plan, &rows)?;
     if !arguments.quiet {
         io::stdout().write_all(closing_lines(&plan, &rows, &out, left).as_bytes())?;
     }
@@ -116,7 +116,7 @@ fn measure(
         }
         let point = &points[turn.point];
         bar.begin(&point.label());
-        let metrics = one_run(plan, point, folder)?;
+        let metrics = one_run(plan, point, folder, &arguments.out().join("run"))?;
         let run = Run {
             point: point.values.clone(),
             round: turn.round,
@@ -131,17 +131,16 @@ fn measure(
     Ok(0)
 }
 
-/// Renders a point in a process of its own.
-fn one_run(plan: &Plan, point: &Point, folder: &Path) -> Result<Metrics, Failure> {
+/// Renders a point in a process of its own, into a folder that goes again.
+fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metrics, Failure> {
     let failed = |what: String| Failure::Machine(Diagnostic::new(what));
-    let out = tempfile::tempdir().map_err(|error| cannot_write(Path::new("/tmp"), &error))?;
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
     let mut command = Command::new(program);
     command
         .arg("render")
         .arg(folder.join(&point.scene))
         .args(["--quiet", "--hardware-counters"]);
-    command.arg("--out").arg(out.path());
+    command.arg("--out").arg(out);
     command.args(&plan.flags).args(&point.flags);
     let start = Instant::now();
     let output = command
@@ -152,10 +151,11 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path) -> Result<Metrics, Failure
         let said = String::from_utf8_lossy(&output.stderr);
         return Err(failed(format!("a run of {} failed\n{said}", point.label())));
     }
-    let text = fs::read_to_string(out.path().join("summary.json"));
+    let text = fs::read_to_string(out.join("summary.json"));
     let text = text.map_err(|error| failed(format!("a run left no summary: {error}")))?;
     let summary: Value = serde_json::from_str(&text)
         .map_err(|error| failed(format!("a run left a broken summary: {error}")))?;
+    fs::remove_dir_all(out).map_err(|error| cannot_write(out, &error))?;
     Ok(Metrics::of(&summary, process_ms))
 }
 
@@ -168,23 +168,24 @@ fn made_by() -> Value {
     })
 }
 
-fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> io::Result<()> {
-    let mut table = Vec::new();
-    write_csv(rows, &mut table)?;
-    fs::write(out.join("statistics.csv"), table)?;
+fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> Result<(), Failure> {
+    write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
             continue;
         };
         let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
-        fs::write(out.join(format!("{name}.svg")), figure.to_svg()?)?;
-        fs::write(out.join(format!("{name}.png")), figure.to_png()?)?;
+        let path_of = |ending| out.join(format!("{name}.{ending}"));
+        write_file(&path_of("svg"), |file| {
+            file.write_all(figure.to_svg()?.as_bytes())
+        })?;
+        write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
     }
     let all = json!({ "title": plan.title, "made_by": made_by(), "rows": rows });
-    fs::write(
-        out.join("statistics.json"),
-        serde_json::to_vec_pretty(&all)?,
-    )
+    write_file(&out.join("statistics.json"), |file| {
+        Ok(serde_json::to_writer_pretty(file, &all)?)
+    })?;
+    Ok(())
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> Failure {
