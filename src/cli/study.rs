@@ -63,13 +63,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let out = arguments.out();
     fs::create_dir_all(&out).map_err(|error| cannot_write(&out, &error))?;
-    let mut results = Results::open(&out.join("runs.jsonl"), &made_by())?;
+    let made_by = made_by();
+    let mut results = Results::open(&out.join("runs.jsonl"), &made_by)?;
     let turns = plan.turns();
     let left = measure(arguments, &plan, &turns, &points, folder, &mut results)?;
     let rows = rows(&plan, &results);
-    write_tables(&out, &plan, &rows)?;
+    write_tables(&out, &plan, &rows, &made_by)?;
     if !arguments.quiet {
-        io::stdout().write_all(closing_lines(&plan, &rows, &out, left).as_bytes())?;
+        io::stdout().write_all(closing_lines(&plan, &rows, &made_by, &out, left).as_bytes())?;
     }
     Ok(())
 }
@@ -168,7 +169,7 @@ fn made_by() -> Value {
     })
 }
 
-fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> Result<(), Failure> {
+fn write_tables(out: &Path, plan: &Plan, rows: &[Row], made_by: &Value) -> Result<(), Failure> {
     write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
@@ -181,7 +182,7 @@ fn write_tables(out: &Path, plan: &Plan, rows: &[Row]) -> Result<(), Failure> {
         })?;
         write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
     }
-    let all = json!({ "title": plan.title, "made_by": made_by(), "rows": rows });
+    let all = json!({ "title": plan.title, "made_by": made_by, "rows": rows });
     write_file(&out.join("statistics.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
@@ -194,7 +195,7 @@ fn cannot_write(path: &Path, error: &io::Error) -> Failure {
 }
 
 /// What was found and where it is.
-fn closing_lines(plan: &Plan, rows: &[Row], out: &Path, n_left: usize) -> String {
+fn closing_lines(plan: &Plan, rows: &[Row], made_by: &Value, out: &Path, n_left: usize) -> String {
     let mut text = format!("{}\n\n", plan.title);
     let shown = rows.iter().filter(|row| row.metric == "render_wall_ms");
     for row in shown {
@@ -217,7 +218,7 @@ fn closing_lines(plan: &Plan, rows: &[Row], out: &Path, n_left: usize) -> String
         "\nwrote   {}: runs.jsonl, statistics.csv, statistics.json\n",
         out.display()
     );
-    if let Some(reason) = HardwareCounters::start().why_not() {
+    if let Some(reason) = made_by["no_hardware_counters"].as_str() {
         text += &format!("note    cycles, instructions and misses: {reason}\n");
     }
     if n_left > 0 {

@@ -57,52 +57,32 @@ pub fn write_csv(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
     if let Some(row) = rows.first() {
         let factors = row.point.keys().map(String::as_str);
-        let columns = [
-            "metric",
-            "n",
-            "mean",
-            "standard_deviation",
-            "min",
-            "max",
-            "median",
-            "mad",
-            "low_95",
-            "high_95",
-            "n_outliers",
-            "first_is_slow",
-        ];
-        table.write_record(factors.chain(columns))?;
+        table.write_record(factors.chain(columns(row).map(|(name, _)| name)))?;
     }
     for row in rows {
-        let values = row.point.values().map(text);
-        let SampleStatistics {
-            n,
-            mean,
-            standard_deviation,
-            min,
-            max,
-            median,
-            mad,
-            low_95,
-            high_95,
-            n_outliers,
-        } = row.statistics;
-        let numbers = [
-            mean,
-            standard_deviation,
-            min,
-            max,
-            median,
-            mad,
-            low_95,
-            high_95,
-        ];
-        let measured = [row.metric.clone(), n.to_string()].into_iter();
-        let numbers = numbers.map(|number| number.to_string());
-        let notes = [n_outliers.to_string(), row.first_is_slow.to_string()];
-        table.write_record(values.chain(measured).chain(numbers).chain(notes))?;
+        let factors = row.point.values().map(text);
+        table.write_record(factors.chain(columns(row).map(|(_, value)| value)))?;
     }
     table.flush()
+}
+
+/// What a row has besides its factors, by name.
+fn columns(row: &Row) -> [(&'static str, String); 12] {
+    let of = &row.statistics;
+    [
+        ("metric", row.metric.clone()),
+        ("n", of.n.to_string()),
+        ("mean", of.mean.to_string()),
+        ("standard_deviation", of.standard_deviation.to_string()),
+        ("min", of.min.to_string()),
+        ("max", of.max.to_string()),
+        ("median", of.median.to_string()),
+        ("mad", of.mad.to_string()),
+        ("low_95", of.low_95.to_string()),
+        ("high_95", of.high_95.to_string()),
+        ("n_outliers", of.n_outliers.to_string()),
+        ("first_is_slow", row.first_is_slow.to_string()),
+    ]
 }
 
 fn text(value: &Value) -> String {
