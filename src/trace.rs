@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::accel::{Accel, Hit, ShadowRay, Step};
-use crate::cost::{ByPixel, Probe, RayKind};
+use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use crate::geometry::Ray;
 use crate::scene::{MaterialId, ObjectId, Scene};
 
@@ -88,7 +88,7 @@ impl<'a> Tracer<'a> {
 
     /// The nearest hits of many rays of one kind: `hits` becomes one entry a
     /// ray.
-    pub fn nearest_stream<P: Probe>(
+    pub fn nearest_stream<P: PixelProbe>(
         &self,
         rays: &[Ray],
         kind: RayKind,
@@ -101,7 +101,7 @@ impl<'a> Tracer<'a> {
 
     /// [`is_shadowed`](Self::is_shadowed) of many rays: `shadowed` becomes one
     /// entry a ray.
-    pub fn shadow_stream<P: Probe>(
+    pub fn shadow_stream<P: PixelProbe>(
         &self,
         rays: &[ShadowRay],
         shadowed: &mut Vec<bool>,

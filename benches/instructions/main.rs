@@ -8,7 +8,7 @@ use std::hint::black_box;
 use glam::Vec3;
 use raycost::accel::{Accel, ShadowRay, Simd};
 use raycost::config::Acceleration;
-use raycost::cost::{ByPixel, Cost, NoProbe, Probe};
+use raycost::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};
 use raycost::geometry::{Ray, Shape, Sphere, Triangle};
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
@@ -43,7 +43,7 @@ fn main() {
             ("single", "none") => rays.one_by_one(&accel, NoProbe),
             ("single", "counters") => rays.one_by_one(&accel, Cost::default()),
             ("stream", "none") => rays.in_streams(&accel, NoProbe),
-            ("stream", "counters") => rays.in_streams(&accel, Cost::default()),
+            ("stream", "counters") => rays.in_streams(&accel, Counters::default()),
             _ => panic!("no way {way} with cost {cost}"),
         }
     }
@@ -92,14 +92,14 @@ impl Rays {
 
     /// Each ray is a pixel's.
     #[inline(never)]
-    fn in_streams<P: Probe + Copy>(&self, accel: &Accel, probe: P) {
-        let mut probes = vec![probe; N_RAYS as usize];
+    fn in_streams<P: PixelProbe>(&self, accel: &Accel, mut probe: P) {
+        probe.reset(N_RAYS as usize);
         let pixels: Vec<u32> = (0..N_RAYS as u32).collect();
-        let mut probe = ByPixel::new(&mut probes, &pixels);
+        let mut by_pixel = ByPixel::new(&mut probe, &pixels);
         let (mut hits, mut occluded) = (Vec::new(), Vec::new());
-        accel.nearest_stream(&self.nearest, &mut hits, &mut probe);
-        accel.occluded_stream(&self.shadow, &mut occluded, &mut probe);
-        black_box((hits, occluded, &probes));
+        accel.nearest_stream(&self.nearest, &mut hits, &mut by_pixel);
+        accel.occluded_stream(&self.shadow, &mut occluded, &mut by_pixel);
+        black_box((hits, occluded, &probe));
     }
 }
 

@@ -5,13 +5,15 @@
 //! [`NoProbe`] the same source compiles to a kernel without counters.
 
 mod clock;
+mod counters;
 mod cpu;
 mod meter;
 mod probe;
 
 pub use clock::{Clock, Instant};
+pub use counters::Counters;
 pub use meter::Meter;
-pub use probe::{ByPixel, NoProbe, Probe, StreamProbe};
+pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
 
 /// Why a ray was shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -24,6 +26,16 @@ pub enum RayKind {
     Reflection,
     /// Through a surface.
     Refraction,
+}
+
+impl RayKind {
+    /// All, in their order.
+    pub const ALL: [Self; 4] = [
+        Self::Camera,
+        Self::Shadow,
+        Self::Reflection,
+        Self::Refraction,
+    ];
 }
 
 /// Counted work: the same at any thread count and on any machine.

@@ -1,6 +1,6 @@
 //! Who listens while rays are traced.
 
-use super::{Cost, RayKind};
+use super::{Cost, Counters, RayKind};
 
 /// Listens to the work on one pixel. Kernels count in locals and report once
 /// a ray.
@@ -28,13 +28,6 @@ impl Probe for NoProbe {
     fn traversal(&mut self, _: u32, _: u32) {}
     #[inline(always)]
     fn bounce(&mut self, _: u32) {}
-}
-
-impl From<NoProbe> for Cost {
-    /// Nothing.
-    fn from(_: NoProbe) -> Self {
-        Self::default()
-    }
 }
 
 impl Probe for Cost {
@@ -72,37 +65,90 @@ impl StreamProbe for NoProbe {
     fn traversal(&mut self, _: usize, _: u32, _: u32) {}
 }
 
-/// Passes on what a stream's rays tell to the probes of their pixels.
+/// Listens to the work on many pixels, which have numbers from 0 on.
+pub trait PixelProbe: Default {
+    /// Whether it listens at all.
+    const COUNTS: bool;
+    /// Forgets all, and is ready for so many pixels.
+    fn reset(&mut self, n_pixels: usize);
+    /// A ray of this kind starts for each of these pixels.
+    fn rays(&mut self, kind: RayKind, pixels: &[u32]);
+    /// A ray of a pixel has ended after so many nodes and tests.
+    fn traversal(&mut self, pixel: usize, node_visits: u32, primitive_tests: u32);
+    /// A path of a pixel has come to this many bounces.
+    fn bounce(&mut self, pixel: usize, depth: u32);
+    /// What it has counted, if it listens.
+    fn counted(&self) -> Option<&Counters>;
+}
+
+impl PixelProbe for NoProbe {
+    const COUNTS: bool = false;
+
+    fn reset(&mut self, _: usize) {}
+    fn rays(&mut self, _: RayKind, _: &[u32]) {}
+    #[inline(always)]
+    fn traversal(&mut self, _: usize, _: u32, _: u32) {}
+    #[inline(always)]
+    fn bounce(&mut self, _: usize, _: u32) {}
+
+    fn counted(&self) -> Option<&Counters> {
+        None
+    }
+}
+
+impl PixelProbe for Counters {
+    const COUNTS: bool = true;
+
+    fn reset(&mut self, n_pixels: usize) {
+        self.reset(n_pixels);
+    }
+
+    fn rays(&mut self, kind: RayKind, pixels: &[u32]) {
+        self.add_rays(kind, pixels);
+    }
+
+    #[inline(always)]
+    fn traversal(&mut self, pixel: usize, node_visits: u32, primitive_tests: u32) {
+        self.add_traversal(pixel, node_visits, primitive_tests);
+    }
+
+    #[inline(always)]
+    fn bounce(&mut self, pixel: usize, depth: u32) {
+        self.bounce(pixel, depth);
+    }
+
+    fn counted(&self) -> Option<&Counters> {
+        Some(self)
+    }
+}
+
+/// Passes on what a stream's rays tell, each to its pixel.
 #[derive(Debug)]
 pub struct ByPixel<'a, P> {
-    probes: &'a mut [P],
+    probe: &'a mut P,
     pixels: &'a [u32],
 }
 
-impl<'a, P: Probe> ByPixel<'a, P> {
-    /// The pixel of ray `i` is `pixels[i]`, an index into `probes`.
-    pub fn new(probes: &'a mut [P], pixels: &'a [u32]) -> Self {
-        Self { probes, pixels }
+impl<'a, P: PixelProbe> ByPixel<'a, P> {
+    /// The pixel of ray `i` is `pixels[i]`.
+    pub fn new(probe: &'a mut P, pixels: &'a [u32]) -> Self {
+        Self { probe, pixels }
     }
 
     /// All rays of the stream, of one kind, start.
     pub fn rays(&mut self, kind: RayKind) {
-        if P::COUNTS {
-            for &pixel in self.pixels {
-                self.probes[pixel as usize].ray(kind);
-            }
-        }
+        self.probe.rays(kind, self.pixels);
     }
 }
 
-impl<P: Probe> StreamProbe for ByPixel<'_, P> {
+impl<P: PixelProbe> StreamProbe for ByPixel<'_, P> {
     const COUNTS: bool = P::COUNTS;
 
     #[inline(always)]
     fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32) {
         if P::COUNTS {
             let pixel = self.pixels[ray] as usize;
-            self.probes[pixel].traversal(node_visits, primitive_tests);
+            self.probe.traversal(pixel, node_visits, primitive_tests);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::film::{Film, Pixel, STRIP_ROWS, Strip};
+use crate::film::{Film, Rendered, STRIP_ROWS, Strip};
 use crate::schedule::Tile;
 
 /// A film's strips, each behind a lock of its own.
@@ -20,22 +20,20 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Puts a tile's pixels, in the order of [`Tile::pixels`], into the film.
-    pub(super) fn store(&self, tile: &Tile, pixels: &[Pixel]) {
-        let mut pixels = pixels;
-        let mut number = tile.rows[0] / STRIP_ROWS;
-        let mut strip = self.strip(number);
-        for (y, columns) in tile.block_rows() {
-            if y / STRIP_ROWS != number {
-                // One at a time, so that no thread waits for another's.
-                drop(strip);
-                number = y / STRIP_ROWS;
-                strip = self.strip(number);
+    /// Puts a tile's pixels into the film.
+    pub(super) fn store(&self, tile: &Tile, rendered: &Rendered) {
+        let [left, right] = tile.columns;
+        let width = (right - left) as usize;
+        let [top, bottom] = tile.rows;
+        for number in top / STRIP_ROWS..=(bottom - 1) / STRIP_ROWS {
+            // One at a time, so that no thread waits for another's.
+            let mut strip = self.strip(number);
+            let first_row = strip.first_row;
+            for y in top.max(first_row)..bottom.min(first_row + strip.n_rows) {
+                let first = (y - first_row) as usize * self.width + left as usize;
+                let from = tile.index((left, y)) as usize;
+                strip.put(first, rendered, from..from + width);
             }
-            let (row, rest) = pixels.split_at(columns.len());
-            let first = (y - strip.first_row) as usize * self.width + columns.start as usize;
-            strip.put(first, row);
-            pixels = rest;
         }
     }
 

@@ -19,13 +19,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use crate::accel::Accel;
-use crate::cost::{Cost, Meter, NoProbe};
-use crate::film::{Film, Pixel};
+use crate::cost::{Counters, Meter, NoProbe};
+use crate::film::{Film, Rendered};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, Tile, TileRun};
 use canvas::Canvas;
 use stream::StreamRenderer;
-use timed::TimedRenderer;
+use timed::SingleRayRenderer;
 pub(crate) use view::View;
 
 pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
@@ -72,9 +72,11 @@ fn render_onto(
     let view = View::new(scene, accel, &plan.image);
     match meter {
         Meter::Off => render_tiles(film, plan, || StreamRenderer::<NoProbe>::new(view), report),
-        Meter::Counters => render_tiles(film, plan, || StreamRenderer::<Cost>::new(view), report),
+        Meter::Counters => {
+            render_tiles(film, plan, || StreamRenderer::<Counters>::new(view), report)
+        }
         Meter::Time(clock) => {
-            let renderer = || TimedRenderer::new(view, clock, plan.max_pixels());
+            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.max_pixels());
             render_tiles(film, plan, renderer, report)
         }
     }
@@ -82,9 +84,8 @@ fn render_onto(
 
 /// A way to render tiles, with room for one: each thread has its own.
 trait TileRenderer {
-    /// The tile's pixels, at most [`MAX_PIXELS`], in the order of
-    /// [`Tile::pixels`].
-    fn render(&mut self, tile: &Tile) -> &[Pixel];
+    /// The tile's pixels, at most [`MAX_PIXELS`], row by row.
+    fn render(&mut self, tile: &Tile) -> Rendered<'_>;
 }
 
 /// The film, all of its tiles rendered. Each thread takes the next tile in the
@@ -140,13 +141,14 @@ fn render_tile(
         ..TileRun::default()
     };
     for part in tile.parts(MAX_PIXELS) {
-        let pixels = renderer.render(&part);
-        let costs = pixels.iter().filter_map(|pixel| pixel.cost);
-        run.counted = costs.fold(run.counted, |sum, cost| sum.with(cost.counted));
+        let rendered = renderer.render(&part);
+        if let Some(counters) = rendered.counters {
+            run.counted = run.counted.with(counters.total());
+        }
         // The film is written a tile at a time, outside of any pixel's time:
         // first touches of its memory would show in the heatmap.
         let rendered_ns = now_ns();
-        canvas.store(&part, pixels);
+        canvas.store(&part, &rendered);
         run.end_ns = now_ns();
         run.film_ns += run.end_ns - rendered_ns;
     }

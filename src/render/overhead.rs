@@ -12,7 +12,7 @@ use std::hint::black_box;
 
 use cpu_time::ProcessTime;
 
-use super::timed::UntimedRenderer;
+use super::timed::SingleRayRenderer;
 use super::{Plan, Progress, View, render, render_tiles};
 use crate::accel::Accel;
 use crate::config::CostMode;
@@ -124,7 +124,7 @@ impl Way {
             Self::SingleRay => {
                 let view = View::new(scene, accel, &plan.image);
                 let film = Film::new(plan.image.width, plan.image.height, CostMode::Counters);
-                let renderer = || UntimedRenderer::new(view, plan.max_pixels());
+                let renderer = || SingleRayRenderer::new(view, None, plan.max_pixels());
                 render_tiles(film, plan, renderer, report).0
             }
         }

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::stream::{StreamRenderer, WAVE_LEN};
+use super::stream::{Place, StreamRenderer, WAVE_LEN};
 use super::view::View;
 use crate::accel::Accel;
 use crate::config::Image;
-use crate::cost::Cost;
+use crate::cost::{Counters, RayKind};
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileGrid};
 
@@ -22,19 +22,20 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
         ..*image
     };
     let view = View::new(scene, accel, &image);
-    let renderer = || StreamRenderer::<Cost>::new(view);
+    let renderer = || StreamRenderer::<Counters>::new(view);
     let per_tile = grid.tile_size.div_ceil(STEP).pow(2);
     // So many tiles make a stream that is worth its while.
     let n_together = (WAVE_LEN as u32 / per_tile).max(1);
-    let work = |renderer: &mut StreamRenderer<Cost>, chunk: u32| -> Vec<u64> {
+    let work = |renderer: &mut StreamRenderer<Counters>, chunk: u32| -> Vec<u64> {
         let first = chunk * n_together;
         let numbers = first..grid.n_tiles().min(first + n_together);
         let tiles: Vec<Tile> = numbers.map(|number| grid.tile(number)).collect();
-        renderer.follow(tiles.iter().flat_map(sparse_pixels));
-        let mut costs = renderer.counted().iter();
+        let places = (0..).zip(tiles.iter().flat_map(sparse_pixels));
+        renderer.follow(places.map(|(pixel, at)| Place { pixel, at }));
+        let mut steps = steps(renderer.probe());
         let of_tile = |tile| {
             let n_looked_at = sparse_pixels(tile).count();
-            let looked_at = costs.by_ref().take(n_looked_at).map(steps).sum::<u64>();
+            let looked_at = steps.by_ref().take(n_looked_at).sum::<u64>();
             looked_at * tile.n_pixels() as u64 / n_looked_at as u64
         };
         tiles.iter().map(of_tile).collect()
@@ -57,9 +58,16 @@ fn sparse_pixels(tile: &Tile) -> impl Iterator<Item = (u32, u32)> + use<> {
     places(tile.rows).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// A ray's own part and the steps of its traversal.
-fn steps(cost: &Cost) -> u64 {
-    cost.node_visits + cost.primitive_tests + RAY_STEPS * cost.n_rays()
+/// Of each pixel, its rays' own part and the steps of their traversal.
+fn steps(counters: &Counters) -> impl Iterator<Item = u64> {
+    (0..counters.node_visits().len()).map(|pixel| {
+        let at = |counts: &[u32]| u64::from(counts[pixel]);
+        let n_rays: u64 = RayKind::ALL
+            .iter()
+            .map(|&kind| at(counters.rays_of(kind)))
+            .sum();
+        at(counters.node_visits()) + at(counters.primitive_tests()) + RAY_STEPS * n_rays
+    })
 }
 
 /// What a ray takes beside its traversal, in steps of it.

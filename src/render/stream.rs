@@ -12,8 +12,8 @@ use super::view::{View, limited};
 use super::wave::{Shadows, Wave};
 use super::{TileRenderer, thread_number};
 use crate::accel::Hit;
-use crate::cost::{ByPixel, Cost, Probe, RayKind};
-use crate::film::{Pixel, PixelCost};
+use crate::cost::{ByPixel, PixelProbe, RayKind};
+use crate::film::{Pixel, Rendered};
 use crate::schedule::Tile;
 use crate::shade::Path;
 use crate::trace::SurfacePoint;
@@ -27,11 +27,10 @@ pub(super) const WAVE_LEN: usize = 2048;
 /// buffers are kept from tile to tile.
 pub(super) struct StreamRenderer<'a, P> {
     view: View<'a>,
-    /// Column and row of each of the tile's pixels.
-    places: Vec<(u32, u32)>,
+    /// In the order in which their camera rays are traced.
+    places: Vec<Place>,
     pixels: Vec<Pixel>,
-    /// One a pixel.
-    probes: Vec<P>,
+    probe: P,
     wave: Wave,
     /// The wave that follows.
     next: Wave,
@@ -43,13 +42,22 @@ pub(super) struct StreamRenderer<'a, P> {
     colors: Vec<Vec3>,
 }
 
-impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
+/// A pixel that is to be rendered.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    /// Its number among those that are rendered together.
+    pub(super) pixel: u32,
+    /// Its column and row in the picture.
+    pub(super) at: (u32, u32),
+}
+
+impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     pub(super) fn new(view: View<'a>) -> Self {
         Self {
             view,
             places: Vec::new(),
             pixels: Vec::new(),
-            probes: Vec::new(),
+            probe: P::default(),
             wave: Wave::default(),
             next: Wave::default(),
             hits: Vec::new(),
@@ -59,15 +67,14 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
         }
     }
 
-    /// Follows all paths of these pixels.
-    pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, u32)>) {
+    /// Follows all paths of these pixels, whose numbers are 0, 1, … in any order.
+    pub(super) fn follow(&mut self, places: impl Iterator<Item = Place>) {
         self.places.clear();
         self.places.extend(places);
         let n_pixels = self.places.len();
         self.pixels.clear();
         self.pixels.resize(n_pixels, Pixel::default());
-        self.probes.clear();
-        self.probes.resize(n_pixels, P::default());
+        self.probe.reset(n_pixels);
         let n_samples = self.view.n_samples;
         let n_together = (WAVE_LEN / n_pixels).max(1);
         for first in (0..n_samples).step_by(n_together) {
@@ -75,9 +82,9 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
         }
     }
 
-    /// What the pixels last followed cost, one a pixel.
-    pub(super) fn counted(&self) -> &[P] {
-        &self.probes
+    /// What the pixels last followed cost.
+    pub(super) fn probe(&self) -> &P {
+        &self.probe
     }
 
     /// Renders these samples of all pixels.
@@ -87,8 +94,8 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
         if samples.contains(&self.view.middle) {
             let middle = (self.view.middle - samples.start) as usize;
             let met = self.met.iter().skip(middle).step_by(samples.len());
-            for (pixel, met) in self.pixels.iter_mut().zip(met) {
-                pixel.surface = *met;
+            for (place, met) in self.places.iter().zip(met) {
+                self.pixels[place.pixel as usize].surface = *met;
             }
         }
         self.shade();
@@ -97,10 +104,9 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
             self.shade();
         }
         let colors = self.colors.chunks_exact(samples.len());
-        for (pixel, colors) in self.pixels.iter_mut().zip(colors) {
-            colors
-                .iter()
-                .for_each(|&color| pixel.color += limited(color));
+        for (place, colors) in self.places.iter().zip(colors) {
+            let sum = &mut self.pixels[place.pixel as usize].color;
+            colors.iter().for_each(|&color| *sum += limited(color));
         }
     }
 
@@ -108,9 +114,9 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
     fn shoot(&mut self, samples: Range<u32>) {
         self.wave.clear();
         let mut slot = 0;
-        for (pixel, &place) in (0..).zip(&self.places) {
+        for &Place { pixel, at } in &self.places {
             for sample in samples.clone() {
-                let ray = self.view.camera_ray(place, sample);
+                let ray = self.view.camera_ray(at, sample);
                 self.wave.push(ray, pixel, Path::from_eye(ray.origin), slot);
                 slot += 1;
             }
@@ -122,9 +128,9 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
     /// Finds what the wave's rays meet.
     fn trace(&mut self, kind: RayKind) {
         let Self { view, wave, .. } = self;
-        let probes = ByPixel::new(&mut self.probes, &wave.pixels);
+        let probe = ByPixel::new(&mut self.probe, &wave.pixels);
         view.tracer
-            .nearest_stream(&wave.rays, kind, &mut self.hits, probes);
+            .nearest_stream(&wave.rays, kind, &mut self.hits, probe);
         let met = wave
             .rays
             .iter()
@@ -138,7 +144,7 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
     fn shade(&mut self) {
         let View { tracer, shader, .. } = &self.view;
         self.shadows.gather(shader, &self.met, &self.wave.pixels);
-        self.shadows.trace(tracer, &mut self.probes);
+        self.shadows.trace(tracer, &mut self.probe);
         self.next.clear();
         for (i, (ray, met)) in self.wave.rays.iter().zip(&self.met).enumerate() {
             let path = &mut self.wave.paths[i];
@@ -152,7 +158,7 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
             let (pixel, slot) = (self.wave.pixels[i], self.wave.slots[i]);
             match mirrored {
                 Some(ray) => {
-                    self.probes[pixel as usize].bounce(path.depth);
+                    self.probe.bounce(pixel as usize, path.depth);
                     self.next.push(ray, pixel, *path, slot);
                 }
                 None => self.colors[slot as usize] = path.color,
@@ -160,30 +166,24 @@ impl<'a, P: Probe + Copy + Default + Into<Cost>> StreamRenderer<'a, P> {
         }
         std::mem::swap(&mut self.wave, &mut self.next);
     }
-
-    /// Hands the probes' counts over to the pixels.
-    fn measure(&mut self, tile: &Tile) {
-        let thread = thread_number();
-        for (pixel, &probe) in self.pixels.iter_mut().zip(&self.probes) {
-            pixel.cost = Some(PixelCost {
-                counted: probe.into(),
-                time: None,
-                tile: tile.number,
-                thread,
-            });
-        }
-    }
 }
 
-impl<P: Probe + Copy + Default + Into<Cost>> TileRenderer for StreamRenderer<'_, P> {
-    fn render(&mut self, tile: &Tile) -> &[Pixel] {
-        self.follow(tile.pixels());
-        if P::COUNTS {
-            self.measure(tile);
+impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
+    fn render(&mut self, tile: &Tile) -> Rendered<'_> {
+        let place = |at| Place {
+            pixel: tile.index(at),
+            at,
+        };
+        self.follow(tile.pixels().map(place));
+        for &Place { pixel, at } in &self.places {
+            self.view.finish(&mut self.pixels[pixel as usize], at);
         }
-        for (pixel, &place) in self.pixels.iter_mut().zip(&self.places) {
-            self.view.finish(pixel, place);
+        Rendered {
+            pixels: &self.pixels,
+            counters: self.probe.counted(),
+            times: &[],
+            tile: tile.number,
+            thread: thread_number(),
         }
-        &self.pixels
     }
 }

@@ -5,99 +5,67 @@ use glam::Vec3;
 
 use super::view::{View, limited};
 use super::{TileRenderer, thread_number};
-use crate::cost::{Clock, Cost, Probe, RayKind};
-use crate::film::{Pixel, PixelCost, PixelTime};
+use crate::cost::{Clock, Cost, Counters, Probe, RayKind};
+use crate::film::{Pixel, PixelTime, Rendered};
 use crate::geometry::Ray;
 use crate::schedule::Tile;
 use crate::shade::Path;
 use crate::trace::SurfacePoint;
 
-/// Renders tiles pixel by pixel, counting and timing each.
-pub(super) struct TimedRenderer<'a> {
+/// Renders tiles pixel by pixel, counting each, and timing it by a clock.
+pub(super) struct SingleRayRenderer<'a> {
     view: View<'a>,
-    clock: &'a Clock,
-    /// The pixels that are rendered at one go, at most.
+    /// None to tell what the clock costs.
+    clock: Option<&'a Clock>,
     pixels: Vec<Pixel>,
+    counters: Counters,
+    times: Vec<PixelTime>,
 }
 
-impl<'a> TimedRenderer<'a> {
+impl<'a> SingleRayRenderer<'a> {
     /// Renders `n_pixels` pixels at one go, at most.
-    pub(super) fn new(view: View<'a>, clock: &'a Clock, n_pixels: usize) -> Self {
+    pub(super) fn new(view: View<'a>, clock: Option<&'a Clock>, n_pixels: usize) -> Self {
+        // Written to once: no pixel shall pay for the first touch of memory.
         Self {
             view,
             clock,
-            pixels: touched_pixels(n_pixels),
+            pixels: vec![Pixel::default(); n_pixels],
+            counters: Counters::default(),
+            times: vec![PixelTime::default(); n_pixels],
         }
     }
 }
 
-impl TileRenderer for TimedRenderer<'_> {
+impl TileRenderer for SingleRayRenderer<'_> {
     /// One reading of the clock ends a pixel and begins the next.
-    fn render(&mut self, tile: &Tile) -> &[Pixel] {
-        let thread = thread_number();
-        let mut n_pixels = 0;
-        let mut begin = self.clock.now();
-        for (place, pixel) in tile.pixels().zip(&mut self.pixels) {
+    fn render(&mut self, tile: &Tile) -> Rendered<'_> {
+        let now = || self.clock.map(|clock| (clock, clock.now()));
+        let n_pixels = tile.n_pixels();
+        self.counters.reset(n_pixels);
+        let mut begin = now();
+        for place in tile.pixels() {
+            let i = tile.index(place) as usize;
             let mut counted = Cost::default();
-            render_pixel(&self.view, place, pixel, &mut counted);
-            let end = self.clock.now();
-            pixel.cost = Some(PixelCost {
-                counted,
-                time: Some(PixelTime {
-                    ns: self.clock.elapsed_ns(begin, end),
+            render_pixel(&self.view, place, &mut self.pixels[i], &mut counted);
+            self.counters.add(i, &counted);
+            let end = now();
+            if let (Some((clock, begin)), Some((_, end))) = (begin, end) {
+                self.times[i] = PixelTime {
+                    ns: clock.elapsed_ns(begin, end),
                     is_rejected: !end.is_on_cpu_of(begin),
-                }),
-                tile: tile.number,
-                thread,
-            });
-            n_pixels += 1;
+                };
+            }
             begin = end;
         }
-        &self.pixels[..n_pixels]
-    }
-}
-
-/// The same without a clock: what a [`TimedRenderer`] takes longer is what the
-/// clock costs.
-pub(super) struct UntimedRenderer<'a> {
-    view: View<'a>,
-    /// The pixels that are rendered at one go, at most.
-    pixels: Vec<Pixel>,
-}
-
-impl<'a> UntimedRenderer<'a> {
-    /// Renders `n_pixels` pixels at one go, at most.
-    pub(super) fn new(view: View<'a>, n_pixels: usize) -> Self {
-        Self {
-            view,
-            pixels: touched_pixels(n_pixels),
+        let n_times = if self.clock.is_some() { n_pixels } else { 0 };
+        Rendered {
+            pixels: &self.pixels[..n_pixels],
+            counters: Some(&self.counters),
+            times: &self.times[..n_times],
+            tile: tile.number,
+            thread: thread_number(),
         }
     }
-}
-
-impl TileRenderer for UntimedRenderer<'_> {
-    fn render(&mut self, tile: &Tile) -> &[Pixel] {
-        let thread = thread_number();
-        let mut n_pixels = 0;
-        for (place, pixel) in tile.pixels().zip(&mut self.pixels) {
-            let mut counted = Cost::default();
-            render_pixel(&self.view, place, pixel, &mut counted);
-            pixel.cost = Some(PixelCost {
-                counted,
-                time: None,
-                tile: tile.number,
-                thread,
-            });
-            n_pixels += 1;
-        }
-        &self.pixels[..n_pixels]
-    }
-}
-
-/// Room for so many pixels.
-fn touched_pixels(n_pixels: usize) -> Vec<Pixel> {
-    // Written to once: no pixel shall pay for the first touch of memory.
-    vec![Pixel::default(); n_pixels]
 }
 
 /// Renders a pixel where it is to stay: a copy would cost as much as a ray.

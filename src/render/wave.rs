@@ -3,7 +3,7 @@
 //! Structures of arrays: what the ray kernel reads lies close together.
 
 use crate::accel::ShadowRay;
-use crate::cost::{ByPixel, Probe};
+use crate::cost::{ByPixel, PixelProbe};
 use crate::geometry::Ray;
 use crate::light::Illumination;
 use crate::shade::{Path, Shader};
@@ -67,8 +67,8 @@ impl Shadows {
     }
 
     /// Finds out which of them are occluded.
-    pub(super) fn trace<P: Probe>(&mut self, tracer: &Tracer, probes: &mut [P]) {
-        let probes = ByPixel::new(probes, &self.pixels);
+    pub(super) fn trace<P: PixelProbe>(&mut self, tracer: &Tracer, probe: &mut P) {
+        let probes = ByPixel::new(probe, &self.pixels);
         tracer.shadow_stream(&self.rays, &mut self.occluded, probes);
     }
 

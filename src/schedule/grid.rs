@@ -69,21 +69,19 @@ impl Tile {
     /// Its pixels (x, y), block by block: rays that follow each other lie close
     /// together, which the ray kernel makes use of.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
-        self.block_rows()
-            .flat_map(|(y, columns)| columns.map(move |x| (x, y)))
-    }
-
-    /// The rows of its blocks, y and columns, in the order of
-    /// [`pixels`](Self::pixels).
-    pub fn block_rows(&self) -> impl Iterator<Item = (u32, Range<u32>)> + use<> {
-        let blocks = |[first, end]: [u32; 2]| {
-            let starts = (first..end).step_by(BLOCK_SIDE as usize);
-            starts.map(move |start| start..(start + BLOCK_SIDE).min(end))
-        };
         let columns = self.columns;
         blocks(self.rows).flat_map(move |rows| {
-            blocks(columns).flat_map(move |columns| rows.clone().map(move |y| (y, columns.clone())))
+            blocks(columns).flat_map(move |columns| {
+                let pixels = move |y| columns.clone().map(move |x| (x, y));
+                rows.clone().flat_map(pixels)
+            })
         })
+    }
+
+    /// The number of a pixel along its rows, from 0 at the top left.
+    pub fn index(&self, (x, y): (u32, u32)) -> u32 {
+        let [left, right] = self.columns;
+        (y - self.rows[0]) * (right - left) + x - left
     }
 
     /// The tile cut into as many whole rows as `n_pixels` hold, at least one,
@@ -112,6 +110,12 @@ impl Tile {
     }
 }
 
+/// What blocks have of rows, or columns, from the first to before the end.
+fn blocks([first, end]: [u32; 2]) -> impl Iterator<Item = Range<u32>> {
+    let starts = (first..end).step_by(BLOCK_SIDE as usize);
+    starts.map(move |start| start..(start + BLOCK_SIDE).min(end))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,6 +129,10 @@ mod tests {
                 let mut pixels = Vec::new();
                 for tile in tiles {
                     assert_eq!(tile.pixels().count(), tile.n_pixels());
+                    let mut along_rows: Vec<_> = tile.pixels().collect();
+                    along_rows.sort_by_key(|&(x, y)| (y, x));
+                    let indices = along_rows.into_iter().map(|place| tile.index(place));
+                    assert!(indices.eq(0..tile.n_pixels() as u32));
                     // Some hold whole blocks, and then their order is the tile's.
                     let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());
                     assert!(parts.eq(tile.pixels()));

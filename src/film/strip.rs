@@ -1,0 +1,178 @@
+//! Some rows of a film, array by array.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::{Pixel, Rendered};
+use crate::config::CostMode;
+use crate::cost::{Counters, RayKind};
+use crate::trace::SurfacePoint;
+
+/// Some rows of a film. Every array is row-major, `width * n_rows` long, the
+/// uppermost row first; cost arrays that were not asked for are empty.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[expect(missing_docs, reason = "each array is told in `columns`")]
+pub struct Strip {
+    /// The number of the uppermost row, 0 on top of the film.
+    pub first_row: u32,
+    /// How many rows.
+    pub n_rows: u32,
+    pub rgb: Vec<[u8; 3]>,
+    /// World-space point of the pixel's hit; NaN for none.
+    pub position: Vec<Vec3>,
+    pub normal: Vec<Vec3>,
+    pub distance: Vec<f32>,
+    pub footprint: Vec<f32>,
+    pub object: Vec<i32>,
+    pub material: Vec<i32>,
+    pub time_ns: Vec<f32>,
+    /// Empty unless the film was rendered more than once.
+    pub time_mad_ns: Vec<f32>,
+    pub n_rejected: Vec<u8>,
+    pub node_visits: Vec<u32>,
+    pub primitive_tests: Vec<u32>,
+    pub rays: Vec<u32>,
+    pub shadow_rays: Vec<u32>,
+    pub reflection_rays: Vec<u32>,
+    pub refraction_rays: Vec<u32>,
+    pub depth: Vec<u32>,
+    pub tile: Vec<i32>,
+    pub thread: Vec<i32>,
+}
+
+impl Strip {
+    pub(super) fn new(first_row: u32, n_rows: u32, width: u32, cost: CostMode) -> Self {
+        let n = n_rows as usize * width as usize;
+        let n_times = if cost.has_time() { n } else { 0 };
+        let n_counters = if cost.has_counters() { n } else { 0 };
+        Self {
+            first_row,
+            n_rows,
+            rgb: vec![[0; 3]; n],
+            position: vec![Vec3::ZERO; n],
+            normal: vec![Vec3::ZERO; n],
+            distance: vec![0.0; n],
+            footprint: vec![0.0; n],
+            object: vec![0; n],
+            material: vec![0; n],
+            time_ns: vec![0.0; n_times],
+            time_mad_ns: Vec::new(),
+            n_rejected: vec![0; n_times],
+            node_visits: vec![0; n_counters],
+            primitive_tests: vec![0; n_counters],
+            rays: vec![0; n_counters],
+            shadow_rays: vec![0; n_counters],
+            reflection_rays: vec![0; n_counters],
+            refraction_rays: vec![0; n_counters],
+            depth: vec![0; n_counters],
+            tile: vec![0; n_counters],
+            thread: vec![0; n_counters],
+        }
+    }
+
+    /// Puts neighbouring pixels of a row, these of `rendered`, at the indices
+    /// from `first` on of every array.
+    pub fn put(&mut self, first: usize, rendered: &Rendered, row: Range<usize>) {
+        let places = first..first + row.len();
+        self.put_surfaces(places.clone(), &rendered.pixels[row.clone()]);
+        if let Some(counters) = rendered.counters {
+            self.tile[places.clone()].fill(rendered.tile as i32);
+            self.thread[places.clone()].fill(rendered.thread as i32);
+            self.put_counters(places.clone(), counters, row.clone());
+        }
+        if !rendered.times.is_empty() {
+            let times = &rendered.times[row];
+            fill(&mut self.time_ns[places.clone()], times, |time| time.ns);
+            fill(&mut self.n_rejected[places], times, |time| {
+                time.is_rejected.into()
+            });
+        }
+    }
+
+    fn put_surfaces(&mut self, places: Range<usize>, pixels: &[Pixel]) {
+        // Array by array: its bounds are looked at once, and its memory is
+        // written in one go.
+        macro_rules! put {
+            ($field:ident, $value:expr) => {
+                fill(&mut self.$field[places.clone()], pixels, $value)
+            };
+        }
+        put!(rgb, |pixel| to_rgb8(pixel.color));
+        let footprint = |pixel: &Pixel| seen(pixel, f32::NAN, |_| pixel.footprint);
+        put!(footprint, footprint);
+        put!(position, |pixel| seen(pixel, Vec3::NAN, |at| at.position));
+        put!(normal, |pixel| seen(pixel, Vec3::NAN, |at| at.normal));
+        put!(distance, |pixel| seen(pixel, f32::NAN, |at| at.distance));
+        put!(object, |pixel| seen(pixel, -1, |at| at.object.0 as i32));
+        put!(material, |pixel| seen(pixel, -1, |at| at.material.0 as i32));
+    }
+
+    fn put_counters(&mut self, places: Range<usize>, counters: &Counters, row: Range<usize>) {
+        let rays = |kind| &counters.rays_of(kind)[row.clone()];
+        let [camera, shadow, reflection, refraction] = RayKind::ALL.map(rays);
+        let all = &mut self.rays[places.clone()];
+        all.copy_from_slice(camera);
+        for more in [shadow, reflection, refraction] {
+            for (rays, &more) in all.iter_mut().zip(more) {
+                *rays = rays.saturating_add(more);
+            }
+        }
+        macro_rules! put {
+            ($field:ident, $values:expr) => {
+                self.$field[places.clone()].copy_from_slice($values)
+            };
+        }
+        put!(shadow_rays, shadow);
+        put!(reflection_rays, reflection);
+        put!(refraction_rays, refraction);
+        put!(node_visits, &counters.node_visits()[row.clone()]);
+        put!(primitive_tests, &counters.primitive_tests()[row.clone()]);
+        put!(depth, &counters.depth()[row.clone()]);
+    }
+}
+
+/// Writes a value of each into the places.
+#[inline(always)]
+fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
+    for (place, from) in places.iter_mut().zip(from) {
+        *place = value(from);
+    }
+}
+
+/// What the pixel's surface has, or `none` without one.
+#[inline(always)]
+fn seen<T>(pixel: &Pixel, none: T, value: impl Fn(&SurfacePoint) -> T) -> T {
+    pixel.surface.as_ref().map_or(none, value)
+}
+
+/// Limited to 0..1, then to 8 bits by rounding; no gamma.
+pub(crate) fn to_rgb8(color: Vec3) -> [u8; 3] {
+    (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
+        .to_array()
+        .map(rounded)
+}
+
+/// The nearest whole number of one from 0 to 255, halves up: as `f32::round`,
+/// which is a call of a function where x86-64 has no SSE 4.1.
+#[inline(always)]
+fn rounded(channel: f32) -> u8 {
+    let whole = channel as u8;
+    // Exact: the two are less than 1 apart.
+    whole + u8::from(channel - f32::from(whole) >= 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_that_of_the_library() {
+        let halves = (0..255).map(|whole| whole as f32 + 0.5);
+        let close = halves.flat_map(|half| [half.next_down(), half, half.next_up()]);
+        let everywhere = (0..=255_000).map(|thousandth| thousandth as f32 / 1000.0);
+        for channel in close.chain(everywhere) {
+            assert_eq!(rounded(channel), channel.round() as u8, "{channel}");
+        }
+    }
+}
