@@ -1,6 +1,7 @@
 //! `raycost check`.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use super::Failure;
 use super::closing::primitives;
@@ -104,10 +105,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
                 bytes(memory::available())
             ),
         ),
-        (
-            "files",
-            format!("{} in {}", files(config), arguments.out().display()),
-        ),
+        ("files", files(config, &arguments.out())),
     ];
     lines
         .iter()
@@ -116,15 +114,16 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
 }
 
 /// What would be written.
-fn files(config: &Config) -> String {
+fn files(config: &Config, out: &Path) -> String {
     let wanted = Artifact::ALL.iter().filter(|file| file.is_wanted(config));
     let names: Vec<&str> = wanted.map(|file| file.file_name()).collect();
     let codec = match config.compress {
         Codec::None => "",
-        Codec::Lz4 => " (VTK files compressed by LZ4)",
-        Codec::Zlib => " (VTK files compressed by zlib)",
+        Codec::Lz4 => ", VTK files compressed by LZ4",
+        Codec::Zlib => ", VTK files compressed by zlib",
     };
-    format!("{}, summary.json{codec}", names.join(", "))
+    let (names, out) = (names.join(", "), out.display());
+    format!("{names}, summary.json in {out}{codec}")
 }
 
 /// How the picture would be dealt out.
