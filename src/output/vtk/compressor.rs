@@ -12,8 +12,8 @@ use crate::config::Codec;
 /// fewer. Larger ones pack no better, and fewer threads could share them.
 pub(crate) const BLOCK: usize = 1 << 18;
 
-/// miniz_oxide's level: twice the work of the next one saves 7 % of the bytes.
-/// zlib-rs takes twice the time to pack as well.
+/// miniz_oxide's level: level 3 takes 3.6 times as long and saves 2 to 8 % of the
+/// bytes, and zlib-rs takes 1.8 times as long to pack as well.
 const ZLIB_LEVEL: u8 = 1;
 
 /// What packs and unpacks a block.
