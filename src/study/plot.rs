@@ -6,6 +6,7 @@ use image::{ImageFormat, RgbImage};
 use plotters::coord::Shift;
 use plotters::element::{Circle, Cross, PathElement, Text, TriangleMarker};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
 use super::axis::Axis;
@@ -148,11 +149,7 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
             area.strip_coord_spec().draw(&cap(high))?;
             let (x, y) = chart.backend_coord(&(mark.x, mark.y));
             draw_symbol(area, number, (x, y))?;
-            area.draw(&Text::new(
-                mark.label.clone(),
-                (x + 9, y - 7),
-                (FONT, 14).into_font().color(&color),
-            ))?;
+            draw_label(area, &mark.label, (x, y))?;
             if let Some(limit) = ceiling::limit_of(figure, mark) {
                 let (x, y) = chart.backend_coord(&(mark.x, limit));
                 area.draw(&PathElement::new(
@@ -163,6 +160,22 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
         }
     }
     Ok(())
+}
+
+/// Draws what stands beside a mark: on its left where there is no room on its
+/// right.
+fn draw_label<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    label: &str,
+    (x, y): (i32, i32),
+) -> Drawn<DB> {
+    let width = 8 * label.len() as i32;
+    let (side, x) = match x + 10 + width > area.dim_in_pixel().0 as i32 {
+        true => (HPos::Right, x - 10),
+        false => (HPos::Left, x + 10),
+    };
+    let style = TextStyle::from((FONT, 14).into_font()).pos(Pos::new(side, VPos::Top));
+    area.draw(&Text::new(label.to_owned(), (x, y + 2), style))
 }
 
 /// Draws the symbol of a series: colour is not all that tells them apart.

@@ -44,10 +44,18 @@ impl Figure {
             ceilings: ceilings(standings, limits, peak),
         };
         for standing in standings {
-            figure
-                .series_of(series_label(standing, label))
-                .points
-                .push(mark(standing, label, peak.is_some()));
+            let mut mark = mark(standing, label, peak.is_some());
+            // Series of the same counters lie one over the other: one name will do.
+            let of_same_name = |other: &&Mark| other.label == mark.label;
+            let mut marks = figure.series.iter().flat_map(|series| &series.points);
+            if marks
+                .find(of_same_name)
+                .is_some_and(|other| other.x == mark.x)
+            {
+                mark.label.clear();
+            }
+            let series = figure.series_of(series_label(standing, label));
+            series.points.push(mark);
         }
         figure.finish(false);
         Some(figure)
