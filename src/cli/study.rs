@@ -12,7 +12,10 @@ use serde_json::{Value, json};
 use super::progress::StudyBar;
 use super::{Cli, Failure};
 use crate::output::{self, HardwareCounters, format::duration, write_file};
-use crate::study::{Figure, Metrics, Plan, Point, Results, Row, Run, Turn, rows, write_csv};
+use crate::study::{
+    Figure, Limits, Metrics, Plan, Point, Results, Row, Run, Standing, Turn, rows, standings,
+    verdict, write_csv,
+};
 use crate::yaml::{Diagnostic, Source};
 
 /// Measure how the cost of scenes depends on what you vary
@@ -65,14 +68,38 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     fs::create_dir_all(&out).map_err(|error| cannot_write(&out, &error))?;
     let made_by = made_by();
     let mut results = Results::open(&out.join("runs.jsonl"), &made_by)?;
+    let limits = plan.roofline.then(|| limits(&out, &made_by)).transpose()?;
     let turns = plan.turns();
     let left = measure(arguments, &plan, &turns, &points, folder, &mut results)?;
     let rows = rows(&plan, &results);
-    write_tables(&out, &plan, &rows, &made_by)?;
+    let standings = limits.as_ref().map(|limits| standings(&rows, limits));
+    if let Some((limits, standings)) = limits.as_ref().zip(standings.as_ref())
+        && let Some(figure) = Figure::roofline(&plan.title, standings, limits)
+    {
+        write_figure(&figure, &out, "roofline")?;
+    }
+    write_tables(&out, &plan, &rows, standings.as_deref(), &made_by)?;
     if !arguments.quiet {
-        io::stdout().write_all(closing_lines(&plan, &rows, &made_by, &out, left).as_bytes())?;
+        let lines = closing_lines(&plan, &rows, standings.as_deref(), &made_by, &out, left);
+        io::stdout().write_all(lines.as_bytes())?;
     }
     Ok(())
+}
+
+/// The machine's limits, measured where the folder has none yet.
+fn limits(out: &Path, made_by: &Value) -> Result<Limits, Failure> {
+    let path = out.join("limits.json");
+    if let Some(limits) = Limits::read_from(&path, made_by)? {
+        return Ok(limits);
+    }
+    let limits = Limits::measure();
+    write_file(&path, |file| {
+        Ok(serde_json::to_writer_pretty(
+            file,
+            &limits.to_file(made_by),
+        )?)
+    })?;
+    Ok(limits)
 }
 
 /// Makes sure that a point can be run before any is.
@@ -169,23 +196,38 @@ fn made_by() -> Value {
     })
 }
 
-fn write_tables(out: &Path, plan: &Plan, rows: &[Row], made_by: &Value) -> Result<(), Failure> {
+fn write_tables(
+    out: &Path,
+    plan: &Plan,
+    rows: &[Row],
+    standings: Option<&[Standing]>,
+    made_by: &Value,
+) -> Result<(), Failure> {
     write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
             continue;
         };
         let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
-        let path_of = |ending| out.join(format!("{name}.{ending}"));
-        write_file(&path_of("svg"), |file| {
-            file.write_all(figure.to_svg()?.as_bytes())
-        })?;
-        write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
+        write_figure(&figure, out, &name)?;
     }
-    let all = json!({ "title": plan.title, "made_by": made_by, "rows": rows });
+    let mut all = json!({ "title": plan.title, "made_by": made_by, "rows": rows });
+    if let Some(standings) = standings {
+        all["roofline"] = json!(standings);
+    }
     write_file(&out.join("statistics.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
+    Ok(())
+}
+
+/// Writes a plot as SVG and as PNG.
+fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<(), Failure> {
+    let path_of = |ending| out.join(format!("{name}.{ending}"));
+    write_file(&path_of("svg"), |file| {
+        file.write_all(figure.to_svg()?.as_bytes())
+    })?;
+    write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
     Ok(())
 }
 
@@ -195,7 +237,14 @@ fn cannot_write(path: &Path, error: &io::Error) -> Failure {
 }
 
 /// What was found and where it is.
-fn closing_lines(plan: &Plan, rows: &[Row], made_by: &Value, out: &Path, n_left: usize) -> String {
+fn closing_lines(
+    plan: &Plan,
+    rows: &[Row],
+    standings: Option<&[Standing]>,
+    made_by: &Value,
+    out: &Path,
+    n_left: usize,
+) -> String {
     let mut text = format!("{}\n\n", plan.title);
     let shown = rows.iter().filter(|row| row.metric == "render_wall_ms");
     for row in shown {
@@ -213,6 +262,10 @@ fn closing_lines(plan: &Plan, rows: &[Row], made_by: &Value, out: &Path, n_left:
             ms(statistics.high_95),
             statistics.n,
         );
+    }
+    if let Some(standings) = standings {
+        let nothing = || "no run had counters and a hierarchy: nothing to hold up".to_owned();
+        text += &format!("\nbound   {}\n", verdict(standings).unwrap_or_else(nothing));
     }
     text += &format!(
         "\nwrote   {}: runs.jsonl, statistics.csv, statistics.json\n",
