@@ -10,6 +10,7 @@ mod progress;
 mod rectangle;
 mod render;
 mod scene;
+mod studies;
 mod study;
 mod trace;
 mod tree;

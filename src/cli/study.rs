@@ -10,28 +10,34 @@ use clap::Parser;
 use serde_json::{Value, json};
 
 use super::progress::StudyBar;
+use super::studies;
 use super::{Cli, Failure};
 use crate::output::{self, HardwareCounters, format::duration, write_file};
-use crate::study::{Figure, Metrics, Plan, Point, Results, Row, Run, Turn, rows, write_csv};
+use crate::study::{
+    Figure, Metrics, Plan, Plot, Point, Results, Row, Run, Series, Turn, rows, write_csv,
+};
 use crate::yaml::{Diagnostic, Source};
 
 /// Measure how the cost of scenes depends on what you vary
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  raycost study configs/studies/threads.yaml
+  raycost study configs/studies/tiles.yaml
   raycost study configs/studies/image_size.yaml --quick --out /tmp/sizes
+  raycost study --quick
 
 A study that was stopped goes on where it was when the same command is given
 again: a run that has ended is never measured again.")]
 pub(super) struct Arguments {
-    /// The study's YAML file
-    study: PathBuf,
+    /// Study files, or folders of them [default: configs/studies]
+    #[arg(value_name = "STUDY")]
+    studies: Vec<PathBuf>,
 
-    /// Folder to write to [default: out/studies/<the study's name>]
+    /// Folder to write to [default: out/studies/<the study's name>]; of several
+    /// studies each has one in it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Take the study's smaller matrix, to see it work
+    /// Take the smaller matrix of each study, to see it work
     #[arg(long)]
     quick: bool,
 
@@ -40,39 +46,101 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
-impl Arguments {
-    /// The folder to write to.
-    fn out(&self) -> PathBuf {
-        let stem = self.study.file_stem().unwrap_or_default().to_string_lossy();
-        let suffix = if self.quick { "-quick" } else { "" };
-        let default = || Path::new("out/studies").join(format!("{stem}{suffix}"));
-        self.out.clone().unwrap_or_else(default)
-    }
+/// A study file that was read and can be run.
+struct Study {
+    plan: Plan,
+    points: Vec<Point>,
+    /// The study file's folder, which scenes are relative to.
+    folder: PathBuf,
+    /// Where results go.
+    out: PathBuf,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let source = Source::read(&arguments.study)?;
-    let mut plan: Plan = source.parse()?;
-    if arguments.quick {
-        plan = plan.quickened();
-    }
-    let points = plan.points();
-    let folder = source.folder();
-    for point in &points {
-        check(&plan, point, folder)?;
-    }
-    let out = arguments.out();
-    fs::create_dir_all(&out).map_err(|error| cannot_write(&out, &error))?;
+    let (named, out, quick) = (
+        &arguments.studies,
+        arguments.out.as_deref(),
+        arguments.quick,
+    );
+    let files = studies::files(named, out, quick)?.into_iter();
+    let read = files.map(|(file, out)| Study::read(&file, out, quick));
+    let studies = read.collect::<Result<Vec<_>, Failure>>()?;
     let made_by = made_by();
-    let mut results = Results::open(&out.join("runs.jsonl"), &made_by)?;
-    let turns = plan.turns();
-    let left = measure(arguments, &plan, &turns, &points, folder, &mut results)?;
-    let rows = rows(&plan, &results);
-    write_tables(&out, &plan, &rows, &made_by)?;
+    // All are opened before anything is measured: a file of others stops all.
+    let opened = studies.iter().map(|study| study.open(&made_by));
+    let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
+    let mut n_left = 0;
+    for (study, mut results) in studies.iter().zip(opened) {
+        let left = study.measure(&mut results, arguments.quiet)?;
+        let rows = rows(&study.plan, &results);
+        write_tables(&study.out, &study.plan, &rows, &made_by)?;
+        n_left += left;
+        if !arguments.quiet {
+            let lines = closing_lines(&study.plan, &rows, &study.out);
+            io::stdout().write_all(lines.as_bytes())?;
+        }
+    }
     if !arguments.quiet {
-        io::stdout().write_all(closing_lines(&plan, &rows, &made_by, &out, left).as_bytes())?;
+        io::stdout().write_all(last_lines(&made_by, n_left).as_bytes())?;
     }
     Ok(())
+}
+
+impl Study {
+    /// Reads a study file, and makes sure that each of its points can be run.
+    fn read(file: &Path, out: PathBuf, quick: bool) -> Result<Self, Failure> {
+        let source = Source::read(file)?;
+        let mut plan: Plan = source.parse()?;
+        if quick {
+            plan = plan.quickened();
+        }
+        let study = Self {
+            points: plan.points(),
+            plan,
+            folder: source.folder().to_owned(),
+            out,
+        };
+        for point in &study.points {
+            check(&study.plan, point, &study.folder)?;
+        }
+        Ok(study)
+    }
+
+    /// Its results so far.
+    fn open(&self, made_by: &Value) -> Result<Results, Failure> {
+        let failed = |error| cannot_write(&self.out, &error);
+        fs::create_dir_all(&self.out).map_err(failed)?;
+        Ok(Results::open(&self.out.join("runs.jsonl"), made_by)?)
+    }
+
+    /// Makes the runs that are left; gives how many are still left in the end.
+    fn measure(&self, results: &mut Results, quiet: bool) -> Result<usize, Failure> {
+        let turns = self.plan.turns().into_iter();
+        let is_left = |turn: &Turn| !results.has(&self.points[turn.point], turn.round);
+        let todo: Vec<Turn> = turns.filter(is_left).collect();
+        let bar = StudyBar::new(todo.len() as u64, quiet);
+        let start = Instant::now();
+        let budget = self.plan.time_budget_s.map(Duration::from_secs_f32);
+        for (n_done, turn) in todo.iter().enumerate() {
+            if budget.is_some_and(|budget| start.elapsed() > budget) {
+                bar.clear();
+                return Ok(todo.len() - n_done);
+            }
+            let point = &self.points[turn.point];
+            bar.begin(&point.label());
+            let metrics = one_run(&self.plan, point, &self.folder, &self.out.join("run"))?;
+            let run = Run {
+                point: point.values.clone(),
+                round: turn.round,
+                metrics,
+            };
+            let failed = |error| cannot_write(&self.out, &error);
+            results.add(run).map_err(failed)?;
+            bar.advance();
+        }
+        bar.clear();
+        Ok(0)
+    }
 }
 
 /// Makes sure that a point can be run before any is.
@@ -92,44 +160,6 @@ fn check(plan: &Plan, point: &Point, folder: &Path) -> Result<(), Failure> {
     };
     let cli = Cli::try_parse_from(words).map_err(refused)?;
     Ok(cli.check_alone()?)
-}
-
-/// Makes the runs that are left; gives how many are still left in the end.
-fn measure(
-    arguments: &Arguments,
-    plan: &Plan,
-    turns: &[Turn],
-    points: &[Point],
-    folder: &Path,
-    results: &mut Results,
-) -> Result<usize, Failure> {
-    let todo: Vec<&Turn> = turns
-        .iter()
-        .filter(|turn| !results.has(&points[turn.point], turn.round))
-        .collect();
-    let bar = StudyBar::new(todo.len() as u64, arguments.quiet);
-    let start = Instant::now();
-    let budget = plan.time_budget_s.map(Duration::from_secs_f32);
-    for (n_done, turn) in todo.iter().enumerate() {
-        if budget.is_some_and(|budget| start.elapsed() > budget) {
-            bar.clear();
-            return Ok(todo.len() - n_done);
-        }
-        let point = &points[turn.point];
-        bar.begin(&point.label());
-        let metrics = one_run(plan, point, folder, &arguments.out().join("run"))?;
-        let run = Run {
-            point: point.values.clone(),
-            round: turn.round,
-            metrics,
-        };
-        results
-            .add(run)
-            .map_err(|error| cannot_write(&arguments.out(), &error))?;
-        bar.advance();
-    }
-    bar.clear();
-    Ok(0)
 }
 
 /// Renders a point in a process of its own, into a folder that goes again.
@@ -171,10 +201,12 @@ fn made_by() -> Value {
 
 fn write_tables(out: &Path, plan: &Plan, rows: &[Row], made_by: &Value) -> Result<(), Failure> {
     write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
+    let mut fits = Vec::new();
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
             continue;
         };
+        fits.extend(fits_of(plot, &figure));
         let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
         let path_of = |ending| out.join(format!("{name}.{ending}"));
         write_file(&path_of("svg"), |file| {
@@ -182,11 +214,20 @@ fn write_tables(out: &Path, plan: &Plan, rows: &[Row], made_by: &Value) -> Resul
         })?;
         write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
     }
-    let all = json!({ "title": plan.title, "made_by": made_by, "rows": rows });
+    let all = json!({ "title": plan.title, "made_by": made_by, "fits": fits, "rows": rows });
     write_file(&out.join("statistics.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
     Ok(())
+}
+
+/// The power laws of a plot, by the names of their series.
+fn fits_of(plot: &Plot, figure: &Figure) -> impl Iterator<Item = Value> {
+    let fit = |series: &Series| {
+        let law = series.law?;
+        Some(json!({ "x": plot.x, "y": plot.y, "series": series.label, "law": law }))
+    };
+    figure.series.iter().filter_map(fit)
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> Failure {
@@ -195,7 +236,7 @@ fn cannot_write(path: &Path, error: &io::Error) -> Failure {
 }
 
 /// What was found and where it is.
-fn closing_lines(plan: &Plan, rows: &[Row], made_by: &Value, out: &Path, n_left: usize) -> String {
+fn closing_lines(plan: &Plan, rows: &[Row], out: &Path) -> String {
     let mut text = format!("{}\n\n", plan.title);
     let shown = rows.iter().filter(|row| row.metric == "render_wall_ms");
     for row in shown {
@@ -214,10 +255,12 @@ fn closing_lines(plan: &Plan, rows: &[Row], made_by: &Value, out: &Path, n_left:
             statistics.n,
         );
     }
-    text += &format!(
-        "\nwrote   {}: runs.jsonl, statistics.csv, statistics.json\n",
-        out.display()
-    );
+    text + &format!("\nwrote   {}/\n\n", out.display())
+}
+
+/// What is to be said of all studies.
+fn last_lines(made_by: &Value, n_left: usize) -> String {
+    let mut text = "each    runs.jsonl, statistics.csv, statistics.json, plots\n".to_owned();
     if let Some(reason) = made_by["no_hardware_counters"].as_str() {
         text += &format!("note    cycles, instructions and misses: {reason}\n");
     }
