@@ -238,17 +238,21 @@ fn cannot_write(path: &Path, error: &io::Error) -> Failure {
 /// What was found and where it is.
 fn closing_lines(plan: &Plan, rows: &[Row], out: &Path) -> String {
     let mut text = format!("{}\n\n", plan.title);
-    let shown = rows.iter().filter(|row| row.metric == "render_wall_ms");
-    for row in shown {
+    let values = |row: &Row| {
         let values = row.point.iter().map(|(name, value)| match value {
             Value::String(text) => format!("{name} {text}"),
             number => format!("{name} {number}"),
         });
+        values.collect::<Vec<_>>().join(", ")
+    };
+    let shown = || rows.iter().filter(|row| row.metric == "render_wall_ms");
+    let width = shown().map(|row| values(row).len()).max().unwrap_or(0);
+    for row in shown() {
         let statistics = &row.statistics;
         let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
         text += &format!(
-            "{:<48} {:>9}  95 % [{}, {}], {} runs\n",
-            values.collect::<Vec<_>>().join(", "),
+            "{:<width$} {:>9}  95 % [{}, {}], {} runs\n",
+            values(row),
             ms(statistics.median),
             ms(statistics.low_95),
             ms(statistics.high_95),
