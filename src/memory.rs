@@ -3,7 +3,7 @@
 use sysinfo::System;
 
 use crate::accel::{Bvh, TooLarge};
-use crate::config::{Acceleration, Config, Image};
+use crate::config::{Acceleration, Codec, Config, Image};
 use crate::film;
 use crate::ledger::Ledger;
 use crate::render::repeat_bytes_per_pixel;
@@ -15,6 +15,10 @@ use crate::yaml::{Fault, Path};
 /// of the times or counts, another to find their median, the cost map and its
 /// PNG.
 const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
+
+/// What compressing takes for each of the VTK files, five at most, all written
+/// at once: a window of blocks, and as many compressed ones.
+pub(crate) const COMPRESSION_BYTES: u64 = 5 * (12 << 20);
 
 /// What the order and the record of a tile take: the threads' lists grow by
 /// doubling, and are there until the schedule is made of them.
@@ -41,10 +45,14 @@ impl Memory {
         let Image { width, height, .. } = config.image;
         let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
         let of_tiles = u64::from(n_tiles) * BYTES_PER_TILE;
+        let of_codec = match config.compress {
+            Codec::None => 0,
+            Codec::Lz4 | Codec::Zlib => COMPRESSION_BYTES,
+        };
         let of_ledger = Ledger::bytes_per_primitive(&config.output, config.acceleration);
         let bare = Self::of_scene(config, geometries);
         Self {
-            film: config.image.n_pixels() as u64 * per_pixel + of_tiles,
+            film: config.image.n_pixels() as u64 * per_pixel + of_tiles + of_codec,
             scene: bare.scene + (bare.n_primitives * of_ledger) as u64,
             ..bare
         }

@@ -12,7 +12,7 @@ use bytemuck::NoUninit;
 use common::data_set::{Array, DataSet};
 use common::kept::kept;
 use common::{assert_success, config, in_repository, parse, raycost, with_cost};
-use raycost::config::{BvhLimits, Config, CostMode};
+use raycost::config::{BvhLimits, Codec, Config, CostMode};
 use raycost::geometry::Shape;
 use raycost::ledger::{Hierarchy, Visits};
 use raycost::output::{write_nodes, write_surface};
@@ -78,11 +78,11 @@ fn check(config: &Config, read: fn(&Path) -> DataSet) {
         min_visits: 20,
     };
     for limits in [all, some] {
-        write_nodes(&hierarchy, limits, config.cost, &mut create()).unwrap();
+        write_nodes(&hierarchy, limits, config.cost, Codec::None, &mut create()).unwrap();
         assert_eq!(read(&file), expected_nodes(&hierarchy, limits, config.cost));
     }
     let visits = ledger.primitives.unwrap();
-    write_surface(&scene, &visits, config.cost, &mut create()).unwrap();
+    write_surface(&scene, &visits, config.cost, Codec::None, &mut create()).unwrap();
     let expected = expected_surface(&scene, &visits, config.cost);
     assert_eq!(read(&file), expected);
 }

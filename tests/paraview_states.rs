@@ -92,6 +92,16 @@ fn shows_its_output(out: &Path, cost: &str) {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn compressed_files_are_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    for codec in ["lz4", "zlib"] {
+        let out = render(&scene, codec, &["--compress", codec]);
+        shows_its_output(&out, "time_ns");
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn what_things_cost_is_shown() {
     let flat = TOWER.to_owned() + "output: [surface, bvh: { max_depth: 0 }]\n";
     let outputs = [

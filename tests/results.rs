@@ -4,18 +4,19 @@
 mod common;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 
 use common::noise::noise;
 use common::{assert_success, in_repository, raycost};
-use raycost::config::CostMode;
+use raycost::config::{Codec, CostMode};
 use raycost::film::{Film, columns};
 use raycost::output::{write_frame, write_hits};
 use raycost::results::{Frame, Hits, Results};
 
 const MODES: [CostMode; 3] = [CostMode::None, CostMode::Counters, CostMode::Time];
+const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
@@ -25,15 +26,21 @@ proptest! {
         width in 1..70_u32,
         height in 1..70_u32,
         mode in prop::sample::select(MODES.to_vec()),
+        codec in prop::sample::select(CODECS.to_vec()),
         seed: u32,
     ) {
-        check(&noise(width, height, mode, seed));
+        check(&noise(width, height, mode, seed), codec);
     }
 
     #[test]
-    fn no_damage_makes_a_reader_panic(at in 0..2000_usize, byte: u8, from in prop::sample::select(vec![0, 8200])) {
+    fn no_damage_makes_a_reader_panic(
+        at in 0..2000_usize,
+        byte: u8,
+        from in prop::sample::select(vec![0, 10_000]),
+        codec in prop::sample::select(CODECS.to_vec()),
+    ) {
         let folder = tempfile::tempdir().unwrap();
-        let (frame, hits) = write(&noise(9, 5, CostMode::Time, 1), folder.path());
+        let (frame, hits) = write(&noise(9, 5, CostMode::Time, 1), codec, folder.path());
         for path in [&frame, &hits] {
             let mut bytes = fs::read(path).unwrap();
             bytes[from + at] = byte;
@@ -53,17 +60,17 @@ proptest! {
     }
 }
 
-fn write(film: &Film, folder: &Path) -> (std::path::PathBuf, std::path::PathBuf) {
+fn write(film: &Film, codec: Codec, folder: &Path) -> (PathBuf, PathBuf) {
     let (frame, hits) = (folder.join("frame.vti"), folder.join("hits.vtu"));
-    write_frame(film, &mut fs::File::create(&frame).unwrap()).unwrap();
-    write_hits(film, &mut fs::File::create(&hits).unwrap()).unwrap();
+    write_frame(film, codec, &mut fs::File::create(&frame).unwrap()).unwrap();
+    write_hits(film, codec, &mut fs::File::create(&hits).unwrap()).unwrap();
     (frame, hits)
 }
 
 /// Writes the film and compares what is read with its arrays.
-fn check(film: &Film) {
+fn check(film: &Film, codec: Codec) {
     let folder = tempfile::tempdir().unwrap();
-    let (frame, hits) = write(film, folder.path());
+    let (frame, hits) = write(film, codec, folder.path());
     let (mut frame, mut hits) = (Frame::open(&frame).unwrap(), Hits::open(&hits).unwrap());
     assert_eq!((frame.width(), frame.height()), (film.width, film.height));
     assert_eq!(hits.n_points(), film.n_hits());
@@ -212,11 +219,18 @@ fn files_of_two_renderings_are_told_apart() {
 #[test]
 fn a_file_cut_anywhere_before_its_end_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let (frame, hits) = write(&noise(9, 5, CostMode::Time, 1), folder.path());
+    let (frame, hits) = write(&noise(9, 5, CostMode::Time, 1), Codec::None, folder.path());
     // Behind the last array that is read stand three of cells and two tags.
     let n_hits = Hits::open(&hits).unwrap().n_points();
     let tail = "\n</AppendedData>\n</VTKFile>\n".len();
-    for (path, spare) in [(frame, tail), (hits, tail + 3 * 8 + n_hits * 9)] {
+    let mut files = vec![(frame, tail), (hits, tail + 3 * 8 + n_hits * 9)];
+    for codec in [Codec::Lz4, Codec::Zlib] {
+        let folder = folder.path().join(format!("{codec:?}"));
+        fs::create_dir(&folder).unwrap();
+        let (frame, _) = write(&noise(9, 5, CostMode::Time, 1), codec, &folder);
+        files.push((frame, tail));
+    }
+    for (path, spare) in files {
         let whole = fs::read(&path).unwrap();
         for n in (0..whole.len() - spare)
             .step_by(37)
@@ -234,10 +248,27 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
 }
 
 #[test]
+fn a_damaged_block_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for codec in [Codec::Lz4, Codec::Zlib] {
+        let (path, _) = write(&Film::new(99, 50, CostMode::Time), codec, folder.path());
+        let mut bytes = fs::read(&path).unwrap();
+        let end = bytes.len() - "\n</AppendedData>\n</VTKFile>\n".len();
+        // Within `thread`, the last array.
+        bytes[end - 20..end].fill(0xff);
+        fs::write(&path, bytes).unwrap();
+        let found = Frame::open(&path).unwrap().read("thread").map(drop);
+        let error = found.unwrap_err();
+        let what = "is damaged: a block of `thread` cannot be decompressed";
+        assert!(error.to_string().contains(what), "{codec:?}: {error}");
+    }
+}
+
+#[test]
 fn a_foreign_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frame.vti");
-    let (_, hits) = write(&noise(2, 2, CostMode::None, 1), folder.path());
+    let (_, hits) = write(&noise(2, 2, CostMode::None, 1), Codec::None, folder.path());
     let text = fs::read(&path).unwrap();
     let text = text
         .iter()
@@ -256,8 +287,13 @@ fn a_foreign_file_is_refused() {
         ("UInt64", "UInt32", "no UInt64"),
         (
             "header_type",
+            "compressor=\"vtkLZMADataCompressor\" header_type",
+            "compressed by `vtkLZMADataCompressor`",
+        ),
+        (
+            "header_type",
             "compressor=\"vtkZLibDataCompressor\" header_type",
-            "compressed",
+            "the blocks of `RGB` hold no 12 bytes",
         ),
         ("ImageData", "PolyData", "no ImageData"),
         ("type=\"UInt8\"", "type=\"Int16\"", "the type `Int16`"),

@@ -12,7 +12,7 @@ use glam::Vec3;
 use common::data_set::{Array, DataSet, assert_same, integers};
 use common::noise::noise;
 use common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
-use raycost::config::{Config, CostMode, TileOrder};
+use raycost::config::{Codec, Config, CostMode, TileOrder};
 use raycost::cost::Cost;
 use raycost::film::{Film, STRIP_ROWS, Strip};
 use raycost::output::{write_frame, write_hits, write_tiles};
@@ -78,6 +78,21 @@ fn a_diff_by_vtk() {
     assert_same(DataSet::read_with_vtk(&file), DataSet::read(&file));
 }
 
+mod all_files {
+    use super::*;
+
+    #[test]
+    fn as_the_format_says() {
+        check_all_files(DataSet::read);
+    }
+
+    #[test]
+    #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+    fn by_vtk() {
+        check_all_files(DataSet::read_with_vtk);
+    }
+}
+
 mod tiles {
     use super::*;
 
@@ -92,6 +107,8 @@ mod tiles {
         check_tiles(DataSet::read_with_vtk);
     }
 }
+
+const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
 
 const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";
 
@@ -121,14 +138,61 @@ fn film_of_hits(n_hits: usize, config: &Config) -> Film {
     film
 }
 
-/// Writes the film's two files and compares what `read` finds in them.
+/// Writes the film's two files with each codec and compares what `read` finds in
+/// them.
 fn check(film: &Film, read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
     let [frame, hits] = ["frame.vti", "hits.vtu"].map(|file| folder.path().join(file));
-    write_frame(film, &mut File::create(&frame).unwrap()).unwrap();
-    write_hits(film, &mut File::create(&hits).unwrap()).unwrap();
-    assert_same(read(&frame), expected_frame(film));
-    assert_same(read(&hits), expected_hits(film));
+    for codec in CODECS {
+        write_frame(film, codec, &mut File::create(&frame).unwrap()).unwrap();
+        write_hits(film, codec, &mut File::create(&hits).unwrap()).unwrap();
+        assert_same(read(&frame), expected_frame(film));
+        assert_same(read(&hits), expected_hits(film));
+    }
+}
+
+/// Writes all VTK files of a scene with each codec, and compares what `read`
+/// finds in them with what the raw ones hold. Only `tiles.vti` has times.
+fn check_all_files(read: fn(&Path) -> DataSet) {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_repository("configs/spot.yaml");
+    let run = |command: &[&str], codec: &str| {
+        let mut raycost = raycost();
+        raycost.args(command).arg(&scene).arg("--out");
+        raycost.arg(folder.path().join(codec));
+        raycost.args(["--quiet", "--width=120", "--height=90", "--cost=counters"]);
+        raycost.args(["--threads=1", "--compress", codec]);
+        assert_success(&raycost.output().unwrap());
+    };
+    for codec in ["none", "lz4", "zlib"] {
+        run(&["render", "--also=schedule,surface,bvh"], codec);
+        run(&["trace", "--pixel=50..60,40..45"], codec);
+    }
+    for file in [
+        "frame.vti",
+        "hits.vtu",
+        "tiles.vti",
+        "surface.vtu",
+        "bvh.vtu",
+        "rays.vtp",
+        "rays_cloud.vtu",
+    ] {
+        let path = |codec| folder.path().join(codec).join(file);
+        let n_bytes = |codec| path(codec).metadata().unwrap().len();
+        let expected = DataSet::read(&path("none"));
+        for codec in ["lz4", "zlib"] {
+            let mut found = read(&path(codec));
+            if file == "tiles.vti" {
+                let is_time = |array: &Array| array.name.ends_with("_ns");
+                let arrays = found.arrays.iter_mut().zip(&expected.arrays);
+                let times = arrays.filter(|(array, _)| is_time(array));
+                times.for_each(|(found, expected)| found.bytes = expected.bytes.clone());
+            }
+            assert_same(found, expected.clone());
+            let is_small = file == "tiles.vti" || n_bytes(codec) < n_bytes("none");
+            assert!(is_small, "{file}: {codec}");
+        }
+    }
 }
 
 /// Writes a schedule of 3 x 2 tiles, the last of each row and column cut, and
@@ -157,8 +221,10 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
     for cost in [CostMode::None, CostMode::Time] {
         let path = folder.path().join("tiles.vti");
-        write_tiles(&schedule, cost, &mut File::create(&path).unwrap()).unwrap();
-        assert_same(read(&path), expected_tiles(cost));
+        for codec in CODECS {
+            write_tiles(&schedule, cost, codec, &mut File::create(&path).unwrap()).unwrap();
+            assert_same(read(&path), expected_tiles(cost));
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use common::data_set::{DataSet, assert_same, integers};
 use common::{config, scene_of};
 use raycost::accel::Accel;
-use raycost::config::{Config, CostMode};
+use raycost::config::{Codec, Config, CostMode};
 use raycost::cost::Clock;
 use raycost::film::Film;
 use raycost::observe::{Observer, TracedRay};
@@ -70,7 +70,7 @@ fn with_rays(
     };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("rays.vtp");
-    write_rays(&traced, &mut File::create(&file).unwrap()).unwrap();
+    write_rays(&traced, Codec::None, &mut File::create(&file).unwrap()).unwrap();
     check(&traced, &file);
 }
 

@@ -1,11 +1,12 @@
 //! `raycost check`.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use super::Failure;
 use super::closing::primitives;
 use super::scene::{Loaded, SceneArguments};
-use crate::config::{Acceleration, Config, CostMode, Image, TileOrder, Tiling};
+use crate::config::{Acceleration, Codec, Config, CostMode, Image, TileOrder, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
@@ -55,11 +56,6 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
         Acceleration::Bvh(quality) => format!("a BVH of {quality} quality"),
         Acceleration::BruteForce => "brute force".to_owned(),
     };
-    let files = Artifact::ALL
-        .iter()
-        .filter(|artifact| artifact.is_wanted(config))
-        .map(|artifact| artifact.file_name())
-        .collect::<Vec<_>>();
     let lines = [
         ("scene", format!("{} is fine", arguments.scene.display())),
         (
@@ -109,19 +105,25 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
                 bytes(memory::available())
             ),
         ),
-        (
-            "files",
-            format!(
-                "{}, summary.json in {}",
-                files.join(", "),
-                arguments.out().display()
-            ),
-        ),
+        ("files", files(config, &arguments.out())),
     ];
     lines
         .iter()
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect()
+}
+
+/// What would be written.
+fn files(config: &Config, out: &Path) -> String {
+    let wanted = Artifact::ALL.iter().filter(|file| file.is_wanted(config));
+    let names: Vec<&str> = wanted.map(|file| file.file_name()).collect();
+    let codec = match config.compress {
+        Codec::None => "",
+        Codec::Lz4 => ", VTK files compressed by LZ4",
+        Codec::Zlib => ", VTK files compressed by zlib",
+    };
+    let (names, out) = (names.join(", "), out.display());
+    format!("{names}, summary.json in {out}{codec}")
 }
 
 /// How the picture would be dealt out.

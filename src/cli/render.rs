@@ -138,13 +138,14 @@ fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T 
 /// Hears of progress, from any thread.
 type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 
-/// The bytes that the files take at least, whatever the camera sees.
+/// The bytes that the files take at least, whatever the camera sees and however
+/// well it compresses.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
     let per_pixel: usize = columns(config.cost, config.n_repeats)
         .map(Column::stride)
         .sum();
-    (config.image.n_pixels() * per_pixel) as u64
+    (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
 }
 
 /// Lets Ctrl-C, or a request to end, leave no half-written file behind.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::config::{Config, CostMode, Extra, MAX_SIDE, Structure, TileOrder, Tiling};
+use crate::config::{Codec, Config, CostMode, Extra, MAX_SIDE, Structure, TileOrder, Tiling};
 use crate::memory::{self, Memory};
 use crate::scene::Geometries;
 use crate::yaml::{self, Diagnostic, Fault, Source};
@@ -69,6 +69,10 @@ pub(super) struct SceneArguments {
     /// Files to write beside those of every run, and those that the scene asks for
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     also: Vec<Extra>,
+
+    /// How the arrays of VTK files are compressed, instead of the file's
+    #[arg(long, value_name = "CODEC")]
+    compress: Option<Codec>,
 }
 
 /// A scene file, what it says, and what the files hold that it names.
@@ -108,6 +112,7 @@ impl SceneArguments {
         let tiles = &mut config.tiles;
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
+        config.compress = self.compress.unwrap_or(config.compress);
         let by_file = config.output.clone();
         self.also.iter().for_each(|&extra| config.output.add(extra));
         config

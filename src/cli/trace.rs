@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         is_timed: meter.clock().is_some(),
         cloud: &cloud,
     };
-    let written = write_traced(&traced, &folder)?;
+    let written = write_traced(&traced, config.compress, &folder)?;
     if !arguments.quiet {
         let mut out = anstream::stdout().lock();
         Trees::new(&config, &traced).print(&mut out)?;

@@ -6,6 +6,7 @@
 
 mod acceleration;
 mod background;
+mod codec;
 mod cost_mode;
 mod file;
 mod generator;
@@ -20,6 +21,7 @@ use serde::Deserialize;
 
 pub use acceleration::{Acceleration, Quality, Structure};
 pub use background::Background;
+pub use codec::Codec;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use generator::{Generator, SphereCloud, SphereGrid};
@@ -81,6 +83,9 @@ pub struct Config {
     /// What is written beside the files of every run.
     #[serde(default)]
     pub output: Outputs,
+    /// How the arrays of VTK files are compressed.
+    #[serde(default)]
+    pub compress: Codec,
     /// Materials by name; their ids count from 0 in this order.
     pub materials: IndexMap<String, Material>,
     /// The lights; `[]` for none but the ambient light.

@@ -1,11 +1,12 @@
 //! `diff.vti`: what every cost of every pixel changed by.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use vtkio::model::ScalarType;
 
 use super::measure::{Measure, ratio};
 use super::{Diff, Side, picture};
+use crate::config::Codec;
 use crate::output::vtk::appended;
 use crate::output::vtk::array::Array;
 use crate::output::vtk::header::DataSet;
@@ -16,7 +17,11 @@ pub(super) const FILE: &str = "diff.vti";
 /// Writes an ImageData with one point a pixel, as `frame.vti`: `…_difference`,
 /// B - A, and `…_ratio`, B / A, of every cost; the greatest difference of a
 /// colour channel; B's objects and tiles.
-pub(super) fn write(diff: &Diff, sides: &[Side; 2], out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write(
+    diff: &Diff,
+    sides: &[Side; 2],
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
     let [width, height] = diff.size;
     let n_pixels = u64::from(width) * u64::from(height);
     let in_frame = Upward(width as usize);
@@ -59,7 +64,7 @@ pub(super) fn write(diff: &Diff, sides: &[Side; 2], out: &mut impl Write) -> io:
         size: diff.size,
         point_data: arrays,
     };
-    appended::write(&image, out)
+    appended::write(&image, Codec::None, out)
 }
 
 /// Exact: of times as 32-bit floats, as the times are; of counts as integers

@@ -23,7 +23,7 @@ mod trace_events;
 mod traced;
 pub(crate) mod vtk;
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::time::Duration;
 
 pub use accounts::Accounts;
@@ -197,17 +197,18 @@ impl Artifact {
         rendering: &Rendering,
         stages: &Stages,
         states: &States,
-        out: &mut impl Write,
+        out: &mut (impl Write + Seek),
     ) -> io::Result<()> {
+        let codec = rendering.config.compress;
         match self {
             Self::Image => picture::write(rendering.film, states, out),
             Self::Cost => heatmap::write(rendering, out),
-            Self::Hits => vtk::write_hits(rendering.film, out),
-            Self::Frame => vtk::write_frame(rendering.film, out),
+            Self::Hits => vtk::write_hits(rendering.film, codec, out),
+            Self::Frame => vtk::write_frame(rendering.film, codec, out),
             Self::GeometryState => out.write_all(states.geometry().as_bytes()),
             Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
             Self::OverviewState => out.write_all(states.overview().as_bytes()),
-            Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, out),
+            Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, codec, out),
             Self::Trace => trace_events::write(rendering, stages, out),
             Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
             Self::SurfaceState => out.write_all(states.surface().as_bytes()),
@@ -224,16 +225,16 @@ impl Artifact {
         self,
         ledger: &Ledger,
         rendering: &Rendering,
-        out: &mut impl Write,
+        out: &mut (impl Write + Seek),
     ) -> io::Result<()> {
-        let cost = rendering.film.cost;
+        let (cost, codec) = (rendering.film.cost, rendering.config.compress);
         match (self, &ledger.primitives, &ledger.hierarchy) {
             (Self::Objects, ..) => objects::write(rendering, ledger, out),
             (Self::Surface, Some(visits), _) => {
-                vtk::write_surface(rendering.scene, visits, cost, out)
+                vtk::write_surface(rendering.scene, visits, cost, codec, out)
             }
             (Self::Bvh, _, Some(hierarchy)) => {
-                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, out)
+                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, codec, out)
             }
             _ => Ok(()),
         }

@@ -64,6 +64,7 @@ pub(super) fn write(
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering),
         "schedule": schedule(rendering.schedule),
+        "compress": config.compress,
         "files": files,
     });
     serde_json::to_writer_pretty(&mut *out, &summary)?;

@@ -1,12 +1,13 @@
 //! Traced pixels → `rays.vtp`, the cloud around them, and a ParaView state.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use super::folder::StagedFile;
 use super::state;
 use super::vtk::{self, Rays};
 use super::{OutputFolder, WriteError, Written};
 use crate::camera::ImagePlane;
+use crate::config::Codec;
 use crate::film::Film;
 use crate::observe::ObservedPixel;
 use crate::scene::Scene;
@@ -34,19 +35,23 @@ pub struct Traced<'a> {
 ///
 /// # Errors
 /// What the system says.
-pub fn write_rays(traced: &Traced, out: &mut impl Write) -> io::Result<()> {
-    Rays::of(traced).write(out)
+pub fn write_rays(traced: &Traced, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
+    Rays::of(traced).write(codec, out)
 }
 
 /// Writes all files of traced pixels; gives them in their order.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
-pub fn write_traced(traced: &Traced, folder: &OutputFolder) -> Result<Vec<Written>, WriteError> {
+pub fn write_traced(
+    traced: &Traced,
+    codec: Codec,
+    folder: &OutputFolder,
+) -> Result<Vec<Written>, WriteError> {
     let rays = Rays::of(traced);
     let files = vec![
-        folder.stage(vtk::RAYS, |out| rays.write(out))?,
-        folder.stage(CLOUD, |out| vtk::write_hits(traced.cloud, out))?,
+        folder.stage(vtk::RAYS, |out| rays.write(codec, out))?,
+        folder.stage(CLOUD, |out| vtk::write_hits(traced.cloud, codec, out))?,
         folder.stage(STATE, |out| {
             out.write_all(state::of_rays(&rays, folder).as_bytes())
         })?,

@@ -2,8 +2,9 @@
 //!
 //! Takes a folder; gives its summary at once and, where asked for, the arrays
 //! of its VTK files. Whatever does not hold together is an error that says what
-//! to do. The arrays are read as the writer of [`crate::output`] puts them: raw,
-//! behind an XML header. A real VTK reads more, and costs an installation.
+//! to do. The arrays are read as the writer of [`crate::output`] puts them:
+//! behind an XML header, raw or in compressed blocks. A real VTK reads more, and
+//! costs an installation.
 
 mod summary;
 mod vtk;

@@ -4,7 +4,7 @@ use serde::de::{Deserializer, MapAccess};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::config::{CostMode, MAX_SIDE, Structure, TileOrder, Tiling};
+use crate::config::{Codec, CostMode, MAX_SIDE, Structure, TileOrder, Tiling};
 use crate::yaml;
 
 /// Something that a study varies, by flags of `raycost render`.
@@ -29,6 +29,8 @@ pub enum Factor {
     TileOrder,
     /// What is measured of each pixel.
     Cost,
+    /// How the arrays of VTK files are compressed.
+    Compress,
 }
 
 /// How choices stand in the study file.
@@ -62,6 +64,7 @@ impl Factor {
             Self::TileSize => "tile_size",
             Self::TileOrder => "tile_order",
             Self::Cost => "cost",
+            Self::Compress => "compress",
         }
     }
 
@@ -89,6 +92,7 @@ impl Factor {
             }
             Self::TileOrder => levels(map, form, |order: TileOrder| word("tile-order", order)),
             Self::Cost => levels(map, form, |cost: CostMode| word("cost", cost)),
+            Self::Compress => levels(map, form, |codec: Codec| word("compress", codec)),
         }
     }
 }

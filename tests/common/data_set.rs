@@ -1,5 +1,6 @@
 //! What a VTK file holds, read with VTK or without.
 
+use std::io::Read;
 use std::path::Path;
 use std::process::Command;
 
@@ -57,8 +58,14 @@ impl DataSet {
         let array = |element: &str| {
             let offset: usize = number(element, "offset").unwrap();
             assert_eq!(offset, next, "a gap between the arrays");
-            let bytes = block(&raw[offset..]).to_vec();
-            next += 8 + bytes.len();
+            let (bytes, n_bytes) = match attribute(header, "compressor") {
+                None => {
+                    let bytes = block(&raw[offset..]);
+                    (bytes.to_vec(), 8 + bytes.len())
+                }
+                Some(compressor) => unpacked(&raw[offset..], compressor),
+            };
+            next += n_bytes;
             Array {
                 name: attribute(element, "Name").unwrap().to_owned(),
                 scalar: attribute(element, "type").unwrap().to_owned(),
@@ -184,6 +191,38 @@ pub fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
 fn block(raw: &[u8]) -> &[u8] {
     let (length, rest) = raw.split_first_chunk().unwrap();
     &rest[..u64::from_ne_bytes(*length) as usize]
+}
+
+/// The bytes of the blocks at the beginning of `raw`, and how many they are
+/// there, with the table before them: the number of blocks, the length of a
+/// block, that of the last one if it is shorter, and those of the packed blocks.
+fn unpacked(raw: &[u8], compressor: &str) -> (Vec<u8>, usize) {
+    let number = |index: usize| {
+        let bytes = raw[8 * index..][..8].try_into().unwrap();
+        u64::from_ne_bytes(bytes) as usize
+    };
+    let (n_blocks, n_bytes, n_bytes_of_last) = (number(0), number(1), number(2));
+    let mut begin = 8 * (3 + n_blocks);
+    let mut bytes = Vec::new();
+    for index in 0..n_blocks {
+        let packed = &raw[begin..][..number(3 + index)];
+        begin += packed.len();
+        let is_short = index == n_blocks - 1 && n_bytes_of_last > 0;
+        let n_bytes = if is_short { n_bytes_of_last } else { n_bytes };
+        let block = match compressor {
+            "vtkLZ4DataCompressor" => lz4_flex::block::decompress(packed, n_bytes).unwrap(),
+            "vtkZLibDataCompressor" => {
+                let mut block = Vec::new();
+                let mut zlib = flate2::read::ZlibDecoder::new(packed);
+                zlib.read_to_end(&mut block).unwrap();
+                block
+            }
+            _ => panic!("{compressor}"),
+        };
+        assert_eq!(block.len(), n_bytes);
+        bytes.extend(block);
+    }
+    (bytes, begin)
 }
 
 /// The value of the first attribute with this name.

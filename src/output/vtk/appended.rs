@@ -1,9 +1,12 @@
-//! Raw arrays behind an XML header.
+//! Arrays behind an XML header, raw or in compressed blocks.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 
 use super::array::Array;
-use super::header::DataSet;
+use super::compressed;
+use super::compressor::Compressor;
+use super::header::{DataSet, Offsets};
+use crate::config::Codec;
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
 /// last one up to the opening tag of the arrays. With expat 2.6, or an older one
@@ -12,30 +15,83 @@ use super::header::DataSet;
 /// Debian 12 and of Ubuntu 22.04 to 24.04. Blanks pass.
 const N_BLANKS: usize = 2 * 4096;
 
-/// Writes the whole file.
-pub(crate) fn write(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
+/// Writes the whole file; `out` is empty.
+pub(crate) fn write(
+    data_set: &DataSet,
+    codec: Codec,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    match Compressor::of(codec) {
+        None => write_raw(data_set, out),
+        Some(compressor) => write_compressed(data_set, compressor, out),
+    }
+}
+
+fn write_raw(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
     let arrays = data_set.arrays();
-    let header = data_set.xml(&offsets(&arrays))?;
+    write_head(&data_set.xml(&Offsets::OfRaw(offsets(&arrays)))?, out)?;
+    for array in arrays {
+        out.write_all(&array.n_bytes.to_ne_bytes())?;
+        write_bytes(array, out)?;
+    }
+    write_tail(out)
+}
+
+/// Where an array begins is known when those before it are compressed: the head
+/// is written once more at the end, as long as before.
+fn write_compressed(
+    data_set: &DataSet,
+    compressor: Compressor,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let arrays = data_set.arrays();
+    let head = |offsets| data_set.xml(&Offsets::OfCompressed(compressor, offsets));
+    write_head(&head(vec![0; arrays.len()])?, out)?;
+    let begin = out.stream_position()?;
+    let mut offsets = Vec::with_capacity(arrays.len());
+    for array in arrays {
+        offsets.push(out.stream_position()? - begin);
+        compressed::write(array, compressor, out)?;
+    }
+    write_tail(out)?;
+    out.rewind()?;
+    write_head(&head(offsets)?, out)?;
+    out.seek(SeekFrom::End(0))?;
+    Ok(())
+}
+
+/// Writes all that stands before the arrays.
+fn write_head(xml: &str, out: &mut impl Write) -> io::Result<()> {
     // The tags stand on lines of their own: vtk.js looks for them that way.
     write!(
         out,
-        "<?xml version=\"1.0\"?>\n{header}\n<AppendedData encoding=\"raw\">\n{:N_BLANKS$}_",
+        "<?xml version=\"1.0\"?>\n{xml}\n<AppendedData encoding=\"raw\">\n{:N_BLANKS$}_",
         ""
-    )?;
-    for array in arrays {
-        out.write_all(&array.n_bytes.to_ne_bytes())?;
-        let mut counted = Counted { out, n_bytes: 0 };
-        (array.write)(&mut counted)?;
-        if counted.n_bytes != array.n_bytes {
-            let (found, name) = (counted.n_bytes, array.name);
-            let message = format!("{name}: {found} bytes instead of {}", array.n_bytes);
-            return Err(io::Error::other(message));
-        }
-    }
+    )
+}
+
+fn write_tail(out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "\n</AppendedData>\n</VTKFile>")
 }
 
-/// Where each array begins: a 64-bit length stands before each.
+/// Writes an array's bytes.
+///
+/// # Errors
+/// If they are not as many as it says, or what the system says.
+pub(super) fn write_bytes(array: &Array, out: &mut impl Write) -> io::Result<()> {
+    let mut counted = Counted { out, n_bytes: 0 };
+    (array.write)(&mut counted)?;
+    match counted.n_bytes == array.n_bytes {
+        true => Ok(()),
+        false => {
+            let (found, name) = (counted.n_bytes, array.name);
+            let message = format!("{name}: {found} bytes instead of {}", array.n_bytes);
+            Err(io::Error::other(message))
+        }
+    }
+}
+
+/// Where each raw array begins: a 64-bit length stands before each.
 fn offsets(arrays: &[&Array]) -> Vec<u64> {
     let begins = |next: &mut u64, array: &&Array| {
         let begin = *next;
@@ -86,7 +142,8 @@ mod tests {
     #[test]
     fn offsets_count_beyond_4_gib() {
         let data_set = image(&[5 << 30, 4, 4]);
-        let xml = data_set.xml(&offsets(&data_set.arrays())).unwrap();
+        let offsets = Offsets::OfRaw(offsets(&data_set.arrays()));
+        let xml = data_set.xml(&offsets).unwrap();
         assert!(
             xml.contains("offset=\"0\"") && xml.contains("offset=\"5368709128\""),
             "{xml}"
@@ -97,7 +154,7 @@ mod tests {
     #[test]
     fn the_block_that_vtk_may_read_too_many_is_blank() {
         let mut file = Vec::new();
-        write(&image(&[4]), &mut file).unwrap();
+        write_raw(&image(&[4]), &mut file).unwrap();
         let tag = b"<AppendedData encoding=\"raw\">";
         let begin = file.windows(tag.len()).position(|bytes| bytes == tag);
         let end = begin.unwrap() + tag.len();
@@ -107,7 +164,7 @@ mod tests {
 
     #[test]
     fn an_array_of_the_wrong_length_is_an_error() {
-        let error = write(&image(&[8]), &mut Vec::new()).unwrap_err();
+        let error = write_raw(&image(&[8]), &mut Vec::new()).unwrap_err();
         assert!(
             error.to_string().contains("4 bytes instead of 8"),
             "{error}"

@@ -1,10 +1,11 @@
 //! `frame.vti`: every pixel, hit or not.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use super::appended;
 use super::array::Array;
 use super::header::DataSet;
+use crate::config::Codec;
 use crate::film::{Column, Film, columns};
 
 /// The file's name.
@@ -12,7 +13,7 @@ pub const FILE: &str = "frame.vti";
 
 /// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
 /// film's go down: its last row is written first.
-pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
+pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
     let n_pixels = u64::from(film.width) * u64::from(film.height);
     let array = |column: &'static Column| Array {
         name: column.name,
@@ -25,7 +26,7 @@ pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
         size: [film.width, film.height],
         point_data: columns(film.cost, film.n_repeats).map(array).collect(),
     };
-    appended::write(&image, out)
+    appended::write(&image, codec, out)
 }
 
 fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {

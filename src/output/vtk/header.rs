@@ -1,4 +1,4 @@
-//! The XML in front of the raw arrays.
+//! The XML in front of the arrays.
 
 use std::io;
 
@@ -7,6 +7,7 @@ use vtkio::model::{ByteOrder, Version};
 use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarType, se};
 
 use super::array::Array;
+use super::compressor::Compressor;
 
 /// What a file holds.
 pub(crate) enum DataSet<'a> {
@@ -32,6 +33,13 @@ pub(crate) enum DataSet<'a> {
     Lines(Mesh<'a>),
 }
 
+/// Where each array begins after the underscore, in the arrays' order.
+pub(crate) enum Offsets {
+    OfRaw(Vec<u64>),
+    /// The header has the same length, whatever they are.
+    OfCompressed(Compressor, Vec<u64>),
+}
+
 /// Points and cells, and what is known of each.
 pub(crate) struct Mesh<'a> {
     pub(crate) n_points: usize,
@@ -55,9 +63,8 @@ impl<'a> DataSet<'a> {
         }
     }
 
-    /// The file's text up to the closing tag of the root; `offsets` tells
-    /// where each array begins after the underscore, in the arrays' order.
-    pub(crate) fn xml(&self, offsets: &[u64]) -> io::Result<String> {
+    /// The file's text up to the closing tag of the root.
+    pub(crate) fn xml(&self, offsets: &Offsets) -> io::Result<String> {
         let (data_set_type, content) = match self {
             Self::Image { size, point_data } => {
                 (DataSetType::ImageData, image_element(*size, point_data))
@@ -79,18 +86,40 @@ impl<'a> DataSet<'a> {
             version: Version::new_xml(1, 0),
             byte_order: native_byte_order(),
             header_type: ScalarType::UInt64,
+            compressor: offsets.compressor().map(Compressor::vtk_class),
             content,
         };
         let xml = se::to_string(&file).map_err(io::Error::other)?;
         // vtkio's offset is 32 bits wide: put ours, of 64, in its places.
-        let placeholder = offset_attribute(0);
-        let mut parts = xml.split(&placeholder);
+        let mut parts = xml.split(OFFSET);
         let mut text = parts.next().unwrap_or_default().to_owned();
-        for (part, &offset) in parts.zip(offsets) {
-            text += &offset_attribute(offset);
+        for (part, attribute) in parts.zip(offsets.attributes()) {
+            text += &attribute;
             text += part;
         }
         Ok(text.trim_end_matches("</VTKFile>").to_owned())
+    }
+}
+
+impl Offsets {
+    fn compressor(&self) -> Option<Compressor> {
+        match self {
+            Self::OfRaw(_) => None,
+            Self::OfCompressed(compressor, _) => Some(*compressor),
+        }
+    }
+
+    fn attributes(&self) -> Vec<String> {
+        let attribute = |offset: &u64| format!("offset=\"{offset}\"");
+        match self {
+            Self::OfRaw(offsets) => offsets.iter().map(attribute).collect(),
+            // Blanks behind the quotes: within, not all readers take them.
+            Self::OfCompressed(_, offsets) => {
+                let width = attribute(&u64::MAX).len();
+                let padded = |offset| format!("{:width$}", attribute(offset));
+                offsets.iter().map(padded).collect()
+            }
+        }
     }
 }
 
@@ -100,6 +129,9 @@ impl<'a> Mesh<'a> {
         data.chain([&self.points]).chain(&self.cells)
     }
 }
+
+/// What vtkio writes for each offset.
+const OFFSET: &str = "offset=\"0\"";
 
 /// The root element. vtkio's own keeps its parts private and leaves out
 /// `NumberOfPoints="0"`, which VTK wants to see.
@@ -114,6 +146,8 @@ struct VtkFile {
     byte_order: ByteOrder,
     #[serde(rename = "@header_type")]
     header_type: ScalarType,
+    #[serde(rename = "@compressor", skip_serializing_if = "Option::is_none")]
+    compressor: Option<&'static str>,
     #[serde(rename = "$value")]
     content: Content,
 }
@@ -274,10 +308,6 @@ fn data_arrays<'a: 'b, 'b>(arrays: impl IntoIterator<Item = &'b Array<'a>>) -> D
     DataArrays {
         arrays: arrays.into_iter().map(data_array).collect(),
     }
-}
-
-fn offset_attribute(offset: u64) -> String {
-    format!("offset=\"{offset}\"")
 }
 
 fn native_byte_order() -> ByteOrder {

@@ -1,6 +1,6 @@
 //! `hits.vtu`: the pixels that see something, as a cloud of points.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::ops::Range;
 
 use vtkio::model::{CellType, ScalarType};
@@ -8,6 +8,7 @@ use vtkio::model::{CellType, ScalarType};
 use super::appended;
 use super::array::{Array, Integers, separate_cells, types_of};
 use super::header::{DataSet, Mesh};
+use crate::config::Codec;
 use crate::film::{Column, Film, Strip, columns};
 
 /// The file's name.
@@ -23,7 +24,7 @@ const POINTS: Column = Column {
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
 /// order of the pixels, row 0 on top.
-pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
+pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
     let hits = Hits::of(film);
     let pixels = Integers::up_to(film.width as usize * film.height as usize);
     let n = hits.n;
@@ -41,7 +42,7 @@ pub fn write(film: &Film, out: &mut impl Write) -> io::Result<()> {
         cell_data: Vec::new(),
         cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
     };
-    appended::write(&DataSet::Grid(cloud), out)
+    appended::write(&DataSet::Grid(cloud), codec, out)
 }
 
 /// Where a film's hits are. Found once: every array of the file walks them.

@@ -1,12 +1,14 @@
 //! VTK XML files: of the film, of rays, of the hierarchy, of the scene's surface.
 //!
 //! The header is made of vtkio's types by vtkio's serialiser; the arrays
-//! follow it raw, straight from where they are, so that no second copy
-//! is ever in memory. (vtkio's own writer would hold the whole file as base64
+//! follow it, raw or compressed a few blocks at a time, straight from where
+//! they are, so that no second copy is ever in memory. (vtkio's own writer would hold the whole file as base64
 //! text, and cuts what is longer than 2 GiB.)
 
 pub(crate) mod array;
 pub(crate) mod appended;
+pub(crate) mod compressor;
+mod compressed;
 mod frame;
 pub(crate) mod header;
 mod hits;

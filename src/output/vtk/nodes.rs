@@ -1,6 +1,6 @@
 //! `bvh.vtu`: the boxes of the hierarchy and what each cost.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use vtkio::model::CellType;
 
@@ -8,7 +8,7 @@ use super::appended;
 use super::array::{Array, Entry, separate_cells, types_of};
 use super::header::{DataSet, Mesh};
 use crate::accel::BvhNode;
-use crate::config::{BvhLimits, CostMode};
+use crate::config::{BvhLimits, Codec, CostMode};
 use crate::ledger::{Hierarchy, Visits};
 
 /// The file's name.
@@ -27,7 +27,8 @@ pub fn write(
     hierarchy: &Hierarchy,
     limits: BvhLimits,
     cost: CostMode,
-    out: &mut impl Write,
+    codec: Codec,
+    out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let shown = shown(hierarchy, limits);
     let n = shown.len();
@@ -40,7 +41,7 @@ pub fn write(
         points: Array::of("Points", 8 * n, || shown.iter().flat_map(corners)),
         cells: vec![connectivity, offsets, types_of(CellType::Voxel, n)],
     };
-    appended::write(&DataSet::Grid(boxes), out)
+    appended::write(&DataSet::Grid(boxes), codec, out)
 }
 
 fn shown(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {

@@ -1,6 +1,6 @@
 //! `rays.vtp`: the rays of some pixels as lines.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use glam::Vec3;
 
@@ -8,6 +8,7 @@ use super::appended;
 use super::array::{Array, Entry, separate_cells};
 use super::header::{DataSet, Mesh};
 use crate::camera::ImagePlane;
+use crate::config::Codec;
 use crate::film::Film;
 use crate::observe::TracedRay;
 use crate::output::Traced;
@@ -47,7 +48,11 @@ impl<'a> Rays<'a> {
     }
 
     /// Writes them as PolyData: one line a ray.
-    pub(in crate::output) fn write(&self, out: &mut impl Write) -> io::Result<()> {
+    pub(in crate::output) fn write(
+        &self,
+        codec: Codec,
+        out: &mut (impl Write + Seek),
+    ) -> io::Result<()> {
         let [connectivity, offsets] = separate_cells(2, self.n);
         let lines = Mesh {
             n_points: 2 * self.n,
@@ -57,7 +62,7 @@ impl<'a> Rays<'a> {
             points: Array::of("Points", 2 * self.n, || self.points()),
             cells: vec![connectivity, offsets],
         };
-        appended::write(&DataSet::Lines(lines), out)
+        appended::write(&DataSet::Lines(lines), codec, out)
     }
 
     fn cell_data(&self) -> Vec<Array<'_>> {

@@ -1,13 +1,13 @@
 //! `surface.vtu`: what each primitive cost, on the scene's geometry.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use vtkio::model::{CellType, ScalarType};
 
 use super::appended;
 use super::array::{Array, Entry, Integers};
 use super::header::{DataSet, Mesh};
-use crate::config::CostMode;
+use crate::config::{Codec, CostMode};
 use crate::geometry::Patch;
 use crate::ledger::Visits;
 use crate::scene::{Primitive, Scene};
@@ -32,7 +32,8 @@ pub fn write(
     scene: &Scene,
     visits: &[Visits],
     cost: CostMode,
-    out: &mut impl Write,
+    codec: Codec,
+    out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let primitives = &scene.primitives;
     let is_shown = |primitive: &&Primitive| !primitive.is_unbounded();
@@ -59,7 +60,7 @@ pub fn write(
             }),
         ],
     };
-    appended::write(&DataSet::Grid(mesh), out)
+    appended::write(&DataSet::Grid(mesh), codec, out)
 }
 
 impl<'a> Surface<'a> {

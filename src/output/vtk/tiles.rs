@@ -1,11 +1,11 @@
 //! `tiles.vti`: every tile as a cell.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use super::appended;
 use super::array::{Array, Entry};
 use super::header::DataSet;
-use crate::config::CostMode;
+use crate::config::{Codec, CostMode};
 use crate::cost::Cost;
 use crate::schedule::{Schedule, TileRun};
 
@@ -17,7 +17,12 @@ pub const FILE: &str = "tiles.vti";
 /// rows go up, the grid's go down: its last row is written first. The last tiles
 /// of a row, and those of the last row, stand out where they are less than a
 /// square.
-pub fn write(schedule: &Schedule, cost: CostMode, out: &mut impl Write) -> io::Result<()> {
+pub fn write(
+    schedule: &Schedule,
+    cost: CostMode,
+    codec: Codec,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
     let grid = &schedule.grid;
     let spacing = f64::from(grid.tile_size);
     let top = f64::from(grid.height) - 0.5;
@@ -31,7 +36,7 @@ pub fn write(schedule: &Schedule, cost: CostMode, out: &mut impl Write) -> io::R
         spacing,
         cell_data,
     };
-    appended::write(&cells, out)
+    appended::write(&cells, codec, out)
 }
 
 /// When the tiles were rendered, and by whom.

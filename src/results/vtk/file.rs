@@ -4,16 +4,18 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use super::blocks::Blocks;
 use super::header::{DataArray, Header};
 use super::values::{Values, n_bytes};
 use crate::output::format::count;
+use crate::output::vtk::compressor::Compressor;
 use crate::yaml::Diagnostic;
 
 /// Longest header that is read, in bytes; raycost's have a few thousand.
 const MAX_HEADER: u64 = 1 << 20;
 /// The element that holds the arrays.
 const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
-/// What stands before each array: its length.
+/// What stands before each raw array: its length.
 const LENGTH_BYTES: u64 = size_of::<u64>() as u64;
 
 /// An open file.
@@ -24,6 +26,8 @@ pub(super) struct VtkFile {
     n_bytes: u64,
     /// Where the offsets count from.
     begin: u64,
+    /// What its arrays are compressed by; raw ones by nothing.
+    compressor: Option<Compressor>,
 }
 
 /// An array's place in a file.
@@ -33,7 +37,15 @@ pub(super) struct Place {
     vtk_type: String,
     n_numbers: u64,
     n_bytes: u64,
-    offset: u64,
+    content: Content,
+}
+
+/// How an array's bytes are there.
+#[derive(Debug)]
+enum Content {
+    /// As they are, behind their length, which begins here in the file.
+    Raw(u64),
+    Compressed(Blocks),
 }
 
 impl VtkFile {
@@ -52,6 +64,7 @@ impl VtkFile {
             file,
             n_bytes,
             begin: 0,
+            compressor: None,
         };
         let header = this.header(&head)?;
         Ok((this, header))
@@ -86,8 +99,14 @@ impl VtkFile {
         if header.byte_order != native {
             return Err(self.foreign("its bytes are in the order of another machine"));
         }
-        if header.header_type.as_deref() != Some("UInt64") || header.compressor.is_some() {
-            return Err(self.foreign("its arrays are compressed, or their lengths no UInt64"));
+        if header.header_type.as_deref() != Some("UInt64") {
+            return Err(self.foreign("its arrays' lengths are no UInt64"));
+        }
+        if let Some(name) = &header.compressor {
+            self.compressor = Compressor::of_vtk_class(name);
+            if self.compressor.is_none() {
+                return Err(self.foreign(&format!("its arrays are compressed by `{name}`")));
+            }
         }
         Ok(header)
     }
@@ -104,23 +123,51 @@ impl VtkFile {
         };
         let n_numbers = n_tuples.checked_mul(array.n_components.into());
         let n_bytes = n_numbers.and_then(|n| n.checked_mul(width));
-        let end = n_bytes.and_then(|n| {
-            let begin = self.begin.checked_add(offset)?.checked_add(LENGTH_BYTES)?;
-            begin.checked_add(n)
-        });
-        match (n_numbers, n_bytes, end) {
-            (Some(n_numbers), Some(n_bytes), Some(end)) if end <= self.n_bytes => Ok(Place {
+        let begin = self.begin.checked_add(offset);
+        let endless = || self.foreign(&format!("no file is as long as its array `{name}`"));
+        let (Some(n_numbers), Some(n_bytes), Some(begin)) = (n_numbers, n_bytes, begin) else {
+            return Err(endless());
+        };
+        let (content, end) = match self.compressor {
+            None => {
+                let end = begin.checked_add(LENGTH_BYTES);
+                let end = end.and_then(|begin| begin.checked_add(n_bytes));
+                (Content::Raw(begin), end.ok_or_else(endless)?)
+            }
+            Some(compressor) => {
+                let blocks = self.blocks(name, begin, n_bytes, compressor)?;
+                let end = blocks.end;
+                (Content::Compressed(blocks), end)
+            }
+        };
+        match end <= self.n_bytes {
+            true => Ok(Place {
                 name: name.clone(),
                 vtk_type: scalar.clone(),
                 n_numbers,
                 n_bytes,
-                offset,
+                content,
             }),
-            (_, _, Some(end)) => {
-                Err(self.cut_short(&format!("`{name}`, which ends at byte {},", count(end))))
-            }
-            _ => Err(self.foreign(&format!("no file is as long as its array `{name}`"))),
+            false => Err(self.cut_short(&format!("`{name}`, which ends at byte {},", count(end)))),
         }
+    }
+
+    /// The blocks of a compressed array, whose table begins at `begin`.
+    fn blocks(
+        &self,
+        name: &str,
+        begin: u64,
+        n_bytes: u64,
+        compressor: Compressor,
+    ) -> Result<Blocks, Diagnostic> {
+        let blocks = Blocks::at(begin, n_bytes, compressor, &self.file);
+        let blocks = blocks.map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => self.cut_short(&format!("`{name}`")),
+            _ => cannot_read(&self.path, &error),
+        })?;
+        let n_bytes = count(n_bytes);
+        let foreign = || self.foreign(&format!("the blocks of `{name}` hold no {n_bytes} bytes"));
+        blocks.ok_or_else(foreign)
     }
 
     /// Reads an array that stands there in `n_rows` equal rows, last row first.
@@ -138,23 +185,38 @@ impl VtkFile {
         let Some(mut values) = values else {
             return Err(self.foreign(&format!("`{name}` has numbers of an unknown type")));
         };
-        let mut length = [0; LENGTH_BYTES as usize];
-        let read = |values: &mut Values, length: &mut [u8]| {
-            (&self.file).seek(SeekFrom::Start(self.begin + place.offset))?;
-            let mut from = BufReader::new(&self.file);
-            from.read_exact(length)?;
-            values.read_rows(n_rows, &mut from)
-        };
-        read(&mut values, &mut length).map_err(|error| cannot_read(&self.path, &error))?;
-        let length = u64::from_ne_bytes(length);
-        match length == place.n_bytes {
-            true => Ok(values),
-            false => Err(self.foreign(&format!(
-                "`{name}` has {} bytes instead of {}",
-                count(length),
-                count(place.n_bytes)
-            ))),
+        match &place.content {
+            Content::Raw(begin) => {
+                let read = self.read_raw(*begin, n_rows, &mut values);
+                let length = read.map_err(|error| cannot_read(&self.path, &error))?;
+                if length != place.n_bytes {
+                    return Err(self.foreign(&format!(
+                        "`{name}` has {} bytes instead of {}",
+                        count(length),
+                        count(place.n_bytes)
+                    )));
+                }
+            }
+            Content::Compressed(blocks) => {
+                let from = blocks.unpack(&self.file);
+                let read = from.and_then(|mut from| values.read_rows(n_rows, &mut from));
+                read.map_err(|error| match error.kind() {
+                    io::ErrorKind::InvalidData => self.damaged(name),
+                    _ => cannot_read(&self.path, &error),
+                })?;
+            }
         }
+        Ok(values)
+    }
+
+    /// Reads the length that stands at `begin`, and the numbers behind it.
+    fn read_raw(&self, begin: u64, n_rows: usize, values: &mut Values) -> io::Result<u64> {
+        (&self.file).seek(SeekFrom::Start(begin))?;
+        let mut from = BufReader::new(&self.file);
+        let mut length = [0; LENGTH_BYTES as usize];
+        from.read_exact(&mut length)?;
+        values.read_rows(n_rows, &mut from)?;
+        Ok(u64::from_ne_bytes(length))
     }
 
     /// The file is none of raycost's.
@@ -169,6 +231,14 @@ impl VtkFile {
         let n_bytes = count(self.n_bytes);
         Diagnostic::new(format!(
             "`{shown}` was cut short: its {n_bytes} bytes end before {of} does"
+        ))
+        .with_help("copy the file again, or render the scene again")
+    }
+
+    fn damaged(&self, name: &str) -> Diagnostic {
+        let shown = self.path.display();
+        Diagnostic::new(format!(
+            "`{shown}` is damaged: a block of `{name}` cannot be decompressed"
         ))
         .with_help("copy the file again, or render the scene again")
     }

@@ -1,4 +1,4 @@
-//! The XML in front of the raw arrays. vtkio's own types have no room for
+//! The XML in front of the arrays. vtkio's own types have no room for
 //! offsets beyond 4 GiB, and take a type they do not know for `Float64`.
 
 use serde::Deserialize;

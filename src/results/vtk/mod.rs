@@ -2,8 +2,10 @@
 //!
 //! A file is opened by its header, which is checked against the file's length:
 //! one that was cut short is found then, and no damaged number makes a reader
-//! take more memory than the file has bytes. An array is read when asked for.
+//! take more memory than the arrays have that the file holds. An array is read,
+//! and decompressed, when asked for.
 
+mod blocks;
 mod data;
 mod file;
 mod header;

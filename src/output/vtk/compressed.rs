@@ -1,0 +1,136 @@
+//! An array in blocks that are compressed on all threads.
+
+use std::io::{self, Seek, SeekFrom, Write};
+
+use rayon::prelude::*;
+
+use super::appended::write_bytes;
+use super::array::Array;
+use super::compressor::{BLOCK, Compressor, table_head};
+
+/// Bytes that are compressed at one go: blocks for many threads, and yet as
+/// good as nothing beside a film.
+const WINDOW: usize = 16 * BLOCK;
+
+/// Writes an array at the end of `out`: a table of its blocks' packed lengths,
+/// then the blocks. The bytes are the same on any number of threads.
+pub(super) fn write(
+    array: &Array,
+    compressor: Compressor,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let begin = out.stream_position()?;
+    let mut table = table_head(array.n_bytes).to_vec();
+    let n_blocks = table[0] as usize;
+    // The lengths are known behind the blocks: zeros keep their place.
+    table.resize(table.len() + n_blocks, 0);
+    out.write_all(bytemuck::cast_slice(&table))?;
+
+    let mut blocks = Blocks {
+        compressor,
+        out,
+        window: Vec::with_capacity(WINDOW.min(array.n_bytes as usize)),
+        lengths: Vec::with_capacity(n_blocks),
+    };
+    write_bytes(array, &mut blocks)?;
+    blocks.flush_window()?;
+
+    let lengths = blocks.lengths;
+    let end = out.stream_position()?;
+    out.seek(SeekFrom::Start(begin + size_of_val(&table_head(0)) as u64))?;
+    out.write_all(bytemuck::cast_slice(&lengths))?;
+    out.seek(SeekFrom::Start(end))?;
+    Ok(())
+}
+
+/// Gathers a window of bytes, and writes its blocks where it is full.
+struct Blocks<'a, W> {
+    compressor: Compressor,
+    out: &'a mut W,
+    window: Vec<u8>,
+    /// Those of the packed blocks so far.
+    lengths: Vec<u64>,
+}
+
+impl<W: Write> Blocks<'_, W> {
+    fn flush_window(&mut self) -> io::Result<()> {
+        let blocks = self.window.par_chunks(BLOCK);
+        let packed: Vec<Vec<u8>> = blocks.map(|block| self.compressor.pack(block)).collect();
+        for block in &packed {
+            self.lengths.push(block.len() as u64);
+            self.out.write_all(block)?;
+        }
+        self.window.clear();
+        Ok(())
+    }
+}
+
+impl<W: Write> Write for Blocks<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = bytes.len().min(WINDOW - self.window.len());
+        self.window.extend_from_slice(&bytes[..n]);
+        if self.window.len() == WINDOW {
+            self.flush_window()?;
+        }
+        Ok(n)
+    }
+
+    /// Does nothing: a block ends where it is full.
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::memory::COMPRESSION_BYTES;
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_bytes() {
+        let n = 2 * WINDOW / 4 + 1;
+        let written = |compressor, n_threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+            pool.build().unwrap().install(|| {
+                let numbers = Array::of("numbers", n, || (0..n as u32).map(|i| i / 3));
+                let mut out = Cursor::new(Vec::new());
+                out.write_all(b"_").unwrap();
+                write(&numbers, compressor, &mut out).unwrap();
+                assert_eq!(out.position(), out.get_ref().len() as u64);
+                out.into_inner()
+            })
+        };
+        for compressor in [Compressor::Lz4, Compressor::Zlib] {
+            let one = written(compressor, 1);
+            assert!(one.len() < 4 * n);
+            assert!(one == written(compressor, 3));
+        }
+    }
+
+    /// Noise packs worst.
+    #[test]
+    fn a_window_and_its_blocks_are_what_was_asked_for() {
+        let noise = |i: u32| i.wrapping_mul(2_654_435_761).rotate_left(i % 32);
+        let noise: Vec<u32> = (0..BLOCK as u32 / 4).map(noise).collect();
+        for compressor in [Compressor::Lz4, Compressor::Zlib] {
+            let packed = compressor.pack(bytemuck::cast_slice(&noise));
+            let n_bytes = WINDOW + WINDOW / BLOCK * packed.capacity();
+            assert!(5 * n_bytes as u64 <= COMPRESSION_BYTES, "{compressor:?}");
+        }
+    }
+
+    #[test]
+    fn an_array_of_the_wrong_length_is_an_error() {
+        let array = Array {
+            n_bytes: 8,
+            ..Array::of("short", 1, || [1_u32].into_iter())
+        };
+        let error = write(&array, Compressor::Lz4, &mut Cursor::new(Vec::new())).unwrap_err();
+        assert!(
+            error.to_string().contains("4 bytes instead of 8"),
+            "{error}"
+        );
+    }
+}
