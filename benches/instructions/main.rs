@@ -1,19 +1,26 @@
 //! A fixed amount of tracing, whose instructions `benches/instructions/run`
-//! counts: `instructions SCENE WAY COST N_ROUNDS`.
+//! counts, and `benches/instructions/cache` their cache misses:
+//! `instructions SCENE WAY COST N_ROUNDS`.
 //!
 //! In each round all rays ask for their nearest hit and whether there is any.
+//! Prints as JSON how many that are, through how many primitives, and what made
+//! the program.
 
 use std::hint::black_box;
+use std::path::Path;
 
 use glam::Vec3;
 use raycost::accel::{Accel, ShadowRay, Simd};
 use raycost::config::Acceleration;
 use raycost::cost::{ByPixel, Cost, NoProbe, Probe};
 use raycost::geometry::{Ray, Shape, Sphere, Triangle};
+use raycost::import::read_mesh;
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
+use serde_json::json;
 
-const N_PRIMITIVES: u64 = 20_000;
+/// What `mesh` is.
+const MESH: &str = "configs/meshes/spot.obj";
 const N_RAYS: u64 = 16_384;
 
 fn main() {
@@ -23,14 +30,7 @@ fn main() {
         println!("this counts nothing by itself: use benches/instructions/run");
         return;
     };
-    let shape = match scene {
-        "triangles" => triangle,
-        "spheres" => sphere,
-        _ => panic!("no scene {scene}"),
-    };
-    let primitives: Vec<Primitive> = (0..N_PRIMITIVES)
-        .map(|i| Primitive::new(shape(i), None, ObjectId(0), MaterialId(0)))
-        .collect();
+    let primitives = primitives(scene);
     // The widest one that valgrind knows.
     let avx2 = Simd::available()
         .into_iter()
@@ -47,7 +47,26 @@ fn main() {
             _ => panic!("no way {way} with cost {cost}"),
         }
     }
-    println!("{}", 2 * N_RAYS);
+    let n_primitives = primitives.len();
+    let made_by = raycost::output::build();
+    println!(
+        "{}",
+        json!({ "n_rays": 2 * N_RAYS, "n_primitives": n_primitives, "made_by": made_by })
+    );
+}
+
+fn primitives(scene: &str) -> Vec<Primitive> {
+    let shapes: Vec<Shape> = match scene {
+        "mesh" => mesh(),
+        "triangles" => (0..20_000).map(triangle).collect(),
+        "spheres" => (0..20_000).map(|i| sphere(i, 0.03)).collect(),
+        // What fits into the first cache, and what fits into none: as full.
+        "few_spheres" => (0..100).map(|i| sphere(i, 0.175)).collect(),
+        "many_spheres" => (0..400_000).map(|i| sphere(i, 0.011)).collect(),
+        _ => panic!("no scene {scene}"),
+    };
+    let primitive = |shape| Primitive::new(shape, None, ObjectId(0), MaterialId(0));
+    shapes.into_iter().map(primitive).collect()
 }
 
 struct Rays {
@@ -115,7 +134,16 @@ fn triangle(i: u64) -> Shape {
     Shape::Triangle(Triangle { vertices })
 }
 
-fn sphere(i: u64) -> Shape {
-    let (center, radius) = (in_cube([1, i, 0]), 0.03);
+fn sphere(i: u64, radius: f32) -> Shape {
+    let center = in_cube([1, i, 0]);
     Shape::Sphere(Sphere { center, radius })
+}
+
+fn mesh() -> Vec<Shape> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(MESH);
+    let mesh = read_mesh(&path).unwrap_or_else(|fault| panic!("{fault}"));
+    let triangles = mesh.triangles.iter();
+    triangles
+        .map(|&indices| Shape::Triangle(mesh.triangle(indices)))
+        .collect()
 }

@@ -11,7 +11,9 @@ use crate::cost::Meter;
 use crate::film::{Column, columns};
 use crate::ledger::Ledger;
 use crate::memory;
-use crate::output::{self, HardwareCounters, OutputFolder, Rendering, Stages, Threads};
+use crate::output::{
+    self, HardwareCounters, NoProfiler, OutputFolder, Profiler, Rendering, Stages, Threads,
+};
 use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, repeat};
 use crate::scene::Scene;
 use crate::yaml::Diagnostic;
@@ -38,12 +40,18 @@ pub(super) struct Arguments {
     #[arg(long)]
     hardware_counters: bool,
 
+    /// Sample in which functions the processor is, and write `profile.svg`, a
+    /// flame graph; needs a build with `--features profile`
+    #[arg(long)]
+    profile: bool,
+
     /// Print nothing but errors
     #[arg(long, short)]
     quiet: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let profiler = arguments.profile.then(start_profiler).transpose()?;
     let mut stages = Stages::start(match arguments.hardware_counters {
         true => HardwareCounters::start(),
         false => HardwareCounters::none(),
@@ -114,6 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         repeats: &repeats,
         overhead,
         ledger: ledger.as_ref(),
+        profiler: profiler.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
             available: std::thread::available_parallelism().map_or(1, usize::from),
@@ -125,6 +134,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         io::stdout().write_all(text.as_bytes())?;
     }
     Ok(())
+}
+
+fn start_profiler() -> Result<Profiler, Failure> {
+    Profiler::start().map_err(|none| match none {
+        NoProfiler::NotBuilt => Diagnostic::new("this raycost was built without a profiler")
+            .with_help("build one: `cargo run --release --features profile -- render …`")
+            .into(),
+        NoProfiler::Unknown => Diagnostic::new("profiles are taken on Linux and macOS alone")
+            .with_help("leave out `--profile`")
+            .into(),
+        NoProfiler::Refused(why) => Failure::Machine(
+            Diagnostic::new(format!("cannot start the profiler: {why}"))
+                .with_help("leave out `--profile`"),
+        ),
+    })
 }
 
 /// Does work on so many pixels, which tells of its progress, under a bar.

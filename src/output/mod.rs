@@ -13,6 +13,7 @@ mod heatmap;
 mod measure;
 mod objects;
 mod picture;
+mod profile;
 mod reach;
 mod resources;
 pub(crate) mod rgb_png;
@@ -31,6 +32,7 @@ pub use folder::{OutputFolder, WriteError};
 pub(crate) use folder::{StagedFile, write_file};
 pub use hardware::{Counts, HardwareCounters};
 pub use objects::Group;
+pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;
 pub use stages::{Stage, Stages};
 pub(crate) use summary::FILE as SUMMARY;
@@ -77,6 +79,8 @@ pub struct Rendering<'a> {
     pub overhead: Option<Overhead>,
     /// What things cost, if that is asked for.
     pub ledger: Option<&'a Ledger>,
+    /// What has watched the run, if that was asked.
+    pub profiler: Option<&'a Profiler>,
     /// How many threads rendered.
     pub threads: Threads,
 }
@@ -139,7 +143,8 @@ pub struct Written {
 }
 
 impl Artifact {
-    /// All files but `summary.json`, which tells of them.
+    /// All files but `profile.svg`, which shows the making of them, and
+    /// `summary.json`, which tells of them.
     pub const ALL: [Self; 15] = [
         Self::Image,
         Self::Cost,
@@ -263,6 +268,16 @@ pub fn write(
     };
     let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
     stages.end("write");
+    // Last but one, since it tells of the writing of the others.
+    let mut stale: Vec<&str> = stale.into_iter().map(Artifact::file_name).collect();
+    match rendering.profiler {
+        Some(profiler) => {
+            let file = folder.stage(profile::FILE, |out| profiler.write(rendering.name, out))?;
+            files.push(file);
+            stages.end("profile");
+        }
+        None => stale.push(profile::FILE),
+    }
 
     let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
     let summary = folder.stage(summary::FILE, |out| {
@@ -270,6 +285,6 @@ pub fn write(
     })?;
     written.push(summary.written());
     files.push(summary);
-    folder.commit(files, stale.into_iter().map(Artifact::file_name))?;
+    folder.commit(files, stale.into_iter())?;
     Ok((written, stages))
 }

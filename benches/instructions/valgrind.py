@@ -1,0 +1,44 @@
+"""What the scripts beside this one share: a program to count in, and valgrind."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def install():
+    """Installs valgrind on Debian or Ubuntu where it is missing."""
+    if shutil.which("valgrind"):
+        return
+    if not shutil.which("apt-get"):
+        sys.exit("install valgrind first")
+    as_root = [] if os.geteuid() == 0 else ["sudo"]
+    apt = [*as_root, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q"]
+    subprocess.run([*apt, "update"], check=True)
+    subprocess.run([*apt, "install", "-y", "--no-install-recommends", "valgrind"], check=True)
+
+
+def build(folder=ROOT):
+    """Builds the bench of the sources in a folder; the path of the program."""
+    command = ["cargo", "bench", "--no-run", "--bench", "instructions", "--message-format=json"]
+    # Each has its own target folder: cargo would take one for the other.
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target")}
+    built = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, check=True)
+    messages = map(json.loads, built.stdout.splitlines())
+    return [m["executable"] for m in messages if m.get("executable")][-1]
+
+
+def run(tool, program, arguments):
+    """Runs the program under a tool of valgrind, given with its options: what
+    the program says of itself, and what valgrind says."""
+    command = ["valgrind", *tool, program, *map(str, arguments)]
+    # Nothing else: the size of the environment moves the stack.
+    environment = {"PATH": os.environ["PATH"], "RAYON_NUM_THREADS": "1"}
+    ran = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    if ran.returncode:
+        sys.exit(ran.stderr)
+    return json.loads(ran.stdout), ran.stderr

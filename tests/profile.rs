@@ -1,0 +1,105 @@
+//! `raycost render --profile`: with the feature `profile` it writes a flame
+//! graph and changes nothing else; without, it says so.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use common::in_repository;
+
+/// Renders a scene of the repository in a folder, with flags.
+fn render(folder: &Path, flags: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_raycost"))
+        .arg("render")
+        .arg(in_repository("configs/hall_of_mirrors.yaml"))
+        // With one thread, and without times, all files are the same each time.
+        .args(["--out=out", "--threads=1", "--cost=counters"])
+        .args(flags)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+#[cfg(not(feature = "profile"))]
+#[test]
+fn without_a_profiler_it_says_how_to_build_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = render(folder.path(), &["--profile"]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8(output.stderr).unwrap();
+    let expected = "error: this raycost was built without a profiler\n";
+    assert!(message.starts_with(expected), "{message}");
+    assert!(message.contains("--features profile"), "{message}");
+    assert!(output.stdout.is_empty() && !folder.path().join("out").exists());
+}
+
+#[cfg(feature = "profile")]
+mod built {
+    use std::collections::BTreeMap;
+    use std::fs;
+
+    use quick_xml::events::Event;
+
+    use super::*;
+
+    /// The files of a folder by name, without the two that hold times.
+    fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+        let entries = fs::read_dir(folder.join("out")).unwrap();
+        let files = entries.map(|entry| {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            (name, fs::read(path).unwrap())
+        });
+        files.filter(|(name, _)| name != "summary.json").collect()
+    }
+
+    #[test]
+    fn a_profile_is_one_more_file_and_goes_with_the_next_run() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(render(folder.path(), &["--profile"]).status.success());
+        let mut with = files(folder.path());
+        let summary = fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
+        assert!(summary.contains("\"file\": \"profile.svg\""), "{summary}");
+        assert!(with.remove("profile.svg").is_some());
+
+        assert!(render(folder.path(), &[]).status.success());
+        let without = files(folder.path());
+        assert!(with.keys().eq(without.keys()), "{:?}", without.keys());
+        for (name, bytes) in &without {
+            assert!(with[name] == *bytes, "sampling changes {name}");
+        }
+    }
+
+    /// What the boxes of a flame graph say: the function, and its samples.
+    fn boxes(svg: &str) -> Vec<String> {
+        let mut reader = quick_xml::Reader::from_str(svg);
+        let (mut titles, mut is_title) = (Vec::new(), false);
+        loop {
+            match reader.read_event().unwrap() {
+                Event::Start(tag) => is_title = tag.name().as_ref() == b"title",
+                Event::End(_) => is_title = false,
+                Event::Text(text) if is_title => titles.push(text.unescape().unwrap().into()),
+                Event::Eof => return titles,
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn the_flame_graph_shows_who_renders_and_who_writes() {
+        let folder = tempfile::tempdir().unwrap();
+        // Long enough for hundreds of samples, a good part of them in VTK files.
+        let flags = ["--profile", "--width=1600", "--height=1000", "--spp=1"];
+        assert!(render(folder.path(), &flags).status.success());
+        let svg = fs::read_to_string(folder.path().join("out/profile.svg")).unwrap();
+        let boxes = boxes(&svg);
+        for function in ["raycost::accel::", "raycost::shade::", "raycost::output::"] {
+            let found = boxes.iter().any(|text| text.contains(function));
+            assert!(found, "no {function} in {boxes:#?}");
+        }
+        let is_rayon = |text: &&String| text.starts_with("rayon");
+        let n_rayon = boxes.iter().filter(is_rayon).count();
+        assert!(10 * n_rayon < boxes.len(), "{boxes:#?}");
+    }
+}
