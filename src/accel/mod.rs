@@ -28,6 +28,7 @@ use crate::scene::{ObjectId, Primitive};
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
+pub use kernel::RAYS_IN_FLIGHT;
 use kernel::{Batch, Packets, Stream};
 pub use nodes::BvhNode;
 use search::{Any, Nearest, Query, Search};

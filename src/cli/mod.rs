@@ -12,6 +12,7 @@ mod render;
 mod scene;
 mod studies;
 mod study;
+mod tables;
 mod trace;
 mod tree;
 mod trust;

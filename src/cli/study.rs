@@ -11,10 +11,11 @@ use serde_json::{Value, json};
 
 use super::progress::StudyBar;
 use super::studies;
+use super::tables::{closing_lines, last_lines, write_figure, write_tables};
 use super::{Cli, Failure};
-use crate::output::{self, HardwareCounters, format::duration, write_file};
+use crate::output::{self, HardwareCounters, write_file};
 use crate::study::{
-    Figure, Metrics, Plan, Plot, Point, Results, Row, Run, Series, Turn, rows, write_csv,
+    Figure, Limits, Metrics, Plan, Point, Results, Row, Run, Standing, Turn, rows, standings,
 };
 use crate::yaml::{Diagnostic, Source};
 
@@ -72,11 +73,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut n_left = 0;
     for (study, mut results) in studies.iter().zip(opened) {
         let left = study.measure(&mut results, arguments.quiet)?;
-        let rows = rows(&study.plan, &results);
-        write_tables(&study.out, &study.plan, &rows, &made_by)?;
         n_left += left;
+        let rows = rows(&study.plan, &results);
+        let standings = study.standings(&rows, &made_by)?;
+        write_tables(
+            &study.out,
+            &study.plan,
+            &rows,
+            standings.as_deref(),
+            &made_by,
+        )?;
         if !arguments.quiet {
-            let lines = closing_lines(&study.plan, &rows, &study.out);
+            let lines = closing_lines(&study.plan, &rows, standings.as_deref(), &study.out);
             io::stdout().write_all(lines.as_bytes())?;
         }
     }
@@ -110,6 +118,9 @@ impl Study {
     fn open(&self, made_by: &Value) -> Result<Results, Failure> {
         let failed = |error| cannot_write(&self.out, &error);
         fs::create_dir_all(&self.out).map_err(failed)?;
+        if self.plan.roofline {
+            Limits::read_from(&self.limits_path(), made_by)?;
+        }
         Ok(Results::open(&self.out.join("runs.jsonl"), made_by)?)
     }
 
@@ -140,6 +151,37 @@ impl Study {
         }
         bar.clear();
         Ok(0)
+    }
+
+    /// Where its points stand under the machine's limits, if that is asked for;
+    /// draws it, too. The limits are measured where the folder has none yet.
+    fn standings(&self, rows: &[Row], made_by: &Value) -> Result<Option<Vec<Standing>>, Failure> {
+        if !self.plan.roofline {
+            return Ok(None);
+        }
+        let path = self.limits_path();
+        let limits = match Limits::read_from(&path, made_by)? {
+            Some(limits) => limits,
+            None => {
+                let limits = Limits::measure();
+                write_file(&path, |file| {
+                    Ok(serde_json::to_writer_pretty(
+                        file,
+                        &limits.to_file(made_by),
+                    )?)
+                })?;
+                limits
+            }
+        };
+        let standings = standings(rows, &limits);
+        if let Some(figure) = Figure::roofline(&self.plan.title, &standings, &limits) {
+            write_figure(&figure, &self.out, "roofline")?;
+        }
+        Ok(Some(standings))
+    }
+
+    fn limits_path(&self) -> PathBuf {
+        self.out.join("limits.json")
     }
 }
 
@@ -199,77 +241,7 @@ fn made_by() -> Value {
     })
 }
 
-fn write_tables(out: &Path, plan: &Plan, rows: &[Row], made_by: &Value) -> Result<(), Failure> {
-    write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
-    let mut fits = Vec::new();
-    for (number, plot) in plan.plots.iter().enumerate() {
-        let Some(figure) = Figure::of(plot, &plan.title, rows) else {
-            continue;
-        };
-        fits.extend(fits_of(plot, &figure));
-        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
-        let path_of = |ending| out.join(format!("{name}.{ending}"));
-        write_file(&path_of("svg"), |file| {
-            file.write_all(figure.to_svg()?.as_bytes())
-        })?;
-        write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
-    }
-    let all = json!({ "title": plan.title, "made_by": made_by, "fits": fits, "rows": rows });
-    write_file(&out.join("statistics.json"), |file| {
-        Ok(serde_json::to_writer_pretty(file, &all)?)
-    })?;
-    Ok(())
-}
-
-/// The power laws of a plot, by the names of their series.
-fn fits_of(plot: &Plot, figure: &Figure) -> impl Iterator<Item = Value> {
-    let fit = |series: &Series| {
-        let law = series.law?;
-        Some(json!({ "x": plot.x, "y": plot.y, "series": series.label, "law": law }))
-    };
-    figure.series.iter().filter_map(fit)
-}
-
 fn cannot_write(path: &Path, error: &io::Error) -> Failure {
     let message = format!("cannot write to `{}`: {error}", path.display());
     Failure::Machine(Diagnostic::new(message).with_help("give another folder by `--out`"))
-}
-
-/// What was found and where it is.
-fn closing_lines(plan: &Plan, rows: &[Row], out: &Path) -> String {
-    let mut text = format!("{}\n\n", plan.title);
-    let values = |row: &Row| {
-        let values = row.point.iter().map(|(name, value)| match value {
-            Value::String(text) => format!("{name} {text}"),
-            number => format!("{name} {number}"),
-        });
-        values.collect::<Vec<_>>().join(", ")
-    };
-    let shown = || rows.iter().filter(|row| row.metric == "render_wall_ms");
-    let width = shown().map(|row| values(row).len()).max().unwrap_or(0);
-    for row in shown() {
-        let statistics = &row.statistics;
-        let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
-        text += &format!(
-            "{:<width$} {:>9}  95 % [{}, {}], {} runs\n",
-            values(row),
-            ms(statistics.median),
-            ms(statistics.low_95),
-            ms(statistics.high_95),
-            statistics.n,
-        );
-    }
-    text + &format!("\nwrote   {}/\n\n", out.display())
-}
-
-/// What is to be said of all studies.
-fn last_lines(made_by: &Value, n_left: usize) -> String {
-    let mut text = "each    runs.jsonl, statistics.csv, statistics.json, plots\n".to_owned();
-    if let Some(reason) = made_by["no_hardware_counters"].as_str() {
-        text += &format!("note    cycles, instructions and misses: {reason}\n");
-    }
-    if n_left > 0 {
-        text += &format!("left    {n_left} runs when the time was up: give the command again\n");
-    }
-    text
 }

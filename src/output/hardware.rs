@@ -101,7 +101,7 @@ impl HardwareCounters {
     }
 
     /// Counts so far.
-    pub(super) fn read(&mut self) -> Counts {
+    pub fn read(&mut self) -> Counts {
         let counters = self.counters.iter_mut().flatten();
         let read = counters.filter_map(|open| Some((open.name, open.read()?)));
         read.collect()

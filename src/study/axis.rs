@@ -12,8 +12,8 @@ const LABEL_GAP: f64 = 0.12;
 
 /// One axis.
 pub(super) struct Axis {
-    low: f64,
-    high: f64,
+    pub(super) low: f64,
+    pub(super) high: f64,
     scale: Scale,
     /// Names of the places 0, 1, …, if those are no numbers.
     names: Vec<String>,
@@ -115,7 +115,7 @@ impl ValueFormatter<f64> for Axis {
 }
 
 /// "20 k" for 20,000: three digits are enough to read off a place.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let units = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
     let unit = units
         .into_iter()

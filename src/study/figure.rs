@@ -62,6 +62,19 @@ pub struct Figure {
     pub categories: Vec<String>,
     /// At least one.
     pub series: Vec<Series>,
+    /// Whether a line joins the points of a series that has no law.
+    pub is_joined: bool,
+    /// Limits that nothing can pass.
+    pub ceilings: Vec<Ceiling>,
+}
+
+/// A limit along the whole lower axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ceiling {
+    /// What stands beside it.
+    pub label: String,
+    /// Where it lies.
+    pub law: PowerLaw,
 }
 
 /// Points of one kind.
@@ -76,7 +89,7 @@ pub struct Series {
 }
 
 /// A median and the interval that holds it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// Place along the lower axis.
     pub x: f64,
@@ -84,6 +97,10 @@ pub struct Mark {
     pub y: f64,
     /// Ends of the interval.
     pub interval: [f64; 2],
+    /// What stands beside it; may be empty.
+    pub label: String,
+    /// A limit of this point's own, drawn as a bar.
+    pub limit: Option<f64>,
 }
 
 impl Plot {
@@ -121,6 +138,8 @@ impl Figure {
             scale: plot.scale,
             categories: Vec::new(),
             series: Vec::new(),
+            is_joined: false,
+            ceilings: Vec::new(),
         };
         for row in rows.iter().filter(|row| plot.y.contains(&row.metric)) {
             let Some(x) = figure.place(plot, row, rows) else {
@@ -131,21 +150,30 @@ impl Figure {
                 x,
                 y: statistics.median,
                 interval: [statistics.low_95, statistics.high_95],
+                label: String::new(),
+                limit: None,
             };
             figure.series_of(plot.label(row)).points.push(mark);
         }
-        figure.leave_out_what_is_common();
-        let has_categories = !figure.categories.is_empty();
-        for series in &mut figure.series {
+        figure.is_joined = figure.categories.is_empty();
+        figure.finish(plot.fit);
+        (!figure.series.is_empty()).then_some(figure)
+    }
+
+    /// Puts labels, points and scale in order, and laws through the points if
+    /// they are asked for.
+    pub(super) fn finish(&mut self, fit: bool) {
+        self.leave_out_what_is_common();
+        let has_categories = !self.categories.is_empty();
+        for series in &mut self.series {
             series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
             let points: Vec<_> = series.points.iter().map(|mark| (mark.x, mark.y)).collect();
             let is_positive = points.iter().all(|&(x, y)| x > 0.0 && y > 0.0);
-            if plot.fit && is_positive && !has_categories {
+            if fit && is_positive && !has_categories {
                 series.law = PowerLaw::through(&points);
             }
         }
-        figure.check_scale(has_categories);
-        (!figure.series.is_empty()).then_some(figure)
+        self.check_scale(has_categories);
     }
 
     /// Where a row's point lies along the lower axis.
@@ -166,7 +194,8 @@ impl Figure {
         Some(place as f64)
     }
 
-    fn series_of(&mut self, label: String) -> &mut Series {
+    /// The series of this label, begun if need be.
+    pub(super) fn series_of(&mut self, label: String) -> &mut Series {
         let known = self.series.iter().position(|series| series.label == label);
         let index = known.unwrap_or_else(|| {
             self.series.push(Series {

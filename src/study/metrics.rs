@@ -4,6 +4,8 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::accel::RAYS_IN_FLIGHT;
+
 /// Numbers by name, in a fixed order; the unit ends the name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -52,7 +54,45 @@ impl Metrics {
             }
         }
         metrics.add_ratios();
+        metrics.add_what_a_ray_takes(summary);
         metrics
+    }
+
+    /// Adds what a ray takes of a thread's time and of memory.
+    ///
+    /// Bytes and fetches are those of the hierarchy alone, as if each ray fetched
+    /// all of its nodes and leaves by itself: packets of rays share them. A test
+    /// reads what tests read in the mean over all leaves, those outside the
+    /// hierarchy too.
+    fn add_what_a_ray_takes(&mut self, summary: &Value) {
+        let rays_in_flight = match summary["cost"]["kernel"].as_str() {
+            Some("stream") => Some(RAYS_IN_FLIGHT as f64),
+            kernel => kernel.map(|_| 1.0),
+        };
+        self.add("rays_in_flight", rays_in_flight);
+        self.add("n_threads", summary["threads"]["used"].as_f64());
+        let n_repeats = summary["repeats"]["n"].as_f64().unwrap_or(1.0);
+        let of = |name: &str| self.0.get(name).copied();
+        let per_ray = |name| Some(of(name)? / n_repeats / of("rays")?);
+        let fetched = |per_visit: Option<f64>, per_test: Option<f64>| {
+            let of_nodes = of("node_visits_per_ray")? * per_visit?;
+            Some(of_nodes + of("primitive_tests_per_ray")? * per_test?)
+        };
+        let bytes = fetched(of("bvh_bytes_per_visit"), of("bvh_bytes_per_test"));
+        let leaves_per_test = of("bvh_n_leaves").zip(of("bvh_n_references"));
+        let leaves_per_test = leaves_per_test.map(|(leaves, tests)| leaves / tests);
+        let found = [
+            (
+                "render_ns_per_ray",
+                per_ray("render_cpu_ms").map(|ms| 1e6 * ms),
+            ),
+            ("instructions_per_ray", per_ray("render_instructions")),
+            ("bytes_per_ray", bytes),
+            ("fetches_per_ray", fetched(Some(1.0), leaves_per_test)),
+        ];
+        for (name, value) in found {
+            self.add(name, value.filter(|value| value.is_finite()));
+        }
     }
 
     /// Adds what is told best as a share.

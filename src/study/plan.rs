@@ -53,6 +53,10 @@ pub struct Plan {
     /// What is drawn of it.
     #[serde(default)]
     pub plots: Vec<Plot>,
+    /// Whether the runs are held against what the machine gives at most, which is
+    /// measured once: `roofline.svg`. No if not given.
+    #[serde(default)]
+    pub roofline: bool,
     /// What `--quick` takes instead, to see the study work.
     #[serde(default)]
     pub quick: Option<Quick>,

@@ -6,16 +6,18 @@ use image::{ImageFormat, RgbImage};
 use plotters::coord::Shift;
 use plotters::element::{Circle, Cross, PathElement, Text, TriangleMarker};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
 use super::axis::Axis;
-use super::figure::{Figure, Series};
+use super::ceiling;
+use super::figure::{Figure, Mark, Series};
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (960, 640);
 /// Part of the width for the names of series, where there are some.
 const LEGEND_WIDTH: u32 = 240;
-const FONT: &str = "sans-serif";
+pub(super) const FONT: &str = "sans-serif";
 
 /// Colours that the colour-blind tell apart: Okabe and Ito, "Color Universal
 /// Design", 2008, without the yellow, which is too light for lines.
@@ -62,21 +64,36 @@ impl Figure {
     }
 }
 
-type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+/// Nothing, or what the picture could not take.
+pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
     // Only the bytes of a font could be refused, and these are known.
     let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
     area.fill(&WHITE)?;
-    let has_legend = figure
+    let has_limits = marks(figure).any(|mark| ceiling::limit_of(figure, mark).is_some());
+    let has_names = figure
         .series
         .iter()
         .any(|series| !name_of(series).is_empty());
+    let has_legend = has_names || has_limits;
     let legend_width = if has_legend { LEGEND_WIDTH } else { 0 };
     let (chart, legend) = area.split_horizontally(SIZE.0 - legend_width);
     draw_chart(figure, &chart)?;
+    let y_of = |number: usize| 80 + 44 * number as i32;
+    if has_limits {
+        let y = y_of(figure.series.len());
+        legend.draw(&PathElement::new([(0, y), (16, y)], BLACK.stroke_width(2)))?;
+        for (line, text) in ["if all its time were", "waiting for memory"]
+            .into_iter()
+            .enumerate()
+        {
+            let at = (22, y - 8 + 18 * line as i32);
+            legend.draw(&Text::new(text, at, (FONT, 16)))?;
+        }
+    }
     for (number, series) in figure.series.iter().enumerate() {
-        let y = 80 + 44 * number as i32;
+        let y = y_of(number);
         draw_symbol(&legend, number, (8, y))?;
         let name = name_of(series);
         for (line, text) in name.split(": ").enumerate() {
@@ -104,6 +121,14 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
         .bold_line_style(BLACK.mix(0.18))
         .light_line_style(BLACK.mix(0.06))
         .draw()?;
+    let (x, y) = axes(figure);
+    let to_pixels = |x, y| chart.backend_coord(&(x, y));
+    ceiling::draw(
+        &figure.ceilings,
+        (&x, &y),
+        to_pixels,
+        &area.strip_coord_spec(),
+    )?;
     for (number, series) in figure.series.iter().enumerate() {
         let color = color_of(number);
         let points = || series.points.iter();
@@ -111,7 +136,7 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
             let ends = [points().next(), points().last()].into_iter().flatten();
             let line = ends.map(|mark| (mark.x, law.at(mark.x)));
             chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
-        } else if figure.categories.is_empty() {
+        } else if figure.is_joined {
             let line = points().map(|mark| (mark.x, mark.y));
             chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
         }
@@ -122,10 +147,35 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
             let cap = |(x, y)| PathElement::new([(x - 5, y), (x + 5, y)], color.stroke_width(2));
             area.strip_coord_spec().draw(&cap(low))?;
             area.strip_coord_spec().draw(&cap(high))?;
-            draw_symbol(area, number, chart.backend_coord(&(mark.x, mark.y)))?;
+            let (x, y) = chart.backend_coord(&(mark.x, mark.y));
+            draw_symbol(area, number, (x, y))?;
+            draw_label(area, &mark.label, (x, y))?;
+            if let Some(limit) = ceiling::limit_of(figure, mark) {
+                let (x, y) = chart.backend_coord(&(mark.x, limit));
+                area.draw(&PathElement::new(
+                    [(x - 8, y), (x + 8, y)],
+                    color.stroke_width(2),
+                ))?;
+            }
         }
     }
     Ok(())
+}
+
+/// Draws what stands beside a mark: on its left where there is no room on its
+/// right.
+fn draw_label<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    label: &str,
+    (x, y): (i32, i32),
+) -> Drawn<DB> {
+    let width = 8 * label.len() as i32;
+    let (side, x) = match x + 10 + width > area.dim_in_pixel().0 as i32 {
+        true => (HPos::Right, x - 10),
+        false => (HPos::Left, x + 10),
+    };
+    let style = TextStyle::from((FONT, 14).into_font()).pos(Pos::new(side, VPos::Top));
+    area.draw(&Text::new(label.to_owned(), (x, y + 2), style))
 }
 
 /// Draws the symbol of a series: colour is not all that tells them apart.
@@ -147,16 +197,17 @@ fn color_of(number: usize) -> RGBColor {
 }
 
 fn axes(figure: &Figure) -> (Axis, Axis) {
-    let marks = || figure.series.iter().flat_map(|series| &series.points);
-    let y = Axis::around(
-        marks().flat_map(|mark| mark.interval.into_iter().chain([mark.y])),
-        figure.scale,
-    );
     let x = match figure.categories.is_empty() {
-        true => Axis::around(marks().map(|mark| mark.x), figure.scale),
+        true => Axis::around(marks(figure).map(|mark| mark.x), figure.scale),
         false => Axis::of_names(&figure.categories),
     };
+    let heights = marks(figure).flat_map(|mark| mark.interval.into_iter().chain([mark.y]));
+    let y = Axis::around(heights.chain(ceiling::heights(figure, &x)), figure.scale);
     (x, y)
+}
+
+fn marks(figure: &Figure) -> impl Iterator<Item = &Mark> {
+    figure.series.iter().flat_map(|series| &series.points)
 }
 
 /// The series' label and the exponent of its law.

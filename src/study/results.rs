@@ -157,7 +157,7 @@ fn check(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagn
 }
 
 /// The first key whose value differs.
-fn differing<'a>(before: &'a Value, now: &'a Value) -> Option<&'a str> {
+pub(super) fn differing<'a>(before: &'a Value, now: &'a Value) -> Option<&'a str> {
     let now = now.as_object()?;
     let is_other = |(key, value): &(&String, &Value)| before.get(key.as_str()) != Some(*value);
     now.iter().find(is_other).map(|(key, _)| key.as_str())

@@ -27,6 +27,7 @@ use block::Blocks;
 pub(super) use packet::Packets;
 use slab::Slabs;
 use stack::Stack;
+pub use stream::RAYS_IN_FLIGHT;
 pub(super) use stream::Stream;
 
 /// One ray's way through an arena, which is not empty.

@@ -1,6 +1,6 @@
 //! Many rays at once through the hierarchy.
 //!
-//! [`N_FLIGHTS`] rays take turns. In each round every ray that is at a node
+//! [`RAYS_IN_FLIGHT`] rays take turns. In each round every ray that is at a node
 //! takes one step, without a branch that depends on it, and asks for the memory
 //! of the next; then every ray at a leaf is tested; then rays that are done make
 //! room for others. So one ray's cache misses, chains of arithmetic and wrong
@@ -21,7 +21,7 @@ use crate::cost::StreamProbe;
 
 /// Rays in flight: enough to hide memory's latency, few enough that their state
 /// stays in the nearest cache.
-const N_FLIGHTS: usize = 16;
+pub const RAYS_IN_FLIGHT: usize = 16;
 
 /// The queries of a batch with these numbers, each ray on its own.
 pub(in crate::accel) struct Stream<'a, Q: Query, P> {
@@ -48,7 +48,7 @@ impl<Q: Query, P: StreamProbe> Work for Stream<'_, Q, P> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(mut self, set: I) {
-        let mut flights = [const { MaybeUninit::uninit() }; N_FLIGHTS];
+        let mut flights = [const { MaybeUninit::uninit() }; RAYS_IN_FLIGHT];
         let (mut at_nodes, mut at_leaves) = (Set::EMPTY, Set::EMPTY);
         let mut n_launched = 0;
         for (i, flight) in flights.iter_mut().enumerate() {
@@ -218,7 +218,7 @@ impl Set {
     /// Takes one out.
     #[inline(always)]
     fn take(&mut self) -> Option<usize> {
-        let flight = self.0.trailing_zeros() as usize % N_FLIGHTS;
+        let flight = self.0.trailing_zeros() as usize % RAYS_IN_FLIGHT;
         let is_there = self.0 != 0;
         self.0 &= self.0.wrapping_sub(1);
         is_there.then_some(flight)

@@ -10,6 +10,7 @@
 
 mod portable;
 mod vector;
+mod sum;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 #[cfg(target_arch = "x86_64")]
