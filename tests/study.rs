@@ -154,6 +154,111 @@ fn time_that_is_up_leaves_the_rest_to_the_next_call() {
     assert!(said.contains("left    16 runs"), "{said}");
 }
 
+/// Runs `raycost study` with these words in a folder.
+fn study(folder: &Path, words: &[&str]) -> Output {
+    let mut command = raycost();
+    let command = command.current_dir(folder).arg("study");
+    command.args(words).output().unwrap()
+}
+
+#[test]
+fn several_studies_each_have_a_folder() {
+    let folder = folder(STUDY);
+    let path = folder.path();
+    fs::write(path.join("other.yaml"), STUDY.replace("small", "second")).unwrap();
+    assert_success(&study(path, &["study.yaml", "other.yaml", "--quick"]));
+    let held = |name: &str| fs::read_to_string(path.join("out/studies").join(name)).unwrap();
+    for name in ["study-quick", "other-quick"] {
+        assert_eq!(held(&format!("{name}/runs.jsonl")).lines().count(), 17);
+    }
+    let statistics: Value = serde_json::from_str(&held("other-quick/statistics.json")).unwrap();
+    assert_eq!(statistics["title"], "A second study");
+
+    // A folder stands for its studies.
+    fs::create_dir_all(path.join("configs/studies")).unwrap();
+    let there = STUDY.replace("scene.yaml", "../../scene.yaml");
+    fs::write(path.join("configs/studies/third.yaml"), &there).unwrap();
+    assert_success(&study(
+        path,
+        &["configs/studies", "other.yaml", "--out", "all"],
+    ));
+    assert!(path.join("all/third/runs.jsonl").exists());
+    assert!(path.join("all/other/statistics.csv").exists());
+    // Nothing named stands for the ready ones.
+    assert_success(&study(path, &[]));
+    assert!(path.join("out/studies/third/runs.jsonl").exists());
+}
+
+#[test]
+fn a_mistake_in_one_of_several_studies_stops_all() {
+    let folder = folder(STUDY);
+    let path = folder.path();
+    let refused = |words: &[&str], told: &str| {
+        let refused = study(path, words);
+        assert_eq!(refused.status.code(), Some(2), "{words:?}");
+        assert!(said(&refused).contains(told), "{}", said(&refused));
+    };
+    fs::write(path.join("broken.yaml"), "title: x\nscenes: []").unwrap();
+    refused(&["study.yaml", "broken.yaml"], "cannot be an empty list");
+    fs::create_dir_all(path.join("a")).unwrap();
+    refused(&["a"], "`a` has no study");
+    fs::copy(path.join("study.yaml"), path.join("a/study.yaml")).unwrap();
+    refused(&["study.yaml", "a"], "would both write to");
+    refused(&[], "there is no folder `configs/studies` here");
+    assert!(!path.join("out").exists(), "nothing is measured");
+
+    // Results of others, in the last of the folders.
+    let theirs = path.join("out/studies/study/runs.jsonl");
+    fs::create_dir_all(theirs.parent().unwrap()).unwrap();
+    fs::write(&theirs, "the notes of somebody\n").unwrap();
+    fs::copy(path.join("study.yaml"), path.join("first.yaml")).unwrap();
+    refused(&["first.yaml", "study.yaml"], "holds no results");
+    let first = fs::read_to_string(path.join("out/studies/first/runs.jsonl")).unwrap();
+    assert_eq!(first.lines().count(), 1, "nothing is measured");
+    assert_eq!(
+        fs::read_to_string(&theirs).unwrap(),
+        "the notes of somebody\n"
+    );
+}
+
+#[test]
+fn statistics_hold_the_laws_of_the_plots() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let text = fs::read_to_string(folder.path().join("out/statistics.json")).unwrap();
+    let statistics: Value = serde_json::from_str(&text).unwrap();
+    let fits = statistics["fits"].as_array().unwrap();
+    // A line for each depth, of the one plot that asks for laws.
+    assert_eq!(fits.len(), 2);
+    let rows = statistics["rows"].as_array().unwrap();
+    let median = |threads: u64| {
+        let is_it = |row: &&Value| {
+            row["metric"] == "render_wall_ms"
+                && row["point"]["threads"] == threads
+                && row["point"]["max_depth"] == 3
+        };
+        rows.iter().find(is_it).unwrap()["median"].as_f64().unwrap()
+    };
+    let fit = fits.iter().find(|fit| fit["series"] == "max depth 3");
+    let fit = fit.unwrap_or_else(|| panic!("{fits:?}"));
+    assert_eq!(
+        (&fit["x"], &fit["y"][0]),
+        (&"threads".into(), &"render_wall_ms".into())
+    );
+    let exponent = (median(2) / median(1)).log2();
+    assert!((fit["law"]["exponent"].as_f64().unwrap() - exponent).abs() < 1e-9);
+}
+
+#[test]
+fn quick_takes_what_the_study_says_instead() {
+    let quick = "quick: { vary: { threads: [1] }, flags: [--width=6, --height=5], repeats: 1 }";
+    let folder = folder(&format!("{STUDY}\n{quick}"));
+    assert_success(&run(folder.path(), &["--quick"]));
+    let lines = lines(folder.path());
+    assert_eq!(lines.len(), 1 + 2);
+    assert_eq!(lines[1]["metrics"]["n_pixels"], 30.0);
+}
+
 #[test]
 fn results_of_others_are_left_alone() {
     let folder = folder(STUDY);

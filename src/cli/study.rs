@@ -10,31 +10,35 @@ use clap::Parser;
 use serde_json::{Value, json};
 
 use super::progress::StudyBar;
+use super::studies;
+use super::tables::{closing_lines, last_lines, write_figure, write_tables};
 use super::{Cli, Failure};
-use crate::output::{self, HardwareCounters, format::duration, write_file};
+use crate::output::{self, HardwareCounters, write_file};
 use crate::study::{
     Figure, Limits, Metrics, Plan, Point, Results, Row, Run, Standing, Turn, rows, standings,
-    verdict, write_csv,
 };
 use crate::yaml::{Diagnostic, Source};
 
 /// Measure how the cost of scenes depends on what you vary
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  raycost study configs/studies/threads.yaml
+  raycost study configs/studies/tiles.yaml
   raycost study configs/studies/image_size.yaml --quick --out /tmp/sizes
+  raycost study --quick
 
 A study that was stopped goes on where it was when the same command is given
 again: a run that has ended is never measured again.")]
 pub(super) struct Arguments {
-    /// The study's YAML file
-    study: PathBuf,
+    /// Study files, or folders of them [default: configs/studies]
+    #[arg(value_name = "STUDY")]
+    studies: Vec<PathBuf>,
 
-    /// Folder to write to [default: out/studies/<the study's name>]
+    /// Folder to write to [default: out/studies/<the study's name>]; of several
+    /// studies each has one in it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Take the study's smaller matrix, to see it work
+    /// Take the smaller matrix of each study, to see it work
     #[arg(long)]
     quick: bool,
 
@@ -43,63 +47,142 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
-impl Arguments {
-    /// The folder to write to.
-    fn out(&self) -> PathBuf {
-        let stem = self.study.file_stem().unwrap_or_default().to_string_lossy();
-        let suffix = if self.quick { "-quick" } else { "" };
-        let default = || Path::new("out/studies").join(format!("{stem}{suffix}"));
-        self.out.clone().unwrap_or_else(default)
-    }
+/// A study file that was read and can be run.
+struct Study {
+    plan: Plan,
+    points: Vec<Point>,
+    /// The study file's folder, which scenes are relative to.
+    folder: PathBuf,
+    /// Where results go.
+    out: PathBuf,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let source = Source::read(&arguments.study)?;
-    let mut plan: Plan = source.parse()?;
-    if arguments.quick {
-        plan = plan.quickened();
-    }
-    let points = plan.points();
-    let folder = source.folder();
-    for point in &points {
-        check(&plan, point, folder)?;
-    }
-    let out = arguments.out();
-    fs::create_dir_all(&out).map_err(|error| cannot_write(&out, &error))?;
+    let (named, out, quick) = (
+        &arguments.studies,
+        arguments.out.as_deref(),
+        arguments.quick,
+    );
+    let files = studies::files(named, out, quick)?.into_iter();
+    let read = files.map(|(file, out)| Study::read(&file, out, quick));
+    let studies = read.collect::<Result<Vec<_>, Failure>>()?;
     let made_by = made_by();
-    let mut results = Results::open(&out.join("runs.jsonl"), &made_by)?;
-    let limits = plan.roofline.then(|| limits(&out, &made_by)).transpose()?;
-    let turns = plan.turns();
-    let left = measure(arguments, &plan, &turns, &points, folder, &mut results)?;
-    let rows = rows(&plan, &results);
-    let standings = limits.as_ref().map(|limits| standings(&rows, limits));
-    if let Some((limits, standings)) = limits.as_ref().zip(standings.as_ref())
-        && let Some(figure) = Figure::roofline(&plan.title, standings, limits)
-    {
-        write_figure(&figure, &out, "roofline")?;
+    // All are opened before anything is measured: a file of others stops all.
+    let opened = studies.iter().map(|study| study.open(&made_by));
+    let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
+    let mut n_left = 0;
+    for (study, mut results) in studies.iter().zip(opened) {
+        let left = study.measure(&mut results, arguments.quiet)?;
+        n_left += left;
+        let rows = rows(&study.plan, &results);
+        let standings = study.standings(&rows, &made_by)?;
+        write_tables(
+            &study.out,
+            &study.plan,
+            &rows,
+            standings.as_deref(),
+            &made_by,
+        )?;
+        if !arguments.quiet {
+            let lines = closing_lines(&study.plan, &rows, standings.as_deref(), &study.out);
+            io::stdout().write_all(lines.as_bytes())?;
+        }
     }
-    write_tables(&out, &plan, &rows, standings.as_deref(), &made_by)?;
     if !arguments.quiet {
-        let lines = closing_lines(&plan, &rows, standings.as_deref(), &made_by, &out, left);
-        io::stdout().write_all(lines.as_bytes())?;
+        io::stdout().write_all(last_lines(&made_by, n_left).as_bytes())?;
     }
     Ok(())
 }
 
-/// The machine's limits, measured where the folder has none yet.
-fn limits(out: &Path, made_by: &Value) -> Result<Limits, Failure> {
-    let path = out.join("limits.json");
-    if let Some(limits) = Limits::read_from(&path, made_by)? {
-        return Ok(limits);
+impl Study {
+    /// Reads a study file, and makes sure that each of its points can be run.
+    fn read(file: &Path, out: PathBuf, quick: bool) -> Result<Self, Failure> {
+        let source = Source::read(file)?;
+        let mut plan: Plan = source.parse()?;
+        if quick {
+            plan = plan.quickened();
+        }
+        let study = Self {
+            points: plan.points(),
+            plan,
+            folder: source.folder().to_owned(),
+            out,
+        };
+        for point in &study.points {
+            check(&study.plan, point, &study.folder)?;
+        }
+        Ok(study)
     }
-    let limits = Limits::measure();
-    write_file(&path, |file| {
-        Ok(serde_json::to_writer_pretty(
-            file,
-            &limits.to_file(made_by),
-        )?)
-    })?;
-    Ok(limits)
+
+    /// Its results so far.
+    fn open(&self, made_by: &Value) -> Result<Results, Failure> {
+        let failed = |error| cannot_write(&self.out, &error);
+        fs::create_dir_all(&self.out).map_err(failed)?;
+        if self.plan.roofline {
+            Limits::read_from(&self.limits_path(), made_by)?;
+        }
+        Ok(Results::open(&self.out.join("runs.jsonl"), made_by)?)
+    }
+
+    /// Makes the runs that are left; gives how many are still left in the end.
+    fn measure(&self, results: &mut Results, quiet: bool) -> Result<usize, Failure> {
+        let turns = self.plan.turns().into_iter();
+        let is_left = |turn: &Turn| !results.has(&self.points[turn.point], turn.round);
+        let todo: Vec<Turn> = turns.filter(is_left).collect();
+        let bar = StudyBar::new(todo.len() as u64, quiet);
+        let start = Instant::now();
+        let budget = self.plan.time_budget_s.map(Duration::from_secs_f32);
+        for (n_done, turn) in todo.iter().enumerate() {
+            if budget.is_some_and(|budget| start.elapsed() > budget) {
+                bar.clear();
+                return Ok(todo.len() - n_done);
+            }
+            let point = &self.points[turn.point];
+            bar.begin(&point.label());
+            let metrics = one_run(&self.plan, point, &self.folder, &self.out.join("run"))?;
+            let run = Run {
+                point: point.values.clone(),
+                round: turn.round,
+                metrics,
+            };
+            let failed = |error| cannot_write(&self.out, &error);
+            results.add(run).map_err(failed)?;
+            bar.advance();
+        }
+        bar.clear();
+        Ok(0)
+    }
+
+    /// Where its points stand under the machine's limits, if that is asked for;
+    /// draws it, too. The limits are measured where the folder has none yet.
+    fn standings(&self, rows: &[Row], made_by: &Value) -> Result<Option<Vec<Standing>>, Failure> {
+        if !self.plan.roofline {
+            return Ok(None);
+        }
+        let path = self.limits_path();
+        let limits = match Limits::read_from(&path, made_by)? {
+            Some(limits) => limits,
+            None => {
+                let limits = Limits::measure();
+                write_file(&path, |file| {
+                    Ok(serde_json::to_writer_pretty(
+                        file,
+                        &limits.to_file(made_by),
+                    )?)
+                })?;
+                limits
+            }
+        };
+        let standings = standings(rows, &limits);
+        if let Some(figure) = Figure::roofline(&self.plan.title, &standings, &limits) {
+            write_figure(&figure, &self.out, "roofline")?;
+        }
+        Ok(Some(standings))
+    }
+
+    fn limits_path(&self) -> PathBuf {
+        self.out.join("limits.json")
+    }
 }
 
 /// Makes sure that a point can be run before any is.
@@ -119,44 +202,6 @@ fn check(plan: &Plan, point: &Point, folder: &Path) -> Result<(), Failure> {
     };
     let cli = Cli::try_parse_from(words).map_err(refused)?;
     Ok(cli.check_alone()?)
-}
-
-/// Makes the runs that are left; gives how many are still left in the end.
-fn measure(
-    arguments: &Arguments,
-    plan: &Plan,
-    turns: &[Turn],
-    points: &[Point],
-    folder: &Path,
-    results: &mut Results,
-) -> Result<usize, Failure> {
-    let todo: Vec<&Turn> = turns
-        .iter()
-        .filter(|turn| !results.has(&points[turn.point], turn.round))
-        .collect();
-    let bar = StudyBar::new(todo.len() as u64, arguments.quiet);
-    let start = Instant::now();
-    let budget = plan.time_budget_s.map(Duration::from_secs_f32);
-    for (n_done, turn) in todo.iter().enumerate() {
-        if budget.is_some_and(|budget| start.elapsed() > budget) {
-            bar.clear();
-            return Ok(todo.len() - n_done);
-        }
-        let point = &points[turn.point];
-        bar.begin(&point.label());
-        let metrics = one_run(plan, point, folder, &arguments.out().join("run"))?;
-        let run = Run {
-            point: point.values.clone(),
-            round: turn.round,
-            metrics,
-        };
-        results
-            .add(run)
-            .map_err(|error| cannot_write(&arguments.out(), &error))?;
-        bar.advance();
-    }
-    bar.clear();
-    Ok(0)
 }
 
 /// Renders a point in a process of its own, into a folder that goes again.
@@ -196,86 +241,7 @@ fn made_by() -> Value {
     })
 }
 
-fn write_tables(
-    out: &Path,
-    plan: &Plan,
-    rows: &[Row],
-    standings: Option<&[Standing]>,
-    made_by: &Value,
-) -> Result<(), Failure> {
-    write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
-    for (number, plot) in plan.plots.iter().enumerate() {
-        let Some(figure) = Figure::of(plot, &plan.title, rows) else {
-            continue;
-        };
-        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
-        write_figure(&figure, out, &name)?;
-    }
-    let mut all = json!({ "title": plan.title, "made_by": made_by, "rows": rows });
-    if let Some(standings) = standings {
-        all["roofline"] = json!(standings);
-    }
-    write_file(&out.join("statistics.json"), |file| {
-        Ok(serde_json::to_writer_pretty(file, &all)?)
-    })?;
-    Ok(())
-}
-
-/// Writes a plot as SVG and as PNG.
-fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<(), Failure> {
-    let path_of = |ending| out.join(format!("{name}.{ending}"));
-    write_file(&path_of("svg"), |file| {
-        file.write_all(figure.to_svg()?.as_bytes())
-    })?;
-    write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
-    Ok(())
-}
-
 fn cannot_write(path: &Path, error: &io::Error) -> Failure {
     let message = format!("cannot write to `{}`: {error}", path.display());
     Failure::Machine(Diagnostic::new(message).with_help("give another folder by `--out`"))
-}
-
-/// What was found and where it is.
-fn closing_lines(
-    plan: &Plan,
-    rows: &[Row],
-    standings: Option<&[Standing]>,
-    made_by: &Value,
-    out: &Path,
-    n_left: usize,
-) -> String {
-    let mut text = format!("{}\n\n", plan.title);
-    let shown = rows.iter().filter(|row| row.metric == "render_wall_ms");
-    for row in shown {
-        let values = row.point.iter().map(|(name, value)| match value {
-            Value::String(text) => format!("{name} {text}"),
-            number => format!("{name} {number}"),
-        });
-        let statistics = &row.statistics;
-        let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
-        text += &format!(
-            "{:<48} {:>9}  95 % [{}, {}], {} runs\n",
-            values.collect::<Vec<_>>().join(", "),
-            ms(statistics.median),
-            ms(statistics.low_95),
-            ms(statistics.high_95),
-            statistics.n,
-        );
-    }
-    if let Some(standings) = standings {
-        let nothing = || "no run had counters and a hierarchy: nothing to hold up".to_owned();
-        text += &format!("\nbound   {}\n", verdict(standings).unwrap_or_else(nothing));
-    }
-    text += &format!(
-        "\nwrote   {}: runs.jsonl, statistics.csv, statistics.json\n",
-        out.display()
-    );
-    if let Some(reason) = made_by["no_hardware_counters"].as_str() {
-        text += &format!("note    cycles, instructions and misses: {reason}\n");
-    }
-    if n_left > 0 {
-        text += &format!("left    {n_left} runs when the time was up: give the command again\n");
-    }
-    text
 }

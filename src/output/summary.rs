@@ -207,5 +207,6 @@ pub fn machine() -> Value {
         "os": System::long_os_version(),
         "arch": std::env::consts::ARCH,
         "cpu": cpu,
+        "logical_cpus": std::thread::available_parallelism().ok(),
     })
 }

@@ -72,6 +72,9 @@ pub struct Quick {
     /// Takes the place of all cases.
     #[serde(default)]
     pub cases: Option<Vec<Case>>,
+    /// Takes the place of the flags, for smaller pictures.
+    #[serde(default)]
+    pub flags: Option<Vec<String>>,
     /// Takes the place of the repeats.
     #[serde(default = "three", deserialize_with = "repeats")]
     pub repeats: u32,
@@ -100,9 +103,10 @@ impl Plan {
         let quick = self.quick.take();
         self.repeats = quick.as_ref().map_or_else(three, |quick| quick.repeats);
         self.warm_up = self.warm_up.min(1);
-        if let Some(Quick { vary, cases, .. }) = quick {
-            self.vary = vary.unwrap_or(self.vary);
-            self.cases = cases.unwrap_or(self.cases);
+        if let Some(quick) = quick {
+            self.vary = quick.vary.unwrap_or(self.vary);
+            self.cases = quick.cases.unwrap_or(self.cases);
+            self.flags = quick.flags.unwrap_or(self.flags);
         }
         self
     }

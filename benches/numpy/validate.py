@@ -1,0 +1,100 @@
+"""Compares raycost with the course's NumPy model: validate.py RAYCOST OUT.json [--quick]
+
+Three comparisons, all as JSON: pictures and counts against those that the course's model left in
+tests/reference; pictures of the first scene against sphere.py, the same model run now; and how long
+both take for these, whole processes in turn. Fails if a picture is not the model's. `--quick` leaves
+out the largest picture, which takes the loop some ten seconds.
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+from PIL import Image
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+REFERENCE = ROOT / "tests" / "reference"
+SIZES = [100, 400, 1000]
+N_ROUNDS = 5
+# Of all pixels, as tests/seed_reference.rs: 32-bit numbers may decide otherwise on an edge.
+MOST_BEYOND_1 = 1e-3
+
+
+def rendered(raycost, scene, width, height, folder):
+    """The picture, and the totals of the run."""
+    size = ["--width", str(width), "--height", str(height)]
+    scene = ROOT / "configs" / f"{scene}.yaml"
+    subprocess.run([raycost, "render", scene, *size, "--quiet", "--out", folder], check=True)
+    summary = json.loads((folder / "summary.json").read_text())
+    counts = {"hits": summary["n_hits"], **summary["cost"]["totals"]}
+    return pixels(folder / "image.png"), counts
+
+
+def pixels(path):
+    return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def difference(ours, theirs):
+    """How far two pictures are apart; a pixel by the channel that differs most, of 255."""
+    apart = np.abs(ours - theirs).max(axis=2)
+    return {
+        "n_pixels": apart.size,
+        "n_different": int((apart > 0).sum()),
+        "n_beyond_1": int((apart > 1).sum()),
+        "max_difference": int(apart.max()),
+    }
+
+
+def against_reference(raycost, folder):
+    facts = json.loads((REFERENCE / "facts.json").read_text())
+    for name, expected in facts.items():
+        scene, size = name.rsplit("_", 1)
+        width, height = map(int, size.split("x"))
+        ours, counts = rendered(raycost, scene, width, height, folder / "out")
+        yield {
+            "scene": scene,
+            "width": width,
+            "height": height,
+            **difference(ours, pixels(REFERENCE / f"{name}.png")),
+            "counts": [
+                {"name": name, "raycost": counts[name], "numpy": n} for name, n in expected.items()
+            ],
+        }
+
+
+def against_loop(raycost, folder, sizes):
+    for size in sizes:
+        png, out = folder / "numpy.png", folder / "out"
+        times = {"numpy_ms": [], "raycost_ms": []}
+        for _ in range(N_ROUNDS if size < 1000 else 3):
+            start = time.perf_counter()
+            subprocess.run([sys.executable, HERE / "sphere.py", str(size), str(size), png], check=True)
+            middle = time.perf_counter()
+            ours, _ = rendered(raycost, "seed_sphere", size, size, out)
+            times["numpy_ms"].append(1e3 * (middle - start))
+            times["raycost_ms"].append(1e3 * (time.perf_counter() - middle))
+        yield {"width": size, "height": size, **difference(ours, pixels(png)), **times}
+
+
+def main():
+    raycost, result = sys.argv[1], pathlib.Path(sys.argv[2])
+    sizes = SIZES[:2] if "--quick" in sys.argv else SIZES
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        found = {
+            "reference": list(against_reference(raycost, folder)),
+            "loop": list(against_loop(raycost, folder, sizes)),
+        }
+    result.write_text(json.dumps(found, indent=1) + "\n")
+    for case in [*found["reference"], *found["loop"]]:
+        if case["n_beyond_1"] > MOST_BEYOND_1 * case["n_pixels"]:
+            sys.exit(f"not the picture of the NumPy model: {case}")
+
+
+if __name__ == "__main__":
+    main()

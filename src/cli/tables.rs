@@ -1,0 +1,106 @@
+//! What a study leaves: tables, plots and the last lines on the terminal.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use super::Failure;
+use crate::output::{format::duration, write_file};
+use crate::study::{Figure, Plan, Plot, Row, Series, Standing, verdict, write_csv};
+
+/// Writes the tables and plots of a study.
+pub(super) fn write_tables(
+    out: &Path,
+    plan: &Plan,
+    rows: &[Row],
+    standings: Option<&[Standing]>,
+    made_by: &Value,
+) -> Result<(), Failure> {
+    write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
+    let mut fits = Vec::new();
+    for (number, plot) in plan.plots.iter().enumerate() {
+        let Some(figure) = Figure::of(plot, &plan.title, rows) else {
+            continue;
+        };
+        fits.extend(fits_of(plot, &figure));
+        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
+        write_figure(&figure, out, &name)?;
+    }
+    let mut all = json!({ "title": plan.title, "made_by": made_by, "fits": fits, "rows": rows });
+    if let Some(standings) = standings {
+        all["roofline"] = json!(standings);
+    }
+    write_file(&out.join("statistics.json"), |file| {
+        Ok(serde_json::to_writer_pretty(file, &all)?)
+    })?;
+    Ok(())
+}
+
+/// The power laws of a plot, by the names of their series.
+fn fits_of(plot: &Plot, figure: &Figure) -> impl Iterator<Item = Value> {
+    let fit = |series: &Series| {
+        let law = series.law?;
+        Some(json!({ "x": plot.x, "y": plot.y, "series": series.label, "law": law }))
+    };
+    figure.series.iter().filter_map(fit)
+}
+
+/// Writes a plot as SVG and as PNG.
+pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<(), Failure> {
+    let path_of = |ending| out.join(format!("{name}.{ending}"));
+    write_file(&path_of("svg"), |file| {
+        file.write_all(figure.to_svg()?.as_bytes())
+    })?;
+    write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
+    Ok(())
+}
+
+/// What was found and where it is.
+pub(super) fn closing_lines(
+    plan: &Plan,
+    rows: &[Row],
+    standings: Option<&[Standing]>,
+    out: &Path,
+) -> String {
+    let mut text = format!("{}\n\n", plan.title);
+    let values = |row: &Row| {
+        let values = row.point.iter().map(|(name, value)| match value {
+            Value::String(text) => format!("{name} {text}"),
+            number => format!("{name} {number}"),
+        });
+        values.collect::<Vec<_>>().join(", ")
+    };
+    let shown = || rows.iter().filter(|row| row.metric == "render_wall_ms");
+    let width = shown().map(|row| values(row).len()).max().unwrap_or(0);
+    for row in shown() {
+        let statistics = &row.statistics;
+        let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
+        text += &format!(
+            "{:<width$} {:>9}  95 % [{}, {}], {} runs\n",
+            values(row),
+            ms(statistics.median),
+            ms(statistics.low_95),
+            ms(statistics.high_95),
+            statistics.n,
+        );
+    }
+    if let Some(standings) = standings {
+        let nothing = || "no run had counters and a hierarchy: nothing to hold up".to_owned();
+        text += &format!("\nbound   {}\n", verdict(standings).unwrap_or_else(nothing));
+    }
+    text + &format!("\nwrote   {}/\n\n", out.display())
+}
+
+/// What is to be said of all studies.
+pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
+    let mut text = "each    runs.jsonl, statistics.csv, statistics.json, plots\n".to_owned();
+    if let Some(reason) = made_by["no_hardware_counters"].as_str() {
+        text += &format!("note    cycles, instructions and misses: {reason}\n");
+    }
+    if n_left > 0 {
+        text += &format!("left    {n_left} runs when the time was up: give the command again\n");
+    }
+    text
+}
