@@ -86,11 +86,37 @@ pub(super) fn closing_lines(
             statistics.n,
         );
     }
+    text += &remedies(shown());
     if let Some(standings) = standings {
         let nothing = || "no run had counters and a hierarchy: nothing to hold up".to_owned();
         text += &format!("\nbound   {}\n", verdict(standings).unwrap_or_else(nothing));
     }
     text + &format!("\nwrote   {}/\n\n", out.display())
+}
+
+/// Which runs stand apart and what to do about them; nothing if none does.
+fn remedies<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> String {
+    let mut text = String::new();
+    let n_points = rows.clone().count();
+    let n_slow = rows.clone().filter(|row| row.first_is_slow).count();
+    if n_slow > 0 {
+        text += &format!(
+            "note    the first run of {n_slow} of {n_points} points was slow: give one more to \
+             `warm_up`\n"
+        );
+    }
+    let n_runs: usize = rows.clone().map(|row| row.statistics.n).sum();
+    let n_outliers: usize = rows.map(|row| row.statistics.n_outliers).sum();
+    if n_outliers > 0 {
+        text += &format!(
+            "note    {n_outliers} of {n_runs} runs are far from the others of their point: they \
+             count; stop what\n        else runs on this machine, or raise `repeats`\n"
+        );
+    }
+    match text.is_empty() {
+        true => text,
+        false => format!("\n{text}"),
+    }
 }
 
 /// What is to be said of all studies.
@@ -103,4 +129,39 @@ pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
         text += &format!("left    {n_left} runs when the time was up: give the command again\n");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::SampleStatistics;
+
+    fn row(values: &[f64], first_is_slow: bool) -> Row {
+        Row {
+            point: serde_json::Map::new(),
+            metric: "render_wall_ms".to_owned(),
+            statistics: SampleStatistics::of(values).unwrap(),
+            first_is_slow,
+        }
+    }
+
+    #[test]
+    fn runs_that_stand_apart_are_told_with_a_remedy() {
+        let even = row(&[1.0, 1.1, 0.9, 1.0, 1.05], false);
+        assert_eq!(remedies([&even].into_iter()), "");
+        let uneven = row(&[9.0, 1.1, 0.9, 1.0, 1.05], true);
+        let text = remedies([&even, &uneven].into_iter());
+        assert!(
+            text.contains("first run of 1 of 2 points was slow"),
+            "{text}"
+        );
+        assert!(
+            text.contains("1 of 10 runs are far from the others"),
+            "{text}"
+        );
+        assert!(
+            text.contains("`warm_up`") && text.contains("`repeats`"),
+            "{text}"
+        );
+    }
 }
