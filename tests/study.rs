@@ -205,6 +205,7 @@ fn a_mistake_in_one_of_several_studies_stops_all() {
     fs::copy(path.join("study.yaml"), path.join("a/study.yaml")).unwrap();
     refused(&["study.yaml", "a"], "would both write to");
     refused(&[], "there is no folder `configs/studies` here");
+    refused(&["nothing.yaml"], "there is no study `nothing.yaml`");
     assert!(!path.join("out").exists(), "nothing is measured");
 
     // Results of others, in the last of the folders.

@@ -13,12 +13,18 @@ const READY: &str = "configs/studies";
 /// with the folder for its results.
 ///
 /// # Errors
-/// A folder that cannot be read or has no study; two studies of one name.
+/// What is not there; a folder that cannot be read or has no study; two studies
+/// of one name.
 pub(super) fn files(
     named: &[PathBuf],
     out: Option<&Path>,
     quick: bool,
 ) -> Result<Vec<(PathBuf, PathBuf)>, Diagnostic> {
+    if let Some(missing) = named.iter().find(|path| !path.exists()) {
+        let message = format!("there is no study `{}`", missing.display());
+        return Err(Diagnostic::new(message)
+            .with_help("name a study file, such as configs/studies/tiles.yaml, or a folder"));
+    }
     let files = match named {
         [] => ready()?,
         [file] if !file.is_dir() => {
