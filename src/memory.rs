@@ -4,7 +4,7 @@ use sysinfo::System;
 
 use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Codec, Config, Image};
-use crate::film;
+use crate::film::{self, PackedCounters, RenderedTile};
 use crate::ledger::Ledger;
 use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
@@ -22,7 +22,14 @@ pub(crate) const COMPRESSION_BYTES: u64 = 5 * (12 << 20);
 
 /// What the order and the record of a tile take: the threads' lists grow by
 /// doubling, and are there until the schedule is made of them.
-const BYTES_PER_TILE: u64 = 4 + 3 * size_of::<(u32, TileRun)>() as u64;
+const BYTES_PER_RUN: usize = 4 + 3 * size_of::<(u32, TileRun)>();
+
+/// What a tile takes in the film beside its counters: a list of at least four
+/// parts, a lock, and what the allocator takes for both.
+const BYTES_PER_RENDERED_TILE: usize =
+    size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
+
+const BYTES_PER_TILE: u64 = (BYTES_PER_RUN + BYTES_PER_RENDERED_TILE) as u64;
 
 /// What one rendering needs, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

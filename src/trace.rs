@@ -86,20 +86,20 @@ impl<'a> Tracer<'a> {
         self.accel.watch_occluded(shadow, steps)
     }
 
-    /// The nearest hits of many rays of one kind: `hits` becomes one entry a
-    /// ray.
+    /// The nearest hits of many rays: `hits` becomes one entry a ray. The probes
+    /// hear of each ray's traversal; that it started is for them who made it to
+    /// tell.
     pub fn nearest_stream<P: PixelProbe>(
         &self,
         rays: &[Ray],
-        kind: RayKind,
         hits: &mut Vec<Option<Hit>>,
         mut probes: ByPixel<P>,
     ) {
-        probes.rays(kind);
         self.accel.nearest_stream(rays, hits, &mut probes);
     }
 
-    /// [`is_shadowed`](Self::is_shadowed) of many rays: `shadowed` becomes one
+    /// [`is_shadowed`](Self::is_shadowed) of many rays, as
+    /// [`nearest_stream`](Self::nearest_stream) does it: `shadowed` becomes one
     /// entry a ray.
     pub fn shadow_stream<P: PixelProbe>(
         &self,
@@ -107,7 +107,6 @@ impl<'a> Tracer<'a> {
         shadowed: &mut Vec<bool>,
         mut probes: ByPixel<P>,
     ) {
-        probes.rays(RayKind::Shadow);
         self.accel.occluded_stream(rays, shadowed, &mut probes);
     }
 

@@ -2,8 +2,9 @@
 
 mod common;
 
-use common::{config, film, parse, scene_of, sum};
+use common::{config, counts, film, parse, rays, scene_of, sum, total};
 use raycost::config::Acceleration;
+use raycost::cost::Counter;
 
 const SCENE: &str = "
 image: { width: 60, height: 45, samples_per_pixel: 3, seed: 9 }
@@ -32,15 +33,12 @@ fn brute_force_tests_every_primitive_with_every_ray() {
         (config.image.width, config.image.height) = (60, 45);
         let film = film(&config, 2);
         let n_primitives = scene_of(&config).primitives.len() as u64;
-        let n_rays = sum(&film, |strip| &strip.rays);
-        assert_eq!(
-            sum(&film, |strip| &strip.primitive_tests),
-            n_rays * n_primitives
-        );
-        assert_eq!(sum(&film, |strip| &strip.node_visits), 0);
+        let n_rays = total(&rays(&film));
+        assert_eq!(sum(&film, Counter::PrimitiveTests), n_rays * n_primitives);
+        assert_eq!(sum(&film, Counter::NodeVisits), 0);
         // Pixel by pixel as well.
-        let tests = film.values(|strip| &strip.primitive_tests);
-        for (tests, rays) in tests.zip(film.values(|strip| &strip.rays)) {
+        let tests = counts(&film, Counter::PrimitiveTests);
+        for (tests, rays) in tests.into_iter().zip(rays(&film)) {
             assert_eq!(u64::from(tests), u64::from(rays) * n_primitives);
         }
     }
@@ -51,17 +49,14 @@ fn the_pixels_sum_up_to_the_totals() {
     let film = film(&parse(SCENE), 2);
     let totals = film.totals;
     let [camera, shadow, reflection, refraction] = totals.rays;
-    assert_eq!(sum(&film, |strip| &strip.node_visits), totals.node_visits);
-    assert_eq!(
-        sum(&film, |strip| &strip.primitive_tests),
-        totals.primitive_tests
-    );
-    assert_eq!(sum(&film, |strip| &strip.rays), totals.n_rays());
-    assert_eq!(sum(&film, |strip| &strip.shadow_rays), shadow);
-    assert_eq!(sum(&film, |strip| &strip.reflection_rays), reflection);
-    assert_eq!(sum(&film, |strip| &strip.refraction_rays), refraction);
+    assert_eq!(sum(&film, Counter::NodeVisits), totals.node_visits);
+    assert_eq!(sum(&film, Counter::PrimitiveTests), totals.primitive_tests);
+    assert_eq!(total(&rays(&film)), totals.n_rays());
+    assert_eq!(sum(&film, Counter::ShadowRays), shadow);
+    assert_eq!(sum(&film, Counter::ReflectionRays), reflection);
+    assert_eq!(sum(&film, Counter::RefractionRays), refraction);
     assert_eq!(camera, 60 * 45 * 3);
-    let deepest = film.values(|strip| &strip.depth).max().unwrap();
+    let deepest = counts(&film, Counter::Depth).into_iter().max().unwrap();
     assert_eq!(u64::from(deepest), totals.depth);
     assert_eq!(totals.depth, 3);
     assert!(shadow > 0 && reflection > 0 && totals.node_visits > 0);
@@ -94,11 +89,12 @@ fn every_pixel_has_a_time_and_a_thread() {
         film.values(|strip| &strip.time_ns)
             .all(|ns| ns >= 1.0 && ns.is_finite())
     );
-    assert!(
-        film.values(|strip| &strip.thread)
-            .all(|thread| (0..2).contains(&thread))
-    );
-    let tiles: Vec<i32> = film.values(|strip| &strip.tile).collect();
+    let strips = || film.strips.iter();
+    let mut threads = strips().flat_map(|strip| film.threads(strip));
+    assert!(threads.all(|thread| (0..2).contains(&thread)));
+    let tiles: Vec<i32> = strips()
+        .flat_map(|strip| film.tile_numbers(strip))
+        .collect();
     assert_eq!(
         (tiles[0], tiles[16], tiles[59], tiles[60 * 16]),
         (0, 1, 3, 4)

@@ -3,9 +3,9 @@
 mod common;
 
 use common::kept::kept;
-use common::{config, parse, with_cost};
+use common::{config, counts, parse, rays, with_cost};
 use raycost::config::{Acceleration, Config, CostMode};
-use raycost::cost::RayKind;
+use raycost::cost::{Counter, RayKind};
 use raycost::film::Strip;
 use raycost::ledger::{Account, Charge, Ledger, Visits, Work};
 
@@ -115,19 +115,20 @@ fn what_is_seen_pays_for_its_pixels() {
             assert_eq!(accounts.len(), n_things + 1);
             for (i, account) in accounts.iter().enumerate() {
                 let id = if i == n_things { -1 } else { i as i32 };
-                let sum = |counter: fn(&Strip) -> &Vec<u32>| {
-                    let pixels = film.values(array).zip(film.values(counter));
+                let sum_of = |counts: Vec<u32>| {
+                    let pixels = film.values(array).zip(counts);
                     let seen = pixels.filter(|(seen, _)| *seen == id);
                     seen.map(|(_, count)| u64::from(count)).sum::<u64>()
                 };
+                let sum = |counter| sum_of(counts(&film, counter));
                 let work = account.all(Charge::Primary);
-                assert_eq!(work.rays, sum(|strip| &strip.rays), "{name}, {i}");
-                assert_eq!(work.node_visits, sum(|strip| &strip.node_visits));
-                assert_eq!(work.primitive_tests, sum(|strip| &strip.primitive_tests));
+                assert_eq!(work.rays, sum_of(rays(&film)), "{name}, {i}");
+                assert_eq!(work.node_visits, sum(Counter::NodeVisits));
+                assert_eq!(work.primitive_tests, sum(Counter::PrimitiveTests));
                 let n_pixels = film.values(array).filter(|seen| *seen == id).count();
                 assert_eq!(account.n_samples(), n_pixels as u64);
                 let shadow = account.of_kind(Charge::Primary, RayKind::Shadow);
-                assert_eq!(shadow.rays, sum(|strip| &strip.shadow_rays));
+                assert_eq!(shadow.rays, sum(Counter::ShadowRays));
             }
         }
     }

@@ -3,13 +3,13 @@
 mod common;
 
 use common::scenes::scenes;
-use common::{config, film, scene_of, with_cost};
+use common::{config, counts, film, rays, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
 use raycost::accel::{Accel, Step};
 use raycost::config::{Config, CostMode};
-use raycost::cost::{Clock, Cost, RayKind};
-use raycost::film::{Film, Strip};
+use raycost::cost::{Clock, Cost, Counter, RayKind};
+use raycost::film::Film;
 use raycost::observe::{Observer, RayTree, TooManyRays};
 
 /// The pixels of a config, with the tree of each.
@@ -20,7 +20,10 @@ fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
     let observer = Observer::new(&scene, &accel, &config.image, None);
     let mut tree = RayTree::default();
     for pixel in 0..config.image.n_pixels() {
-        let [x, y] = [pixel as u32 % film.width, pixel as u32 / film.width];
+        let [x, y] = [
+            pixel as u32 % film.grid.width,
+            pixel as u32 / film.grid.width,
+        ];
         observer.observe((x, y), &mut tree);
         check(&tree, pixel, &film);
     }
@@ -38,16 +41,13 @@ const SCENES: [&str; 4] = ["seed_extended", "hall_of_mirrors", "spot", "blocks"]
 
 /// The tree has the counters and the colour of the film's pixel.
 fn assert_is_pixel(tree: &RayTree, pixel: usize, film: &Film) {
-    let of = |array: fn(&Strip) -> &Vec<u32>| u64::from(film.values(array).nth(pixel).unwrap());
+    let of = |counter| u64::from(counts(film, counter)[pixel]);
     let cost = tree.cost();
-    assert_eq!(cost.node_visits, of(|strip| &strip.node_visits));
-    assert_eq!(cost.primitive_tests, of(|strip| &strip.primitive_tests));
-    assert_eq!(cost.n_rays(), of(|strip| &strip.rays));
-    assert_eq!(
-        cost.rays_of(RayKind::Shadow),
-        of(|strip| &strip.shadow_rays)
-    );
-    assert_eq!(cost.depth, of(|strip| &strip.depth));
+    assert_eq!(cost.node_visits, of(Counter::NodeVisits));
+    assert_eq!(cost.primitive_tests, of(Counter::PrimitiveTests));
+    assert_eq!(cost.n_rays(), u64::from(rays(film)[pixel]));
+    assert_eq!(cost.rays_of(RayKind::Shadow), of(Counter::ShadowRays));
+    assert_eq!(cost.depth, of(Counter::Depth));
     let shown = film.values(|strip| &strip.rgb).nth(pixel).unwrap();
     let color = tree.limited_color();
     for (channel, shown) in color.to_array().into_iter().zip(shown) {

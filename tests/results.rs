@@ -14,6 +14,7 @@ use raycost::config::{Codec, CostMode};
 use raycost::film::{Film, columns};
 use raycost::output::{write_frame, write_hits};
 use raycost::results::{Frame, Hits, Results};
+use raycost::schedule::TileGrid;
 
 const MODES: [CostMode; 3] = [CostMode::None, CostMode::Counters, CostMode::Time];
 const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
@@ -72,7 +73,10 @@ fn check(film: &Film, codec: Codec) {
     let folder = tempfile::tempdir().unwrap();
     let (frame, hits) = write(film, codec, folder.path());
     let (mut frame, mut hits) = (Frame::open(&frame).unwrap(), Hits::open(&hits).unwrap());
-    assert_eq!((frame.width(), frame.height()), (film.width, film.height));
+    assert_eq!(
+        (frame.width(), frame.height()),
+        (film.grid.width, film.grid.height)
+    );
     assert_eq!(hits.n_points(), film.n_hits());
     assert_eq!(
         frame.arrays().len(),
@@ -88,8 +92,7 @@ fn check(film: &Film, codec: Codec) {
         let all: Vec<u8> = film
             .strips
             .iter()
-            .flat_map(|strip| (column.bytes)(strip))
-            .copied()
+            .flat_map(|strip| (column.bytes)(film, strip).into_owned())
             .collect();
         let array = frame.read(column.name).unwrap();
         assert_eq!(array.n_components, column.n_components);
@@ -251,7 +254,11 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
 fn a_damaged_block_is_told() {
     let folder = tempfile::tempdir().unwrap();
     for codec in [Codec::Lz4, Codec::Zlib] {
-        let (path, _) = write(&Film::new(99, 50, CostMode::Time), codec, folder.path());
+        let (path, _) = write(
+            &Film::new(TileGrid::new(99, 50, 16), 1, CostMode::Time),
+            codec,
+            folder.path(),
+        );
         let mut bytes = fs::read(&path).unwrap();
         let end = bytes.len() - "\n</AppendedData>\n</VTKFile>\n".len();
         // Within `thread`, the last array.

@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{config, film, in_repository, sum};
+use common::{config, film, in_repository, rays, sum, total};
+use raycost::cost::Counter;
 use raycost::film::Film;
 
 /// The share of pixels that differ from the reference by at most 1/255 in
@@ -10,13 +11,13 @@ use raycost::film::Film;
 fn agreement(film: &Film, reference: &str) -> f64 {
     let path = in_repository(&format!("tests/reference/{reference}.png"));
     let picture = image::open(path).unwrap().to_rgb8();
-    assert_eq!(picture.dimensions(), (film.width, film.height));
+    assert_eq!(picture.dimensions(), (film.grid.width, film.grid.height));
     let close = film
         .values(|strip| &strip.rgb)
         .zip(picture.pixels())
         .filter(|(ours, theirs)| ours.iter().zip(theirs.0).all(|(a, b)| a.abs_diff(b) <= 1))
         .count();
-    close as f64 / (film.width * film.height) as f64
+    close as f64 / (film.grid.width * film.grid.height) as f64
 }
 
 /// What the NumPy model counted in a picture.
@@ -72,9 +73,9 @@ fn the_extended_scene_shoots_the_same_rays() {
     let film = film(&config("seed_extended"), 2);
     let expected = |kind| fact("seed_extended_400x300", kind);
     let close = |ours: u64, theirs: u64| ours.abs_diff(theirs) <= theirs / 10_000;
-    let shadow = sum(&film, |strip| &strip.shadow_rays);
-    let reflection = sum(&film, |strip| &strip.reflection_rays);
-    let camera = sum(&film, |strip| &strip.rays) - shadow - reflection;
+    let shadow = sum(&film, Counter::ShadowRays);
+    let reflection = sum(&film, Counter::ReflectionRays);
+    let camera = total(&rays(&film)) - shadow - reflection;
     assert!(
         close(shadow, expected("shadow_rays")),
         "{shadow} shadow rays"

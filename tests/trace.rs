@@ -6,9 +6,9 @@ use std::fs;
 use std::path::Path;
 
 use common::data_set::DataSet;
-use common::{assert_success, config, film, in_repository, raycost, with_cost};
+use common::{assert_success, config, counts, film, in_repository, raycost, with_cost};
 use raycost::config::CostMode;
-use raycost::film::Strip;
+use raycost::cost::Counter;
 use raycost::output::format::count;
 
 /// Traces pixels of a scene of `configs/` into a folder; gives what is printed.
@@ -151,20 +151,17 @@ fn the_rays_of_the_file_add_up_to_the_pixels_of_the_film() {
         }
         sums
     };
-    let of = |array: fn(&Strip) -> &Vec<u32>| film.values(array).collect::<Vec<_>>();
-    for (name, array) in [
-        (
-            "node_visits",
-            (|strip| &strip.node_visits) as fn(&Strip) -> &Vec<u32>,
-        ),
-        ("primitive_tests", |strip| &strip.primitive_tests),
+    let of = |counter| counts(&film, counter);
+    for (name, counter) in [
+        ("node_visits", Counter::NodeVisits),
+        ("primitive_tests", Counter::PrimitiveTests),
     ] {
-        assert_eq!(sums(&mut rays.array(name).u32s()), of(array), "{name}");
+        assert_eq!(sums(&mut rays.array(name).u32s()), of(counter), "{name}");
     }
     let of_kind = |kind| kinds.iter().map(move |&found| u32::from(found == kind));
-    assert_eq!(sums(&mut of_kind(1)), of(|strip| &strip.shadow_rays));
-    assert_eq!(sums(&mut of_kind(2)), of(|strip| &strip.reflection_rays));
-    assert_eq!(sums(&mut kinds.iter().map(|_| 1)), of(|strip| &strip.rays));
+    assert_eq!(sums(&mut of_kind(1)), of(Counter::ShadowRays));
+    assert_eq!(sums(&mut of_kind(2)), of(Counter::ReflectionRays));
+    assert_eq!(sums(&mut kinds.iter().map(|_| 1)), common::rays(&film));
     assert_eq!(rays.n_cells, Some(film.totals.n_rays() as usize));
     // Of two rays the second one's parent is the first, or a ray before both.
     let parents = rays.array("parent").i32s();

@@ -11,10 +11,12 @@ use glam::Vec3;
 
 use common::data_set::{Array, DataSet, assert_same, integers};
 use common::noise::noise;
-use common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
+use common::{
+    assert_success, config, counts, film, in_repository, parse, raycost, rays, with_cost,
+};
 use raycost::config::{Codec, Config, CostMode, TileOrder};
-use raycost::cost::Cost;
-use raycost::film::{Film, STRIP_ROWS, Strip};
+use raycost::cost::{Cost, Counter};
+use raycost::film::{Film, RenderedTile, STRIP_ROWS, Strip};
 use raycost::output::{write_frame, write_hits, write_tiles};
 use raycost::schedule::{Schedule, TileGrid, TileRun};
 
@@ -285,10 +287,10 @@ fn tile_array(name: &str, scalar: &str, bytes: Vec<u8>) -> Array {
 
 /// What `frame.vti` should hold: VTK's rows go up, the film's go down.
 fn expected_frame(film: &Film) -> DataSet {
-    let [right, top] = [film.width, film.height].map(|n| n as i32 - 1);
-    let upward = (0..film.height).rev();
+    let [right, top] = [film.grid.width, film.grid.height].map(|n| n as i32 - 1);
+    let upward = (0..film.grid.height).rev();
     let pixels: Vec<Pixel> = upward
-        .flat_map(|y| (0..film.width).map(move |x| Pixel { x, y }))
+        .flat_map(|y| (0..film.grid.width).map(move |x| Pixel { x, y }))
         .collect();
     DataSet {
         kind: "ImageData".to_owned(),
@@ -305,8 +307,8 @@ fn expected_frame(film: &Film) -> DataSet {
 /// What `hits.vtu` should hold: the pixels with an object, in reading order.
 fn expected_hits(film: &Film) -> DataSet {
     let mut hits = Vec::new();
-    for y in 0..film.height {
-        for x in 0..film.width {
+    for y in 0..film.grid.height {
+        for x in 0..film.grid.width {
             let pixel = Pixel { x, y };
             if pixel.of(film, |strip| &strip.object) >= 0 {
                 hits.push(pixel);
@@ -316,7 +318,7 @@ fn expected_hits(film: &Film) -> DataSet {
     let n = hits.len() as i32;
     let numbers = hits
         .iter()
-        .map(|pixel| (pixel.y * film.width + pixel.x) as i32);
+        .map(|pixel| (pixel.y * film.grid.width + pixel.x) as i32);
     let mut arrays = point_data(film, &hits);
     arrays.push(integers("pixel", numbers));
     arrays.push(Field::Vec3(|strip| &strip.position).array("Points", film, &hits));
@@ -342,6 +344,7 @@ fn expected_hits(film: &Film) -> DataSet {
 
 /// The arrays that both files have, in their order, for these pixels.
 fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
+    let counter = |counter| Field::Counts(counts(film, counter));
     let fields = [
         ("RGB", Field::Rgb(|strip| &strip.rgb)),
         ("Normals", Field::Vec3(|strip| &strip.normal)),
@@ -352,24 +355,15 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         ("time_ns", Field::F32(|strip| &strip.time_ns)),
         ("time_mad_ns", Field::F32(|strip| &strip.time_mad_ns)),
         ("n_rejected", Field::U8(|strip| &strip.n_rejected)),
-        ("node_visits", Field::U32(|strip| &strip.node_visits)),
-        (
-            "primitive_tests",
-            Field::U32(|strip| &strip.primitive_tests),
-        ),
-        ("rays", Field::U32(|strip| &strip.rays)),
-        ("shadow_rays", Field::U32(|strip| &strip.shadow_rays)),
-        (
-            "reflection_rays",
-            Field::U32(|strip| &strip.reflection_rays),
-        ),
-        (
-            "refraction_rays",
-            Field::U32(|strip| &strip.refraction_rays),
-        ),
-        ("depth", Field::U32(|strip| &strip.depth)),
-        ("tile", Field::I32(|strip| &strip.tile)),
-        ("thread", Field::I32(|strip| &strip.thread)),
+        ("node_visits", counter(Counter::NodeVisits)),
+        ("primitive_tests", counter(Counter::PrimitiveTests)),
+        ("rays", Field::Counts(rays(film))),
+        ("shadow_rays", counter(Counter::ShadowRays)),
+        ("reflection_rays", counter(Counter::ReflectionRays)),
+        ("refraction_rays", counter(Counter::RefractionRays)),
+        ("depth", counter(Counter::Depth)),
+        ("tile", Field::Tile(|number, _| number)),
+        ("thread", Field::Tile(|_, tile| tile.thread)),
     ];
     let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
     let (geometry, cost) = fields.split_at(6);
@@ -391,7 +385,10 @@ enum Field {
     U8(fn(&Strip) -> &Vec<u8>),
     F32(fn(&Strip) -> &Vec<f32>),
     I32(fn(&Strip) -> &Vec<i32>),
-    U32(fn(&Strip) -> &Vec<u32>),
+    /// Of all pixels.
+    Counts(Vec<u32>),
+    /// By the tile and its number.
+    Tile(fn(u32, &RenderedTile) -> u32),
 }
 
 impl Field {
@@ -402,20 +399,34 @@ impl Field {
             Self::U8(_) => ("UInt8", 1),
             Self::F32(_) => ("Float32", 1),
             Self::I32(_) => ("Int32", 1),
-            Self::U32(_) => ("UInt32", 1),
+            Self::Counts(_) => ("UInt32", 1),
+            Self::Tile(_) => ("Int32", 1),
         };
         let mut bytes = Vec::new();
         for pixel in pixels {
-            match *self {
-                Self::Rgb(field) => bytes.extend(pixel.of(film, field)),
+            match self {
+                Self::Rgb(field) => bytes.extend(pixel.of(film, *field)),
                 Self::Vec3(field) => {
-                    let vector = pixel.of(film, field).to_array();
+                    let vector = pixel.of(film, *field).to_array();
                     bytes.extend(vector.iter().flat_map(|number| number.to_ne_bytes()));
                 }
-                Self::U8(field) => bytes.push(pixel.of(film, field)),
-                Self::F32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
-                Self::I32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
-                Self::U32(field) => bytes.extend(pixel.of(film, field).to_ne_bytes()),
+                Self::U8(field) => bytes.push(pixel.of(film, *field)),
+                Self::F32(field) => bytes.extend(pixel.of(film, *field).to_ne_bytes()),
+                Self::I32(field) => bytes.extend(pixel.of(film, *field).to_ne_bytes()),
+                Self::Counts(counts) => {
+                    let count = counts[(pixel.y * film.grid.width + pixel.x) as usize];
+                    bytes.extend(count.to_ne_bytes());
+                }
+                Self::Tile(field) => {
+                    let TileGrid {
+                        tile_size,
+                        n_columns,
+                        ..
+                    } = film.grid;
+                    let number = pixel.y / tile_size * n_columns + pixel.x / tile_size;
+                    let number = field(number, &film.tiles[number as usize]);
+                    bytes.extend(number.to_ne_bytes());
+                }
             }
         }
         Array {
@@ -436,6 +447,6 @@ struct Pixel {
 impl Pixel {
     fn of<T: Copy>(&self, film: &Film, field: fn(&Strip) -> &Vec<T>) -> T {
         let strip = &film.strips[(self.y / STRIP_ROWS) as usize];
-        field(strip)[(self.y % STRIP_ROWS * film.width + self.x) as usize]
+        field(strip)[(self.y % STRIP_ROWS * film.grid.width + self.x) as usize]
     }
 }

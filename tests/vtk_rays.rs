@@ -14,6 +14,7 @@ use raycost::film::Film;
 use raycost::observe::{Observer, TracedRay};
 use raycost::output::{Traced, write_rays};
 use raycost::scene::Primitive;
+use raycost::schedule::TileGrid;
 
 /// Two tests of the rays of some pixels.
 macro_rules! rays {
@@ -66,7 +67,7 @@ fn with_rays(
         plane: &scene.image_plane,
         pixels: &pixels.unwrap(),
         is_timed: clock.is_some(),
-        cloud: &Film::new(1, 1, CostMode::None),
+        cloud: &Film::new(TileGrid::new(1, 1, 16), 1, CostMode::None),
     };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("rays.vtp");

@@ -1,7 +1,7 @@
 //! What races: anything that traces batches of rays.
 
 use raycost::accel::{Accel, Hit, ShadowRay};
-use raycost::cost::{Cost, NoProbe, Probe, StreamProbe};
+use raycost::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
 use raycost::geometry::Ray;
 
 /// Traces batches of rays; from several threads at once.
@@ -96,7 +96,9 @@ impl StreamProbe for RayCounts {
     const COUNTS: bool = true;
 
     #[inline]
-    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32) {
-        self.0[ray] = [node_visits, primitive_tests];
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>) {
+        traversals.for_each(|i, node_visits, primitive_tests| {
+            self.0[first + i] = [node_visits, primitive_tests];
+        });
     }
 }

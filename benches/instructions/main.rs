@@ -112,7 +112,7 @@ impl Rays {
     /// Each ray is a pixel's.
     #[inline(never)]
     fn in_streams<P: PixelProbe>(&self, accel: &Accel, mut probe: P) {
-        probe.reset(N_RAYS as usize);
+        probe.reset(N_RAYS as usize, 1);
         let pixels: Vec<u32> = (0..N_RAYS as u32).collect();
         let mut by_pixel = ByPixel::new(&mut probe, &pixels);
         let (mut hits, mut occluded) = (Vec::new(), Vec::new());

@@ -210,11 +210,16 @@ impl<'a> Accel<'a> {
             answers,
             probe,
         };
+        if queries.is_empty() {
+            return;
+        }
         let others = self.simd.run(Packets(batch.reborrow()));
-        self.simd.run(Stream {
-            batch,
-            numbers: &others,
-        });
+        if !others.is_empty() {
+            self.simd.run(Stream {
+                batch,
+                numbers: &others,
+            });
+        }
     }
 
     /// Shows what the ray may hit to the search, and tells the probe.

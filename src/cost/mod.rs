@@ -5,15 +5,17 @@
 //! [`NoProbe`] the same source compiles to a kernel without counters.
 
 mod clock;
+mod counter;
 mod counters;
 mod cpu;
 mod meter;
 mod probe;
 
 pub use clock::{Clock, Instant};
+pub use counter::Counter;
 pub use counters::Counters;
 pub use meter::Meter;
-pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
+pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe, Traversals};
 
 /// Why a ray was shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -50,31 +50,62 @@ impl Probe for Cost {
     }
 }
 
+/// What the ways of some rays in a row were.
+#[derive(Debug, Clone, Copy)]
+pub struct Traversals<'a, const N: usize> {
+    /// Nodes that each has visited.
+    pub node_visits: &'a [u32; N],
+    /// Primitives that each was tested with.
+    pub primitive_tests: &'a [u32; N],
+    /// A bit each, the first ray's the lowest: whether this is told of it.
+    pub told: u32,
+}
+
+impl<const N: usize> Traversals<'_, N> {
+    /// Tells of each ray of which this is told: its index, nodes and tests.
+    #[inline(always)]
+    pub fn for_each(&self, mut tell: impl FnMut(usize, u32, u32)) {
+        let mut tell = |i: usize| tell(i, self.node_visits[i], self.primitive_tests[i]);
+        if self.told.count_ones() as usize == N {
+            // As good as always: without a branch for each.
+            (0..N).for_each(tell);
+        } else {
+            let mut told = self.told;
+            while told != 0 {
+                tell(told.trailing_zeros() as usize % N);
+                told &= told - 1;
+            }
+        }
+    }
+}
+
 /// Listens to rays that are traced many at a time.
 pub trait StreamProbe {
-    /// Whether [`traversal`](Self::traversal) wants to be called.
+    /// Whether [`traversals`](Self::traversals) wants to be called.
     const COUNTS: bool;
-    /// Ray number `ray` of the stream has ended after so many nodes and tests.
-    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32);
+    /// Rays of the stream from number `first` on have ended after so many nodes
+    /// and tests.
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>);
 }
 
 impl StreamProbe for NoProbe {
     const COUNTS: bool = false;
 
     #[inline(always)]
-    fn traversal(&mut self, _: usize, _: u32, _: u32) {}
+    fn traversals<const N: usize>(&mut self, _: usize, _: &Traversals<N>) {}
 }
 
 /// Listens to the work on many pixels, which have numbers from 0 on.
 pub trait PixelProbe: Default {
     /// Whether it listens at all.
     const COUNTS: bool;
-    /// Forgets all, and is ready for so many pixels.
-    fn reset(&mut self, n_pixels: usize);
-    /// A ray of this kind starts for each of these pixels.
-    fn rays(&mut self, kind: RayKind, pixels: &[u32]);
-    /// A ray of a pixel has ended after so many nodes and tests.
-    fn traversal(&mut self, pixel: usize, node_visits: u32, primitive_tests: u32);
+    /// Forgets all, and is ready for so many pixels of so many samples: as many
+    /// camera rays.
+    fn reset(&mut self, n_pixels: usize, n_samples: u32);
+    /// So many rays of this kind, not the camera's, start for a pixel.
+    fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
+    /// A ray of each of these pixels has ended after so many nodes and tests.
+    fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);
     /// A path of a pixel has come to this many bounces.
     fn bounce(&mut self, pixel: usize, depth: u32);
     /// What it has counted, if it listens.
@@ -84,10 +115,11 @@ pub trait PixelProbe: Default {
 impl PixelProbe for NoProbe {
     const COUNTS: bool = false;
 
-    fn reset(&mut self, _: usize) {}
-    fn rays(&mut self, _: RayKind, _: &[u32]) {}
+    fn reset(&mut self, _: usize, _: u32) {}
     #[inline(always)]
-    fn traversal(&mut self, _: usize, _: u32, _: u32) {}
+    fn rays(&mut self, _: RayKind, _: usize, _: usize) {}
+    #[inline(always)]
+    fn traversals<const N: usize>(&mut self, _: &[u32; N], _: &Traversals<N>) {}
     #[inline(always)]
     fn bounce(&mut self, _: usize, _: u32) {}
 
@@ -99,22 +131,23 @@ impl PixelProbe for NoProbe {
 impl PixelProbe for Counters {
     const COUNTS: bool = true;
 
-    fn reset(&mut self, n_pixels: usize) {
-        self.reset(n_pixels);
-    }
-
-    fn rays(&mut self, kind: RayKind, pixels: &[u32]) {
-        self.add_rays(kind, pixels);
+    fn reset(&mut self, n_pixels: usize, n_samples: u32) {
+        self.reset(n_pixels, n_samples);
     }
 
     #[inline(always)]
-    fn traversal(&mut self, pixel: usize, node_visits: u32, primitive_tests: u32) {
-        self.add_traversal(pixel, node_visits, primitive_tests);
+    fn rays(&mut self, kind: RayKind, pixel: usize, n: usize) {
+        self.add_rays(kind, pixel, n as u64);
+    }
+
+    #[inline(always)]
+    fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>) {
+        self.add_traversals(pixels, traversals);
     }
 
     #[inline(always)]
     fn bounce(&mut self, pixel: usize, depth: u32) {
-        self.bounce(pixel, depth);
+        self.bounce(pixel, depth.into());
     }
 
     fn counted(&self) -> Option<&Counters> {
@@ -134,21 +167,17 @@ impl<'a, P: PixelProbe> ByPixel<'a, P> {
     pub fn new(probe: &'a mut P, pixels: &'a [u32]) -> Self {
         Self { probe, pixels }
     }
-
-    /// All rays of the stream, of one kind, start.
-    pub fn rays(&mut self, kind: RayKind) {
-        self.probe.rays(kind, self.pixels);
-    }
 }
 
 impl<P: PixelProbe> StreamProbe for ByPixel<'_, P> {
     const COUNTS: bool = P::COUNTS;
 
     #[inline(always)]
-    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32) {
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>) {
         if P::COUNTS {
-            let pixel = self.pixels[ray] as usize;
-            self.probe.traversal(pixel, node_visits, primitive_tests);
+            let pixels = self.pixels[first..].first_chunk();
+            self.probe
+                .traversals(pixels.expect("a pixel a ray"), traversals);
         }
     }
 }

@@ -1,9 +1,12 @@
 //! The arrays of a film that go into files, in one list for all writers.
 
+use std::borrow::Cow;
+
 use vtkio::model::ScalarType;
 
-use super::Strip;
+use super::{Film, Strip};
 use crate::config::CostMode;
+use crate::cost::Counter;
 
 /// An array of the film as files have it.
 pub struct Column {
@@ -13,8 +16,10 @@ pub struct Column {
     pub scalar: ScalarType,
     /// How many numbers a pixel.
     pub n_components: usize,
-    /// Its bytes in one strip, in native order.
-    pub bytes: fn(&Strip) -> &[u8],
+    /// Whether the film keeps it; others are made of what it keeps.
+    pub is_kept: bool,
+    /// Its bytes in a strip of the film, in native order.
+    pub bytes: for<'a> fn(&Film, &'a Strip) -> Cow<'a, [u8]>,
 }
 
 /// Makes a [`Column`] of a field of [`Strip`].
@@ -24,7 +29,35 @@ macro_rules! column {
             name: $name,
             scalar: ScalarType::$scalar,
             n_components: $n,
-            bytes: |strip| bytemuck::cast_slice(&strip.$field),
+            is_kept: true,
+            bytes: |_, strip| bytemuck::cast_slice(&strip.$field).into(),
+        }
+    };
+}
+
+/// Makes a [`Column`] of numbers that are made of what a film keeps.
+macro_rules! made {
+    ($name:literal, $scalar:ident, $numbers:expr) => {
+        Column {
+            name: $name,
+            scalar: ScalarType::$scalar,
+            n_components: 1,
+            is_kept: false,
+            bytes: |film, strip| {
+                let numbers: fn(&Film, &Strip) -> Vec<_> = $numbers;
+                bytemuck::cast_slice(&numbers(film, strip)).to_vec().into()
+            },
+        }
+    };
+}
+
+/// Makes a [`Column`] of one of the counters.
+macro_rules! counter {
+    ($name:literal, $counter:ident) => {
+        Column {
+            is_kept: true,
+            ..made!($name, U32, |film, strip| film
+                .counts(strip, Counter::$counter))
         }
     };
 }
@@ -57,23 +90,23 @@ const REPEATED: [Column; 2] = [
 
 const COUNTERS: [Column; 9] = [
     // BVH nodes entered by all rays of the pixel.
-    column!("node_visits", node_visits, U32 x 1),
+    counter!("node_visits", NodeVisits),
     // Ray-primitive tests of all rays of the pixel.
-    column!("primitive_tests", primitive_tests, U32 x 1),
+    counter!("primitive_tests", PrimitiveTests),
     // All rays of the pixel.
-    column!("rays", rays, U32 x 1),
+    made!("rays", U32, Film::rays),
     // Those toward lights.
-    column!("shadow_rays", shadow_rays, U32 x 1),
+    counter!("shadow_rays", ShadowRays),
     // Those mirrored off surfaces.
-    column!("reflection_rays", reflection_rays, U32 x 1),
+    counter!("reflection_rays", ReflectionRays),
     // Those through surfaces.
-    column!("refraction_rays", refraction_rays, U32 x 1),
+    counter!("refraction_rays", RefractionRays),
     // Longest path in bounces.
-    column!("depth", depth, U32 x 1),
+    counter!("depth", Depth),
     // The tile, numbered along rows from the top left.
-    column!("tile", tile, I32 x 1),
+    made!("tile", I32, Film::tile_numbers),
     // The thread, from 0.
-    column!("thread", thread, I32 x 1),
+    made!("thread", I32, Film::threads),
 ];
 
 /// The arrays of a film of this mode that was rendered so many times, in the
@@ -105,15 +138,16 @@ impl Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Film, bytes_per_pixel};
+    use crate::film::bytes_per_pixel;
+    use crate::schedule::TileGrid;
 
     #[test]
     fn every_column_has_its_stride_of_bytes_a_pixel() {
         let modes = [CostMode::None, CostMode::Counters, CostMode::Time];
-        for (mode, expected) in modes.into_iter().zip([43, 79, 84]) {
-            let film = Film::new(5, 4, mode);
+        for (mode, expected) in modes.into_iter().zip([43, 67, 72]) {
+            let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);
             for column in columns(mode, film.n_repeats) {
-                let bytes = (column.bytes)(&film.strips[0]);
+                let bytes = (column.bytes)(&film, &film.strips[0]);
                 assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
             }
             assert_eq!(bytes_per_pixel(mode), expected);

@@ -2,22 +2,28 @@
 //!
 //! A [`Film`] is a stack of [`Strip`]s of a few rows each, and a strip is a
 //! structure of arrays. Strips let threads write side by side without a copy,
-//! and writers walk them in order; [`columns`] lists the arrays that go into
+//! and writers walk them in order. What was counted stays tile by tile, packed
+//! by the thread that counted it. [`columns`] lists the arrays that go into
 //! files, in one place for all writers.
 
 mod column;
+mod packed;
 mod rendered;
 mod strip;
+mod tile;
 
 use glam::Vec3;
 
 pub use column::{Column, columns};
+pub use packed::PackedCounters;
 pub use rendered::{Pixel, PixelTime, Rendered};
 pub use strip::Strip;
 pub(crate) use strip::to_rgb8;
+pub use tile::RenderedTile;
 
 use crate::config::CostMode;
 use crate::cost::Cost;
+use crate::schedule::TileGrid;
 
 /// Rows in a strip but the last: fewer than a tile's, so that threads whose
 /// tiles stand side by side do not wait for one another for long, and enough to
@@ -27,10 +33,10 @@ pub const STRIP_ROWS: u32 = 4;
 /// A rendered picture: colours, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
+    /// The tiles that it is rendered in, and how wide and high it is.
+    pub grid: TileGrid,
+    /// Samples of each pixel, each with a camera ray of its own.
+    pub n_samples: u32,
     /// Which of the cost arrays are there.
     pub cost: CostMode,
     /// How often it was rendered.
@@ -39,24 +45,28 @@ pub struct Film {
     pub totals: Cost,
     /// The rows, top strip first.
     pub strips: Vec<Strip>,
+    /// What is kept tile by tile, in the order of the grid.
+    pub tiles: Vec<RenderedTile>,
 }
 
-/// Bytes of memory that a film takes for each pixel.
+/// Bytes of memory that a film takes for each pixel, at most.
 pub fn bytes_per_pixel(cost: CostMode) -> usize {
+    let kept = columns(cost, 1).filter(|column| column.is_kept);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
-    size_of::<Vec3>() + rejected + columns(cost, 1).map(Column::stride).sum::<usize>()
+    size_of::<Vec3>() + rejected + kept.map(Column::stride).sum::<usize>()
 }
 
 impl Film {
-    /// An empty film of `width * height` pixels.
-    pub fn new(width: u32, height: u32, cost: CostMode) -> Self {
+    /// An empty film of the grid's pixels.
+    pub fn new(grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
+        let TileGrid { width, height, .. } = grid;
         let strip = |first_row| {
             let n_rows = STRIP_ROWS.min(height - first_row);
             Strip::new(first_row, n_rows, width, cost)
         };
         Self {
-            width,
-            height,
+            grid,
+            n_samples,
             cost,
             n_repeats: 1,
             totals: Cost::default(),
@@ -64,6 +74,7 @@ impl Film {
                 .step_by(STRIP_ROWS as usize)
                 .map(strip)
                 .collect(),
+            tiles: vec![RenderedTile::default(); grid.n_tiles() as usize],
         }
     }
 
@@ -96,7 +107,7 @@ impl Film {
         &'a self,
         array: fn(&Strip) -> &Vec<T>,
     ) -> impl DoubleEndedIterator<Item = &'a [T]> {
-        let width = self.width as usize;
+        let width = self.grid.width as usize;
         self.strips
             .iter()
             .flat_map(move |strip| array(strip).chunks_exact(width))
@@ -118,14 +129,16 @@ mod tests {
     #[test]
     fn strips_cover_every_row_once() {
         for height in [1, 15, 16, 17, 40] {
-            let film = Film::new(3, height, CostMode::Time);
+            let film = Film::new(TileGrid::new(3, height, 2), 1, CostMode::Time);
             let rows: Vec<u32> = film
                 .strips
                 .iter()
                 .flat_map(|strip| strip.first_row..strip.first_row + strip.n_rows)
                 .collect();
             assert_eq!(rows, (0..height).collect::<Vec<_>>());
-            assert_eq!(film.values(|strip| &strip.depth).count() as u32, 3 * height);
+            let tiles = film.strips.iter().map(|strip| film.tile_numbers(strip));
+            let expected = (0..height).flat_map(|y| [0, 0, 1].map(|tile| y / 2 * 2 + tile));
+            assert!(tiles.flatten().map(|tile| tile as u32).eq(expected));
         }
     }
 }

@@ -14,10 +14,6 @@ pub struct Rendered<'a> {
     pub counters: Option<&'a Counters>,
     /// The time of each pixel; empty where it was not measured.
     pub times: &'a [PixelTime],
-    /// The tile that they are in.
-    pub tile: u32,
-    /// The thread that rendered them.
-    pub thread: u32,
 }
 
 /// What is seen in one pixel.

@@ -6,11 +6,10 @@ use glam::Vec3;
 
 use super::{Pixel, Rendered};
 use crate::config::CostMode;
-use crate::cost::{Counters, RayKind};
 use crate::trace::SurfacePoint;
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, the
-/// uppermost row first; cost arrays that were not asked for are empty.
+/// uppermost row first; times that were not asked for are empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[expect(missing_docs, reason = "each array is told in `columns`")]
 pub struct Strip {
@@ -30,22 +29,12 @@ pub struct Strip {
     /// Empty unless the film was rendered more than once.
     pub time_mad_ns: Vec<f32>,
     pub n_rejected: Vec<u8>,
-    pub node_visits: Vec<u32>,
-    pub primitive_tests: Vec<u32>,
-    pub rays: Vec<u32>,
-    pub shadow_rays: Vec<u32>,
-    pub reflection_rays: Vec<u32>,
-    pub refraction_rays: Vec<u32>,
-    pub depth: Vec<u32>,
-    pub tile: Vec<i32>,
-    pub thread: Vec<i32>,
 }
 
 impl Strip {
     pub(super) fn new(first_row: u32, n_rows: u32, width: u32, cost: CostMode) -> Self {
         let n = n_rows as usize * width as usize;
         let n_times = if cost.has_time() { n } else { 0 };
-        let n_counters = if cost.has_counters() { n } else { 0 };
         Self {
             first_row,
             n_rows,
@@ -59,15 +48,6 @@ impl Strip {
             time_ns: vec![0.0; n_times],
             time_mad_ns: Vec::new(),
             n_rejected: vec![0; n_times],
-            node_visits: vec![0; n_counters],
-            primitive_tests: vec![0; n_counters],
-            rays: vec![0; n_counters],
-            shadow_rays: vec![0; n_counters],
-            reflection_rays: vec![0; n_counters],
-            refraction_rays: vec![0; n_counters],
-            depth: vec![0; n_counters],
-            tile: vec![0; n_counters],
-            thread: vec![0; n_counters],
         }
     }
 
@@ -76,11 +56,6 @@ impl Strip {
     pub fn put(&mut self, first: usize, rendered: &Rendered, row: Range<usize>) {
         let places = first..first + row.len();
         self.put_surfaces(places.clone(), &rendered.pixels[row.clone()]);
-        if let Some(counters) = rendered.counters {
-            self.tile[places.clone()].fill(rendered.tile as i32);
-            self.thread[places.clone()].fill(rendered.thread as i32);
-            self.put_counters(places.clone(), counters, row.clone());
-        }
         if !rendered.times.is_empty() {
             let times = &rendered.times[row];
             fill(&mut self.time_ns[places.clone()], times, |time| time.ns);
@@ -106,29 +81,6 @@ impl Strip {
         put!(distance, |pixel| seen(pixel, f32::NAN, |at| at.distance));
         put!(object, |pixel| seen(pixel, -1, |at| at.object.0 as i32));
         put!(material, |pixel| seen(pixel, -1, |at| at.material.0 as i32));
-    }
-
-    fn put_counters(&mut self, places: Range<usize>, counters: &Counters, row: Range<usize>) {
-        let rays = |kind| &counters.rays_of(kind)[row.clone()];
-        let [camera, shadow, reflection, refraction] = RayKind::ALL.map(rays);
-        let all = &mut self.rays[places.clone()];
-        all.copy_from_slice(camera);
-        for more in [shadow, reflection, refraction] {
-            for (rays, &more) in all.iter_mut().zip(more) {
-                *rays = rays.saturating_add(more);
-            }
-        }
-        macro_rules! put {
-            ($field:ident, $values:expr) => {
-                self.$field[places.clone()].copy_from_slice($values)
-            };
-        }
-        put!(shadow_rays, shadow);
-        put!(reflection_rays, reflection);
-        put!(refraction_rays, refraction);
-        put!(node_visits, &counters.node_visits()[row.clone()]);
-        put!(primitive_tests, &counters.primitive_tests()[row.clone()]);
-        put!(depth, &counters.depth()[row.clone()]);
     }
 }
 

@@ -77,17 +77,17 @@ impl Ledger {
         let tallies = Tallies::new(scene, nodes.as_deref(), outputs);
         let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
         let keeper = || Keeper::new(scene, accel, image, meter.clock(), &tallies);
-        (0..film.height)
+        (0..film.grid.height)
             .into_par_iter()
             .for_each_init(keeper, |keeper, y| {
-                let n_rays = (0..film.width)
+                let n_rays = (0..film.grid.width)
                     .map(|x| {
                         let time_ns = times.get(y as usize).map(|row| row[x as usize]);
                         keeper.pixel((x, y), time_ns)
                     })
                     .sum();
                 report(Progress {
-                    n_pixels: film.width.into(),
+                    n_pixels: film.grid.width.into(),
                     n_rays,
                 });
             });

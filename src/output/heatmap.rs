@@ -16,8 +16,8 @@ pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<(
     let picture = draw(&CostMap {
         values: &values,
         scale: Scale::Logarithmic,
-        width: film.width,
-        height: film.height,
+        width: film.grid.width,
+        height: film.grid.height,
         title: &format!("{}: {}", rendering.name, measure.name),
         unit: measure.unit,
         subtitle: &subtitle(rendering, measure, &values),

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::format;
+use crate::cost::Counter;
 use crate::film::{Film, Strip};
 
 /// A number a pixel that tells what the pixel cost.
@@ -22,7 +23,7 @@ pub(super) struct Measure {
 #[derive(Clone, Copy)]
 enum Values {
     Times(fn(&Strip) -> &Vec<f32>),
-    Counts(fn(&Strip) -> &Vec<u32>),
+    Counts(fn(&Film, &Strip) -> Vec<u32>),
 }
 
 /// What tells most first.
@@ -39,21 +40,21 @@ const MEASURES: [Measure; 4] = [
         name: "BVH nodes visited per pixel",
         axis: "BVH nodes visited per pixel",
         unit: "node visits",
-        values: Values::Counts(|strip| &strip.node_visits),
+        values: Values::Counts(|film, strip| film.counts(strip, Counter::NodeVisits)),
     },
     Measure {
         array: "primitive_tests",
         name: "primitive tests per pixel",
         axis: "Primitive tests per pixel",
         unit: "primitive tests",
-        values: Values::Counts(|strip| &strip.primitive_tests),
+        values: Values::Counts(|film, strip| film.counts(strip, Counter::PrimitiveTests)),
     },
     Measure {
         array: "rays",
         name: "rays per pixel",
         axis: "Rays per pixel",
         unit: "rays",
-        values: Values::Counts(|strip| &strip.rays),
+        values: Values::Counts(Film::rays),
     },
 ];
 
@@ -64,7 +65,10 @@ impl Measure {
     pub(super) fn best_two(film: &Film) -> Option<[Self; 2]> {
         let mut shown = MEASURES.into_iter().filter(|measure| match measure.values {
             Values::Times(_) => film.cost.has_time(),
-            Values::Counts(array) => film.values(array).any(|count| count > 0),
+            Values::Counts(counts) => {
+                let mut strips = film.strips.iter();
+                strips.any(|strip| counts(film, strip).iter().any(|&count| count > 0))
+            }
         });
         Some([shown.next()?, shown.next()?])
     }
@@ -73,7 +77,10 @@ impl Measure {
     pub(super) fn of(self, film: &Film) -> Vec<f32> {
         match self.values {
             Values::Times(array) => film.rows(array).collect::<Vec<_>>().concat(),
-            Values::Counts(array) => film.values(array).map(|count| count as f32).collect(),
+            Values::Counts(counts) => {
+                let counts = film.strips.iter().flat_map(|strip| counts(film, strip));
+                counts.map(|count| count as f32).collect()
+            }
         }
     }
 

@@ -13,5 +13,5 @@ use crate::film::Film;
 pub(super) fn write(film: &Film, states: &States, out: &mut impl Write) -> io::Result<()> {
     let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
     let state = ("ParaViewState", states.geometry());
-    rgb_png::write([film.width, film.height], rows, Some(state), out)
+    rgb_png::write([film.grid.width, film.grid.height], rows, Some(state), out)
 }

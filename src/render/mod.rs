@@ -56,7 +56,7 @@ pub fn render(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let film = Film::new(plan.image.width, plan.image.height, meter.mode());
+    let film = plan.film(meter.mode());
     render_onto(film, scene, accel, plan, meter, report)
 }
 
@@ -122,6 +122,9 @@ fn render_tiles<R: TileRenderer>(
     let runs = rayon::broadcast(render_some);
     let schedule = Schedule::new(plan.grid, plan.order, begin, runs);
     film.totals = schedule.counted();
+    for (tile, run) in film.tiles.iter_mut().zip(&schedule.runs) {
+        tile.thread = run.thread;
+    }
     (film, schedule)
 }
 
@@ -153,9 +156,4 @@ fn render_tile(
         run.film_ns += run.end_ns - rendered_ns;
     }
     run
-}
-
-/// The number of this thread in its pool.
-fn thread_number() -> u32 {
-    rayon::current_thread_index().unwrap_or(0) as u32
 }

@@ -123,7 +123,7 @@ impl Way {
             Self::Measured(meter) => render(scene, accel, plan, &meter, report).0,
             Self::SingleRay => {
                 let view = View::new(scene, accel, &plan.image);
-                let film = Film::new(plan.image.width, plan.image.height, CostMode::Counters);
+                let film = plan.film(CostMode::Counters);
                 let renderer = || SingleRayRenderer::new(view, None, plan.max_pixels());
                 render_tiles(film, plan, renderer, report).0
             }

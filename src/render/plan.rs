@@ -2,7 +2,8 @@
 
 use super::{MAX_PIXELS, prepass};
 use crate::accel::Accel;
-use crate::config::{Image, TileOrder, Tiling};
+use crate::config::{CostMode, Image, TileOrder, Tiling};
+use crate::film::Film;
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileGrid, hilbert_curve};
 
@@ -38,6 +39,11 @@ impl Plan {
             order: tiling.order,
             sequence,
         }
+    }
+
+    /// An empty film for it.
+    pub(super) fn film(&self, cost: CostMode) -> Film {
+        Film::new(self.grid, self.image.samples_per_pixel, cost)
     }
 
     /// Pixels that are rendered at one go, at most.

@@ -6,7 +6,7 @@ use super::stream::{Place, StreamRenderer, WAVE_LEN};
 use super::view::View;
 use crate::accel::Accel;
 use crate::config::Image;
-use crate::cost::{Counters, RayKind};
+use crate::cost::{Cost, Counters};
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileGrid};
 
@@ -32,10 +32,12 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
         let tiles: Vec<Tile> = numbers.map(|number| grid.tile(number)).collect();
         let places = (0..).zip(tiles.iter().flat_map(sparse_pixels));
         renderer.follow(places.map(|(pixel, at)| Place { pixel, at }));
-        let mut steps = steps(renderer.probe());
+        let counters = renderer.probe();
+        let mut pixels = 0..;
         let of_tile = |tile| {
             let n_looked_at = sparse_pixels(tile).count();
-            let looked_at = steps.by_ref().take(n_looked_at).sum::<u64>();
+            let looked_at = pixels.by_ref().take(n_looked_at);
+            let looked_at: u64 = looked_at.map(|pixel| steps(counters.of(pixel))).sum();
             looked_at * tile.n_pixels() as u64 / n_looked_at as u64
         };
         tiles.iter().map(of_tile).collect()
@@ -58,16 +60,9 @@ fn sparse_pixels(tile: &Tile) -> impl Iterator<Item = (u32, u32)> + use<> {
     places(tile.rows).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// Of each pixel, its rays' own part and the steps of their traversal.
-fn steps(counters: &Counters) -> impl Iterator<Item = u64> {
-    (0..counters.node_visits().len()).map(|pixel| {
-        let at = |counts: &[u32]| u64::from(counts[pixel]);
-        let n_rays: u64 = RayKind::ALL
-            .iter()
-            .map(|&kind| at(counters.rays_of(kind)))
-            .sum();
-        at(counters.node_visits()) + at(counters.primitive_tests()) + RAY_STEPS * n_rays
-    })
+/// A pixel's rays' own part and the steps of their traversal.
+fn steps(cost: Cost) -> u64 {
+    cost.node_visits + cost.primitive_tests + RAY_STEPS * cost.n_rays()
 }
 
 /// What a ray takes beside its traversal, in steps of it.

@@ -62,7 +62,7 @@ pub fn repeat(
         let repeat = Repeat::of(begin.elapsed(), &film, &schedule);
         (film, schedule, repeat)
     };
-    let film = Film::new(plan.image.width, plan.image.height, meter.mode());
+    let film = plan.film(meter.mode());
     let (mut film, mut schedule, first) = render_timed(film);
     let mut repeats = vec![first];
     if n_repeats > 1 {
@@ -202,6 +202,7 @@ mod tests {
 
     use super::*;
     use crate::config::CostMode;
+    use crate::schedule::TileGrid;
 
     fn summary_of(samples: &[(f32, bool)]) -> Summary {
         let samples: Vec<Sample> = samples
@@ -274,7 +275,7 @@ mod tests {
 
     #[test]
     fn the_film_gets_the_summary_of_each_pixel() {
-        let mut film = Film::new(3, 20, CostMode::Time);
+        let mut film = Film::new(TileGrid::new(3, 20, 8), 1, CostMode::Time);
         let mut samples = Samples::new(&film);
         let mut next = 0_u32;
         for _ in 0..3 {

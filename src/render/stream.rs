@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use super::TileRenderer;
 use super::view::{View, limited};
 use super::wave::{Shadows, Wave};
-use super::{TileRenderer, thread_number};
 use crate::accel::Hit;
 use crate::cost::{ByPixel, PixelProbe, RayKind};
 use crate::film::{Pixel, Rendered};
@@ -51,6 +51,9 @@ pub(super) struct Place {
     pub(super) at: (u32, u32),
 }
 
+// One loop of a tile's work, of which nothing is left to the compiler's choice:
+// with counters it would choose otherwise than without, and counting would seem
+// to cost twice as much.
 impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     pub(super) fn new(view: View<'a>) -> Self {
         Self {
@@ -68,14 +71,15 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Follows all paths of these pixels, whose numbers are 0, 1, … in any order.
+    #[inline(always)]
     pub(super) fn follow(&mut self, places: impl Iterator<Item = Place>) {
         self.places.clear();
         self.places.extend(places);
         let n_pixels = self.places.len();
         self.pixels.clear();
         self.pixels.resize(n_pixels, Pixel::default());
-        self.probe.reset(n_pixels);
         let n_samples = self.view.n_samples;
+        self.probe.reset(n_pixels, n_samples);
         let n_together = (WAVE_LEN / n_pixels).max(1);
         for first in (0..n_samples).step_by(n_together) {
             self.render_samples(first..n_samples.min(first + n_together as u32));
@@ -88,9 +92,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Renders these samples of all pixels.
+    #[inline(always)]
     fn render_samples(&mut self, samples: Range<u32>) {
         self.shoot(samples.clone());
-        self.trace(RayKind::Camera);
+        self.trace();
         if samples.contains(&self.view.middle) {
             let middle = (self.view.middle - samples.start) as usize;
             let met = self.met.iter().skip(middle).step_by(samples.len());
@@ -100,7 +105,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
         self.shade();
         while !self.wave.rays.is_empty() {
-            self.trace(RayKind::Reflection);
+            self.trace();
             self.shade();
         }
         let colors = self.colors.chunks_exact(samples.len());
@@ -111,6 +116,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Begins a path for each of these samples of all pixels.
+    #[inline(always)]
     fn shoot(&mut self, samples: Range<u32>) {
         self.wave.clear();
         let mut slot = 0;
@@ -126,11 +132,12 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Finds what the wave's rays meet.
-    fn trace(&mut self, kind: RayKind) {
+    #[inline(always)]
+    fn trace(&mut self) {
         let Self { view, wave, .. } = self;
         let probe = ByPixel::new(&mut self.probe, &wave.pixels);
         view.tracer
-            .nearest_stream(&wave.rays, kind, &mut self.hits, probe);
+            .nearest_stream(&wave.rays, &mut self.hits, probe);
         let met = wave
             .rays
             .iter()
@@ -143,7 +150,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// Shades what the wave's rays have met; the mirrored rays become the wave.
     fn shade(&mut self) {
         let View { tracer, shader, .. } = &self.view;
-        self.shadows.gather(shader, &self.met, &self.wave.pixels);
+        self.shadows
+            .gather(shader, &self.met, &self.wave.pixels, &mut self.probe);
         self.shadows.trace(tracer, &mut self.probe);
         self.next.clear();
         for (i, (ray, met)) in self.wave.rays.iter().zip(&self.met).enumerate() {
@@ -158,6 +166,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let (pixel, slot) = (self.wave.pixels[i], self.wave.slots[i]);
             match mirrored {
                 Some(ray) => {
+                    self.probe.rays(RayKind::Reflection, pixel as usize, 1);
                     self.probe.bounce(pixel as usize, path.depth);
                     self.next.push(ray, pixel, *path, slot);
                 }
@@ -182,8 +191,6 @@ impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
             pixels: &self.pixels,
             counters: self.probe.counted(),
             times: &[],
-            tile: tile.number,
-            thread: thread_number(),
         }
     }
 }

@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 
+use super::TileRenderer;
 use super::view::{View, limited};
-use super::{TileRenderer, thread_number};
 use crate::cost::{Clock, Cost, Counters, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
 use crate::geometry::Ray;
@@ -41,7 +41,7 @@ impl TileRenderer for SingleRayRenderer<'_> {
     fn render(&mut self, tile: &Tile) -> Rendered<'_> {
         let now = || self.clock.map(|clock| (clock, clock.now()));
         let n_pixels = tile.n_pixels();
-        self.counters.reset(n_pixels);
+        self.counters.reset(n_pixels, self.view.n_samples);
         let mut begin = now();
         for place in tile.pixels() {
             let i = tile.index(place) as usize;
@@ -62,8 +62,6 @@ impl TileRenderer for SingleRayRenderer<'_> {
             pixels: &self.pixels[..n_pixels],
             counters: Some(&self.counters),
             times: &self.times[..n_times],
-            tile: tile.number,
-            thread: thread_number(),
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Structures of arrays: what the ray kernel reads lies close together.
 
 use crate::accel::ShadowRay;
-use crate::cost::{ByPixel, PixelProbe};
+use crate::cost::{ByPixel, PixelProbe, RayKind};
 use crate::geometry::Ray;
 use crate::light::Illumination;
 use crate::shade::{Path, Shader};
@@ -53,14 +53,25 @@ pub(super) struct Shadows {
 
 impl Shadows {
     /// Takes the shadow rays of all points that the rays of a wave, of these
-    /// pixels, have met.
-    pub(super) fn gather(&mut self, shader: &Shader, met: &[Option<SurfacePoint>], pixels: &[u32]) {
+    /// pixels, have met, and tells the probe of them.
+    pub(super) fn gather<P: PixelProbe>(
+        &mut self,
+        shader: &Shader,
+        met: &[Option<SurfacePoint>],
+        pixels: &[u32],
+        probe: &mut P,
+    ) {
         self.clear();
         for (met, &pixel) in met.iter().zip(pixels) {
-            for sample in met.iter().flat_map(|point| shader.light_samples(point)) {
-                self.rays.push(sample.shadow);
-                self.lights.push(sample.light);
-                self.pixels.push(pixel);
+            if let Some(point) = met {
+                let first = self.rays.len();
+                for sample in shader.light_samples(point) {
+                    self.rays.push(sample.shadow);
+                    self.lights.push(sample.light);
+                    self.pixels.push(pixel);
+                }
+                let n_rays = self.rays.len() - first;
+                probe.rays(RayKind::Shadow, pixel as usize, n_rays);
             }
             self.ends.push(self.rays.len());
         }

@@ -51,6 +51,12 @@ impl TileGrid {
         self.n_columns * self.n_rows
     }
 
+    /// The tiles that a row of pixels goes through, from left to right.
+    pub fn tiles_of_row(&self, y: u32) -> impl Iterator<Item = Tile> {
+        let first = y / self.tile_size * self.n_columns;
+        (first..first + self.n_columns).map(|number| self.tile(number))
+    }
+
     /// The tile with this number, less than [`n_tiles`](Self::n_tiles).
     pub fn tile(&self, number: u32) -> Tile {
         let span = |index: u32, end: u32| {
@@ -105,8 +111,14 @@ impl Tile {
 
     /// How many pixels.
     pub fn n_pixels(&self) -> usize {
-        let [width, height] = [self.columns, self.rows].map(|[first, end]| (end - first) as usize);
-        width * height
+        let [top, bottom] = self.rows;
+        self.width() * (bottom - top) as usize
+    }
+
+    /// How many columns of pixels.
+    pub fn width(&self) -> usize {
+        let [left, right] = self.columns;
+        (right - left) as usize
     }
 }
 

@@ -15,7 +15,7 @@ use std::process::{Command, Output};
 
 use raycost::accel::{Accel, Simd};
 use raycost::config::{Config, CostMode};
-use raycost::cost::Meter;
+use raycost::cost::{Counter, Meter};
 use raycost::film::{Film, Strip};
 use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
@@ -86,13 +86,16 @@ pub fn with_cost(config: Config, cost: CostMode) -> Config {
     Config { cost, ..config }
 }
 
-/// The film without what may differ: time and thread.
-pub fn lasting(mut film: Film) -> Vec<Strip> {
+/// The film without what may differ: time, thread and tiles.
+pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
+    let counts = match film.cost.has_counters() {
+        true => Counter::ALL.map(|counter| counts(&film, counter)).into(),
+        false => Vec::new(),
+    };
     for strip in &mut film.strips {
         strip.time_ns.clear();
         strip.time_mad_ns.clear();
         strip.n_rejected.clear();
-        strip.thread.clear();
         // NaN is equal to nothing, itself included: compare its bits.
         let misses = strip
             .object
@@ -106,10 +109,29 @@ pub fn lasting(mut film: Film) -> Vec<Strip> {
             (strip.distance[i], strip.footprint[i]) = Default::default();
         }
     }
+    (film.strips, counts)
+}
+
+/// One counter of all pixels.
+pub fn counts(film: &Film, counter: Counter) -> Vec<u32> {
+    let counts = |strip| film.counts(strip, counter);
+    film.strips.iter().flat_map(counts).collect()
+}
+
+/// The rays of all pixels.
+pub fn rays(film: &Film) -> Vec<u32> {
     film.strips
+        .iter()
+        .flat_map(|strip| film.rays(strip))
+        .collect()
 }
 
 /// The sum of one counter over all pixels.
-pub fn sum(film: &Film, counter: fn(&Strip) -> &Vec<u32>) -> u64 {
-    film.values(counter).map(u64::from).sum()
+pub fn sum(film: &Film, counter: Counter) -> u64 {
+    total(&counts(film, counter))
+}
+
+/// The sum of counts.
+pub fn total(counts: &[u32]) -> u64 {
+    counts.iter().copied().map(u64::from).sum()
 }

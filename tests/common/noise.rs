@@ -2,12 +2,14 @@
 
 use bytemuck::cast_slice_mut;
 use raycost::config::CostMode;
-use raycost::film::Film;
+use raycost::cost::{Cost, Counters};
+use raycost::film::{Film, PackedCounters, RenderedTile};
+use raycost::schedule::TileGrid;
 
 /// A film of noise: no array can be taken for another, and NaN comes in all
 /// its shapes.
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
-    let mut film = Film::new(width, height, cost);
+    let mut film = Film::new(TileGrid::new(width, height, 7), 0x1234_5678, cost);
     let mut state = seed;
     let mut noise = || {
         // The generator of Numerical Recipes.
@@ -17,7 +19,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     film.n_repeats = 2;
     for strip in &mut film.strips {
         strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
-        let arrays: [&mut [u8]; 19] = [
+        let arrays: [&mut [u8]; 10] = [
             cast_slice_mut(&mut strip.rgb),
             cast_slice_mut(&mut strip.position),
             cast_slice_mut(&mut strip.normal),
@@ -28,19 +30,37 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             cast_slice_mut(&mut strip.time_ns),
             cast_slice_mut(&mut strip.time_mad_ns),
             cast_slice_mut(&mut strip.n_rejected),
-            cast_slice_mut(&mut strip.node_visits),
-            cast_slice_mut(&mut strip.primitive_tests),
-            cast_slice_mut(&mut strip.rays),
-            cast_slice_mut(&mut strip.shadow_rays),
-            cast_slice_mut(&mut strip.reflection_rays),
-            cast_slice_mut(&mut strip.refraction_rays),
-            cast_slice_mut(&mut strip.depth),
-            cast_slice_mut(&mut strip.tile),
-            cast_slice_mut(&mut strip.thread),
         ];
         for array in arrays {
             array.fill_with(&mut noise);
         }
+    }
+    let mut word = || u32::from_ne_bytes([0; 4].map(|_| noise()));
+    for number in 0..film.grid.n_tiles() {
+        let counters = |n_pixels| {
+            let mut counters = Counters::default();
+            counters.reset(n_pixels, film.n_samples);
+            for pixel in 0..n_pixels {
+                let mut count = || u64::from(word());
+                let cost = Cost {
+                    node_visits: count(),
+                    primitive_tests: count(),
+                    rays: [film.n_samples.into(), count(), count(), count()],
+                    depth: count(),
+                };
+                counters.add(pixel, &cost);
+            }
+            PackedCounters::new(&counters)
+        };
+        let parts = film.grid.tile(number).parts(20);
+        let counters = match cost.has_counters() {
+            true => parts.map(|part| part.n_pixels()).map(counters).collect(),
+            false => Vec::new(),
+        };
+        film.tiles[number as usize] = RenderedTile {
+            thread: word() >> 1,
+            counters,
+        };
     }
     film
 }

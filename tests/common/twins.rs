@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use proptest::prelude::*;
 use raycost::accel::{Accel, Hit, ShadowRay, Simd};
 use raycost::config::{Acceleration, Quality};
-use raycost::cost::{Cost, StreamProbe};
+use raycost::cost::{Cost, StreamProbe, Traversals};
 use raycost::geometry::Ray;
 use raycost::scene::{ObjectId, Primitive};
 
@@ -131,12 +131,15 @@ impl ByRay {
 impl StreamProbe for ByRay {
     const COUNTS: bool = true;
 
-    fn traversal(&mut self, ray: usize, node_visits: u32, primitive_tests: u32) {
-        let cost = Cost {
-            node_visits: node_visits.into(),
-            primitive_tests: primitive_tests.into(),
-            ..Cost::default()
-        };
-        assert_eq!(self.0[ray].replace(cost), None, "each ray tells once");
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>) {
+        traversals.for_each(|i, node_visits, primitive_tests| {
+            let cost = Cost {
+                node_visits: node_visits.into(),
+                primitive_tests: primitive_tests.into(),
+                ..Cost::default()
+            };
+            let told = self.0[first + i].replace(cost);
+            assert_eq!(told, None, "each ray tells once");
+        });
     }
 }

@@ -72,7 +72,7 @@ impl States {
             surface: path_of(vtk::SURFACE),
             measures,
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
-            size: [film.width, film.height].map(f64::from),
+            size: [film.grid.width, film.grid.height].map(f64::from),
             cost_range,
             counter_range,
             schedule_ranges: ScheduleRanges::of(rendering.schedule),

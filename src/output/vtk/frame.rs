@@ -14,7 +14,7 @@ pub const FILE: &str = "frame.vti";
 /// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
 /// film's go down: its last row is written first.
 pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
-    let n_pixels = u64::from(film.width) * u64::from(film.height);
+    let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
     let array = |column: &'static Column| Array {
         name: column.name,
         scalar: column.scalar,
@@ -23,16 +23,16 @@ pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Re
         write: Box::new(|out| write_rows(film, column, out)),
     };
     let image = DataSet::Image {
-        size: [film.width, film.height],
+        size: [film.grid.width, film.grid.height],
         point_data: columns(film.cost, film.n_repeats).map(array).collect(),
     };
     appended::write(&image, codec, out)
 }
 
 fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {
-    let row_bytes = film.width as usize * column.stride();
+    let row_bytes = film.grid.width as usize * column.stride();
     for strip in film.strips.iter().rev() {
-        for row in (column.bytes)(strip).chunks_exact(row_bytes).rev() {
+        for row in (column.bytes)(film, strip).chunks_exact(row_bytes).rev() {
             out.write_all(row)?;
         }
     }

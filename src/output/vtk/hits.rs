@@ -19,14 +19,15 @@ const POINTS: Column = Column {
     name: "Points",
     scalar: ScalarType::F32,
     n_components: 3,
-    bytes: |strip| bytemuck::cast_slice(&strip.position),
+    is_kept: true,
+    bytes: |_, strip| bytemuck::cast_slice(&strip.position).into(),
 };
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
 /// order of the pixels, row 0 on top.
 pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
     let hits = Hits::of(film);
-    let pixels = Integers::up_to(film.width as usize * film.height as usize);
+    let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
     let column_array = |column| array(column, n, |out| hits.write_values(column, out));
     let mut point_data: Vec<Array> = columns(film.cost, film.n_repeats)
@@ -75,7 +76,7 @@ impl<'a> Hits<'a> {
     fn write_values(&self, column: &Column, out: &mut dyn Write) -> io::Result<()> {
         let stride = column.stride();
         self.strips().try_for_each(|(strip, runs)| {
-            let bytes = (column.bytes)(strip);
+            let bytes = (column.bytes)(self.film, strip);
             runs.iter()
                 .try_for_each(|run| out.write_all(&bytes[run.start * stride..run.end * stride]))
         })
@@ -83,7 +84,7 @@ impl<'a> Hits<'a> {
 
     fn write_pixels(&self, integers: Integers, out: &mut dyn Write) -> io::Result<()> {
         self.strips().try_for_each(|(strip, runs)| {
-            let first = strip.first_row as usize * self.film.width as usize;
+            let first = strip.first_row as usize * self.film.grid.width as usize;
             runs.iter().try_for_each(|run| {
                 integers.write_multiples(1, first + run.start..first + run.end, out)
             })

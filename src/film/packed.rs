@@ -1,0 +1,164 @@
+//! The counters of pixels in little memory.
+
+use std::ops::Range;
+
+use crate::cost::{Counter, Counters};
+
+/// What was counted of some pixels. A count that would pass 2^32 - 1 stays
+/// there.
+///
+/// A counter's bytes of the same value lie together, in a plane, and planes of
+/// nothing but zeros are left out: where no count passes 255, which is common,
+/// each takes one byte, and where all are 0, none. To write more would take as
+/// long as to count.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PackedCounters {
+    n_pixels: usize,
+    /// Which planes are there, a bit each.
+    present: u32,
+    planes: Vec<u8>,
+}
+
+/// Planes of a counter, that of its lowest bytes first.
+const N_PLANES: u32 = u32::BITS / u8::BITS;
+
+impl PackedCounters {
+    /// Packs them.
+    pub fn new(counters: &Counters) -> Self {
+        let bits = Counter::ALL.map(|counter| {
+            let counts = counters.get(counter).iter();
+            let bits = counts.fold(0, |bits, count| bits | count);
+            u32::try_from(bits).unwrap_or(u32::MAX)
+        });
+        let is_used = |(counter, plane)| bits[counter as usize] >> (u8::BITS * plane) & 0xff != 0;
+        let used = || all_planes().filter(|&plane| is_used(plane));
+        let n_pixels = counters.n_pixels();
+        let mut planes = vec![0; n_pixels * used().count()];
+        for (bytes, (counter, plane)) in planes.chunks_exact_mut(n_pixels.max(1)).zip(used()) {
+            let counts = counters.get(counter);
+            match bits[counter as usize] {
+                u32::MAX => write_plane(bytes, &limited(counts), plane),
+                _ => write_plane(bytes, counts, plane),
+            }
+        }
+        Self {
+            n_pixels,
+            present: used().fold(0, |present, plane| present | bit(plane)),
+            planes,
+        }
+    }
+
+    /// How many pixels.
+    pub fn n_pixels(&self) -> usize {
+        self.n_pixels
+    }
+
+    /// Puts one counter of these pixels at the end of `counts`.
+    pub fn unpack(&self, counter: Counter, pixels: Range<usize>, counts: &mut Vec<u32>) {
+        let first = counts.len();
+        counts.resize(first + pixels.len(), 0);
+        for plane in 0..N_PLANES {
+            let bit = bit((counter, plane));
+            if self.present & bit != 0 {
+                let n_before = (self.present & (bit - 1)).count_ones() as usize;
+                let plane_bytes = &self.planes[n_before * self.n_pixels..][pixels.clone()];
+                for (count, &byte) in counts[first..].iter_mut().zip(plane_bytes) {
+                    *count |= u32::from(byte) << (u8::BITS * plane);
+                }
+            }
+        }
+    }
+}
+
+/// Writes one byte of each count, of which all are below 2^32.
+fn write_plane(bytes: &mut [u8], counts: &[u64], plane: u32) {
+    let byte = |count: u64| (count as u32 >> (u8::BITS * plane)) as u8;
+    // Sixteen at a time become vector instructions.
+    let (many, rest) = bytes.as_chunks_mut::<16>();
+    let (many_counts, rest_counts) = counts.as_chunks::<16>();
+    for (bytes, counts) in many.iter_mut().zip(many_counts) {
+        *bytes = counts.map(byte);
+    }
+    for (to, &count) in rest.iter_mut().zip(rest_counts) {
+        *to = byte(count);
+    }
+}
+
+/// The counts, or the greatest number that is shown.
+#[cold]
+fn limited(counts: &[u64]) -> Vec<u64> {
+    let limited = counts.iter().map(|&count| count.min(u32::MAX.into()));
+    limited.collect()
+}
+
+/// The planes of all counters, in the order in which they are kept.
+fn all_planes() -> impl Iterator<Item = (Counter, u32)> {
+    let planes = |counter| (0..N_PLANES).map(move |plane| (counter, plane));
+    Counter::ALL.into_iter().flat_map(planes)
+}
+
+/// A plane's bit among those that are there.
+fn bit((counter, plane): (Counter, u32)) -> u32 {
+    1 << (N_PLANES * counter as u32 + plane)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::Cost;
+
+    /// Pixels with these numbers of nodes, tests, shadow rays and bounces.
+    fn counters(pixels: &[[u64; 4]]) -> Counters {
+        let mut counters = Counters::default();
+        counters.reset(pixels.len(), 1);
+        for (i, &[node_visits, primitive_tests, shadow, depth]) in pixels.iter().enumerate() {
+            let cost = Cost {
+                node_visits,
+                primitive_tests,
+                rays: [1, shadow, 0, 0],
+                depth,
+            };
+            counters.add(i, &cost);
+        }
+        counters
+    }
+
+    #[test]
+    fn what_is_packed_comes_back() {
+        let most = u64::from(u32::MAX);
+        let few = [
+            [1, 0, most, 0x1_0000],
+            [255, 256, 0, 0],
+            [0, most - 1, 7, 0xff_00ff],
+            [3, 1 << 24, most + 1, 1],
+            [0, 0, most << 9, 0],
+        ];
+        let pixels = few.repeat(7);
+        let packed = PackedCounters::new(&counters(&pixels));
+        let kept = [
+            Counter::NodeVisits,
+            Counter::PrimitiveTests,
+            Counter::ShadowRays,
+            Counter::Depth,
+        ];
+        for (i, counter) in kept.into_iter().enumerate() {
+            for range in [0..35, 1..4, 13..34, 2..2] {
+                let mut counts = vec![9];
+                packed.unpack(counter, range.clone(), &mut counts);
+                let expected = pixels[range].iter().map(|pixel| pixel[i].min(most) as u32);
+                assert!(counts.into_iter().eq([9].into_iter().chain(expected)));
+            }
+        }
+        let mut none = Vec::new();
+        packed.unpack(Counter::ReflectionRays, 1..3, &mut none);
+        assert_eq!(none, [0, 0]);
+    }
+
+    #[test]
+    fn zeros_take_no_memory_and_small_numbers_a_byte() {
+        let n_bytes = |pixels: &[[u64; 4]]| PackedCounters::new(&counters(pixels)).planes.len();
+        assert_eq!(n_bytes(&[[0; 4]; 3]), 0);
+        assert_eq!(n_bytes(&[[0, 255, 0, 0], [7, 0, 0, 0]]), 4);
+        assert_eq!(n_bytes(&[[0x1_0001, 0, 0, 0], [0, 0, 0, 1]]), 6);
+    }
+}
