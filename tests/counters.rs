@@ -92,7 +92,7 @@ fn every_pixel_has_a_time_and_a_thread() {
     let strips = || film.strips.iter();
     let mut threads = strips().flat_map(|strip| film.threads(strip));
     assert!(threads.all(|thread| (0..2).contains(&thread)));
-    let tiles: Vec<i32> = strips()
+    let tiles: Vec<u32> = strips()
         .flat_map(|strip| film.tile_numbers(strip))
         .collect();
     assert_eq!(

@@ -94,7 +94,7 @@ fn check(film: &Film, schedule: &Schedule, n_threads: u32) {
         let counts = [nodes, tests, rays].map(u64::from);
         let sum: &mut [u64; 3] = &mut sums[tile as usize];
         *sum = std::array::from_fn(|i| sum[i] + counts[i]);
-        assert_eq!(thread as u32, runs[tile as usize].thread);
+        assert_eq!(thread, runs[tile as usize].thread);
     }
     let counted = |cost: &Cost| [cost.node_visits, cost.primitive_tests, cost.n_rays()];
     assert!(

@@ -1,7 +1,5 @@
 //! The arrays of a film that go into files, in one list for all writers.
 
-use std::borrow::Cow;
-
 use vtkio::model::ScalarType;
 
 use super::{Film, Strip};
@@ -18,8 +16,9 @@ pub struct Column {
     pub n_components: usize,
     /// Whether the film keeps it; others are made of what it keeps.
     pub is_kept: bool,
-    /// Its bytes in a strip of the film, in native order.
-    pub bytes: for<'a> fn(&Film, &'a Strip) -> Cow<'a, [u8]>,
+    /// Its bytes in a strip of the film, in native order: those of the film, or
+    /// of a buffer that they are written to.
+    pub bytes: for<'a> fn(&Film, &'a Strip, &'a mut Vec<u32>) -> &'a [u8],
 }
 
 /// Makes a [`Column`] of a field of [`Strip`].
@@ -30,22 +29,23 @@ macro_rules! column {
             scalar: ScalarType::$scalar,
             n_components: $n,
             is_kept: true,
-            bytes: |_, strip| bytemuck::cast_slice(&strip.$field).into(),
+            bytes: |_, strip, _| bytemuck::cast_slice(&strip.$field),
         }
     };
 }
 
 /// Makes a [`Column`] of numbers that are made of what a film keeps.
 macro_rules! made {
-    ($name:literal, $scalar:ident, $numbers:expr) => {
+    ($name:literal, $scalar:ident, $write:expr) => {
         Column {
             name: $name,
             scalar: ScalarType::$scalar,
             n_components: 1,
             is_kept: false,
-            bytes: |film, strip| {
-                let numbers: fn(&Film, &Strip) -> Vec<_> = $numbers;
-                bytemuck::cast_slice(&numbers(film, strip)).to_vec().into()
+            bytes: |film, strip, numbers| {
+                let write: fn(&Film, &Strip, &mut Vec<u32>) = $write;
+                write(film, strip, numbers);
+                bytemuck::cast_slice(numbers)
             },
         }
     };
@@ -56,8 +56,9 @@ macro_rules! counter {
     ($name:literal, $counter:ident) => {
         Column {
             is_kept: true,
-            ..made!($name, U32, |film, strip| film
-                .counts(strip, Counter::$counter))
+            ..made!($name, U32, |film, strip, counts| {
+                film.write_counts(strip, Counter::$counter, counts)
+            })
         }
     };
 }
@@ -94,7 +95,7 @@ const COUNTERS: [Column; 9] = [
     // Ray-primitive tests of all rays of the pixel.
     counter!("primitive_tests", PrimitiveTests),
     // All rays of the pixel.
-    made!("rays", U32, Film::rays),
+    made!("rays", U32, Film::write_rays),
     // Those toward lights.
     counter!("shadow_rays", ShadowRays),
     // Those mirrored off surfaces.
@@ -104,9 +105,9 @@ const COUNTERS: [Column; 9] = [
     // Longest path in bounces.
     counter!("depth", Depth),
     // The tile, numbered along rows from the top left.
-    made!("tile", I32, Film::tile_numbers),
+    made!("tile", I32, Film::write_tile_numbers),
     // The thread, from 0.
-    made!("thread", I32, Film::threads),
+    made!("thread", I32, Film::write_threads),
 ];
 
 /// The arrays of a film of this mode that was rendered so many times, in the
@@ -147,7 +148,8 @@ mod tests {
         for (mode, expected) in modes.into_iter().zip([43, 67, 72]) {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);
             for column in columns(mode, film.n_repeats) {
-                let bytes = (column.bytes)(&film, &film.strips[0]);
+                let mut buffer = Vec::new();
+                let bytes = (column.bytes)(&film, &film.strips[0], &mut buffer);
                 assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
             }
             assert_eq!(bytes_per_pixel(mode), expected);

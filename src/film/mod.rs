@@ -138,7 +138,7 @@ mod tests {
             assert_eq!(rows, (0..height).collect::<Vec<_>>());
             let tiles = film.strips.iter().map(|strip| film.tile_numbers(strip));
             let expected = (0..height).flat_map(|y| [0, 0, 1].map(|tile| y / 2 * 2 + tile));
-            assert!(tiles.flatten().map(|tile| tile as u32).eq(expected));
+            assert!(tiles.flatten().eq(expected));
         }
     }
 }

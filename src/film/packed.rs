@@ -1,7 +1,5 @@
 //! The counters of pixels in little memory.
 
-use std::ops::Range;
-
 use crate::cost::{Counter, Counters};
 
 /// What was counted of some pixels. A count that would pass 2^32 - 1 stays
@@ -21,6 +19,9 @@ pub struct PackedCounters {
 
 /// Planes of a counter, that of its lowest bytes first.
 const N_PLANES: u32 = u32::BITS / u8::BITS;
+
+/// A bit for each of them.
+const PLANES: u32 = (1 << N_PLANES) - 1;
 
 impl PackedCounters {
     /// Packs them.
@@ -53,19 +54,20 @@ impl PackedCounters {
         self.n_pixels
     }
 
-    /// Puts one counter of these pixels at the end of `counts`.
-    pub fn unpack(&self, counter: Counter, pixels: Range<usize>, counts: &mut Vec<u32>) {
-        let first = counts.len();
-        counts.resize(first + pixels.len(), 0);
-        for plane in 0..N_PLANES {
-            let bit = bit((counter, plane));
-            if self.present & bit != 0 {
-                let n_before = (self.present & (bit - 1)).count_ones() as usize;
-                let plane_bytes = &self.planes[n_before * self.n_pixels..][pixels.clone()];
-                for (count, &byte) in counts[first..].iter_mut().zip(plane_bytes) {
-                    *count |= u32::from(byte) << (u8::BITS * plane);
-                }
+    /// Adds one counter of the pixels from the one with index `first` on; a sum
+    /// that would pass 2^32 - 1 stays there.
+    pub fn add_to(&self, counter: Counter, first: usize, sums: &mut [u32]) {
+        let mut present = self.present >> (N_PLANES * counter as u32) & PLANES;
+        let before = self.present & (bit((counter, 0)) - 1);
+        let mut start = before.count_ones() as usize * self.n_pixels + first;
+        while present != 0 {
+            let shift = u8::BITS * present.trailing_zeros();
+            let bytes = &self.planes[start..start + sums.len()];
+            for (sum, &byte) in sums.iter_mut().zip(bytes) {
+                *sum = sum.saturating_add(u32::from(byte) << shift);
             }
+            start += self.n_pixels;
+            present &= present - 1;
         }
     }
 }
@@ -143,15 +145,18 @@ mod tests {
         ];
         for (i, counter) in kept.into_iter().enumerate() {
             for range in [0..35, 1..4, 13..34, 2..2] {
-                let mut counts = vec![9];
-                packed.unpack(counter, range.clone(), &mut counts);
-                let expected = pixels[range].iter().map(|pixel| pixel[i].min(most) as u32);
-                assert!(counts.into_iter().eq([9].into_iter().chain(expected)));
+                for before in [0, 9] {
+                    let mut sums = vec![before; range.len()];
+                    packed.add_to(counter, range.start, &mut sums);
+                    let counts = pixels[range.clone()].iter().map(|pixel| pixel[i].min(most));
+                    let expected = counts.map(|count| before.saturating_add(count as u32));
+                    assert!(sums.into_iter().eq(expected));
+                }
             }
         }
-        let mut none = Vec::new();
-        packed.unpack(Counter::ReflectionRays, 1..3, &mut none);
-        assert_eq!(none, [0, 0]);
+        let mut none = [4, 5];
+        packed.add_to(Counter::ReflectionRays, 1, &mut none);
+        assert_eq!(none, [4, 5]);
     }
 
     #[test]

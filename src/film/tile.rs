@@ -2,7 +2,6 @@
 
 use super::{Film, PackedCounters, Strip};
 use crate::cost::Counter;
-use crate::schedule::Tile;
 
 /// Who rendered a tile, and what that cost.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -17,67 +16,95 @@ pub struct RenderedTile {
 impl Film {
     /// One counter of the pixels of a strip of the film.
     pub fn counts(&self, strip: &Strip, counter: Counter) -> Vec<u32> {
-        let mut counts = Vec::with_capacity(strip.rgb.len());
-        for (tile, y) in self.tile_rows(strip) {
-            let width = tile.width();
-            let first = (y - tile.rows[0]) as usize * width;
-            self.tiles[tile.number as usize].unpack(counter, first, width, &mut counts);
-        }
+        let mut counts = Vec::new();
+        self.write_counts(strip, counter, &mut counts);
         counts
     }
 
     /// All rays of the pixels of a strip of the film.
     pub fn rays(&self, strip: &Strip) -> Vec<u32> {
-        let mut rays = vec![self.n_samples; strip.rgb.len()];
+        let mut rays = Vec::new();
+        self.write_rays(strip, &mut rays);
+        rays
+    }
+
+    /// For each pixel of a strip of the film the number of its tile.
+    pub fn tile_numbers(&self, strip: &Strip) -> Vec<u32> {
+        let mut numbers = Vec::new();
+        self.write_tile_numbers(strip, &mut numbers);
+        numbers
+    }
+
+    /// For each pixel of a strip of the film the thread that rendered it.
+    pub fn threads(&self, strip: &Strip) -> Vec<u32> {
+        let mut threads = Vec::new();
+        self.write_threads(strip, &mut threads);
+        threads
+    }
+
+    /// [`counts`](Self::counts) in place of what is there.
+    pub(super) fn write_counts(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
+        counts.clear();
+        counts.resize(strip.rgb.len(), 0);
+        self.add_counts(strip, counter, counts);
+    }
+
+    /// [`rays`](Self::rays) in place of what is there.
+    pub(super) fn write_rays(&self, strip: &Strip, rays: &mut Vec<u32>) {
+        rays.clear();
+        rays.resize(strip.rgb.len(), self.n_samples);
         for counter in [
             Counter::ShadowRays,
             Counter::ReflectionRays,
             Counter::RefractionRays,
         ] {
-            for (rays, more) in rays.iter_mut().zip(self.counts(strip, counter)) {
-                *rays = rays.saturating_add(more);
+            self.add_counts(strip, counter, rays);
+        }
+    }
+
+    /// [`tile_numbers`](Self::tile_numbers) in place of what is there.
+    pub(super) fn write_tile_numbers(&self, strip: &Strip, numbers: &mut Vec<u32>) {
+        self.write_by_tile(strip, numbers, |number| number);
+    }
+
+    /// [`threads`](Self::threads) in place of what is there.
+    pub(super) fn write_threads(&self, strip: &Strip, threads: &mut Vec<u32>) {
+        self.write_by_tile(strip, threads, |number| self.tiles[number as usize].thread);
+    }
+
+    /// Adds one counter to the number of each pixel of a strip.
+    fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
+        let width = self.grid.width as usize;
+        let rows = sums.chunks_exact_mut(width).zip(strip.first_row..);
+        for (sums, y) in rows {
+            for tile in self.grid.tiles_of_row(y) {
+                let first = (y - tile.rows[0]) as usize * tile.width();
+                let [left, right] = tile.columns.map(|column| column as usize);
+                self.tiles[tile.number as usize].add_to(counter, first, &mut sums[left..right]);
             }
         }
-        rays
     }
 
-    /// For each pixel of a strip of the film the number of its tile.
-    pub fn tile_numbers(&self, strip: &Strip) -> Vec<i32> {
-        self.by_tile(strip, |tile| tile as i32)
-    }
-
-    /// For each pixel of a strip of the film the thread that rendered it.
-    pub fn threads(&self, strip: &Strip) -> Vec<i32> {
-        self.by_tile(strip, |tile| self.tiles[tile as usize].thread as i32)
-    }
-
-    fn by_tile(&self, strip: &Strip, number: impl Fn(u32) -> i32) -> Vec<i32> {
-        let mut numbers = Vec::with_capacity(strip.rgb.len());
-        for (tile, _) in self.tile_rows(strip) {
-            numbers.resize(numbers.len() + tile.width(), number(tile.number));
+    fn write_by_tile(&self, strip: &Strip, numbers: &mut Vec<u32>, of: impl Fn(u32) -> u32) {
+        numbers.clear();
+        for y in strip.first_row..strip.first_row + strip.n_rows {
+            for tile in self.grid.tiles_of_row(y) {
+                numbers.resize(numbers.len() + tile.width(), of(tile.number));
+            }
         }
-        numbers
-    }
-
-    /// The rows of tiles that a strip consists of, in their order: which tile
-    /// and which row of the film.
-    fn tile_rows(&self, strip: &Strip) -> impl Iterator<Item = (Tile, u32)> {
-        let rows = strip.first_row..strip.first_row + strip.n_rows;
-        rows.flat_map(|y| self.grid.tiles_of_row(y).map(move |tile| (tile, y)))
     }
 }
 
 impl RenderedTile {
-    /// Puts one counter of `n` pixels of a row at the end of `counts`.
-    fn unpack(&self, counter: Counter, mut first: usize, n: usize, counts: &mut Vec<u32>) {
+    /// Adds one counter of the pixels from the one with index `first` on, which
+    /// are of one row.
+    fn add_to(&self, counter: Counter, mut first: usize, sums: &mut [u32]) {
         for part in &self.counters {
             if first < part.n_pixels() {
-                part.unpack(counter, first..first + n, counts);
+                part.add_to(counter, first, sums);
                 return;
             }
             first -= part.n_pixels();
         }
-        // Nothing was counted.
-        counts.resize(counts.len() + n, 0);
     }
 }

@@ -31,8 +31,12 @@ pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Re
 
 fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {
     let row_bytes = film.grid.width as usize * column.stride();
+    let mut buffer = Vec::new();
     for strip in film.strips.iter().rev() {
-        for row in (column.bytes)(film, strip).chunks_exact(row_bytes).rev() {
+        for row in (column.bytes)(film, strip, &mut buffer)
+            .chunks_exact(row_bytes)
+            .rev()
+        {
             out.write_all(row)?;
         }
     }

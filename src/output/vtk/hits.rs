@@ -20,7 +20,7 @@ const POINTS: Column = Column {
     scalar: ScalarType::F32,
     n_components: 3,
     is_kept: true,
-    bytes: |_, strip| bytemuck::cast_slice(&strip.position).into(),
+    bytes: |_, strip, _| bytemuck::cast_slice(&strip.position),
 };
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
@@ -75,8 +75,9 @@ impl<'a> Hits<'a> {
 
     fn write_values(&self, column: &Column, out: &mut dyn Write) -> io::Result<()> {
         let stride = column.stride();
+        let mut buffer = Vec::new();
         self.strips().try_for_each(|(strip, runs)| {
-            let bytes = (column.bytes)(self.film, strip);
+            let bytes = (column.bytes)(self.film, strip, &mut buffer);
             runs.iter()
                 .try_for_each(|run| out.write_all(&bytes[run.start * stride..run.end * stride]))
         })
