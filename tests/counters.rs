@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{config, counts, film, parse, rays, scene_of, sum, total};
+use common::{config, counts, film, parse, rays, scene_of, sum, tiles_and_threads, total};
 use raycost::config::Acceleration;
 use raycost::cost::Counter;
 
@@ -89,12 +89,8 @@ fn every_pixel_has_a_time_and_a_thread() {
         film.values(|strip| &strip.time_ns)
             .all(|ns| ns >= 1.0 && ns.is_finite())
     );
-    let strips = || film.strips.iter();
-    let mut threads = strips().flat_map(|strip| film.threads(strip));
-    assert!(threads.all(|thread| (0..2).contains(&thread)));
-    let tiles: Vec<u32> = strips()
-        .flat_map(|strip| film.tile_numbers(strip))
-        .collect();
+    let [tiles, threads] = tiles_and_threads(&film);
+    assert!(threads.iter().all(|thread| (0..2).contains(thread)));
     assert_eq!(
         (tiles[0], tiles[16], tiles[59], tiles[60 * 16]),
         (0, 1, 3, 4)

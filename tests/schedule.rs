@@ -11,6 +11,7 @@ use serde_json::Value;
 use common::data_set::DataSet;
 use common::{
     assert_success, config, counts, film, in_repository, lasting, raycost, rays, rendered,
+    tiles_and_threads,
 };
 use raycost::accel::Simd;
 use raycost::config::{Config, CostMode, TileOrder, Tiling};
@@ -86,9 +87,8 @@ fn check(film: &Film, schedule: &Schedule, n_threads: u32) {
         counts(film, Counter::PrimitiveTests),
         rays(film),
     ];
-    let strips = || film.strips.iter();
-    let tiles = strips().flat_map(|strip| film.tile_numbers(strip));
-    let who = tiles.zip(strips().flat_map(|strip| film.threads(strip)));
+    let [tiles, threads] = tiles_and_threads(film);
+    let who = tiles.into_iter().zip(threads);
     for (((nodes, tests), rays), (tile, thread)) in nodes.into_iter().zip(tests).zip(rays).zip(who)
     {
         let counts = [nodes, tests, rays].map(u64::from);

@@ -57,7 +57,7 @@ macro_rules! counter {
         Column {
             is_kept: true,
             ..made!($name, U32, |film, strip, counts| {
-                film.write_counts(strip, Counter::$counter, counts)
+                film.counts(strip, Counter::$counter, counts)
             })
         }
     };
@@ -95,7 +95,7 @@ const COUNTERS: [Column; 9] = [
     // Ray-primitive tests of all rays of the pixel.
     counter!("primitive_tests", PrimitiveTests),
     // All rays of the pixel.
-    made!("rays", U32, Film::write_rays),
+    made!("rays", U32, Film::rays),
     // Those toward lights.
     counter!("shadow_rays", ShadowRays),
     // Those mirrored off surfaces.
@@ -105,9 +105,9 @@ const COUNTERS: [Column; 9] = [
     // Longest path in bounces.
     counter!("depth", Depth),
     // The tile, numbered along rows from the top left.
-    made!("tile", I32, Film::write_tile_numbers),
+    made!("tile", I32, Film::tile_numbers),
     // The thread, from 0.
-    made!("thread", I32, Film::write_threads),
+    made!("thread", I32, Film::threads),
 ];
 
 /// The arrays of a film of this mode that was rendered so many times, in the

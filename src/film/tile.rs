@@ -14,43 +14,15 @@ pub struct RenderedTile {
 }
 
 impl Film {
-    /// One counter of the pixels of a strip of the film.
-    pub fn counts(&self, strip: &Strip, counter: Counter) -> Vec<u32> {
-        let mut counts = Vec::new();
-        self.write_counts(strip, counter, &mut counts);
-        counts
-    }
-
-    /// All rays of the pixels of a strip of the film.
-    pub fn rays(&self, strip: &Strip) -> Vec<u32> {
-        let mut rays = Vec::new();
-        self.write_rays(strip, &mut rays);
-        rays
-    }
-
-    /// For each pixel of a strip of the film the number of its tile.
-    pub fn tile_numbers(&self, strip: &Strip) -> Vec<u32> {
-        let mut numbers = Vec::new();
-        self.write_tile_numbers(strip, &mut numbers);
-        numbers
-    }
-
-    /// For each pixel of a strip of the film the thread that rendered it.
-    pub fn threads(&self, strip: &Strip) -> Vec<u32> {
-        let mut threads = Vec::new();
-        self.write_threads(strip, &mut threads);
-        threads
-    }
-
-    /// [`counts`](Self::counts) in place of what is there.
-    pub(super) fn write_counts(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
+    /// Makes `counts` one counter of the pixels of a strip of the film.
+    pub fn counts(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
         counts.clear();
         counts.resize(strip.rgb.len(), 0);
         self.add_counts(strip, counter, counts);
     }
 
-    /// [`rays`](Self::rays) in place of what is there.
-    pub(super) fn write_rays(&self, strip: &Strip, rays: &mut Vec<u32>) {
+    /// Makes `rays` all rays of the pixels of a strip of the film.
+    pub fn rays(&self, strip: &Strip, rays: &mut Vec<u32>) {
         rays.clear();
         rays.resize(strip.rgb.len(), self.n_samples);
         for counter in [
@@ -62,14 +34,14 @@ impl Film {
         }
     }
 
-    /// [`tile_numbers`](Self::tile_numbers) in place of what is there.
-    pub(super) fn write_tile_numbers(&self, strip: &Strip, numbers: &mut Vec<u32>) {
-        self.write_by_tile(strip, numbers, |number| number);
+    /// Makes `numbers` those of the tiles of the pixels of a strip of the film.
+    pub fn tile_numbers(&self, strip: &Strip, numbers: &mut Vec<u32>) {
+        self.by_tile(strip, numbers, |number| number);
     }
 
-    /// [`threads`](Self::threads) in place of what is there.
-    pub(super) fn write_threads(&self, strip: &Strip, threads: &mut Vec<u32>) {
-        self.write_by_tile(strip, threads, |number| self.tiles[number as usize].thread);
+    /// Makes `threads` those that rendered the pixels of a strip of the film.
+    pub fn threads(&self, strip: &Strip, threads: &mut Vec<u32>) {
+        self.by_tile(strip, threads, |number| self.tiles[number as usize].thread);
     }
 
     /// Adds one counter to the number of each pixel of a strip.
@@ -85,7 +57,7 @@ impl Film {
         }
     }
 
-    fn write_by_tile(&self, strip: &Strip, numbers: &mut Vec<u32>, of: impl Fn(u32) -> u32) {
+    fn by_tile(&self, strip: &Strip, numbers: &mut Vec<u32>, of: impl Fn(u32) -> u32) {
         numbers.clear();
         for y in strip.first_row..strip.first_row + strip.n_rows {
             for tile in self.grid.tiles_of_row(y) {

@@ -23,7 +23,7 @@ pub(super) struct Measure {
 #[derive(Clone, Copy)]
 enum Values {
     Times(fn(&Strip) -> &Vec<f32>),
-    Counts(fn(&Film, &Strip) -> Vec<u32>),
+    Counts(fn(&Film, &Strip, &mut Vec<u32>)),
 }
 
 /// What tells most first.
@@ -40,14 +40,18 @@ const MEASURES: [Measure; 4] = [
         name: "BVH nodes visited per pixel",
         axis: "BVH nodes visited per pixel",
         unit: "node visits",
-        values: Values::Counts(|film, strip| film.counts(strip, Counter::NodeVisits)),
+        values: Values::Counts(|film, strip, counts| {
+            film.counts(strip, Counter::NodeVisits, counts);
+        }),
     },
     Measure {
         array: "primitive_tests",
         name: "primitive tests per pixel",
         axis: "Primitive tests per pixel",
         unit: "primitive tests",
-        values: Values::Counts(|film, strip| film.counts(strip, Counter::PrimitiveTests)),
+        values: Values::Counts(|film, strip, counts| {
+            film.counts(strip, Counter::PrimitiveTests, counts);
+        }),
     },
     Measure {
         array: "rays",
@@ -66,8 +70,11 @@ impl Measure {
         let mut shown = MEASURES.into_iter().filter(|measure| match measure.values {
             Values::Times(_) => film.cost.has_time(),
             Values::Counts(counts) => {
-                let mut strips = film.strips.iter();
-                strips.any(|strip| counts(film, strip).iter().any(|&count| count > 0))
+                let mut of_strip = Vec::new();
+                film.strips.iter().any(|strip| {
+                    counts(film, strip, &mut of_strip);
+                    of_strip.iter().any(|&count| count > 0)
+                })
             }
         });
         Some([shown.next()?, shown.next()?])
@@ -78,8 +85,12 @@ impl Measure {
         match self.values {
             Values::Times(array) => film.rows(array).collect::<Vec<_>>().concat(),
             Values::Counts(counts) => {
-                let counts = film.strips.iter().flat_map(|strip| counts(film, strip));
-                counts.map(|count| count as f32).collect()
+                let (mut of_strip, mut all) = (Vec::new(), Vec::new());
+                for strip in &film.strips {
+                    counts(film, strip, &mut of_strip);
+                    all.extend(of_strip.iter().map(|&count| count as f32));
+                }
+                all
             }
         }
     }

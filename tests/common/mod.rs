@@ -114,16 +114,31 @@ pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
 
 /// One counter of all pixels.
 pub fn counts(film: &Film, counter: Counter) -> Vec<u32> {
-    let counts = |strip| film.counts(strip, counter);
-    film.strips.iter().flat_map(counts).collect()
+    of_strips(film, |strip, counts| film.counts(strip, counter, counts))
 }
 
 /// The rays of all pixels.
 pub fn rays(film: &Film) -> Vec<u32> {
-    film.strips
-        .iter()
-        .flat_map(|strip| film.rays(strip))
-        .collect()
+    of_strips(film, |strip, rays| film.rays(strip, rays))
+}
+
+/// The tile of each pixel, by its number, and the thread that rendered it.
+pub fn tiles_and_threads(film: &Film) -> [Vec<u32>; 2] {
+    [
+        of_strips(film, |strip, numbers| film.tile_numbers(strip, numbers)),
+        of_strips(film, |strip, threads| film.threads(strip, threads)),
+    ]
+}
+
+/// What is made of each strip, one after the other.
+fn of_strips(film: &Film, make: impl Fn(&Strip, &mut Vec<u32>)) -> Vec<u32> {
+    let mut all = Vec::new();
+    let mut of_strip = Vec::new();
+    for strip in &film.strips {
+        make(strip, &mut of_strip);
+        all.extend_from_slice(&of_strip);
+    }
+    all
 }
 
 /// The sum of one counter over all pixels.

@@ -65,12 +65,13 @@ impl<'a> Hits<'a> {
         Self { film, runs, n }
     }
 
-    /// Each strip with its runs.
+    /// Each strip that has hits, with its runs.
     fn strips(&self) -> impl Iterator<Item = (&'a Strip, &[Range<usize>])> {
         self.film
             .strips
             .iter()
             .zip(self.runs.iter().map(Vec::as_slice))
+            .filter(|(_, runs)| !runs.is_empty())
     }
 
     fn write_values(&self, column: &Column, out: &mut dyn Write) -> io::Result<()> {
