@@ -1,0 +1,15 @@
+//! What a user types and what comes back; the examples and the shape of the source.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod architecture;
+mod configs;
+mod diff;
+mod errors;
+mod exit_codes;
+mod mutations;
+mod readme;
+mod roofline;
+mod study;
+mod trace;

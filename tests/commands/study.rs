@@ -1,0 +1,329 @@
+//! Studies measure what they say, once, and go on where they were stopped.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use crate::common::{assert_success, in_repository, raycost};
+use raycost::study::Plan;
+use raycost::yaml::Source;
+use serde_json::Value;
+
+const STUDY: &str = "
+title: A small study
+scenes: [scene.yaml]
+vary: { threads: [1, 2], max_depth: [0, 3] }
+flags: [--width=12, --height=9]
+repeats: 3
+plots:
+  - { x: threads, y: render_wall_ms, fit: true }
+  - { x: n_pixels, y: [rays, node_visits], scale: linear }
+  - { x: scene, y: render_cpu_ms }
+";
+
+/// A folder with a study and its scene.
+fn folder(study: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("study.yaml"), study).unwrap();
+    let scene = in_repository("configs/hall_of_mirrors.yaml");
+    fs::copy(scene, folder.path().join("scene.yaml")).unwrap();
+    folder
+}
+
+fn run(folder: &Path, flags: &[&str]) -> Output {
+    let mut command = raycost();
+    command.current_dir(folder).args(["study", "study.yaml"]);
+    command.args(["--out", "out"]).args(flags).output().unwrap()
+}
+
+fn lines(folder: &Path) -> Vec<Value> {
+    let text = fs::read_to_string(folder.join("out/runs.jsonl")).unwrap();
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn every_point_is_measured_in_every_round() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let lines = lines(folder.path());
+    assert_eq!(lines.len(), 1 + 4 * (1 + 3));
+    for round in lines[1..].chunks(4) {
+        let mut points: Vec<String> = round.iter().map(|run| run["point"].to_string()).collect();
+        points.sort();
+        points.dedup();
+        assert_eq!(points.len(), 4);
+        assert!(round.iter().all(|run| run["round"] == round[0]["round"]));
+    }
+    // Each run is of its point.
+    for run in &lines[1..] {
+        let [depth, mirrored] = [
+            &run["point"]["max_depth"],
+            &run["metrics"]["reflection_rays"],
+        ];
+        assert_eq!(depth == 0, *mirrored == 0.0, "{run}");
+        assert_eq!(run["metrics"]["n_pixels"], 108.0);
+    }
+    let shuffled = |round: usize| {
+        lines[1 + 4 * round..]
+            .iter()
+            .take(4)
+            .map(|run| &run["point"])
+    };
+    assert!(
+        (1..4).any(|round| !shuffled(0).eq(shuffled(round))),
+        "each round has its order"
+    );
+}
+
+#[test]
+fn tables_and_plots_tell_the_runs() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let out = folder.path().join("out");
+    let table = fs::read_to_string(out.join("statistics.csv")).unwrap();
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    let headers = rows.headers().unwrap().clone();
+    let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
+    let of_time: Vec<csv::StringRecord> = rows
+        .records()
+        .map(Result::unwrap)
+        .filter(|row| &row[column("metric")] == "render_wall_ms")
+        .collect();
+    assert_eq!(of_time.len(), 4);
+    let runs = lines(folder.path());
+    for row in of_time {
+        let [threads, depth] = ["threads", "max_depth"].map(|name| row[column(name)].to_owned());
+        let counts = |run: &&Value| {
+            run["round"].as_u64() > Some(0)
+                && run["point"]["threads"].as_u64() == threads.parse().ok()
+                && run["point"]["max_depth"].as_u64() == depth.parse().ok()
+        };
+        let measured = runs[1..].iter().filter(counts);
+        let times: Vec<f64> = measured
+            .map(|run| run["metrics"]["render_wall_ms"].as_f64().unwrap())
+            .collect();
+        assert_eq!((times.len(), &row[column("n")]), (3, "3"));
+        let max: f64 = row[column("max")].parse().unwrap();
+        assert_eq!(max, times.iter().copied().fold(0.0, f64::max));
+    }
+    for (plot, shown) in [
+        ("plot-1-render_wall_ms-over-threads", "slope"),
+        ("plot-2-rays-node_visits-over-n_pixels", "node visits"),
+        ("plot-3-render_cpu_ms-over-scene", "threads 2"),
+    ] {
+        let svg = fs::read_to_string(out.join(plot).with_extension("svg")).unwrap();
+        assert!(svg.contains(shown), "{svg}");
+        let png = image::open(out.join(plot).with_extension("png"))
+            .unwrap()
+            .to_rgb8();
+        let ink = png.pixels().filter(|pixel| pixel.0 != [255; 3]).count();
+        assert!(ink > 1000, "{ink} pixels of {plot} are drawn on");
+    }
+}
+
+#[test]
+fn a_stopped_study_goes_on() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let file = folder.path().join("out/runs.jsonl");
+    let whole = fs::read_to_string(&file).unwrap();
+    // Stopped in the middle of the tenth run's line.
+    let end: usize = whole.split_inclusive('\n').take(10).map(str::len).sum();
+    fs::write(&file, &whole[..end + 30]).unwrap();
+    assert_success(&run(folder.path(), &[]));
+    let after = fs::read_to_string(&file).unwrap();
+    assert_eq!(after[..end], whole[..end], "no run is measured again");
+    assert_eq!(lines(folder.path()).len(), 17);
+}
+
+#[test]
+fn time_that_is_up_leaves_the_rest_to_the_next_call() {
+    let folder = folder(&format!("{STUDY}\ntime_budget_s: 1e-12"));
+    let first = run(folder.path(), &[]);
+    assert_success(&first);
+    assert_eq!(lines(folder.path()).len(), 1);
+    let said = String::from_utf8_lossy(&first.stdout).into_owned();
+    assert!(said.contains("left    16 runs"), "{said}");
+}
+
+/// Runs `raycost study` with these words in a folder.
+fn study(folder: &Path, words: &[&str]) -> Output {
+    let mut command = raycost();
+    let command = command.current_dir(folder).arg("study");
+    command.args(words).output().unwrap()
+}
+
+#[test]
+fn several_studies_each_have_a_folder() {
+    let folder = folder(STUDY);
+    let path = folder.path();
+    fs::write(path.join("other.yaml"), STUDY.replace("small", "second")).unwrap();
+    assert_success(&study(path, &["study.yaml", "other.yaml", "--quick"]));
+    let held = |name: &str| fs::read_to_string(path.join("out/studies").join(name)).unwrap();
+    for name in ["study-quick", "other-quick"] {
+        assert_eq!(held(&format!("{name}/runs.jsonl")).lines().count(), 17);
+    }
+    let statistics: Value = serde_json::from_str(&held("other-quick/statistics.json")).unwrap();
+    assert_eq!(statistics["title"], "A second study");
+
+    // A folder stands for its studies.
+    fs::create_dir_all(path.join("configs/studies")).unwrap();
+    let there = STUDY.replace("scene.yaml", "../../scene.yaml");
+    fs::write(path.join("configs/studies/third.yaml"), &there).unwrap();
+    assert_success(&study(
+        path,
+        &["configs/studies", "other.yaml", "--out", "all"],
+    ));
+    assert!(path.join("all/third/runs.jsonl").exists());
+    assert!(path.join("all/other/statistics.csv").exists());
+    // Nothing named stands for the ready ones.
+    assert_success(&study(path, &[]));
+    assert!(path.join("out/studies/third/runs.jsonl").exists());
+}
+
+#[test]
+fn a_mistake_in_one_of_several_studies_stops_all() {
+    let folder = folder(STUDY);
+    let path = folder.path();
+    let refused = |words: &[&str], told: &str| {
+        let refused = study(path, words);
+        assert_eq!(refused.status.code(), Some(2), "{words:?}");
+        assert!(said(&refused).contains(told), "{}", said(&refused));
+    };
+    fs::write(path.join("broken.yaml"), "title: x\nscenes: []").unwrap();
+    refused(&["study.yaml", "broken.yaml"], "cannot be an empty list");
+    fs::create_dir_all(path.join("a")).unwrap();
+    refused(&["a"], "`a` has no study");
+    fs::copy(path.join("study.yaml"), path.join("a/study.yaml")).unwrap();
+    refused(&["study.yaml", "a"], "would both write to");
+    refused(&[], "there is no folder `configs/studies` here");
+    refused(&["nothing.yaml"], "there is no study `nothing.yaml`");
+    assert!(!path.join("out").exists(), "nothing is measured");
+
+    // Results of others, in the last of the folders.
+    let theirs = path.join("out/studies/study/runs.jsonl");
+    fs::create_dir_all(theirs.parent().unwrap()).unwrap();
+    fs::write(&theirs, "the notes of somebody\n").unwrap();
+    fs::copy(path.join("study.yaml"), path.join("first.yaml")).unwrap();
+    refused(&["first.yaml", "study.yaml"], "holds no results");
+    let first = fs::read_to_string(path.join("out/studies/first/runs.jsonl")).unwrap();
+    assert_eq!(first.lines().count(), 1, "nothing is measured");
+    assert_eq!(
+        fs::read_to_string(&theirs).unwrap(),
+        "the notes of somebody\n"
+    );
+}
+
+#[test]
+fn statistics_hold_the_laws_of_the_plots() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let text = fs::read_to_string(folder.path().join("out/statistics.json")).unwrap();
+    let statistics: Value = serde_json::from_str(&text).unwrap();
+    let fits = statistics["fits"].as_array().unwrap();
+    // A line for each depth, of the one plot that asks for laws.
+    assert_eq!(fits.len(), 2);
+    let rows = statistics["rows"].as_array().unwrap();
+    let median = |threads: u64| {
+        let is_it = |row: &&Value| {
+            row["metric"] == "render_wall_ms"
+                && row["point"]["threads"] == threads
+                && row["point"]["max_depth"] == 3
+        };
+        rows.iter().find(is_it).unwrap()["median"].as_f64().unwrap()
+    };
+    let fit = fits.iter().find(|fit| fit["series"] == "max depth 3");
+    let fit = fit.unwrap_or_else(|| panic!("{fits:?}"));
+    assert_eq!(
+        (&fit["x"], &fit["y"][0]),
+        (&"threads".into(), &"render_wall_ms".into())
+    );
+    let exponent = (median(2) / median(1)).log2();
+    assert!((fit["law"]["exponent"].as_f64().unwrap() - exponent).abs() < 1e-9);
+}
+
+#[test]
+fn quick_takes_what_the_study_says_instead() {
+    let quick = "quick: { vary: { threads: [1] }, flags: [--width=6, --height=5], repeats: 1 }";
+    let folder = folder(&format!("{STUDY}\n{quick}"));
+    assert_success(&run(folder.path(), &["--quick"]));
+    let lines = lines(folder.path());
+    assert_eq!(lines.len(), 1 + 2);
+    assert_eq!(lines[1]["metrics"]["n_pixels"], 30.0);
+}
+
+#[test]
+fn results_of_others_are_left_alone() {
+    let folder = folder(STUDY);
+    let file = folder.path().join("out/runs.jsonl");
+    fs::create_dir(folder.path().join("out")).unwrap();
+    for (held, told) in [
+        ("{\"raycost_study\":99,\"made_by\":{}}\n", "has format 99"),
+        (
+            "{\"raycost_study\":1,\"made_by\":{}}\n",
+            "were made with another machine",
+        ),
+        ("the notes of somebody\n", "holds no results"),
+    ] {
+        fs::write(&file, held).unwrap();
+        let refused = run(folder.path(), &[]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(said(&refused).contains(told), "{}", said(&refused));
+        assert_eq!(fs::read_to_string(&file).unwrap(), held);
+    }
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_measured() {
+    for (study, told) in [
+        ("title: x\nscenes: []", "`scenes` cannot be an empty list"),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { threads: [] }",
+            "`vary.threads` cannot be an empty list",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { theads: [1] }",
+            "did you mean `threads`?",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { threads: [0] }",
+            "`vary.threads[0]` cannot be `0`",
+        ),
+        ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
+        ("title: x\nscenes: [none.yaml]", "cannot read the scene"),
+        (
+            "title: x\nscenes: [scene.yaml]\nflags: [--with=3]",
+            "--with",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { objects: [5] }",
+            "no `sphere_cloud`",
+        ),
+    ] {
+        let folder = folder(study);
+        let refused = run(folder.path(), &[]);
+        assert_eq!(refused.status.code(), Some(2), "{study}");
+        assert!(said(&refused).contains(told), "{study}\n{}", said(&refused));
+        assert!(!folder.path().join("out").exists());
+    }
+}
+
+#[test]
+fn the_ready_studies_can_be_run() {
+    for entry in fs::read_dir(in_repository("configs/studies")).unwrap() {
+        let path = entry.unwrap().path();
+        let source = Source::read(&path).unwrap();
+        let plan: Plan = source.parse().unwrap_or_else(|error| panic!("{error}"));
+        assert!(!plan.plots.is_empty() && plan.quick.is_some(), "{path:?}");
+        for point in plan.points().iter().chain(&plan.quickened().points()) {
+            let scene = path.with_file_name("").join(&point.scene);
+            assert!(scene.exists(), "{scene:?}");
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! The hierarchy against its slow twin: the same hits on random scenes.
+
+use crate::common::generators::{self, bundle, ray, triple};
+use crate::common::twins::{QUALITIES, compare};
+use crate::common::{parse, scene_of};
+use glam::Vec3;
+use proptest::prelude::*;
+use raycost::accel::Accel;
+use raycost::config::{Acceleration, Quality};
+use raycost::cost::{Cost, NoProbe};
+use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::sampling::uniform;
+use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
+
+fn list([x, y, z]: [f32; 3]) -> String {
+    format!("[{x}, {y}, {z}]")
+}
+
+/// One object of the scene file, without its material.
+fn shape() -> impl Strategy<Value = String> {
+    let radius = prop_oneof![0.01_f32..2.0, Just(1.0)];
+    let size = [0.01_f32..2.0, 0.01_f32..2.0, 0.01_f32..2.0];
+    prop_oneof![
+        4 => (triple(), radius.clone())
+            .prop_map(|(c, r)| format!("sphere: {{ center: {}, radius: {r} }}", list(c))),
+        3 => (triple(), triple(), triple())
+            .prop_filter("a triangle needs an area", |&(a, b, c)| {
+                let [a, b, c] = [a, b, c].map(Vec3::from);
+                (b - a).cross(c - a).length() > 1e-2
+            })
+            .prop_map(|(a, b, c)| {
+                format!("triangle: {{ vertices: [{}, {}, {}] }}", list(a), list(b), list(c))
+            }),
+        2 => (triple(), size).prop_map(|(min, size)| {
+            let max: [f32; 3] = std::array::from_fn(|i| min[i] + size[i]);
+            format!("box: {{ min: {}, max: {} }}", list(min), list(max))
+        }),
+        2 => (triple(), triple(), radius)
+            .prop_filter("a disk needs a normal", |(_, n, _)| Vec3::from(*n).length() > 0.1)
+            .prop_map(|(c, n, r)| {
+                format!("disk: {{ center: {}, normal: {}, radius: {r} }}", list(c), list(n))
+            }),
+        1 => (triple(), triple())
+            .prop_filter("a plane needs a normal", |(_, n)| Vec3::from(*n).length() > 0.1)
+            .prop_map(|(p, n)| format!("plane: {{ point: {}, normal: {} }}", list(p), list(n))),
+    ]
+}
+
+/// A transform that makes ellipsoids and turned boxes of half of the shapes.
+fn transform() -> impl Strategy<Value = String> {
+    let steps = (
+        [0.3_f32..3.0, 0.3_f32..3.0, 0.3_f32..3.0],
+        0.0_f32..360.0,
+        triple(),
+    );
+    let turned = steps.prop_map(|(scale, angle, by)| {
+        format!(
+            "\n    transform: [{{ scale: {} }}, {{ rotate: {{ axis: [1, 2, 3], angle_deg: {angle} }} }}, {{ translate: {} }}]",
+            list(scale),
+            list(by)
+        )
+    });
+    prop_oneof![Just(String::new()), turned]
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    prop::collection::vec((shape(), transform()), 1..60).prop_map(|objects| {
+        let objects: String = objects
+            .iter()
+            .map(|(shape, transform)| format!("  - {shape}\n    material: m{transform}\n"))
+            .collect();
+        let text = format!(
+            "image: {{ width: 1, height: 1 }}\n\
+             camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+             materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{objects}"
+        );
+        scene_of(&parse(&text))
+    })
+}
+
+fn primitive(shape: Shape) -> Primitive {
+    Primitive::new(shape, None, ObjectId(0), MaterialId(0))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn all_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
+        compare(&scene.primitives, &rays)?;
+    }
+
+    #[test]
+    fn all_find_the_same_hits_of_coherent_rays(scene in scene(), rays in bundle()) {
+        compare(&scene.primitives, &rays)?;
+    }
+
+    #[test]
+    fn all_find_the_same_hits_at_any_scale(
+        shapes in prop::collection::vec(generators::shape(), 1..200),
+        rays in prop::collection::vec(ray(), 80),
+        exponent in -12_i32..13,
+    ) {
+        let scale = 10_f32.powi(exponent);
+        let transform = Transform::of_steps(&[TransformStep::Scale(Vec3::splat(scale))]);
+        let scaled = |shape| Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0));
+        let primitives: Vec<Primitive> = shapes.into_iter().map(scaled).collect();
+        let scaled = |ray: Ray| Ray { origin: scale * ray.origin, ..ray };
+        let rays: Vec<Ray> = rays.into_iter().map(scaled).collect();
+        compare(&primitives, &rays)?;
+    }
+
+    #[test]
+    fn probes_change_no_hit(scene in scene(), ray in ray()) {
+        let is_plane = |primitive: &&Primitive| primitive.is_unbounded();
+        let n_planes = scene.primitives.iter().filter(is_plane).count();
+        for quality in QUALITIES {
+            let bvh = Accel::new(&scene.primitives, Acceleration::Bvh(quality));
+            let mut cost = Cost::default();
+            prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
+            let statistics = bvh.statistics().unwrap();
+            prop_assert!(cost.node_visits <= statistics.n_nodes as u64);
+            prop_assert!(cost.primitive_tests <= (n_planes + statistics.n_references) as u64);
+        }
+    }
+}
+
+fn spheres(text: &str) -> Scene {
+    let text = format!(
+        "image: {{ width: 1, height: 1 }}\n\
+         camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+         materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{text}"
+    );
+    scene_of(&parse(&text))
+}
+
+/// Thousands of spheres at one point: no plane parts their centres, so the
+/// builder has to halve them, and its depth has to stay bounded.
+#[test]
+fn coincident_spheres_make_a_shallow_tree() {
+    let scene = spheres(
+        "  - sphere_grid: { counts: [20000, 1, 1], min: [1, 1, 1], max: [1, 1, 1], radius: 0.5 }\n    material: m\n",
+    );
+    let bvh = Accel::new(&scene.primitives, Acceleration::default());
+    let statistics = bvh.statistics().unwrap();
+    assert!(statistics.depth <= 20, "{statistics:?}");
+    let ray = Ray {
+        origin: Vec3::new(1.0, 1.0, 5.0),
+        direction: -Vec3::Z,
+    };
+    let hit = bvh.nearest(&ray, &mut NoProbe).unwrap();
+    assert_eq!((hit.t, hit.primitive), (3.5, 0));
+}
+
+/// Radii and gaps that double: the worst case for the depth of a tree built
+/// by cost.
+#[test]
+fn a_geometric_series_of_spheres_is_found_whole() {
+    let objects: String = (-40..40)
+        .map(|i| {
+            let x = 2.0_f64.powi(i);
+            format!(
+                "  - sphere: {{ center: [{x:e}, 0, 0], radius: {:e} }}\n    material: m\n",
+                x / 8.0
+            )
+        })
+        .collect();
+    let scene = spheres(&objects);
+    let bvh = Accel::new(&scene.primitives, Acceleration::default());
+    let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
+    for i in -40..40 {
+        let x = 2.0_f32.powi(i);
+        let ray = Ray {
+            origin: Vec3::new(x, x, 0.0),
+            direction: -Vec3::Y,
+        };
+        let hit = brute.nearest(&ray, &mut NoProbe);
+        assert_eq!(hit.unwrap().primitive, (i + 40) as u32);
+        assert_eq!(bvh.nearest(&ray, &mut NoProbe), hit);
+    }
+}
+
+/// Needles of all directions, which fill their boxes least.
+fn needles(n: u64) -> Vec<Primitive> {
+    let needle = |i| {
+        let point = |corner| {
+            let [x, y, z, _] = uniform([5, i, corner]);
+            Vec3::new(x, y, z)
+        };
+        let [from, along, across] = [0, 1, 2].map(point);
+        let along = 0.2 * (along - 0.5);
+        let vertices = [from, from + along, from + 0.001 * across];
+        primitive(Shape::Triangle(Triangle { vertices }))
+    };
+    (0..n).map(needle).collect()
+}
+
+#[test]
+fn better_quality_means_less_cost_and_fewer_tests() {
+    let primitives = needles(20_000);
+    let rays: Vec<Ray> = (0..500)
+        .map(|i| {
+            let [x, y, u, v] = uniform([6, i, 0]);
+            let origin = Vec3::new(x, y, 2.0);
+            let direction = (Vec3::new(u, v, 0.0) - origin).normalize();
+            Ray { origin, direction }
+        })
+        .collect();
+    let measure = |quality| {
+        let bvh = Accel::new(&primitives, Acceleration::Bvh(quality));
+        let mut cost = Cost::default();
+        for ray in &rays {
+            bvh.nearest(ray, &mut cost);
+        }
+        (bvh.statistics().unwrap(), cost)
+    };
+    let [fast, balanced, high] = QUALITIES.map(measure);
+    assert_eq!(fast.0.n_references, primitives.len());
+    for (worse, better) in [(fast, balanced), (fast, high)] {
+        assert!(better.0.sah_cost < worse.0.sah_cost, "{better:?} {worse:?}");
+        assert!(
+            better.1.primitive_tests < worse.1.primitive_tests,
+            "{better:?} {worse:?}"
+        );
+    }
+}
+
+/// The parallel build makes no choice by thread.
+#[test]
+fn the_tree_is_the_same_on_any_number_of_threads() {
+    let scene = spheres(
+        "  - sphere_cloud: { count: 100000, min: [-1, -1, -1], max: [1, 1, 1], radius: [0.001, 0.02], seed: 3 }\n    material: m\n",
+    );
+    for (primitives, quality) in [
+        (scene.primitives, Quality::Fast),
+        (ellipsoids(20_000), Quality::Fast),
+        (needles(70_000), Quality::Balanced),
+        (needles(10_000), Quality::High),
+    ] {
+        let tree = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+            let build = || Accel::new(&primitives, Acceleration::Bvh(quality));
+            pool.build().unwrap().install(build)
+        };
+        let one = tree(1);
+        assert!(one == tree(2) && one == tree(5), "{quality}");
+        let statistics = one.statistics().unwrap();
+        // As the check of the memory assumes.
+        assert!(statistics.bytes / primitives.len() < 128, "{statistics:?}");
+    }
+}
+
+/// Ellipsoids, which are tested one by one.
+fn ellipsoids(n: u64) -> Vec<Primitive> {
+    let stretch = TransformStep::Scale(Vec3::new(1.0, 2.0, 3.0));
+    let transform = Transform::of_steps(&[stretch]);
+    let ellipsoid = |i| {
+        let [x, y, z, size] = uniform([8, i, 0]);
+        let sphere = Sphere {
+            center: Vec3::new(x, y, z),
+            radius: 0.01 + 0.02 * size,
+        };
+        let shape = Shape::Sphere(sphere);
+        Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0))
+    };
+    (0..n).map(ellipsoid).collect()
+}

@@ -1,0 +1,246 @@
+//! What is charged to things is what the film counted, to the last visit.
+
+use crate::common::kept::kept;
+use crate::common::{config, counts, parse, rays, with_cost};
+use raycost::config::{Acceleration, Config, CostMode};
+use raycost::cost::{Counter, RayKind};
+use raycost::film::Strip;
+use raycost::ledger::{Account, Charge, Ledger, Visits, Work};
+
+const SCENES: [&str; 5] = [
+    "seed_extended",
+    "hall_of_mirrors",
+    "spot",
+    "blocks",
+    "trellis",
+];
+
+const KINDS: [RayKind; 4] = [
+    RayKind::Camera,
+    RayKind::Shadow,
+    RayKind::Reflection,
+    RayKind::Refraction,
+];
+
+/// A small picture of a scene of `configs/`.
+fn small(name: &str, samples: u32, cost: CostMode) -> Config {
+    let mut config = with_cost(config(name), cost);
+    (config.image.width, config.image.height) = (48, 36);
+    config.image.samples_per_pixel = samples;
+    config
+}
+
+fn total(accounts: &[Account], charge: Charge) -> Work {
+    let work = accounts.iter().map(|account| account.all(charge));
+    work.fold(Work::default(), Work::with)
+}
+
+#[test]
+fn accounts_sum_up_to_the_film() {
+    for name in SCENES {
+        let (.., film, ledger) = kept(&small(name, 3, CostMode::Counters), 2);
+        for accounts in [&ledger.objects, &ledger.materials] {
+            for charge in Charge::ALL {
+                let work = total(accounts, charge);
+                assert_eq!(work.node_visits, film.totals.node_visits, "{name}");
+                assert_eq!(work.primitive_tests, film.totals.primitive_tests);
+                assert_eq!(work.time_ps, 0);
+                for kind in KINDS {
+                    let rays = accounts.iter().map(|a| a.of_kind(charge, kind).rays);
+                    assert_eq!(rays.sum::<u64>(), film.totals.rays_of(kind), "{name}");
+                }
+            }
+            let samples: u64 = accounts.iter().map(Account::n_samples).sum();
+            assert_eq!(samples, film.totals.rays_of(RayKind::Camera));
+        }
+    }
+}
+
+#[test]
+fn nodes_and_primitives_sum_up_to_the_film() {
+    for name in SCENES {
+        let (scene, film, ledger) = kept(&small(name, 2, CostMode::Counters), 2);
+        let hierarchy = ledger.hierarchy.unwrap();
+        let primitives = ledger.primitives.unwrap();
+        let (mut visits, mut tests) = (0, 0);
+        for (node, found) in hierarchy.nodes.iter().zip(&hierarchy.visits) {
+            match node.is_leaf {
+                true => tests += found.n * u64::from(node.n_primitives),
+                false => visits += found.n,
+            }
+            assert!(found.n_hits <= found.n);
+        }
+        assert_eq!(visits, film.totals.node_visits, "{name}");
+        let n_of = |found: &Visits| found.n;
+        let of_planes = scene.primitives.iter().zip(&primitives);
+        let of_planes = of_planes.filter(|(primitive, _)| primitive.is_unbounded());
+        tests += of_planes.map(|(_, found)| found.n).sum::<u64>();
+        assert_eq!(tests, film.totals.primitive_tests, "{name}");
+        assert_eq!(primitives.iter().map(n_of).sum::<u64>(), tests);
+        assert!(primitives.iter().all(|found| found.n_hits <= found.n));
+
+        // All that was entered below a node was entered by a ray in it.
+        for (node, found) in hierarchy.nodes.iter().zip(&hierarchy.visits).skip(1) {
+            let parent = hierarchy
+                .nodes
+                .iter()
+                .position(|n| Some(n.id) == node.parent);
+            assert!(
+                found.n <= hierarchy.visits[parent.unwrap()].n_hits,
+                "{name}"
+            );
+        }
+    }
+}
+
+/// An array of the film that tells what each pixel sees.
+type Ids = fn(&Strip) -> &Vec<i32>;
+
+/// With one sample a pixel the film itself tells what each object pays for.
+#[test]
+fn what_is_seen_pays_for_its_pixels() {
+    for name in SCENES {
+        let (scene, film, ledger) = kept(&small(name, 1, CostMode::Counters), 2);
+        let things: [(_, Ids, _); 2] = [
+            (&ledger.objects, |strip| &strip.object, scene.n_objects()),
+            (
+                &ledger.materials,
+                |strip| &strip.material,
+                scene.materials.len(),
+            ),
+        ];
+        for (accounts, array, n_things) in things {
+            assert_eq!(accounts.len(), n_things + 1);
+            for (i, account) in accounts.iter().enumerate() {
+                let id = if i == n_things { -1 } else { i as i32 };
+                let sum_of = |counts: Vec<u32>| {
+                    let pixels = film.values(array).zip(counts);
+                    let seen = pixels.filter(|(seen, _)| *seen == id);
+                    seen.map(|(_, count)| u64::from(count)).sum::<u64>()
+                };
+                let sum = |counter| sum_of(counts(&film, counter));
+                let work = account.all(Charge::Primary);
+                assert_eq!(work.rays, sum_of(rays(&film)), "{name}, {i}");
+                assert_eq!(work.node_visits, sum(Counter::NodeVisits));
+                assert_eq!(work.primitive_tests, sum(Counter::PrimitiveTests));
+                let n_pixels = film.values(array).filter(|seen| *seen == id).count();
+                assert_eq!(account.n_samples(), n_pixels as u64);
+                let shadow = account.of_kind(Charge::Primary, RayKind::Shadow);
+                assert_eq!(shadow.rays, sum(Counter::ShadowRays));
+            }
+        }
+    }
+}
+
+/// A mirror above a sphere that the camera does not see.
+#[test]
+fn what_is_met_by_a_ray_is_charged_with_it() {
+    let scene = "
+image: { width: 40, height: 30 }
+camera:
+  look_at: { eye: [0, 0, 8], target: [0, 0, 0], fov_y_deg: 20 }
+shading: { max_depth: 1 }
+materials:
+  mirror: { color: 0, reflection: 1 }
+  red: { color: [1, 0, 0] }
+lights: []
+objects:
+  - disk: { center: [0, 0, 0], normal: [0, 0, 1], radius: 9 }
+    material: mirror
+  - sphere: { center: [0, 0, 20], radius: 10 }
+    material: red
+";
+    let (_, film, ledger) = kept(&with_cost(parse(scene), CostMode::Counters), 1);
+    let [mirror, sphere, nothing] = &ledger.objects[..] else {
+        panic!("three accounts");
+    };
+    assert_eq!(mirror.n_samples(), 1200);
+    assert_eq!([sphere.n_samples(), nothing.n_samples()], [0, 0]);
+    assert_eq!(mirror.all(Charge::Primary).rays, film.totals.n_rays());
+    assert_eq!(mirror.all(Charge::Hit).rays, 1200);
+    assert_eq!(sphere.all(Charge::Primary), Work::default());
+    assert_eq!(sphere.of_kind(Charge::Hit, RayKind::Reflection).rays, 1200);
+    assert_eq!(ledger.objects, ledger.materials);
+}
+
+#[test]
+fn times_sum_up_to_those_of_the_film() {
+    for name in SCENES {
+        let (scene, film, ledger) = kept(&small(name, 2, CostMode::Time), 2);
+        let expected = film.total_time_ns();
+        // Whole picoseconds, f32 sums aside.
+        let assert_all = |time_ps: u64, what: &str| {
+            let ratio = time_ps as f64 / 1e3 / expected;
+            assert!((ratio - 1.0).abs() < 1e-6, "{name}, {what}: {ratio}");
+        };
+        for charge in Charge::ALL {
+            assert_all(total(&ledger.objects, charge).time_ps, "objects");
+            assert_all(total(&ledger.materials, charge).time_ps, "materials");
+        }
+        let hierarchy = ledger.hierarchy.unwrap();
+        let primitives = ledger.primitives.unwrap();
+        let sum =
+            |visits: &mut dyn Iterator<Item = &Visits>| visits.map(|v| v.time_ps).sum::<u64>();
+        let planes = scene.primitives.iter().zip(&primitives);
+        let planes = planes.filter(|(primitive, _)| primitive.is_unbounded());
+        let of_planes = sum(&mut planes.map(|(_, visits)| visits));
+        assert_all(of_planes + sum(&mut hierarchy.visits.iter()), "nodes");
+        let nodes = hierarchy.nodes.iter().zip(&hierarchy.visits);
+        let nodes = nodes.filter(|(node, _)| !node.is_leaf);
+        let of_nodes = sum(&mut nodes.map(|(_, visits)| visits));
+        assert_all(of_nodes + sum(&mut primitives.iter()), "primitives");
+    }
+}
+
+#[test]
+fn threads_change_no_count() {
+    for name in ["hall_of_mirrors", "spot"] {
+        let config = small(name, 2, CostMode::Counters);
+        let (.., one) = kept(&config, 1);
+        for n_threads in [2, 5] {
+            let (.., many) = kept(&config, n_threads);
+            assert!(one == many, "{name}, {n_threads} threads");
+        }
+    }
+}
+
+#[test]
+fn brute_force_has_no_nodes_and_the_same_hits() {
+    let mut config = small("hall_of_mirrors", 1, CostMode::Counters);
+    let (.., bvh) = kept(&config, 2);
+    config.acceleration = Acceleration::BruteForce;
+    let (.., brute) = kept(&config, 2);
+    assert!(brute.hierarchy.as_ref().unwrap().nodes.is_empty());
+    let rays = |ledger: &Ledger, i: usize| ledger.objects[i].all(Charge::Primary).rays;
+    for i in 0..bvh.objects.len() {
+        assert_eq!(rays(&bvh, i), rays(&brute, i));
+        assert_eq!(bvh.objects[i].n_samples(), brute.objects[i].n_samples());
+    }
+    let n_rays = total(&brute.objects, Charge::Hit).rays;
+    assert!(
+        brute
+            .primitives
+            .unwrap()
+            .iter()
+            .all(|found| found.n == n_rays)
+    );
+}
+
+#[test]
+fn the_cost_of_the_root_is_that_of_all_rays() {
+    let (.., film, ledger) = kept(&small("million_spheres", 1, CostMode::Counters), 2);
+    let hierarchy = ledger.hierarchy.unwrap();
+    let costs = hierarchy.costs();
+    let steps = film.totals.node_visits + film.totals.primitive_tests;
+    let per_ray = steps as f64 / hierarchy.visits[0].n as f64;
+    assert!((f64::from(costs[0]) / per_ray - 1.0).abs() < 1e-6);
+    // Each node's cost is its own and that of those below it.
+    let children: f32 = hierarchy
+        .nodes
+        .iter()
+        .zip(&costs)
+        .filter(|(node, _)| node.parent == Some(0))
+        .map(|(_, cost)| cost)
+        .sum();
+    assert!((costs[0] - 1.0 - children).abs() < 1e-3 * costs[0]);
+}

@@ -1,0 +1,18 @@
+//! What is computed: meshes in, rays, pixels and their counters out.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod accel;
+mod awkward;
+mod counters;
+mod determinism;
+mod import;
+mod ledger;
+mod meshes;
+mod observe;
+mod repeats;
+mod schedule;
+mod seed_reference;
+mod streams;
+mod watertight;

@@ -1,0 +1,195 @@
+//! What is observed of a pixel's rays is what they do when nobody looks.
+
+use crate::common::scenes::scenes;
+use crate::common::{config, counts, film, rays, scene_of, with_cost};
+use glam::Vec3;
+use proptest::prelude::*;
+use raycost::accel::{Accel, Step};
+use raycost::config::{Config, CostMode};
+use raycost::cost::{Clock, Cost, Counter, RayKind};
+use raycost::film::Film;
+use raycost::observe::{Observer, RayTree, TooManyRays};
+
+/// The pixels of a config, with the tree of each.
+fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
+    let film = film(&with_cost(config.clone(), CostMode::Counters), 1);
+    let scene = scene_of(config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let observer = Observer::new(&scene, &accel, &config.image, None);
+    let mut tree = RayTree::default();
+    for pixel in 0..config.image.n_pixels() {
+        let [x, y] = [
+            pixel as u32 % film.grid.width,
+            pixel as u32 / film.grid.width,
+        ];
+        observer.observe((x, y), &mut tree);
+        check(&tree, pixel, &film);
+    }
+}
+
+/// A scene of `configs/`, small.
+fn small(name: &str) -> Config {
+    let mut config = config(name);
+    (config.image.width, config.image.height) = (24, 18);
+    config.image.samples_per_pixel = 2;
+    config
+}
+
+const SCENES: [&str; 4] = ["seed_extended", "hall_of_mirrors", "spot", "blocks"];
+
+/// The tree has the counters and the colour of the film's pixel.
+fn assert_is_pixel(tree: &RayTree, pixel: usize, film: &Film) {
+    let of = |counter| u64::from(counts(film, counter)[pixel]);
+    let cost = tree.cost();
+    assert_eq!(cost.node_visits, of(Counter::NodeVisits));
+    assert_eq!(cost.primitive_tests, of(Counter::PrimitiveTests));
+    assert_eq!(cost.n_rays(), u64::from(rays(film)[pixel]));
+    assert_eq!(cost.rays_of(RayKind::Shadow), of(Counter::ShadowRays));
+    assert_eq!(cost.depth, of(Counter::Depth));
+    let shown = film.values(|strip| &strip.rgb).nth(pixel).unwrap();
+    let color = tree.limited_color();
+    for (channel, shown) in color.to_array().into_iter().zip(shown) {
+        // The contributions are added up in another order than in the film.
+        let rounding = (255.0 * channel - f32::from(shown)).abs();
+        assert!(rounding <= 0.501, "{color} is shown as {shown}");
+    }
+    assert!(color.cmple(tree.color() + 1e-5).all());
+}
+
+/// Rays follow those whose hits they start from, and shadow rays bring no more
+/// than a part of these.
+fn assert_is_tree(tree: &RayTree, n_lights: u32) {
+    for (number, ray) in tree.rays.iter().enumerate() {
+        let is_shadow = ray.kind == RayKind::Shadow;
+        assert_eq!(ray.light.is_some(), is_shadow);
+        assert!(ray.light.is_none_or(|light| light < n_lights));
+        let Some(parent) = ray.parent else {
+            assert_eq!((ray.kind, ray.bounce), (RayKind::Camera, 0));
+            continue;
+        };
+        assert!((parent as usize) < number);
+        let parent = &tree.rays[parent as usize];
+        assert_eq!(parent.sample, ray.sample);
+        assert!(parent.kind != RayKind::Shadow);
+        let at = parent.ray.at(parent.hit.unwrap().t);
+        assert!(at.distance(ray.ray.origin) < 1e-3 * (1.0 + at.length()));
+        if is_shadow {
+            assert!((ray.contribution - parent.contribution).max_element() < 1e-5);
+            assert!(ray.hit.is_none() || ray.contribution == Vec3::ZERO);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn trees_of_random_scenes_are_their_pixels(scene in scenes()) {
+        let n_lights = scene.lights.len() as u32;
+        observed(&scene.config(), |tree, pixel, film| {
+            assert_is_pixel(tree, pixel, film);
+            assert_is_tree(tree, n_lights);
+        });
+    }
+}
+
+#[test]
+fn trees_of_the_scenes_here_are_their_pixels() {
+    for name in SCENES {
+        let config = small(name);
+        observed(&config, |tree, pixel, film| {
+            assert_is_pixel(tree, pixel, film);
+            assert_is_tree(tree, config.lights.len() as u32);
+        });
+    }
+}
+
+#[test]
+fn shadow_rays_go_to_the_light_that_they_name() {
+    let config = small("hall_of_mirrors");
+    observed(&config, |tree, _, _| {
+        for ray in &tree.rays {
+            if let Some(light) = ray.light {
+                let light = config.lights[light as usize].illuminate(ray.ray.origin);
+                assert!(light.direction.abs_diff_eq(ray.ray.direction, 1e-3));
+            }
+        }
+    });
+}
+
+#[test]
+fn steps_are_what_is_counted() {
+    for name in SCENES {
+        observed(&small(name), |tree, _, _| {
+            for ray in &tree.rays {
+                let steps = tree.steps_of(ray);
+                let count = |is: fn(&Step) -> bool| steps.iter().filter(|step| is(step)).count();
+                assert_eq!(
+                    count(|step| matches!(step, Step::Node { .. })),
+                    ray.node_visits as usize
+                );
+                assert_eq!(
+                    count(|step| matches!(step, Step::Test { .. })),
+                    ray.primitive_tests as usize
+                );
+                let met = |id| {
+                    steps.iter().any(
+                        |step| matches!(step, Step::Test { primitive, hit: true } if *primitive == id),
+                    )
+                };
+                assert!(ray.hit.is_none_or(|hit| met(hit.primitive)), "{name}");
+            }
+        });
+    }
+}
+
+#[test]
+fn many_pixels_are_each_as_one() {
+    let config = small("hall_of_mirrors");
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let observer = Observer::new(&scene, &accel, &config.image, None).without_steps();
+    let places: Vec<_> = (0..18).flat_map(|y| (0..24).map(move |x| (x, y))).collect();
+    let observed = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
+    let observed = observed.unwrap();
+    let mut alone = RayTree::default();
+    let mut totals = Cost::default();
+    for (pixel, place) in observed.iter().zip(&places) {
+        assert_eq!(pixel.place, *place);
+        observer.observe(*place, &mut alone);
+        assert_eq!(pixel.tree, alone);
+        assert!(alone.steps.is_empty());
+        totals = totals.with(alone.cost());
+    }
+    assert_eq!(observed.len(), places.len());
+    let film = film(&with_cost(config, CostMode::Counters), 1);
+    assert_eq!(totals, film.totals);
+}
+
+#[test]
+fn every_ray_of_a_timed_pixel_has_a_time() {
+    let config = small("seed_extended");
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let clock = Clock::calibrated();
+    let observer = Observer::new(&scene, &accel, &config.image, Some(&clock));
+    let pixels = observer.observe_many([(17, 12)].into_iter(), u64::MAX, |_| {});
+    let rays = &pixels.unwrap()[0].tree.rays;
+    assert!(rays.len() > 2 && rays.iter().all(|ray| ray.time_ns >= 1.0));
+}
+
+#[test]
+fn no_more_rays_are_kept_than_there_is_room_for() {
+    let config = small("seed_extended");
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let observer = Observer::new(&scene, &accel, &config.image, None).without_steps();
+    // The pixels never end: only their rays do.
+    let places = std::iter::repeat((17, 12));
+    let full = observer.observe_many(places, 1 << 20, |_| {});
+    let TooManyRays { n_pixels, n_rays } = full.unwrap_err();
+    assert!(
+        n_pixels > 1000 && n_pixels < n_rays && n_rays < 1 << 16,
+        "{n_pixels}, {n_rays}"
+    );
+}

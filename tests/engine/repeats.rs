@@ -1,0 +1,272 @@
+//! Rendering again and again changes the times and nothing else; what measuring
+//! costs is told.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::common::data_set::DataSet;
+use crate::common::{assert_success, config, in_repository, lasting, raycost, scene_of, with_cost};
+use raycost::accel::Accel;
+use raycost::config::{Config, CostMode};
+use raycost::cost::Meter;
+use raycost::film::Film;
+use raycost::render::{Plan, Repeat, render, repeat};
+
+fn small(name: &str) -> Config {
+    let mut config = config(name);
+    (config.image.width, config.image.height) = (53, 37);
+    config
+}
+
+fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
+    let scene = scene_of(config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let meter = Meter::new(config.cost);
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
+    let pool = threads.build().unwrap();
+    let (film, _, repeats) = pool.install(|| {
+        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        repeat(n_repeats, &scene, &accel, &plan, &meter, |_| {})
+    });
+    (film, repeats)
+}
+
+#[test]
+fn picture_and_counters_are_those_of_one_rendering() {
+    for mode in [CostMode::None, CostMode::Counters, CostMode::Time] {
+        let config = with_cost(small("seed_extended"), mode);
+        let once = crate::common::film(&config, 2);
+        for n_repeats in [1, 2, 5] {
+            let (film, repeats) = repeated(&config, n_repeats);
+            assert_eq!(film.totals, once.totals);
+            assert_eq!(repeats.len(), usize::from(n_repeats));
+            assert!(lasting(film) == lasting(once.clone()), "{mode:?}");
+        }
+    }
+}
+
+#[test]
+fn every_repeat_has_the_same_counters() {
+    let config = small("hall_of_mirrors");
+    let (one, _) = repeated(&config, 1);
+    for n_repeats in 2..5 {
+        // The counters of the film are those of its last rendering.
+        let (film, _) = repeated(&config, n_repeats);
+        assert_eq!(film.totals, one.totals);
+    }
+}
+
+#[test]
+fn each_repeat_reports_its_pixels() {
+    let config = small("seed_sphere");
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let meter = Meter::new(config.cost);
+    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    let n_pixels = std::sync::atomic::AtomicU64::new(0);
+    let report = |progress: raycost::render::Progress| {
+        n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
+    };
+    repeat(3, &scene, &accel, &plan, &meter, report);
+    assert_eq!(n_pixels.into_inner(), 3 * 53 * 37);
+    let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
+    assert_eq!(film.n_repeats, 1);
+}
+
+#[test]
+fn times_and_their_spread_make_sense() {
+    let (film, repeats) = repeated(&small("seed_extended"), 4);
+    let times = film.values(|strip| &strip.time_ns);
+    let deviations = film.values(|strip| &strip.time_mad_ns);
+    let rejected = film.values(|strip| &strip.n_rejected);
+    let mut n_rejected = 0;
+    for ((time_ns, mad_ns), rejected) in times.zip(deviations).zip(rejected) {
+        assert!(time_ns >= 1.0 && time_ns.is_finite());
+        // Half of the kept times, which are positive, are no larger than the
+        // median, and so no farther from it.
+        assert!((0.0..).contains(&mad_ns) && mad_ns.is_finite());
+        assert!(rejected <= 4);
+        n_rejected += u64::from(rejected);
+    }
+    let told: u64 = repeats.iter().map(|repeat| repeat.n_rejected).sum();
+    assert_eq!(n_rejected, told);
+    for repeat in &repeats {
+        let pixels_ns = repeat.pixels_ns.unwrap();
+        assert!(pixels_ns >= 53.0 * 37.0);
+        assert!(repeat.film_ns < repeat.busy_ns);
+    }
+}
+
+/// Renders a small picture with these arguments.
+fn command(out: &Path, arguments: &[&str]) -> Output {
+    raycost()
+        .arg("render")
+        .arg(in_repository("configs/seed_extended.yaml"))
+        .args(["--width=40", "--height=30", "--out"])
+        .arg(out)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn summary(out: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn the_files_tell_of_the_repeats() {
+    let out = tempfile::tempdir().unwrap();
+    let output = command(out.path(), &["--repeats=3"]);
+    assert_success(&output);
+    let lines = String::from_utf8(output.stdout).unwrap();
+    assert!(lines.contains("\nrepeats 3; MAD "), "{lines}");
+    let repeats = &summary(out.path())["repeats"];
+    assert_eq!(repeats["n"], 3);
+    assert!(repeats["n_rejected"].is_u64());
+    for list in ["busy_ns", "wall_ms"] {
+        let list = repeats[list].as_array().unwrap();
+        assert_eq!(list.len(), 3);
+        assert!(list.iter().all(|time| time.as_f64().unwrap() > 0.0));
+    }
+    for file in ["frame.vti", "hits.vtu"] {
+        let data = DataSet::read(&out.path().join(file));
+        let names: Vec<&str> = data
+            .arrays
+            .iter()
+            .map(|array| array.name.as_str())
+            .collect();
+        let time = names.iter().position(|name| *name == "time_ns").unwrap();
+        assert_eq!(names[time + 1..time + 3], ["time_mad_ns", "n_rejected"]);
+    }
+}
+
+#[test]
+fn one_rendering_has_no_spread_but_a_summary() {
+    let out = tempfile::tempdir().unwrap();
+    for (arguments, n_times) in [
+        (&[][..], 1),
+        (&["--repeats=1"][..], 1),
+        (&["--cost=counters"][..], 0),
+        (&["--no-cost"][..], 0),
+    ] {
+        assert_success(&command(out.path(), arguments));
+        let summary = summary(out.path());
+        let repeats = &summary["repeats"];
+        assert_eq!(repeats["n"], 1);
+        assert_eq!(repeats["wall_ms"].as_array().unwrap().len(), 1);
+        assert_eq!(repeats["busy_ns"].as_array().unwrap().len(), n_times);
+        assert_eq!(summary["thread_time"].is_null(), n_times == 0);
+        assert_eq!(summary["overhead"], Value::Null);
+        let frame = DataSet::read(&out.path().join("frame.vti"));
+        let is_new = |name: &str| ["time_mad_ns", "n_rejected"].contains(&name);
+        assert!(!frame.arrays.iter().any(|array| is_new(&array.name)));
+    }
+}
+
+#[test]
+fn the_threads_time_is_the_sum_of_its_parts() {
+    let out = tempfile::tempdir().unwrap();
+    let output = command(out.path(), &["--repeats=2"]);
+    assert_success(&output);
+    let lines = String::from_utf8(output.stdout).unwrap();
+    assert!(lines.contains(" % unexplained\n"), "{lines}");
+    let summary = summary(out.path());
+    let part = |name: &str| summary["thread_time"][name].as_f64().unwrap();
+    let parts = ["pixels_ns", "film_ns", "clock_ns", "unexplained_ns"].map(part);
+    let busy_ns = part("busy_ns");
+    assert!((parts.iter().sum::<f64>() / busy_ns - 1.0).abs() < 1e-9);
+    assert!(parts[..3].iter().all(|&ns| ns > 0.0));
+    let percent = 100.0 * part("unexplained_ns") / busy_ns;
+    assert!((part("unexplained_percent") - percent).abs() < 1e-9);
+    let repeats = summary["repeats"]["busy_ns"].as_array().unwrap();
+    let sum: f64 = repeats.iter().map(|ns| ns.as_f64().unwrap()).sum();
+    assert!((sum / part("pixels_ns") - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_measuring_costs_is_told_in_every_mode() {
+    let out = tempfile::tempdir().unwrap();
+    for mode in ["--cost=time", "--cost=counters", "--cost=none"] {
+        let output = command(out.path(), &["--measure-overhead", mode]);
+        assert_success(&output);
+        let lines = String::from_utf8(output.stdout).unwrap();
+        assert!(lines.contains("\nmeasure "), "{lines}");
+        let summary = summary(out.path());
+        let overhead = &summary["overhead"];
+        let number = |name: &str| overhead[name].as_f64().unwrap();
+        assert_eq!(number("rounds"), 8.0);
+        for (percent, more, less) in [
+            ("counters_percent", "counters_ms", "none_ms"),
+            ("single_ray_percent", "single_ray_ms", "counters_ms"),
+            ("clock_percent", "time_ms", "single_ray_ms"),
+            ("time_percent", "time_ms", "none_ms"),
+        ] {
+            assert!(number(less) > 0.0);
+            let expected = 100.0 * (number(more) / number(less) - 1.0);
+            assert!((number(percent) - expected).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn repeats_without_times_are_refused_before_anything_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let failure = |output: Output| {
+        assert_eq!(output.status.code(), Some(2));
+        assert!(output.stdout.is_empty() && !out.exists());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    for mode in ["--no-cost", "--cost=counters"] {
+        let message = failure(command(&out, &["--repeats=3", mode]));
+        assert!(message.starts_with("error: `--repeats` needs times"));
+        assert!(
+            message.contains("= help: ask for `--cost time`"),
+            "{message}"
+        );
+    }
+    for n in ["0", "256", "-1", "many"] {
+        let message = failure(command(&out, &[&format!("--repeats={n}")]));
+        assert!(message.contains("--repeats"), "{message}");
+    }
+
+    let scene = fs::read_to_string(in_repository("configs/seed_sphere.yaml")).unwrap();
+    let file = folder.path().join("scene.yaml");
+    fs::write(&file, format!("cost: counters\n{scene}")).unwrap();
+    let render = |arguments: &[&str]| {
+        let mut command = raycost();
+        command.arg("render").arg(&file).arg("--out").arg(&out);
+        command.args(["--width=8", "--height=6", "--repeats=2"]);
+        command.args(arguments).output().unwrap()
+    };
+    let message = failure(render(&[]));
+    assert!(message.contains("scene.yaml:1:7\n"), "{message}");
+    assert!(message.contains("^^^^^^^^ expected `time`"), "{message}");
+    assert_success(&render(&["--cost=time"]));
+}
+
+#[test]
+fn check_tells_the_memory_that_repeats_take() {
+    let film_bytes = |arguments: &[&str]| {
+        let mut command = raycost();
+        command
+            .arg("check")
+            .arg(in_repository("configs/seed_extended.yaml"));
+        let output = command
+            .args(["--width=1000", "--height=1000"])
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert_success(&output);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let (_, film) = text.split_once("(film ").unwrap();
+        let (film, _) = film.split_once(" MB").unwrap();
+        film.parse::<f64>().unwrap()
+    };
+    // Four bytes a sample, and four for the deviation.
+    let more = film_bytes(&["--repeats=10"]) - film_bytes(&[]);
+    assert!((more - 44.0).abs() < 1.0, "{more}");
+}

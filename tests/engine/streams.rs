@@ -1,0 +1,57 @@
+//! Rays in streams see and count what rays do that are traced one by one.
+
+use crate::common::scenes::{RandomScene, scenes};
+use crate::common::{film, film_on, lasting, with_cost};
+use proptest::prelude::*;
+use raycost::accel::Simd;
+use raycost::config::CostMode;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn all_modes_give_the_same_picture_and_the_same_counters(scene in scenes()) {
+        let config = scene.config();
+        let in_mode = |mode| film(&with_cost(config.clone(), mode), 2);
+        let [none, counters, time] =
+            [CostMode::None, CostMode::Counters, CostMode::Time].map(in_mode);
+        prop_assert_eq!(counters.totals, time.totals);
+        prop_assert!(lasting(none).0 == lasting(time.clone()).0);
+        prop_assert!(lasting(counters) == lasting(time));
+    }
+
+    #[test]
+    fn all_instruction_sets_give_the_same_streams(scene in scenes()) {
+        let config = with_cost(scene.config(), CostMode::Counters);
+        let [first, others @ ..] = &Simd::available()[..] else { unreachable!("portable code runs anywhere") };
+        let expected = film_on(&config, 2, *first);
+        for simd in others {
+            let found = film_on(&config, 2, *simd);
+            prop_assert_eq!(found.totals, expected.totals);
+            prop_assert!(lasting(found) == lasting(expected.clone()));
+        }
+    }
+}
+
+#[test]
+fn more_samples_than_fit_into_a_wave_are_the_same() {
+    for samples in [100, 3000] {
+        let mut config = RandomScene {
+            model: "blinn_phong",
+            size: [17, 16],
+            samples,
+            max_depth: 2,
+            seed: 3,
+            reflections: [0.3, 0.5, 0.0],
+            specular: 0.5,
+            lights: vec![true, false],
+            acceleration: "bvh",
+        }
+        .config();
+        if samples > 1000 {
+            (config.image.width, config.image.height) = (2, 1);
+        }
+        let counters = film(&with_cost(config.clone(), CostMode::Counters), 2);
+        assert!(lasting(counters) == lasting(film(&config, 2)));
+    }
+}

@@ -1,0 +1,13 @@
+//! What is written, and what reads it: VTK, ParaView, a browser, raycost itself.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod charged_files;
+mod output_folder;
+mod paraview_rays;
+mod paraview_states;
+mod results;
+mod view;
+mod vtk_files;
+mod vtk_rays;

@@ -1,0 +1,340 @@
+//! What `raycost render` leaves in its output folder, and what it says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::common::data_set::DataSet;
+use crate::common::{assert_success, in_repository, raycost};
+
+const FILES: [&str; 8] = [
+    "cost.png",
+    "frame.vti",
+    "geometry.pvsm",
+    "heatmap.pvsm",
+    "hits.vtu",
+    "image.png",
+    "overview.pvsm",
+    "summary.json",
+];
+
+#[test]
+fn every_file_is_there_and_no_other() {
+    let temporary = temporary();
+    let out = temporary.path().join("not there yet/out");
+    assert_success(&render(&out).output().unwrap());
+    assert_eq!(names(&out), FILES);
+    for file in FILES {
+        assert!(fs::metadata(out.join(file)).unwrap().len() > 500, "{file}");
+    }
+}
+
+#[test]
+fn the_scenes_name_is_the_default_folder() {
+    let temporary = temporary();
+    let mut command = raycost();
+    command.arg("render").arg(scene()).current_dir(&temporary);
+    assert_success(&command.args(["--width=8", "--height=6"]).output().unwrap());
+    assert_eq!(names(&temporary.path().join("out/seed_extended")), FILES);
+}
+
+#[test]
+fn a_second_run_overwrites_the_first() {
+    let temporary = temporary();
+    let out = temporary.path();
+    assert_success(&render(out).output().unwrap());
+    assert_success(&render_at([20, 10], out).output().unwrap());
+    assert_eq!(names(out), FILES);
+    let picture = image::open(out.join("image.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (20, 10));
+    let frame = DataSet::read(&out.join("frame.vti"));
+    assert_eq!(frame.extent, Some([0, 19, 0, 9, 0, 0]));
+    assert_eq!(summary(out)["image"]["width"], 20);
+}
+
+#[test]
+fn without_cost_the_files_of_an_earlier_cost_go() {
+    let temporary = temporary();
+    let out = temporary.path();
+    assert_success(&render(out).output().unwrap());
+    fs::write(out.join("notes.txt"), "the user's own").unwrap();
+    assert_success(&render(out).arg("--no-cost").output().unwrap());
+    let left = [
+        "frame.vti",
+        "geometry.pvsm",
+        "hits.vtu",
+        "image.png",
+        "notes.txt",
+        "summary.json",
+    ];
+    assert_eq!(names(out), left);
+    let summary = summary(out);
+    assert_eq!(summary["cost"]["mode"], "none");
+    assert_eq!(summary["cost"]["totals"], Value::Null);
+    assert_eq!(summary["files"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn the_schedule_comes_where_it_is_asked_for_and_goes_again() {
+    let temporary = temporary();
+    let out = temporary.path();
+    let of_schedule = ["schedule.pvsm", "tiles.vti", "trace.json"];
+    let mut with_schedule = [&FILES[..], &of_schedule].concat();
+    with_schedule.sort();
+    for cost in ["--cost=time", "--cost=none"] {
+        let command = &mut render(out);
+        assert_success(&command.args(["--also=schedule", cost]).output().unwrap());
+        let names = names(out);
+        assert!(
+            of_schedule
+                .iter()
+                .all(|file| names.iter().any(|name| name == file))
+        );
+        assert_eq!(names == with_schedule, cost == "--cost=time", "{names:?}");
+    }
+    assert_success(&render(out).output().unwrap());
+    assert_eq!(names(out), FILES);
+    // Told in any case: it costs nothing.
+    assert_eq!(summary(out)["schedule"]["n_tiles"], 6);
+}
+
+#[test]
+fn counters_alone_come_without_a_time() {
+    let temporary = temporary();
+    let out = temporary.path();
+    assert_success(&render(out).arg("--cost=counters").output().unwrap());
+    assert_eq!(names(out), FILES);
+    let frame = DataSet::read(&out.join("frame.vti"));
+    assert!(frame.arrays.iter().all(|array| array.name != "time_ns"));
+    let cost = &summary(out)["cost"];
+    assert_eq!(
+        (&cost["mode"], &cost["kernel"]),
+        (&"counters".into(), &"stream".into())
+    );
+    assert_eq!(
+        (&cost["clock"], &cost["totals"]["time_ns"]),
+        (&Value::Null, &Value::Null)
+    );
+    let state = fs::read_to_string(out.join("heatmap.pvsm")).unwrap();
+    assert!(state.contains("log10(node_visits)") && state.contains("primitive_tests"));
+    assert!(!state.contains("\"time_ns\""), "{state}");
+}
+
+#[test]
+fn the_summary_agrees_with_the_files_and_with_itself() {
+    let temporary = temporary();
+    let out = temporary.path();
+    assert_success(&render(out).arg("--spp=3").output().unwrap());
+    let summary = summary(out);
+
+    // Every file but the summary itself, with its length.
+    let mut told = Vec::new();
+    for file in summary["files"].as_array().unwrap() {
+        let name = file["file"].as_str().unwrap();
+        assert_eq!(file["bytes"], fs::metadata(out.join(name)).unwrap().len());
+        told.push(name);
+    }
+    told.sort();
+    assert_eq!(told, FILES[..7]);
+
+    // Totals: sums of the arrays, and of one another.
+    let totals = &summary["cost"]["totals"];
+    let total = |name: &str| totals[name].as_u64().unwrap_or_else(|| panic!("{name}"));
+    let frame = DataSet::read(&out.join("frame.vti"));
+    let sum = |name: &str| frame.array(name).u32s().map(u64::from).sum::<u64>();
+    for counter in [
+        "node_visits",
+        "primitive_tests",
+        "rays",
+        "shadow_rays",
+        "reflection_rays",
+        "refraction_rays",
+    ] {
+        assert_eq!(total(counter), sum(counter), "{counter}");
+    }
+    assert_eq!(
+        total("depth"),
+        u64::from(frame.array("depth").u32s().max().unwrap())
+    );
+    let kinds = [
+        "camera_rays",
+        "shadow_rays",
+        "reflection_rays",
+        "refraction_rays",
+    ];
+    assert_eq!(total("rays"), kinds.map(total).iter().sum::<u64>());
+    assert_eq!(total("camera_rays"), 40 * 30 * 3);
+    assert!(totals["time_ns"].as_f64().unwrap() >= 40.0 * 30.0);
+
+    assert_eq!(summary["n_pixels"], 40 * 30);
+    let hits = DataSet::read(&out.join("hits.vtu"));
+    assert_eq!(summary["n_hits"], hits.n_points);
+}
+
+#[test]
+fn the_last_line_opens_the_state_in_a_shell() {
+    let temporary = temporary();
+    let out = temporary.path().join("it's ü & two  blanks");
+    for (arguments, state) in [(&[][..], "heatmap.pvsm"), (&["--no-cost"], "geometry.pvsm")] {
+        let output = render(&out).args(arguments).output().unwrap();
+        assert_success(&output);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let (_, command) = text.trim_end().rsplit_once("\nnext    ").unwrap();
+        assert!(command.starts_with("paraview "), "{command}");
+        if cfg!(unix) {
+            let echo = format!("paraview() {{ printf %s \"$*\"; }}; {command}");
+            let typed = Command::new("sh").args(["-c", &echo]).output().unwrap();
+            let typed = String::from_utf8(typed.stdout).unwrap();
+            assert_eq!(typed, format!("--state={}", out.join(state).display()));
+        }
+    }
+    assert!(out.join("image.png").is_file());
+}
+
+#[test]
+fn quiet_is_silent() {
+    let temporary = temporary();
+    let output = render(temporary.path()).arg("--quiet").output().unwrap();
+    assert_success(&output);
+    assert!(
+        output.stdout.is_empty() && output.stderr.is_empty(),
+        "{output:?}"
+    );
+    assert_eq!(names(temporary.path()), FILES);
+}
+
+#[test]
+fn a_place_that_cannot_be_is_refused() {
+    let temporary = temporary();
+    let file = temporary.path().join("file");
+    fs::write(&file, "in the way").unwrap();
+    for out in [file.clone(), file.join("below")] {
+        assert_refused(&render(&out).output().unwrap());
+    }
+    assert_eq!(names(temporary.path()), ["file"]);
+    assert_eq!(fs::read(&file).unwrap(), b"in the way");
+}
+
+/// Where even root may not make a file.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_place_that_may_not_be_written_to_is_refused() {
+    let before = names(Path::new("/sys"));
+    let output = render(Path::new("/sys")).output().unwrap();
+    assert_refused(&output);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("a folder that you may write to"),
+        "{message}"
+    );
+    assert_eq!(names(Path::new("/sys")), before);
+}
+
+/// The limit on a file's length stands for a disk that fills up half-way:
+/// `image.png` fits, the VTK files do not.
+#[test]
+#[cfg(unix)]
+fn a_run_that_fails_half_way_leaves_the_old_files() {
+    let temporary = temporary();
+    let out = temporary.path();
+    assert_success(&render(out).output().unwrap());
+    let contents = || FILES.map(|file| fs::read(out.join(file)).unwrap());
+    let before = contents();
+    let large = render_at([300, 200], out);
+    let output = in_shell("trap '' XFSZ; ulimit -f 1000", &large)
+        .output()
+        .unwrap();
+    assert_refused(&output);
+    let message = String::from_utf8_lossy(&output.stderr);
+    let of_vtk = ["hits.vtu", "frame.vti"].map(|file| message.contains(file));
+    assert!(of_vtk.contains(&true), "{message}");
+    assert_eq!(names(out), FILES);
+    assert!(contents() == before, "a file has changed");
+}
+
+#[test]
+#[cfg(unix)]
+fn files_have_the_permissions_of_any_other_program() {
+    use std::os::unix::fs::PermissionsExt;
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    for (umask, file_mode) in [("022", 0o644), ("027", 0o640), ("002", 0o664)] {
+        let temporary = temporary();
+        let out = temporary.path().join("out");
+        assert_success(
+            &in_shell(&format!("umask {umask}"), &render(&out))
+                .output()
+                .unwrap(),
+        );
+        assert_eq!(
+            mode(&out),
+            file_mode | 0o111 & !u32::from_str_radix(umask, 8).unwrap()
+        );
+        for file in FILES {
+            assert_eq!(mode(&out.join(file)), file_mode, "{file}, umask {umask}");
+        }
+    }
+}
+
+/// The command that renders a small picture into `out`.
+fn render(out: &Path) -> Command {
+    render_at([40, 30], out)
+}
+
+fn render_at([width, height]: [u32; 2], out: &Path) -> Command {
+    let mut command = raycost();
+    command.arg("render").arg(scene()).arg("--out").arg(out);
+    command.args([format!("--width={width}"), format!("--height={height}")]);
+    command
+}
+
+/// The command, run by a shell that has done `before`.
+#[cfg(unix)]
+fn in_shell(before: &str, command: &Command) -> Command {
+    let mut shell = Command::new("sh");
+    shell
+        .arg("-c")
+        .arg(format!("{before}; exec \"$@\""))
+        .arg("sh");
+    shell.arg(command.get_program()).args(command.get_args());
+    shell
+}
+
+fn scene() -> PathBuf {
+    in_repository("configs/seed_extended.yaml")
+}
+
+fn temporary() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// All names in the folder, hidden ones too, sorted.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+fn summary(out: &Path) -> Value {
+    serde_json::from_slice(&fs::read(out.join("summary.json")).unwrap()).unwrap()
+}
+
+/// Exit code 1 and a message, on standard error alone.
+fn assert_refused(output: &Output) {
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        output.stdout.is_empty(),
+        "{}",
+        String::from_utf8_lossy(&output.stdout)
+    );
+    assert!(
+        message.contains("cannot write") && message.contains("--out"),
+        "{message}"
+    );
+}

@@ -1,0 +1,101 @@
+//! ParaView loads `rays.pvsm` without a word of complaint, and shows rays in
+//! the colours of their kinds. Screenshots stay in `target/paraview/`.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+
+use crate::common::paraview::{NOTHING, load, scene_file, screenshot, trace};
+use crate::common::{assert_success, in_repository};
+
+/// Camera, shadow and reflection rays, as the state has them.
+const KINDS: [[u8; 3]; 3] = [[0, 115, 179], [230, 158, 0], [214, 94, 0]];
+
+/// Traces pixels of a scene of `configs/` and shows the state's own folder.
+fn shown(scene: &str, name: &str, arguments: &[&str], cost: &str) -> (PathBuf, RgbImage) {
+    let scene = in_repository("configs").join(scene).with_extension("yaml");
+    let out = trace(&scene, name, arguments);
+    let picture = screenshot(&out, "rays");
+    let require = format!("--require=kind,length,contribution,RGB,{cost}");
+    let flags = ["--from-state", &require];
+    assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));
+    (out, image::open(picture).unwrap().to_rgb8())
+}
+
+/// How many pixels of the left view, without its legend, have this colour.
+fn n_pixels(picture: &RgbImage, colour: [u8; 3]) -> usize {
+    let [width, height] = [picture.width() / 2, picture.height() * 8 / 10];
+    let pixels = picture.enumerate_pixels();
+    let like = |pixel: &[u8; 3]| pixel.iter().zip(&colour).all(|(a, b)| a.abs_diff(*b) <= 2);
+    let in_view = pixels.filter(|(x, y, _)| *x < width && *y < height);
+    in_view.filter(|(.., pixel)| like(&pixel.0)).count()
+}
+
+fn read(out: &Path) -> String {
+    std::fs::read_to_string(out.join("rays.pvsm")).unwrap()
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
+    let (out, picture) = shown("seed_extended", "rays", &["--pixel=290,190"], "time_ns");
+    for colour in KINDS {
+        assert!(n_pixels(&picture, colour) > 300, "{colour:?}");
+    }
+    assert!(read(&out).contains("Time of each ray (ns)"));
+    // The state of the repository shows any output.
+    let file = in_repository("paraview/rays.pvsm");
+    let by_variable = screenshot(&out, "rays by variable");
+    assert_success(&load(&file, &out, &by_variable, &["--from-state"]));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_rays_of_a_rectangle_are_shown() {
+    let pixels = ["--pixel=380..419,200..229", "--spp=1"];
+    let (_, picture) = shown("hall_of_mirrors", "rays of many", &pixels, "time_ns");
+    for colour in KINDS {
+        assert!(n_pixels(&picture, colour) > 1000, "{colour:?}");
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn rays_through_parallel_pixels_and_to_a_light_without_end_are_shown() {
+    let pixels = ["--pixel=150..250,200", "--cost=counters"];
+    let (out, picture) = shown("orthographic_grid", "parallel rays", &pixels, "node_visits");
+    for colour in &KINDS[..2] {
+        assert!(n_pixels(&picture, *colour) > 300, "{colour:?}");
+    }
+    assert!(read(&out).contains("BVH nodes visited by each ray"));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn rays_of_brute_force_are_shown_by_tests() {
+    let scene = std::fs::read_to_string(in_repository("configs/seed_sphere.yaml")).unwrap();
+    let scene = scene_file(
+        "brute rays",
+        &format!("{scene}\nacceleration: brute_force\n"),
+    );
+    let out = trace(
+        &scene,
+        "rays of brute force",
+        &["--pixel=200,200", "--no-cost"],
+    );
+    let picture = screenshot(&out, "rays");
+    let flags = ["--from-state", "--require=primitive_tests"];
+    assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));
+    assert!(read(&out).contains("Primitive tests of each ray"));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_ray_that_meets_nothing_is_shown() {
+    let out = trace(&scene_file("no rays", NOTHING), "no hits", &["--pixel=3,4"]);
+    let picture = screenshot(&out, "rays");
+    let flags = ["--from-state", "--allow-empty"];
+    assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));
+    let picture = image::open(picture).unwrap().to_rgb8();
+    assert!(n_pixels(&picture, KINDS[0]) > 300);
+}

@@ -1,0 +1,344 @@
+//! ParaView loads the states without a word of complaint, and shows what the
+//! camera saw. Screenshots stay in `target/paraview/`, to be looked at.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use image::imageops::{self, FilterType};
+use image::{Rgb, RgbImage};
+
+use crate::common::data_set::DataSet;
+use crate::common::paraview::{NOTHING, folder, load, render, scene_file, screenshot};
+use crate::common::{assert_success, in_repository, raycost};
+
+/// Far from the origin, higher than wide, nothing in it symmetric.
+const TOWER: &str = "
+image: { width: 240, height: 360, samples_per_pixel: 2 }
+camera:
+  look_at: { eye: [1003, 260, -2990], target: [1000, 252, -3000], fov_y_deg: 45 }
+background:
+  gradient: { bottom: [0.9, 0.8, 0.6], top: [0.2, 0.4, 0.9] }
+materials:
+  stone: { color: [0.5, 0.5, 0.45] }
+  brick: { color: [0.7, 0.2, 0.1] }
+  gold: { color: [0.9, 0.7, 0.1], specular: 0.8, reflection: 0.3 }
+lights:
+  - directional: { direction: [-1, -2, -1] }
+objects:
+  - box: { min: [996, 248, -3004], max: [1004, 249, -2996] }
+    material: stone
+  - box: { min: [997.5, 249, -3001], max: [999.5, 253.5, -2999] }
+    material: brick
+  - sphere: { center: [998.5, 254.3, -3000], radius: 0.8 }
+    material: gold
+  - sphere: { center: [1001.5, 249.7, -2999], radius: 0.7 }
+    material: brick
+";
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_extended_scene_is_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    shows_its_output(&render(&scene, "extended", &[]), "time_ns");
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn counters_without_a_time_are_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "counters", &["--cost=counters"]);
+    shows_its_output(&out, "node_visits");
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn counters_of_brute_force_are_shown() {
+    let tower = format!("{TOWER}acceleration: brute_force\ncost: counters\n");
+    let out = render(&scene_file("brute", &tower), "brute force", &[]);
+    shows_its_output(&out, "primitive_tests");
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_tower_is_shown() {
+    shows_its_output(
+        &render(&scene_file("tower", TOWER), "tower", &[]),
+        "time_ns",
+    );
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn an_orthographic_view_is_shown() {
+    let scene = in_repository("configs/orthographic_grid.yaml");
+    let size = ["--width=350", "--height=350"];
+    shows_its_output(&render(&scene, "orthographic", &size), "time_ns");
+}
+
+/// The states of the folder load by their own paths, with this array of the
+/// cost, and the cloud looks like the picture.
+fn shows_its_output(out: &Path, cost: &str) {
+    for state in ["geometry", "heatmap", "overview"] {
+        let file = out.join(state).with_extension("pvsm");
+        let screenshot = screenshot(out, state);
+        assert!(fs::read_to_string(&file).unwrap().contains(cost));
+        let require = format!("--require={cost},RGB");
+        assert_success(&load(&file, out, &screenshot, &["--from-state", &require]));
+    }
+    assert_likeness(out);
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn compressed_files_are_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    for codec in ["lz4", "zlib"] {
+        let out = render(&scene, codec, &["--compress", codec]);
+        shows_its_output(&out, "time_ns");
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn what_things_cost_is_shown() {
+    let flat = TOWER.to_owned() + "output: [surface, bvh: { max_depth: 0 }]\n";
+    let outputs = [
+        // Three spheres, and a mesh without any.
+        (
+            "charged spheres",
+            in_repository("configs/seed_extended.yaml"),
+            None,
+        ),
+        (
+            "charged mesh",
+            in_repository("configs/spot.yaml"),
+            Some("--cost=counters"),
+        ),
+        ("charged root", scene_file("flat", &flat), None),
+    ];
+    for (name, scene, cost) in outputs {
+        let mut flags = vec!["--also=surface,bvh", "--width=200", "--height=150"];
+        flags.extend(cost);
+        let out = render(&scene, name, &flags);
+        for (state, arrays) in [
+            ("surface", "wasted_tests,radius"),
+            ("bvh", "wasted_visits,RGB"),
+        ] {
+            let file = out.join(state).with_extension("pvsm");
+            let text = fs::read_to_string(&file).unwrap();
+            assert_eq!(text.contains("value=\"time_ns\""), cost.is_none());
+            let require = format!("--require={arrays}");
+            let flags = ["--from-state", &require];
+            assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_state_without_measured_cost_shows_the_distance() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "no cost", &["--no-cost"]);
+    let state = out.join("geometry.pvsm");
+    let text = fs::read_to_string(&state).unwrap();
+    assert!(text.contains("Distance from the camera"));
+    let flags = ["--from-state", "--require=distance,RGB"];
+    assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+    assert_likeness(&out);
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_state_of_no_hits_loads() {
+    let out = render(&scene_file("nothing", NOTHING), "nothing", &[]);
+    let state = out.join("geometry.pvsm");
+    let flags = ["--from-state", "--allow-empty"];
+    assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_diff_is_shown() {
+    for (cost, array) in [("time", "time_ns"), ("counters", "primitive_tests")] {
+        let cost = format!("--cost={cost}");
+        let out = diff(&format!("diff {array}"), &[&cost]);
+        let file = out.join("diff.pvsm");
+        let require = format!("--require={array}_difference,{array}_ratio");
+        let flags = ["--from-state", &require];
+        assert!(
+            fs::read_to_string(&file)
+                .unwrap()
+                .contains(&format!("{array}_ratio"))
+        );
+        assert_success(&load(&file, &out, &screenshot(&out, "diff"), &flags));
+        // The template, too.
+        let template = in_repository("paraview/diff.pvsm");
+        if array == "time_ns" {
+            assert_success(&load(
+                &template,
+                &out,
+                &screenshot(&out, "diff by variable"),
+                &flags,
+            ));
+        }
+    }
+}
+
+/// The diff of two outputs of a scene, the second without a hierarchy.
+fn diff(name: &str, arguments: &[&str]) -> PathBuf {
+    let grid = "
+  - sphere_grid: { counts: [5, 5, 5], min: [997, 250, -3004], max: [1003, 254, -3002], radius: 0.2 }
+    material: gold
+";
+    let [a, b] = ["bvh", "brute_force"].map(|acceleration| {
+        let scene = format!("{TOWER}{}acceleration: {acceleration}\n", &grid[1..]);
+        let file = scene_file(acceleration, &scene);
+        render(&file, &format!("{name} {acceleration}"), arguments)
+    });
+    let out = folder("out ü & co").join(name);
+    let output = raycost()
+        .arg("diff")
+        .args([&a, &b])
+        .arg("--out")
+        .arg(&out)
+        .output();
+    assert_success(&output.unwrap());
+    out
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_schedule_is_shown() {
+    let tower = scene_file("schedule", TOWER);
+    for (name, flags) in [
+        ("schedule", ["--tile-order=cost", "--threads=3"]),
+        // Taller than wide, and a tile that is larger than the picture.
+        ("one tile", ["--tile-size=256", "--height=250"]),
+        (
+            "schedule without cost",
+            ["--tile-order=hilbert", "--no-cost"],
+        ),
+    ] {
+        let out = render(&tower, name, &[&["--also=schedule"], &flags[..]].concat());
+        let state = out.join("schedule.pvsm");
+        let flags = ["--from-state", "--require=RGB,duration_ns,thread,start_ns"];
+        assert_success(&load(&state, &out, &screenshot(&out, "schedule"), &flags));
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_repositorys_states_show_any_output() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
+    for state in [
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
+    ] {
+        let file = in_repository("paraview").join(state).with_extension("pvsm");
+        // `load` sets RAYCOST_OUT, which the paths begin with.
+        let by_variable = screenshot(&out, &format!("{state} by variable"));
+        assert_success(&load(&file, &out, &by_variable, &["--from-state"]));
+        let by_folder = screenshot(&out, &format!("{state} by folder"));
+        assert_success(&load(&file, &out, &by_folder, &[]));
+    }
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_moved_folder_is_found_by_its_new_name_alone() {
+    let before = render(&scene_file("moved", TOWER), "before the move", &[]);
+    let out = before.with_file_name("moved");
+    let _ = fs::remove_dir_all(&out);
+    fs::rename(before, &out).unwrap();
+    let state = out.join("heatmap.pvsm");
+    let screenshot = screenshot(&out, "heatmap");
+    let by_old_name = load(&state, &out, &screenshot, &["--from-state"]);
+    assert_eq!(by_old_name.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&by_old_name.stdout);
+    assert!(text.contains("FAIL frame.vti: there is no file"), "{text}");
+    assert_success(&load(&state, &out, &screenshot, &[]));
+}
+
+/// ParaView 5.12 and later opens `image.png` as a state.
+#[test]
+fn the_picture_carries_the_geometry_state() {
+    let out = render(&scene_file("carried", TOWER), "carried", &[]);
+    let picture = fs::File::open(out.join("image.png")).unwrap();
+    let reader = png::Decoder::new(std::io::BufReader::new(picture))
+        .read_info()
+        .unwrap();
+    let chunks = &reader.info().uncompressed_latin1_text;
+    assert_eq!(chunks.len(), 1);
+    assert_eq!(chunks[0].keyword, "ParaViewState");
+    let state = fs::read_to_string(out.join("geometry.pvsm")).unwrap();
+    assert!(chunks[0].text == state, "the text is not geometry.pvsm");
+}
+
+/// The screenshot's cloud in its own colours is the picture, and neither its
+/// mirror image nor the same upside down.
+fn assert_likeness(out: &Path) {
+    let picture = hits_on_white(&DataSet::read(&out.join("frame.vti")));
+    let screenshot = image::open(screenshot(out, "geometry")).unwrap().to_rgb8();
+    // The left one of two views, without its caption.
+    let [width, height] = [screenshot.width(), screenshot.height()];
+    let view = imageops::crop_imm(
+        &screenshot,
+        0,
+        height / 12,
+        width / 2 - 10,
+        height * 10 / 12,
+    )
+    .to_image();
+    let [picture, view] = [picture, view].map(|picture| cells(&picture));
+    let same = difference(&view, &picture);
+    let mirrored = difference(&view, &imageops::flip_horizontal(&picture));
+    let upside_down = difference(&view, &imageops::flip_vertical(&picture));
+    println!(
+        "{}: {same:.1}; mirrored {mirrored:.1}, upside down {upside_down:.1}",
+        out.display()
+    );
+    assert!(
+        same < 5.0 && same < 0.5 * mirrored.min(upside_down),
+        "{same}, {mirrored}, {upside_down}"
+    );
+}
+
+const WHITE: Rgb<u8> = Rgb([255; 3]);
+
+fn hits_on_white(frame: &DataSet) -> RgbImage {
+    let [_, right, _, top, _, _] = frame.extent.unwrap().map(|n| n as u32);
+    let [rgb, object] = ["RGB", "object"].map(|name| &frame.array(name).bytes);
+    RgbImage::from_fn(right + 1, top + 1, |x, y| {
+        let i = ((top - y) * (right + 1) + x) as usize;
+        match i32::from_ne_bytes(object[4 * i..][..4].try_into().unwrap()) {
+            -1 => WHITE,
+            _ => Rgb(rgb[3 * i..][..3].try_into().unwrap()),
+        }
+    })
+}
+
+/// What is not white, in a few cells.
+fn cells(picture: &RgbImage) -> RgbImage {
+    let drawn = || {
+        picture
+            .enumerate_pixels()
+            .filter(|(.., pixel)| **pixel != WHITE)
+    };
+    let span = |numbers: &mut dyn Iterator<Item = u32>| {
+        let (least, most) = numbers.fold((u32::MAX, 0), |(a, b), n| (a.min(n), b.max(n)));
+        (least, most - least + 1)
+    };
+    let (left, width) = span(&mut drawn().map(|(x, ..)| x));
+    let (top, height) = span(&mut drawn().map(|(_, y, _)| y));
+    let drawn = imageops::crop_imm(picture, left, top, width, height).to_image();
+    imageops::resize(&drawn, 20, 20, FilterType::Triangle)
+}
+
+/// Mean difference of the channels, 0 to 255.
+fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
+    let differences = a
+        .iter()
+        .zip(b.iter())
+        .map(|(a, b)| f64::from(a.abs_diff(*b)));
+    differences.sum::<f64>() / a.len() as f64
+}

@@ -1,0 +1,144 @@
+//! Renderings of which there is little, much, or anything in their names.
+
+use std::fs;
+
+use serde_json::json;
+
+use super::{WINDOW, array, arrays, choose, probed};
+use crate::common::chromium::Chromium;
+use crate::view::{render, rendered, viewed};
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn a_rendering_without_cost_is_shown_by_its_geometry() {
+    let folder = rendered("seed_sphere", &["--no-cost"]);
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    assert_eq!(browser.text("#map-title"), "Distance");
+    assert!(browser.text("#notes").contains("without `--no-cost`"));
+    assert!(
+        browser
+            .text("#objects .placeholder")
+            .contains("--also objects")
+    );
+    browser.screenshot("no-cost", false);
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn nothing_and_almost_nothing_can_be_shown() {
+    let sphere = "{ center: [0, 0, 0], radius: 0.001 }";
+    for (name, flags) in [
+        ("empty", ["--width", "9", "--height", "4"]),
+        ("pixel", ["--width", "1", "--height", "1"]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.yaml");
+        fs::write(&scene, small_scene(sphere, "plain")).unwrap();
+        render(&scene, folder.path(), &flags);
+        let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+        browser.screenshot(name, false);
+        let placeholder = browser.place("#cloud .placeholder");
+        assert!(placeholder[3] > 0.0 && browser.text("#cloud .placeholder").contains("No pixel"));
+        browser.assert_calm();
+    }
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn names_of_the_scene_stay_text() {
+    let evil = "</script><script>document.title = 'owned'</script><b>{{script}}&amp;";
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("<b>scene & {{about}}.yaml");
+    fs::write(
+        &scene,
+        small_scene("{ center: [0, 0, 0], radius: 1 }", evil),
+    )
+    .unwrap();
+    render(&scene, folder.path(), &["--width", "20", "--height", "20"]);
+    // An array may be called anything, too.
+    let frame = folder.path().join("frame.vti");
+    let bytes = fs::read(&frame).unwrap();
+    let name = b"Name=\"shadow_rays\"";
+    let at = bytes.windows(name.len()).position(|window| window == name);
+    let (before, after) = bytes.split_at(at.unwrap());
+    let evil_name = b"Name=\"&quot;&gt;&lt;b&gt;.0\"";
+    fs::write(&frame, [before, evil_name, &after[name.len()..]].concat()).unwrap();
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    assert_eq!(browser.text("h1"), "<b>scene & {{about}}");
+    point_at_share(&mut browser, 0.5, 0.5);
+    let values = browser.text("#probe tbody");
+    assert!(
+        values.contains(evil) && values.contains("\"><b>.0"),
+        "{values}"
+    );
+    choose(&mut browser, "#array", "\"><b>.0");
+    assert_eq!(browser.text("#map-title"), "\"><b>.0");
+    assert_eq!(
+        browser.value("document.querySelectorAll('b').length"),
+        json!(0)
+    );
+    assert_ne!(browser.value("document.title"), json!("owned"));
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn a_large_rendering_is_thinned_out_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.yaml");
+    fs::write(
+        &scene,
+        small_scene("{ center: [0, 0, 0], radius: 1.5 }", "plain"),
+    )
+    .unwrap();
+    render(
+        &scene,
+        folder.path(),
+        &["--width", "2400", "--height", "1600", "--cost", "counters"],
+    );
+    let arrays = arrays(folder.path());
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    let notes = browser.text("#notes");
+    assert!(
+        notes.contains("2,400 x 1,600 pixels") && notes.contains("1,200 x 800"),
+        "{notes}"
+    );
+    assert!(notes.contains("hit points, chosen by a hash"), "{notes}");
+    point_at_share(&mut browser, 0.431, 0.507);
+    let title = browser.text("#probe h2");
+    let (x, y) = title
+        .strip_prefix("Pixel ")
+        .unwrap()
+        .split_once(", ")
+        .unwrap();
+    let [x, y]: [usize; 2] = [x, y].map(|n| n.parse().unwrap());
+    assert!(x.abs_diff(1034) <= 2 && y.abs_diff(811) <= 2, "{title}");
+    let distance = array(&arrays, "distance").values.at(y * 2400 + x);
+    assert_eq!(probed(&mut browser, "distance"), [distance]);
+    browser.screenshot("large", true);
+    browser.assert_calm();
+}
+
+fn small_scene(sphere: &str, material: &str) -> String {
+    let material = json!(material);
+    format!(
+        "
+image: {{ width: 9, height: 9 }}
+camera:
+  look_at: {{ eye: [0, 0, 5], target: [0, 0.01, 0], fov_y_deg: 40 }}
+materials:
+  {material}: {{ color: 1 }}
+lights: []
+objects:
+  - sphere: {sphere}
+    name: {material}
+    material: {material}
+"
+    )
+}
+
+fn point_at_share(browser: &mut Chromium, x: f64, y: f64) {
+    let [left, top, width, height] = browser.place("#picture canvas");
+    browser.point("mouseMoved", left + x * width, top + y * height);
+}

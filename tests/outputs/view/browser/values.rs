@@ -1,0 +1,203 @@
+//! What the page shows is what the files hold.
+
+use std::fs;
+
+use serde_json::json;
+
+use super::{OBJECTS, WINDOW, array, arrays, choose, pixels, point_at_pixel, probed};
+use crate::common::chromium::Chromium;
+use crate::view::{SIZE, rendered, viewed};
+use raycost::results::Array;
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn values_under_the_pointer_are_those_of_the_arrays() {
+    let folder = rendered("seed_extended", &["--spp", "3"]);
+    let arrays = arrays(folder.path());
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    let [width, height] = SIZE;
+    for (i, pane) in ["#picture", "#map"]
+        .into_iter()
+        .cycle()
+        .take(20)
+        .enumerate()
+    {
+        let i = i as u32;
+        let [x, y] = [i * 13 % width, i * 7 % height];
+        point_at_pixel(&mut browser, pane, [x, y]);
+        let pixel = (y * width + x) as usize;
+        for Array {
+            name,
+            n_components: n,
+            values,
+        } in &arrays
+        {
+            let expected: Vec<f64> = (n * pixel..n * (pixel + 1)).map(|i| values.at(i)).collect();
+            let found = probed(&mut browser, name);
+            let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+            assert_eq!(found.len(), expected.len());
+            assert!(
+                found.iter().zip(&expected).all(same),
+                "{name} at {x}, {y}: {found:?}, {expected:?}"
+            );
+        }
+        assert_eq!(browser.text("#probe h2"), format!("Pixel {x}, {y}"));
+    }
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn the_panes_show_the_picture_and_the_array() {
+    let folder = rendered("seed_extended", &[]);
+    let arrays = arrays(folder.path());
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    let rgb = array(&arrays, "RGB").values.bytes().to_vec();
+    let shown: Vec<u8> = pixels(&mut browser, "#picture")
+        .into_iter()
+        .flat_map(|[r, g, b, _]| [r, g, b])
+        .collect();
+    assert_eq!(shown, rgb);
+
+    // Inferno grows lighter: of two pixels the dearer one is never darker.
+    for (name, n_least) in [("time_ns", 10), ("node_visits", 3)] {
+        choose(&mut browser, "#array", name);
+        let lightness = |[r, g, b, _]: [u8; 4]| {
+            0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+        };
+        let map: Vec<f64> = pixels(&mut browser, "#map")
+            .into_iter()
+            .map(lightness)
+            .collect();
+        let mut pairs: Vec<(f64, f64)> = array(&arrays, name).values.iter().zip(map).collect();
+        pairs.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert!(
+            pairs.windows(2).all(|two| two[0].1 <= two[1].1 + 2.0),
+            "{name}"
+        );
+        pairs.dedup_by_key(|(_, lightness)| *lightness as i64);
+        assert!(pairs.len() >= n_least, "{name}: {} colours", pairs.len());
+    }
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn every_array_has_its_place_in_the_menu_and_its_map() {
+    let folder = rendered("seed_extended", &[]);
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    let entries =
+        browser.value("Array.from(document.querySelectorAll('#array option'), (o) => o.value)");
+    let entries: Vec<String> = serde_json::from_value(entries).unwrap();
+    for Array {
+        name, n_components, ..
+    } in arrays(folder.path())
+    {
+        let keys: Vec<String> = match n_components {
+            1 => vec![name],
+            n => (0..n).map(|i| format!("{name}.{i}")).collect(),
+        };
+        assert!(keys.iter().all(|key| entries.contains(key)), "{keys:?}");
+    }
+    for entry in entries {
+        choose(&mut browser, "#array", &entry);
+        browser.wait_until(&format!(
+            "document.querySelector('#array').value === '{entry}'"
+        ));
+        let label = browser.value("document.querySelector('#array').selectedOptions[0].text");
+        assert_eq!(json!(browser.text("#map-title")), label);
+        browser.value("document.querySelector('#log').click()");
+        browser.value("document.querySelector('#log').click()");
+    }
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn a_range_of_the_histogram_marks_its_pixels() {
+    let folder = rendered("seed_extended", &[]);
+    let arrays = arrays(folder.path());
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    choose(&mut browser, "#array", "rays");
+    let plain = pixels(&mut browser, "#picture");
+    let [left, top, width, height] = browser.place("#ruler .field");
+    let y = top + height / 2.0;
+    browser.drag([left + width * 0.3, y], [left + width, y]);
+    browser.wait_until("true");
+    let number = |browser: &mut Chromium, id: &str| -> f64 {
+        let value = browser.value(&format!("document.getElementById('{id}').value"));
+        value.as_str().unwrap().parse().unwrap()
+    };
+    let (from, to) = (
+        number(&mut browser, "mark-from"),
+        number(&mut browser, "mark-to"),
+    );
+    let is_marked: Vec<bool> = array(&arrays, "rays")
+        .values
+        .iter()
+        .map(|n| n >= from && n <= to)
+        .collect();
+    let n = is_marked.iter().filter(|marked| **marked).count();
+    assert!(n > 50 && n < is_marked.len() - 50, "{from} to {to}: {n}");
+    assert!(
+        browser.text("#marked").starts_with(&format!("{n} pixels")),
+        "{}",
+        browser.text("#marked")
+    );
+    // The marked ones are blue and green, the others grey.
+    let marked = pixels(&mut browser, "#picture");
+    let colored = marked.iter().map(|[r, _, b, _]| b > &(r + 40));
+    assert!(colored.eq(is_marked));
+    browser.screenshot("marked", false);
+    browser.value("document.querySelector('#clear').click()");
+    browser.wait_until("true");
+    assert_eq!(pixels(&mut browser, "#picture"), plain);
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn the_table_is_sorted_chosen_from_and_marks() {
+    let folder = rendered("seed_extended", &[]);
+    fs::write(folder.path().join("objects.csv"), OBJECTS).unwrap();
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    let names = |browser: &mut Chromium| {
+        let names = browser.value(
+            "Array.from(document.querySelectorAll('#objects tbody button'), (b) => b.textContent)",
+        );
+        serde_json::from_value::<Vec<String>>(names).unwrap()
+    };
+    let evil = "<img src=x onerror=alert(1)>";
+    assert_eq!(names(&mut browser), [evil, "blue ball", "unnamed"]);
+    let sort_by = |browser: &mut Chromium, column: &str| {
+        browser.value(&format!(
+            "Array.from(document.querySelectorAll('#objects th button')).find((b) => b.textContent.startsWith('{column}')).click()"
+        ));
+    };
+    sort_by(&mut browser, "rays");
+    assert_eq!(names(&mut browser), [evil, "blue ball", "unnamed"]);
+    sort_by(&mut browser, "rays");
+    let first = browser.text("#objects tbody tr td:last-child");
+    assert_eq!(first, "1 ms 10.0 %");
+    assert_eq!(names(&mut browser), ["unnamed", "blue ball", evil]);
+    let sorted =
+        browser.value("document.querySelectorAll('#objects th[aria-sort=ascending]').length");
+    assert_eq!(sorted, json!(1));
+    browser.value("document.querySelector('#objects tbody button').click()");
+    browser.wait_until("document.querySelector('#marked').textContent.includes('pixels')");
+    let objects = array(&arrays(folder.path()), "object")
+        .values
+        .iter()
+        .filter(|&object| object == 2.0)
+        .count();
+    assert!(
+        browser
+            .text("#marked")
+            .contains(&format!(" {objects} pixels")),
+        "{}",
+        browser.text("#marked")
+    );
+    choose(&mut browser, "#objects select", "material");
+    assert_eq!(names(&mut browser), ["blue"]);
+    browser.assert_calm();
+}

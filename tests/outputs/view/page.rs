@@ -1,0 +1,80 @@
+//! What needs no browser: when there is a page, where, and what is said.
+
+use std::fs;
+use std::path::Path;
+
+use super::{rendered, viewed};
+use crate::common::{assert_success, raycost};
+
+/// What `raycost view` says when it refuses a folder.
+fn refusal(folder: &Path) -> String {
+    let output = raycost().arg("view").arg(folder).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(output.stdout.is_empty() && !folder.join("view.html").exists());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn the_same_rendering_gives_the_same_page() {
+    let folder = rendered("seed_extended", &[]);
+    let first = fs::read(viewed(folder.path())).unwrap();
+    assert_eq!(first, fs::read(viewed(folder.path())).unwrap());
+    // Nothing is left behind.
+    let names = fs::read_dir(folder.path()).unwrap();
+    let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert!(names.into_iter().all(|name| !name.contains(".part")));
+}
+
+#[test]
+fn the_page_goes_where_it_is_sent() {
+    let folder = rendered("seed_sphere", &[]);
+    let page = folder.path().join("elsewhere.html");
+    let mut command = raycost();
+    command
+        .arg("view")
+        .arg(folder.path())
+        .arg("--out")
+        .arg(&page);
+    assert_success(&command.output().unwrap());
+    assert!(page.exists() && !folder.path().join("view.html").exists());
+    // A folder that is not there is the machine's fault, as with `render`.
+    let in_the_way = raycost()
+        .arg("view")
+        .arg(folder.path())
+        .arg("--out")
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(in_the_way.status.code(), Some(1));
+}
+
+#[test]
+fn what_is_left_out_is_said() {
+    let folder = rendered("seed_sphere", &["--no-cost"]);
+    let output = raycost().arg("view").arg(folder.path()).output().unwrap();
+    assert_success(&output);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("note    Cost was not measured"), "{said}");
+    assert!(said.contains("without `--no-cost`"), "{said}");
+}
+
+#[test]
+fn a_folder_that_is_no_output_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(refusal(folder.path()).contains("holds no output"));
+    assert!(refusal(&folder.path().join("nowhere")).contains("cannot read the folder"));
+}
+
+#[test]
+fn an_output_that_is_not_whole_is_refused() {
+    let folder = rendered("seed_sphere", &[]);
+    let frame = folder.path().join("frame.vti");
+    let bytes = fs::read(&frame).unwrap();
+    fs::write(&frame, &bytes[..bytes.len() / 2]).unwrap();
+    assert!(refusal(folder.path()).contains("was cut short"));
+    fs::remove_file(&frame).unwrap();
+    assert!(refusal(folder.path()).contains("frame.vti` is missing"));
+    fs::write(&frame, &bytes).unwrap();
+    fs::write(folder.path().join("objects.csv"), "kind,id\nobject\n").unwrap();
+    assert!(refusal(folder.path()).contains("objects.csv"));
+}
