@@ -4,12 +4,12 @@
 mod common;
 
 mod architecture;
+mod book;
 mod configs;
 mod diff;
 mod errors;
 mod exit_codes;
 mod mutations;
-mod readme;
 mod roofline;
 mod study;
 mod trace;

@@ -1,0 +1,246 @@
+//! What the README and the book show is what happens: every command runs,
+//! every scene and study parses, every link leads somewhere.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_yaml::{Mapping, Value};
+
+use crate::common::{film, in_repository, parse};
+use raycost::config::Config;
+use raycost::study::Plan;
+use raycost::yaml::Source;
+
+/// The README and all pages of the book, by their paths in the repository.
+fn pages() -> Vec<(String, String)> {
+    let mut paths = vec!["README.md".to_owned(), "paraview/README.md".to_owned()];
+    for entry in fs::read_dir(in_repository("docs")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.ends_with(".md") {
+            paths.push(format!("docs/{name}"));
+        }
+    }
+    paths.sort();
+    let page = |path: String| {
+        let text = fs::read_to_string(in_repository(&path)).unwrap();
+        (path, text)
+    };
+    paths.into_iter().map(page).collect()
+}
+
+/// The fenced blocks of a page in `language`.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let opening = format!("```{language}\n");
+    let block = |rest: &str| rest.split_once("```").unwrap().0.to_owned();
+    page.split(&opening).skip(1).map(block).collect()
+}
+
+fn readme() -> String {
+    fs::read_to_string(in_repository("README.md")).unwrap()
+}
+
+fn scene() -> String {
+    let blocks = blocks(&readme(), "yaml");
+    blocks.first().expect("the README shows a scene").clone()
+}
+
+#[test]
+fn the_readme_is_short() {
+    assert!(readme().lines().count() <= 150);
+}
+
+#[test]
+fn the_scene_renders() {
+    let mut config = parse(&scene());
+    (config.image.width, config.image.height) = (64, 48);
+    assert!(film(&config, 1).n_hits() > 1000);
+}
+
+/// The README's scene with some of its sections replaced, materials added.
+fn with_sections(sections: &Mapping) -> String {
+    let mut whole: Mapping = serde_yaml::from_str(&scene()).unwrap();
+    for (key, section) in sections {
+        match (whole.get_mut(key), section) {
+            (Some(Value::Mapping(old)), Value::Mapping(new)) if key == "materials" => {
+                old.extend(new.clone());
+            }
+            _ => {
+                whole.insert(key.clone(), section.clone());
+            }
+        }
+    }
+    serde_yaml::to_string(&whole).unwrap()
+}
+
+#[test]
+fn every_scene_and_study_parses_and_its_files_are_read() {
+    let folder = in_repository("configs/studies");
+    for (path, text) in pages() {
+        for block in blocks(&text, "yaml") {
+            let sections: Mapping = serde_yaml::from_str(&block).unwrap();
+            if sections.contains_key("scenes") {
+                let file = folder.join("of_the_book.yaml");
+                let source = Source::new(file.display().to_string(), block.as_str());
+                let plan: Result<Plan, _> = source.parse();
+                plan.unwrap_or_else(|error| panic!("{path}: {error}"));
+                continue;
+            }
+            let mut config = parse(&with_sections(&sections));
+            (config.image.width, config.image.height) = (64, 48);
+            assert!(film(&config, 1).n_hits() > 100, "{path}:\n{block}");
+        }
+    }
+}
+
+#[test]
+fn the_error_is_the_one_that_the_mistake_gives() {
+    let page = fs::read_to_string(in_repository("docs/scene.md")).unwrap();
+    let scene = blocks(&page, "yaml").remove(0);
+    let broken = scene.replace("radius: 0.8", "radios: 0.8");
+    let error = Source::new("scene.yaml", broken)
+        .parse::<Config>()
+        .unwrap_err();
+    assert_eq!(blocks(&page, "text"), [format!("{error}\n")]);
+}
+
+/// Each page's commands run in order in a folder of their own, by a real shell.
+/// Programs that are not built here have stand-ins that check what they can.
+#[cfg(unix)]
+#[test]
+fn the_commands_run() {
+    let mut n_commands = 0;
+    for (path, text) in pages() {
+        let script = blocks(&text, "sh").join("\n");
+        if script.is_empty() {
+            continue;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let stand_ins = stand_ins(folder.path());
+        let mut paths = vec![stand_ins];
+        paths.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
+        let output = std::process::Command::new("bash")
+            .args(["-euo", "pipefail", "-c", &script])
+            .current_dir(folder.path())
+            .env("PATH", std::env::join_paths(paths).unwrap())
+            .env("HOME", folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{path}: {said}");
+        let is_command = |line: &&str| !line.is_empty() && !line.starts_with('#');
+        n_commands += script.lines().filter(is_command).count();
+    }
+    assert!(n_commands >= 20, "{n_commands}");
+}
+
+/// Fills a folder with what the pages' commands find in the repository;
+/// returns the folder of programs to run instead of those of the same name.
+#[cfg(unix)]
+fn stand_ins(folder: &Path) -> PathBuf {
+    let raycost = env!("CARGO_BIN_EXE_raycost");
+    std::os::unix::fs::symlink(in_repository("configs"), folder.join("configs")).unwrap();
+    let programs = folder.join("programs");
+    let cargo = "case \"$*\" in
+        'run --release -- '*) shift 3; exec raycost \"$@\" ;;
+        'run --release --features profile -- '*' --profile') shift 5; exec raycost \"${@:1:$#-1}\" ;;
+        'install --path .' | test* | bench*) ;;
+        *) echo \"cargo $*: unknown\" >&2; exit 1 ;;
+        esac";
+    for (name, script) in [
+        ("programs/cargo", cargo),
+        ("programs/paraview", "test -s \"${1#--state=}\""),
+        ("programs/perf", ""),
+        ("programs/google-pprof", ""),
+        (
+            "target/release/raycost",
+            &format!("exec '{raycost}' \"$@\""),
+        ),
+        ("programs/raycost", &format!("exec '{raycost}' \"$@\"")),
+    ] {
+        write_program(&folder.join(name), script);
+    }
+    for script in scripts() {
+        write_program(&folder.join(script), "");
+    }
+    programs
+}
+
+/// The executable files of the repository's folders, by their paths.
+#[cfg(unix)]
+fn scripts() -> Vec<PathBuf> {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folders = [
+        "tests",
+        "docs",
+        "benches/numpy",
+        "benches/povray",
+        "benches/instructions",
+    ];
+    let entries = folders
+        .iter()
+        .flat_map(|name| fs::read_dir(in_repository(name)).unwrap());
+    let is_script = |path: &PathBuf| {
+        let metadata = path.metadata().unwrap();
+        metadata.is_file() && metadata.permissions().mode() & 0o111 != 0
+    };
+    let root = in_repository("");
+    entries
+        .map(|entry| entry.unwrap().path())
+        .filter(is_script)
+        .map(|path| path.strip_prefix(&root).unwrap().to_owned())
+        .collect()
+}
+
+#[cfg(unix)]
+fn write_program(path: &Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, format!("#!/usr/bin/env bash\n{script}\n")).unwrap();
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn every_link_within_the_repository_leads_to_a_file() {
+    for (path, text) in pages() {
+        let folder = in_repository(&path).parent().unwrap().to_owned();
+        for target in text.split("](").skip(1) {
+            let target = target.split(')').next().unwrap();
+            let file = target.split('#').next().unwrap();
+            if file.is_empty() || file.contains("://") {
+                continue;
+            }
+            assert!(folder.join(file).exists(), "{path}: {target}");
+        }
+    }
+}
+
+#[test]
+fn the_contents_list_every_page() {
+    let contents = fs::read_to_string(in_repository("docs/SUMMARY.md")).unwrap();
+    for (path, _) in pages() {
+        if let Some(name) = path.strip_prefix("docs/") {
+            let is_listed = contents.contains(&format!("]({name})"));
+            assert!(is_listed || name == "SUMMARY.md", "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_tables_name_every_scene_and_array() {
+    let gallery = fs::read_to_string(in_repository("docs/gallery.md")).unwrap();
+    for entry in fs::read_dir(in_repository("configs")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            continue;
+        }
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        assert!(gallery.contains(&format!("| `{name}` |")), "{name}");
+    }
+    let outputs = fs::read_to_string(in_repository("docs/outputs.md")).unwrap();
+    for column in raycost::film::columns(raycost::config::CostMode::Time, 2) {
+        let is_named = outputs.contains(&format!("`{}`", column.name));
+        assert!(is_named, "{}", column.name);
+    }
+}
