@@ -4,6 +4,7 @@
 mod common;
 
 mod architecture;
+mod benches;
 mod book;
 mod configs;
 mod diff;

@@ -1,13 +1,17 @@
 //! Rays per second of whole renderings, in each mode of the cost:
-//! `cargo bench --bench render [-- SCENE.yaml …]`.
+//! `cargo bench --bench render [-- SCENE …]`.
 //!
-//! Without scenes it takes those in `configs/`. One thread; the modes take
-//! turns in one process, so that a drifting machine meets all of them alike;
-//! medians. In brackets the speed relative to `time`, which traces ray after
-//! ray: what streams gain, and what counters cost.
+//! Takes scene files, and folders of them; those in `configs/` if none is
+//! named. One thread; the modes take turns in one process, so that a drifting
+//! machine meets all of them alike; medians. In brackets the speed relative to
+//! `time`, which traces ray after ray: what streams gain, and what counters
+//! cost.
+
+mod scenes;
 
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use raycost::accel::Accel;
@@ -20,23 +24,26 @@ use raycost::yaml::{Diagnostic, Source};
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 3] = [CostMode::Time, CostMode::Counters, CostMode::None];
 
-fn main() {
-    let named = std::env::args_os().skip(1).map(PathBuf::from);
-    let mut scenes: Vec<PathBuf> = named
-        .filter(|path| path.extension() == Some("yaml".as_ref()))
-        .collect();
-    if scenes.is_empty() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
-        let entries = std::fs::read_dir(folder).unwrap();
-        scenes.extend(entries.map(|entry| entry.unwrap().path()));
-        scenes.sort();
+fn main() -> ExitCode {
+    match race() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
     }
+}
+
+fn race() -> Result<(), String> {
+    let scenes = scenes::named(std::env::args_os().skip(1))?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1);
-    let pool = one_thread.build().unwrap();
+    let pool = one_thread.build().map_err(|error| error.to_string())?;
     println!("Mrays/s, one thread, medians of {N_ROUNDS} rounds");
     for scene in scenes {
-        pool.install(|| compare(&scene));
+        pool.install(|| compare(&scene))
+            .map_err(|error| error.to_string())?;
     }
+    Ok(())
 }
 
 fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
@@ -47,8 +54,8 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
     Ok((config, scene.map_err(|fault| source.point_at(fault))?))
 }
 
-fn compare(path: &Path) {
-    let (config, scene) = read(path).unwrap_or_else(|error| panic!("{error}"));
+fn compare(path: &Path) -> Result<(), Diagnostic> {
+    let (config, scene) = read(path)?;
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
     let meters = MODES.map(Meter::new);
@@ -71,6 +78,7 @@ fn compare(path: &Path) {
         print!("   {mode:?} {speed:6.2} ({relative:.2})");
     }
     println!();
+    Ok(())
 }
 
 fn median(mut times: [f64; N_ROUNDS]) -> f64 {
