@@ -15,7 +15,7 @@ pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
         "a": a,
         "b": b,
         "image": { "width": diff.size[0], "height": diff.size[1] },
-        "totals": totals(&diff.totals),
+        "totals": totals(&diff.totals, |total| diff.ratio(total)),
         "noise": diff.noise,
         "confidence": CONFIDENCE,
         "gate": gate,
@@ -34,7 +34,7 @@ fn side(side: &Side) -> Value {
 }
 
 /// By the arrays' names.
-fn totals(totals: &Totals) -> Value {
+fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> Value {
     let total = |total: &Total| {
         let [a, b] = total.cost;
         let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.measure {
@@ -42,7 +42,7 @@ fn totals(totals: &Totals) -> Value {
             _ => json!(value as i64),
         });
         let value = json!({
-            "a": number_a, "b": number_b, "difference": difference, "ratio": ratio([a, b]),
+            "a": number_a, "b": number_b, "difference": difference, "ratio": ratio_of(total),
         });
         (total.measure.array.to_owned(), value)
     };
@@ -50,11 +50,14 @@ fn totals(totals: &Totals) -> Value {
 }
 
 fn groups(groups: &[Group]) -> Value {
-    let group = |group: &Group| match group.bounds {
-        Some(bounds) => {
-            json!({ "name": group.name, "x": bounds.x, "y": bounds.y, "totals": totals(&group.totals) })
+    let group = |group: &Group| {
+        let totals = totals(&group.totals, |total| ratio(total.cost));
+        match group.bounds {
+            Some(bounds) => {
+                json!({ "name": group.name, "x": bounds.x, "y": bounds.y, "totals": totals })
+            }
+            None => json!({ "name": group.name, "totals": totals }),
         }
-        None => json!({ "name": group.name, "totals": totals(&group.totals) }),
     };
     groups.iter().map(group).collect()
 }

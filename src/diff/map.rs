@@ -34,7 +34,11 @@ fn subtitle(diff: &Diff) -> String {
     let measure = diff.change.measure;
     let cost = diff.totals.cost(measure).unwrap_or_default();
     let [a, b] = cost.map(|cost| measure.label(cost));
-    let ratio = ratio_label(cost);
+    let ratio = ratio_label(
+        diff.totals
+            .total(measure)
+            .map_or(1.0, |total| diff.ratio(total)),
+    );
     let noise = match diff.noise.as_ref().and_then(Noise::test) {
         Some(test) => format!("; Mann-Whitney {}", test.p_label()),
         None => String::new(),

@@ -94,8 +94,12 @@ pub struct Group {
 impl Totals {
     /// A's and B's value of a measure, if they have it.
     pub fn cost(&self, measure: Measure) -> Option<[f64; 2]> {
-        let total = self.0.iter().find(|total| total.measure == measure);
-        total.map(|total| total.cost)
+        self.total(measure).map(|total| total.cost)
+    }
+
+    /// The total of a measure, if both have it.
+    pub fn total(&self, measure: Measure) -> Option<&Total> {
+        self.0.iter().find(|total| total.measure == measure)
     }
 
     /// Node visits and primitive tests together.
@@ -121,6 +125,18 @@ impl Group {
 }
 
 impl Diff {
+    /// B over A of a cost of the whole frame, the only one that is shown
+    /// anywhere: of the time the Hodges-Lehmann estimate, which lies within the
+    /// interval that stands beside it, wherever there are repeats to estimate
+    /// from; of the rest, and of times without repeats, the ratio of the sums.
+    pub fn ratio(&self, total: &Total) -> f64 {
+        let test = self.noise.as_ref().and_then(Noise::test);
+        match test {
+            Some(test) if total.measure == Measure::TIME => test.ratio.estimate,
+            _ => ratio(total.cost),
+        }
+    }
+
     /// Compares two outputs.
     ///
     /// # Errors

@@ -52,7 +52,7 @@ fn totals_table(diff: &Diff) -> String {
             total.measure.label(a),
             total.measure.label(b),
             total.measure.change_label(b - a),
-            ratio_label(total.cost),
+            ratio_label(diff.ratio(total)),
         ]
     };
     let is_there = |total: &&Total| total.cost != [0.0; 2];
@@ -78,13 +78,18 @@ fn groups_table(title: &str, groups: &[Group]) -> String {
     let heading = [title, "A", "B", "B - A", "B / A", "nodes", "tests"].map(str::to_owned);
     let row = |group: &Group| {
         let [a, b] = group.totals.main();
-        let ratio_of = |measure| group.totals.cost(measure).map(ratio_label);
+        let ratio_of = |measure| {
+            group
+                .totals
+                .cost(measure)
+                .map(|cost| ratio_label(ratio(cost)))
+        };
         [
             name_and_place(group),
             measure.label(a),
             measure.label(b),
             measure.change_label(group.change()),
-            ratio_label([a, b]),
+            ratio_label(ratio([a, b])),
             ratio_of(Measure::NODE_VISITS).unwrap_or_default(),
             ratio_of(Measure::PRIMITIVE_TESTS).unwrap_or_default(),
         ]
@@ -108,10 +113,11 @@ fn name_and_place(group: &Group) -> String {
 }
 
 /// `0.902`; `new` where there was nothing.
-pub(super) fn ratio_label(cost: [f64; 2]) -> String {
-    match ratio(cost) {
-        ratio if ratio.is_finite() => format!("{ratio:.3}"),
-        _ => "new".to_owned(),
+pub(super) fn ratio_label(ratio: f64) -> String {
+    if ratio.is_finite() {
+        format!("{ratio:.3}")
+    } else {
+        "new".to_owned()
     }
 }
 
@@ -167,13 +173,13 @@ fn noise_sentence(diff: &Diff) -> String {
 
 /// The estimate, its interval, the test.
 fn evidence(test: &Test) -> String {
-    let estimate = format_ratio(test.ratio.estimate);
+    let estimate = ratio_label(test.ratio.estimate);
     let interval = test.ratio.interval.map_or(String::new(), |[low, high]| {
         let percent = 100.0 * CONFIDENCE;
         format!(
             " ({percent} %: {} to {})",
-            format_ratio(low),
-            format_ratio(high)
+            ratio_label(low),
+            ratio_label(high)
         )
     });
     let [n_a, n_b] = test.n;
@@ -181,11 +187,6 @@ fn evidence(test: &Test) -> String {
         "B / A is {estimate}{interval}; Mann-Whitney {}, {n_a} and {n_b} repeats",
         test.p_label()
     )
-}
-
-/// Three decimals.
-fn format_ratio(ratio: f64) -> String {
-    format!("{ratio:.3}")
 }
 
 fn picture_sentence(diff: &Diff) -> String {

@@ -33,7 +33,7 @@ impl Ratio {
         let cut = n_cut(a.len(), b.len());
         Some(Self {
             // The middle of two on the logarithmic scale.
-            estimate: below * (above / below).sqrt(),
+            estimate: (below * (above / below).sqrt()).clamp(below, above),
             interval: cut.map(|cut| [ratios[cut - 1], ratios[n - cut]]),
         })
     }
@@ -74,6 +74,16 @@ mod tests {
             let scaled: Vec<f64> = a.iter().map(|a| a * tried).collect();
             let is_refused = mann_whitney_p(&scaled, &b) <= 1.0 - CONFIDENCE;
             prop_assert_eq!(is_refused, tried < low || tried > high);
+        }
+
+        #[test]
+        fn the_estimate_lies_within_the_interval(
+            a in prop::collection::vec(0.1..9.0, 4..12),
+            b in prop::collection::vec(0.1..9.0, 4..12),
+        ) {
+            let ratio = Ratio::of(&a, &b).unwrap();
+            let [low, high] = ratio.interval.unwrap();
+            prop_assert!((low..=high).contains(&ratio.estimate), "{ratio:?}");
         }
 
         #[test]

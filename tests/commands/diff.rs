@@ -291,6 +291,38 @@ fn another_picture_is_told() {
     assert_eq!(found["n_pixels_of_other_objects"], json!(n_others));
 }
 
+/// The sums of the pixels' times say something else than the repeats: the
+/// ratio that is shown is everywhere the one that the interval belongs to.
+#[test]
+fn the_ratio_of_the_time_lies_within_its_interval() {
+    let folder = outputs(&[]);
+    for seed in 0..4 {
+        let times = |salt: u64| -> Value {
+            let time = |i: u64| {
+                let [u, ..] = raycost::sampling::uniform([seed, salt, i]);
+                f64::from(u).mul_add(3e8, 1e9)
+            };
+            (0..4 + seed + salt).map(time).collect()
+        };
+        repeat(&folder.path().join("a"), &times(0));
+        repeat(&folder.path().join("b"), &times(1));
+        let (found, _) = json(folder.path(), &["a", "b"]);
+        let ratio = found["totals"]["time_ns"]["ratio"].as_f64().unwrap();
+        let test = &found["noise"]["ratio"];
+        let [low, high] = [0, 1].map(|end| test["interval"][end].as_f64().unwrap());
+        assert!((low..=high).contains(&ratio), "{ratio} of {test}");
+        assert_eq!(found["totals"]["time_ns"]["ratio"], test["estimate"]);
+        let text = String::from_utf8(diff(folder.path(), &["a", "b"]).stdout).unwrap();
+        let row = text
+            .lines()
+            .find(|line| line.starts_with("time  "))
+            .unwrap();
+        assert!(row.ends_with(&format!(" {ratio:.3}")), "{row}");
+        let evidence = format!("B / A is {ratio:.3} (95 %: {low:.3} to {high:.3})");
+        assert!(text.contains(&evidence), "{text}");
+    }
+}
+
 #[test]
 fn the_gate_closes_for_a_time_that_is_surely_too_high() {
     let folder = outputs(&[]);
