@@ -74,7 +74,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (study, mut results) in studies.iter().zip(opened) {
         let left = study.measure(&mut results, arguments.quiet)?;
         n_left += left;
-        let rows = rows(&study.plan, &results);
+        let n_processors = made_by["machine"]["logical_cpus"].as_u64();
+        let rows = rows(&study.plan, &results, n_processors);
         let standings = study.standings(&rows, &made_by)?;
         write_tables(
             &study.out,

@@ -142,6 +142,7 @@ mod tests {
             metric: "render_wall_ms".to_owned(),
             statistics: SampleStatistics::of(values).unwrap(),
             first_is_slow,
+            oversubscribed: false,
         }
     }
 

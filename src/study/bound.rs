@@ -190,6 +190,7 @@ mod tests {
             metric: (*metric).to_owned(),
             statistics: SampleStatistics::of(&[*value]).unwrap(),
             first_is_slow: false,
+            oversubscribed: false,
         };
         numbers.iter().map(row).collect()
     }

@@ -99,11 +99,7 @@ mod tests {
             axis
         };
         let (x, y) = (axis([1.0, 100.0]), axis([10.0, 1000.0]));
-        let law = |factor, exponent| PowerLaw {
-            factor,
-            exponent,
-            exponent_error: 0.0,
-        };
+        let law = |factor, exponent| PowerLaw { factor, exponent };
         assert_eq!(within(&law(100.0, 1.0), &x, &y), Some([1.0, 10.0]));
         assert_eq!(within(&law(5000.0, -1.0), &x, &y), Some([5.0, 100.0]));
         assert_eq!(within(&law(1e6, -1.0), &x, &y), None);

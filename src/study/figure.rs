@@ -7,7 +7,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde_json::Value;
 
-use super::{PowerLaw, Row};
+use super::{CostLaw, PowerLaw, Row, Sample};
 
 /// A plot, as the study file asks for it.
 ///
@@ -31,7 +31,7 @@ pub struct Plot {
     /// The axes; logarithmic if not given.
     #[serde(default)]
     pub scale: Scale,
-    /// Whether a power law is drawn through each series.
+    /// Whether a [`CostLaw`] is drawn through each series.
     #[serde(default)]
     pub fit: bool,
 }
@@ -84,8 +84,8 @@ pub struct Series {
     pub label: String,
     /// From left to right.
     pub points: Vec<Mark>,
-    /// A law through them.
-    pub law: Option<PowerLaw>,
+    /// A law through them, but for those that are oversubscribed.
+    pub law: Option<CostLaw>,
 }
 
 /// A median and the interval that holds it.
@@ -101,6 +101,18 @@ pub struct Mark {
     pub label: String,
     /// A limit of this point's own, drawn as a bar.
     pub limit: Option<f64>,
+    /// Whether more threads ran than there are processors.
+    pub oversubscribed: bool,
+}
+
+impl Mark {
+    fn sample(&self) -> Sample {
+        Sample {
+            n: self.x,
+            cost: self.y,
+            interval: self.interval,
+        }
+    }
 }
 
 impl Plot {
@@ -152,6 +164,7 @@ impl Figure {
                 interval: [statistics.low_95, statistics.high_95],
                 label: String::new(),
                 limit: None,
+                oversubscribed: row.oversubscribed,
             };
             figure.series_of(plot.label(row)).points.push(mark);
         }
@@ -167,10 +180,11 @@ impl Figure {
         let has_categories = !self.categories.is_empty();
         for series in &mut self.series {
             series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
-            let points: Vec<_> = series.points.iter().map(|mark| (mark.x, mark.y)).collect();
-            let is_positive = points.iter().all(|&(x, y)| x > 0.0 && y > 0.0);
+            let fitted = series.points.iter().filter(|mark| !mark.oversubscribed);
+            let samples: Vec<Sample> = fitted.map(Mark::sample).collect();
+            let is_positive = samples.iter().all(|of| of.n > 0.0 && of.cost > 0.0);
             if fit && is_positive && !has_categories {
-                series.law = PowerLaw::through(&points);
+                series.law = CostLaw::through(&samples);
             }
         }
         self.check_scale(has_categories);

@@ -26,7 +26,7 @@ mod plot;
 pub use bound::{Bound, Standing, standings, verdict};
 pub use factor::{Factor, Level};
 pub use figure::{Ceiling, Figure, Mark, Plot, Scale, Series};
-pub use fit::PowerLaw;
+pub use fit::{CostLaw, PowerLaw, Sample};
 pub use limits::{Block, Cache, Limits, MemoryLevel};
 pub use metrics::Metrics;
 pub use plan::{Case, Plan, Quick, Turn, Vary};

@@ -17,6 +17,10 @@ use super::figure::{Figure, Mark, Series};
 const SIZE: (u32, u32) = (960, 640);
 /// Part of the width for the names of series, where there are some.
 const LEGEND_WIDTH: u32 = 240;
+/// Steps in which a law is drawn.
+const N_STEPS: u32 = 64;
+/// Radius in pixels of the ring around an oversubscribed point.
+const RING_RADIUS: i32 = 10;
 pub(super) const FONT: &str = "sans-serif";
 
 /// Colours that the colour-blind tell apart: Okabe and Ito, "Color Universal
@@ -81,20 +85,30 @@ fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> D
     let (chart, legend) = area.split_horizontally(SIZE.0 - legend_width);
     draw_chart(figure, &chart)?;
     let y_of = |number: usize| 80 + 44 * number as i32;
-    if has_limits {
-        let y = y_of(figure.series.len());
-        legend.draw(&PathElement::new([(0, y), (16, y)], BLACK.stroke_width(2)))?;
-        for (line, text) in ["if all its time were", "waiting for memory"]
-            .into_iter()
-            .enumerate()
-        {
+    let mut y = y_of(figure.series.len());
+    let mut note = |draw_key: &dyn Fn(i32) -> Drawn<DB>, lines: &[&str]| -> Drawn<DB> {
+        draw_key(y)?;
+        for (line, text) in lines.iter().enumerate() {
             let at = (22, y - 8 + 18 * line as i32);
-            legend.draw(&Text::new(text, at, (FONT, 16)))?;
+            legend.draw(&Text::new((*text).to_owned(), at, (FONT, 16)))?;
         }
+        y += 8 + 18 * lines.len() as i32;
+        Ok(())
+    };
+    let bar = |y| legend.draw(&PathElement::new([(0, y), (16, y)], BLACK.stroke_width(2)));
+    if has_limits {
+        note(&bar, &["if all its time were", "waiting for memory"])?;
+    }
+    if figure.series.iter().any(|series| series.law.is_some()) {
+        note(&bar, &["a + b x^k, with the", "interval of 95 % of k"])?;
+    }
+    if marks(figure).any(|mark| mark.oversubscribed) {
+        let ring = |y| legend.draw(&Circle::new((8, y), RING_RADIUS, BLACK.stroke_width(1)));
+        note(&ring, &["more threads than", "processors: not fitted"])?;
     }
     for (number, series) in figure.series.iter().enumerate() {
         let y = y_of(number);
-        draw_symbol(&legend, number, (8, y))?;
+        draw_symbol(&legend, number, (8, y), false)?;
         let name = name_of(series);
         for (line, text) in name.split(": ").enumerate() {
             let at = (22, y - 8 + 18 * line as i32);
@@ -133,8 +147,7 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
         let color = color_of(number);
         let points = || series.points.iter();
         if let Some(law) = series.law {
-            let ends = [points().next(), points().last()].into_iter().flatten();
-            let line = ends.map(|mark| (mark.x, law.at(mark.x)));
+            let line = places(series).map(|x| (x, law.at(x)));
             chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
         } else if figure.is_joined {
             let line = points().map(|mark| (mark.x, mark.y));
@@ -148,7 +161,7 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
             area.strip_coord_spec().draw(&cap(low))?;
             area.strip_coord_spec().draw(&cap(high))?;
             let (x, y) = chart.backend_coord(&(mark.x, mark.y));
-            draw_symbol(area, number, (x, y))?;
+            draw_symbol(area, number, (x, y), mark.oversubscribed)?;
             draw_label(area, &mark.label, (x, y))?;
             if let Some(limit) = ceiling::limit_of(figure, mark) {
                 let (x, y) = chart.backend_coord(&(mark.x, limit));
@@ -178,18 +191,31 @@ fn draw_label<DB: DrawingBackend>(
     area.draw(&Text::new(label.to_owned(), (x, y + 2), style))
 }
 
-/// Draws the symbol of a series: colour is not all that tells them apart.
+/// Draws the symbol of a series: color is not all that tells them apart. That of
+/// an oversubscribed point has a ring around it.
 fn draw_symbol<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     number: usize,
     at: (i32, i32),
+    oversubscribed: bool,
 ) -> Drawn<DB> {
     let color = color_of(number);
+    if oversubscribed {
+        area.draw(&Circle::new(at, RING_RADIUS, BLACK.stroke_width(1)))?;
+    }
     match number % 3 {
         0 => area.draw(&Circle::new(at, 5, color.filled())),
         1 => area.draw(&TriangleMarker::new(at, 7, color.filled())),
         _ => area.draw(&Cross::new(at, 5, color.stroke_width(2))),
     }
+}
+
+/// Where a law is drawn: evenly from the first point of the series to the last
+/// one that it was fitted to, by the logarithm, since it is no straight line.
+fn places(series: &Series) -> impl Iterator<Item = f64> {
+    let fitted = || series.points.iter().filter(|mark| !mark.oversubscribed);
+    let [first, last] = [fitted().next(), fitted().last()].map(|mark| mark.map_or(1.0, |at| at.x));
+    (0..=N_STEPS).map(move |i| first * (last / first).powf(f64::from(i) / f64::from(N_STEPS)))
 }
 
 fn color_of(number: usize) -> RGBColor {
@@ -213,8 +239,10 @@ fn marks(figure: &Figure) -> impl Iterator<Item = &Mark> {
 /// The series' label and the exponent of its law.
 fn name_of(series: &Series) -> String {
     let law = series.law.map(|law| {
-        let [exponent, error] = [law.exponent, law.exponent_error];
-        format!("slope {exponent:.3} ± {error:.3}")
+        let interval = law.exponent_95.map_or(String::new(), |[low, high]| {
+            format!(" [{low:.2}, {high:.2}]")
+        });
+        format!("k = {:.3}{interval}", law.growing.exponent)
     });
     let label = Some(series.label.clone()).filter(|label| !label.is_empty());
     label.into_iter().chain(law).collect::<Vec<_>>().join(": ")

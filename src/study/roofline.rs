@@ -78,6 +78,7 @@ fn mark(standing: &Standing, label: &str, by_instructions: bool) -> Mark {
         interval: [per_second(time.high_95), per_second(time.low_95)],
         label: standing.point.get(label).map(name).unwrap_or_default(),
         limit: Some(per_second(time.median * standing.latency_share)),
+        oversubscribed: false,
     }
 }
 
@@ -93,7 +94,6 @@ fn ceilings(standings: &[Standing], limits: &Limits, peak: Option<f64>) -> Vec<C
             law: PowerLaw {
                 factor: 1e9 * bandwidth,
                 exponent: if peak.is_some() { 1.0 } else { -1.0 },
-                exponent_error: 0.0,
             },
         }
     });
@@ -102,7 +102,6 @@ fn ceilings(standings: &[Standing], limits: &Limits, peak: Option<f64>) -> Vec<C
         law: PowerLaw {
             factor: per_second,
             exponent: 0.0,
-            exponent_error: 0.0,
         },
     });
     levels.chain(flat).collect()

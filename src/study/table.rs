@@ -21,10 +21,14 @@ pub struct Row {
     pub statistics: SampleStatistics,
     /// Whether the first run of all, warm-up left out, is an outlier above.
     pub first_is_slow: bool,
+    /// Whether the point's runs had more threads than there are processors:
+    /// threads took turns.
+    pub oversubscribed: bool,
 }
 
-/// The rows of all points of the plan that have been measured, in its order.
-pub fn rows(plan: &Plan, results: &Results) -> Vec<Row> {
+/// The rows of all points of the plan that have been measured, in its order, on
+/// a machine with so many processors, if that is known.
+pub fn rows(plan: &Plan, results: &Results, n_processors: Option<u64>) -> Vec<Row> {
     let rows_of = |values: Map<String, Value>| {
         let counts = |run: &&Run| run.round >= plan.warm_up && run.point == values;
         let mut columns: IndexMap<&str, Vec<f64>> = IndexMap::new();
@@ -33,6 +37,10 @@ pub fn rows(plan: &Plan, results: &Results) -> Vec<Row> {
                 columns.entry(name).or_default().push(*value);
             }
         }
+        let n_threads = columns.get("n_threads").and_then(|threads| threads.first());
+        let oversubscribed = n_threads
+            .zip(n_processors)
+            .is_some_and(|(threads, processors)| *threads > processors as f64);
         let row = |(metric, measured): (&str, Vec<f64>)| {
             let statistics = SampleStatistics::of(&measured)?;
             let first = measured[0];
@@ -41,6 +49,7 @@ pub fn rows(plan: &Plan, results: &Results) -> Vec<Row> {
                 metric: metric.to_owned(),
                 statistics,
                 first_is_slow: statistics.is_outlier(first) && first > statistics.median,
+                oversubscribed,
             })
         };
         columns.into_iter().filter_map(row).collect::<Vec<_>>()
@@ -67,7 +76,7 @@ pub fn write_csv(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
 }
 
 /// What a row has besides its factors, by name.
-fn columns(row: &Row) -> [(&'static str, String); 12] {
+fn columns(row: &Row) -> [(&'static str, String); 13] {
     let of = &row.statistics;
     [
         ("metric", row.metric.clone()),
@@ -82,6 +91,7 @@ fn columns(row: &Row) -> [(&'static str, String); 12] {
         ("high_95", of.high_95.to_string()),
         ("n_outliers", of.n_outliers.to_string()),
         ("first_is_slow", row.first_is_slow.to_string()),
+        ("oversubscribed", row.oversubscribed.to_string()),
     ]
 }
 

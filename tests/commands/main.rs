@@ -7,6 +7,7 @@ mod architecture;
 mod benches;
 mod book;
 mod configs;
+mod cost_law;
 mod diff;
 mod errors;
 mod exit_codes;

@@ -113,7 +113,7 @@ fn tables_and_plots_tell_the_runs() {
         assert_eq!(max, times.iter().copied().fold(0.0, f64::max));
     }
     for (plot, shown) in [
-        ("plot-1-render_wall_ms-over-threads", "slope"),
+        ("plot-1-render_wall_ms-over-threads", "k = "),
         ("plot-2-rays-node_visits-over-n_pixels", "node visits"),
         ("plot-3-render_cpu_ms-over-scene", "threads 2"),
     ] {
@@ -125,6 +125,34 @@ fn tables_and_plots_tell_the_runs() {
         let ink = png.pixels().filter(|pixel| pixel.0 != [255; 3]).count();
         assert!(ink > 1000, "{ink} pixels of {plot} are drawn on");
     }
+}
+
+/// Threads that take turns are marked in tables and plots, and no law is fitted
+/// to them.
+#[test]
+fn more_threads_than_processors_are_marked() {
+    let folder = folder(
+        &STUDY
+            .replace(
+                "threads: [1, 2], max_depth: [0, 3]",
+                "threads: [1, 500]",
+            )
+            .replace("repeats: 3", "repeats: 1"),
+    );
+    assert_success(&run(folder.path(), &[]));
+    let out = folder.path().join("out");
+    let text = fs::read_to_string(out.join("statistics.json")).unwrap();
+    let statistics: Value = serde_json::from_str(&text).unwrap();
+    let n_processors = statistics["made_by"]["machine"]["logical_cpus"].as_u64();
+    for row in statistics["rows"].as_array().unwrap() {
+        let expected = row["point"]["threads"].as_u64() > n_processors;
+        assert_eq!(row["oversubscribed"], expected, "{row}");
+    }
+    assert_eq!(statistics["fits"], Value::Array(Vec::new()), "of one point");
+    let table = fs::read_to_string(out.join("statistics.csv")).unwrap();
+    assert!(table.contains(",true\n") && table.contains(",false\n"));
+    let svg = fs::read_to_string(out.join("plot-1-render_wall_ms-over-threads.svg")).unwrap();
+    assert!(svg.contains("more threads than"), "{svg}");
 }
 
 #[test]
