@@ -163,10 +163,8 @@ impl Problem {
         let scan: Vec<Fitted> = scan.collect();
         // What is constant does not grow: 0 is the best of equals.
         let best = scan.iter().copied().fold(self.fit(0.0), better);
-        let best = better(
-            best,
-            self.refine([best.exponent - step, best.exponent + step]),
-        );
+        let around = [best.exponent - step, best.exponent + step];
+        let best = better(best, self.refine(around.map(|end| end.clamp(least, most))));
         let allowed = best.chi_squared + self.allowance(best.chi_squared, n_sizes);
         let is_in = |fitted: &&Fitted| fitted.chi_squared <= allowed;
         let ends = [scan.iter().find(is_in), scan.iter().rev().find(is_in)];

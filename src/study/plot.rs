@@ -214,7 +214,8 @@ fn draw_symbol<DB: DrawingBackend>(
 /// one that it was fitted to, by the logarithm, since it is no straight line.
 fn places(series: &Series) -> impl Iterator<Item = f64> {
     let fitted = || series.points.iter().filter(|mark| !mark.oversubscribed);
-    let [first, last] = [fitted().next(), fitted().last()].map(|mark| mark.map_or(1.0, |at| at.x));
+    let [first, last] =
+        [fitted().next(), fitted().next_back()].map(|mark| mark.map_or(1.0, |at| at.x));
     (0..=N_STEPS).map(move |i| first * (last / first).powf(f64::from(i) / f64::from(N_STEPS)))
 }
 

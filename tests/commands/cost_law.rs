@@ -87,6 +87,7 @@ proptest! {
         if let Some([low, high]) = found.exponent_95 {
             let exponent = found.growing.exponent;
             prop_assert!(low <= exponent && exponent <= high, "{found:?}");
+            prop_assert!(-4.0 <= low && high <= 4.0, "{found:?}");
         }
     }
 }

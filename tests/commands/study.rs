@@ -133,10 +133,7 @@ fn tables_and_plots_tell_the_runs() {
 fn more_threads_than_processors_are_marked() {
     let folder = folder(
         &STUDY
-            .replace(
-                "threads: [1, 2], max_depth: [0, 3]",
-                "threads: [1, 500]",
-            )
+            .replace("threads: [1, 2], max_depth: [0, 3]", "threads: [1, 500]")
             .replace("repeats: 3", "repeats: 1"),
     );
     assert_success(&run(folder.path(), &[]));
