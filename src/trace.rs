@@ -32,9 +32,18 @@ pub struct SurfacePoint {
     pub object: ObjectId,
     /// What it is made of there.
     pub material: MaterialId,
+    /// Whether both normals are turned against those that the surface has
+    /// itself, since the ray came from its other side.
+    pub is_turned: bool,
 }
 
 impl SurfacePoint {
+    /// One of the point's normals as the surface has it, whichever side the ray
+    /// came from.
+    pub fn outward(&self, normal: Vec3) -> Vec3 {
+        if self.is_turned { -normal } else { normal }
+    }
+
     /// Whether a direction leaves the surface on the seen side, by both of its
     /// normals.
     pub fn is_faced_by(&self, direction: Vec3) -> bool {
@@ -114,8 +123,8 @@ impl<'a> Tracer<'a> {
     pub fn surface_point(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
-        let faces_ray = outward.dot(ray.direction) <= 0.0;
-        let geometric_normal = if faces_ray { outward } else { -outward };
+        let is_turned = outward.dot(ray.direction) > 0.0;
+        let geometric_normal = if is_turned { -outward } else { outward };
         let normal = match self.scene.shading_normal(hit.primitive, position) {
             None => geometric_normal,
             Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
@@ -129,6 +138,7 @@ impl<'a> Tracer<'a> {
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,
+            is_turned,
         }
     }
 }

@@ -5,6 +5,15 @@ use glam::Vec3;
 use crate::light::Illumination;
 use crate::material::Material;
 
+/// The two parts of the light that a surface reflects, for white light of
+/// strength 1.
+pub(super) struct Reflected {
+    /// The diffuse part, which has the surface's color.
+    pub(super) diffuse: Vec3,
+    /// The highlight, which has none.
+    pub(super) highlight: f32,
+}
+
 /// Diffuse and specular light toward `to_viewer` (V) at a point of `color`
 /// with unit normal `normal` (N), lit along L; all three unit vectors.
 ///
@@ -17,14 +26,20 @@ pub(super) fn reflected(
     normal: Vec3,
     light: &Illumination,
     to_viewer: Vec3,
-) -> Vec3 {
+) -> Reflected {
     let diffuse = material.diffuse * normal.dot(light.direction).max(0.0) * color;
     if material.specular == 0.0 {
-        return diffuse * light.radiance;
+        return Reflected {
+            diffuse,
+            highlight: 0.0,
+        };
     }
     let half_vector = (light.direction + to_viewer).normalize_or_zero();
-    let highlight = power(normal.dot(half_vector).max(0.0), material.exponent);
-    (diffuse + material.specular * highlight) * light.radiance
+    let cos = normal.dot(half_vector).max(0.0);
+    Reflected {
+        diffuse,
+        highlight: material.specular * power(cos, material.exponent),
+    }
 }
 
 /// Up to this exponent the roundings of squaring, 2^-53 each, stay far below

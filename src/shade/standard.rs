@@ -6,7 +6,8 @@
 
 use glam::Vec3;
 
-use super::{LightSample, Shaded, blinn_phong};
+use super::blinn_phong::{Reflected, reflected};
+use super::{LightSample, Shaded};
 use crate::accel::ShadowRay;
 use crate::geometry::Ray;
 use crate::light::Illumination;
@@ -35,8 +36,9 @@ pub(super) fn shade(
 ) -> Shaded {
     let mut color = material.ambient * ambient * point.color;
     for light in lights {
-        color +=
-            blinn_phong::reflected(material, point.color, point.normal, &light, -ray.direction);
+        let Reflected { diffuse, highlight } =
+            reflected(material, point.color, point.normal, &light, -ray.direction);
+        color += (diffuse + highlight) * light.radiance;
     }
     let mirrored = (material.reflection > 0.0).then(|| {
         let direction = point.mirrored(ray.direction);

@@ -1,6 +1,7 @@
-//! The course's two scenes against the pictures of its NumPy model.
+//! The seed model against pictures of the course's NumPy model. Random scenes
+//! are compared by `tests/with-numpy`.
 
-use crate::common::{config, film, in_repository, rays, sum, total};
+use crate::common::{config, film, in_repository, parse, rays, sum, total};
 use raycost::cost::Counter;
 use raycost::film::Film;
 
@@ -103,4 +104,34 @@ fn the_pixels_that_the_course_names() {
             .all(|(a, b): (_, u8)| a.abs_diff(b) <= 1);
         assert!(close, "({x}, {y}) is {found:?}, should be {expected:?}");
     }
+}
+
+fn variant() -> String {
+    std::fs::read_to_string(in_repository("tests/reference/seed_variant.yaml")).unwrap()
+}
+
+#[test]
+fn a_scene_with_a_colored_light_and_a_plane_seen_from_behind() {
+    let film = film(&parse(&variant()), 2);
+    let agreement = agreement(&film, "seed_variant");
+    assert!(agreement >= 0.9995, "{agreement}");
+}
+
+/// They scale the light's color, which is in the highlight alone.
+#[test]
+fn intensity_and_falloff_scale_the_highlight_alone() {
+    let picture = |light: &str| {
+        let old = "position: [-3, 2.5, 3], color: [1.2, 0.3, 0.7]";
+        assert!(variant().contains(old));
+        let film = film(&parse(&variant().replace(old, light)), 1);
+        film.values(|strip| &strip.rgb).collect::<Vec<_>>()
+    };
+    let halved = picture("position: [-3, 2.5, 3], color: [0.6, 0.15, 0.35]");
+    let dimmed = picture("position: [-3, 2.5, 3], color: [1.2, 0.3, 0.7], intensity: 0.5");
+    assert!(halved == dimmed);
+    let black = picture("position: [-3, 2.5, 3], color: [0, 0, 0]");
+    let far = picture("position: [-3, 2.5, 3], intensity: 1e-9, falloff: inverse_square");
+    assert!(black == far);
+    let diffuse = black.iter().filter(|rgb| rgb.iter().any(|&c| c > 60));
+    assert!(diffuse.count() > 1000, "diffuse light is left");
 }
