@@ -1,9 +1,10 @@
 """Compares raycost with the course's NumPy model: validate.py RAYCOST OUT.json [--quick]
 
-Three comparisons, all as JSON: pictures and counts against those that the course's model left in
-tests/reference; pictures of the first scene against sphere.py, the same model run now; and how long
-both take for these, whole processes in turn. Fails if a picture is not the model's. `--quick` leaves
-out the largest picture, which takes the loop some ten seconds.
+Four comparisons, all as JSON: pictures and counts against those that the course's model left in
+tests/reference; the same against tests/numpy/seed_model.py on random scenes; pictures of the first
+scene against sphere.py, the model as a loop over pixels; and how long both take for these, whole
+processes in turn. Fails if a picture is not the model's. `--quick` leaves out the largest picture,
+which takes the loop some ten seconds.
 """
 
 import json
@@ -13,41 +14,27 @@ import sys
 import tempfile
 import time
 
-import numpy as np
-from PIL import Image
-
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+sys.path.append(str(ROOT / "tests" / "numpy"))
+
+from compare import comparisons, difference, is_the_models, rendered  # noqa: E402
+
 REFERENCE = ROOT / "tests" / "reference"
 SIZES = [100, 400, 1000]
 N_ROUNDS = 5
-# Of all pixels, as tests/seed_reference.rs: 32-bit numbers may decide otherwise on an edge.
+# Of all pixels, as tests/engine/seed_reference.rs: 32-bit numbers may decide otherwise on an edge.
 MOST_BEYOND_1 = 1e-3
 
 
-def rendered(raycost, scene, width, height, folder):
+def render(raycost, scene, width, height, folder):
     """The picture, and the totals of the run."""
     size = ["--width", str(width), "--height", str(height)]
     scene = ROOT / "configs" / f"{scene}.yaml"
     subprocess.run([raycost, "render", scene, *size, "--quiet", "--out", folder], check=True)
     summary = json.loads((folder / "summary.json").read_text())
     counts = {"hits": summary["n_hits"], **summary["cost"]["totals"]}
-    return pixels(folder / "image.png"), counts
-
-
-def pixels(path):
-    return np.asarray(Image.open(path).convert("RGB")).astype(int)
-
-
-def difference(ours, theirs):
-    """How far two pictures are apart; a pixel by the channel that differs most, of 255."""
-    apart = np.abs(ours - theirs).max(axis=2)
-    return {
-        "n_pixels": apart.size,
-        "n_different": int((apart > 0).sum()),
-        "n_beyond_1": int((apart > 1).sum()),
-        "max_difference": int(apart.max()),
-    }
+    return rendered(folder / "image.png"), counts
 
 
 def against_reference(raycost, folder):
@@ -55,12 +42,12 @@ def against_reference(raycost, folder):
     for name, expected in facts.items():
         scene, size = name.rsplit("_", 1)
         width, height = map(int, size.split("x"))
-        ours, counts = rendered(raycost, scene, width, height, folder / "out")
+        ours, counts = render(raycost, scene, width, height, folder / "out")
         yield {
             "scene": scene,
             "width": width,
             "height": height,
-            **difference(ours, pixels(REFERENCE / f"{name}.png")),
+            **difference(ours, rendered(REFERENCE / f"{name}.png")),
             "counts": [
                 {"name": name, "raycost": counts[name], "numpy": n} for name, n in expected.items()
             ],
@@ -75,10 +62,10 @@ def against_loop(raycost, folder, sizes):
             start = time.perf_counter()
             subprocess.run([sys.executable, HERE / "sphere.py", str(size), str(size), png], check=True)
             middle = time.perf_counter()
-            ours, _ = rendered(raycost, "seed_sphere", size, size, out)
+            ours, _ = render(raycost, "seed_sphere", size, size, out)
             times["numpy_ms"].append(1e3 * (middle - start))
             times["raycost_ms"].append(1e3 * (time.perf_counter() - middle))
-        yield {"width": size, "height": size, **difference(ours, pixels(png)), **times}
+        yield {"width": size, "height": size, **difference(ours, rendered(png)), **times}
 
 
 def main():
@@ -88,12 +75,16 @@ def main():
         folder = pathlib.Path(folder)
         found = {
             "reference": list(against_reference(raycost, folder)),
+            "random": list(comparisons(raycost, folder)),
             "loop": list(against_loop(raycost, folder, sizes)),
         }
     result.write_text(json.dumps(found, indent=1) + "\n")
     for case in [*found["reference"], *found["loop"]]:
         if case["n_beyond_1"] > MOST_BEYOND_1 * case["n_pixels"]:
             sys.exit(f"not the picture of the NumPy model: {case}")
+    for case in found["random"]:
+        if not is_the_models(case):
+            sys.exit(f"not the picture of the NumPy model: random scene {case}")
 
 
 if __name__ == "__main__":
