@@ -12,7 +12,9 @@ use crate::view::{self, View};
 ///
 /// The page stands alone: it needs no server and no network.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  raycost view out/seed_extended")]
+#[command(after_help = "Examples:
+  raycost view out/seed_extended
+  raycost view out/seed_extended --max-mb 10 --out page.html")]
 pub(super) struct Arguments {
     /// A folder that `raycost render` wrote
     #[arg(value_name = "DIR")]
@@ -21,11 +23,30 @@ pub(super) struct Arguments {
     /// File to write [default: DIR/view.html]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+
+    /// Largest size of the page in MB (1,000,000 bytes), as for a mail: shows
+    /// fewer pixels until it fits
+    #[arg(long, value_name = "N", value_parser = megabytes, allow_negative_numbers = true)]
+    max_mb: Option<u64>,
+}
+
+/// A number of megabytes as bytes.
+fn megabytes(text: &str) -> Result<u64, String> {
+    let wrong = "expected a number above 0, such as 10 or 0.5";
+    let n_bytes = text.parse::<f64>().map_err(|_| wrong)? * 1e6;
+    if n_bytes >= 1.0 {
+        Ok(n_bytes as u64)
+    } else {
+        Err(wrong.to_owned())
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let results = Results::open(&arguments.folder)?;
-    let view = View::of(&results)?;
+    let view = match arguments.max_mb {
+        Some(max_bytes) => View::within(max_bytes, &results)?,
+        None => View::of(&results)?,
+    };
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),

@@ -31,9 +31,8 @@ pub(super) fn json(
         "name": summary.scene.name,
         "facts": facts(summary),
         "notes": notes,
-        "size": pixels.shown(),
+        "size": pixels.shown,
         "full_size": pixels.full,
-        "step": pixels.step,
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
         "objects": objects(summary),
         "materials": summary.materials,
@@ -100,7 +99,7 @@ fn objects(summary: &Summary) -> Vec<Value> {
     summary.objects.iter().map(label).collect()
 }
 
-/// 256 colours of three bytes as base64.
+/// 256 colors of three bytes as base64.
 fn color_map(gradient: colorous::Gradient) -> String {
     let colors = (0..256).flat_map(|i| gradient.eval_rational(i, 256).into_array());
     STANDARD.encode(colors.collect::<Vec<u8>>())

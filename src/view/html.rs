@@ -8,12 +8,14 @@ use super::payload::Payload;
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 /// The parts of the script; each uses only those above it.
-const SCRIPT: [&str; 12] = [
+const SCRIPT: [&str; 14] = [
     include_str!("page/payload.js"),
     include_str!("page/dom.js"),
     include_str!("page/format.js"),
     include_str!("page/scale.js"),
     include_str!("page/ruler.js"),
+    include_str!("page/zoom.js"),
+    include_str!("page/marks.js"),
     include_str!("page/panes.js"),
     include_str!("page/probe.js"),
     include_str!("page/camera.js"),

@@ -2,10 +2,12 @@
 //!
 //! Takes [`Results`]; gives a page that needs no server and no network: the
 //! arrays stand in it as text, the script that shows them beside them. What is
-//! too much for a page is thinned out, evenly and the same way each time, and
-//! the page says so: a value that it shows is always one of the rendering's.
+//! too much for a page, or for the size that was asked for, is thinned out,
+//! evenly and the same way each time, and the page says so: a value that it
+//! shows is always one of the rendering's.
 
 mod about;
+mod budget;
 mod cloud;
 mod frame;
 mod html;
@@ -20,7 +22,7 @@ use crate::results::Results;
 use crate::yaml::Diagnostic;
 
 use cloud::Cloud;
-use frame::Pixels;
+use frame::{MAX_PIXELS, Pixels};
 use payload::Payload;
 use table::Table;
 
@@ -31,10 +33,13 @@ pub const FILE: &str = "view.html";
 #[derive(Debug)]
 pub struct View {
     title: String,
-    /// What the script is told, as JSON.
+    /// What the script reads, as JSON.
     about: String,
     payloads: Vec<Payload>,
     notes: Vec<String>,
+    /// Pixels that are shown, and how many bytes of the page are theirs.
+    n_pixels: u64,
+    n_pixel_bytes: u64,
 }
 
 impl View {
@@ -43,8 +48,13 @@ impl View {
     /// # Errors
     /// A diagnostic where a file of the folder is missing or damaged.
     pub fn of(results: &Results) -> Result<Self, Diagnostic> {
+        Self::of_at_most(MAX_PIXELS, results)
+    }
+
+    /// Reads what a page of at most this many pixels shows.
+    fn of_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
         let mut frame = results.frame()?;
-        let pixels = Pixels::of(&frame);
+        let pixels = Pixels::at_most(n_pixels, [frame.width(), frame.height()]);
         // Without these there is nothing to draw: say so.
         if let Some(missing) = ["RGB", "footprint"].iter().find(|name| !frame.has(name)) {
             frame.read(missing)?;
@@ -65,12 +75,15 @@ impl View {
             .map(|(i, array)| Payload::of_numbers(&about::array_id(i), &array.values))
             .collect();
         payloads.extend(cloud.payloads());
+        let n_pixel_bytes = payloads.iter().map(Payload::n_bytes).sum();
         payloads.extend(table.map(|table| table.payload()));
         Ok(Self {
             title: results.summary.scene.name.clone(),
             about,
             payloads,
             notes,
+            n_pixels: pixels.n_shown(),
+            n_pixel_bytes,
         })
     }
 

@@ -34,6 +34,11 @@ impl Payload {
         }
     }
 
+    /// Bytes of its text.
+    pub(super) fn n_bytes(&self) -> u64 {
+        self.base64.len() as u64
+    }
+
     /// Writes an element that holds them. Neither base64 nor an id has a `<`.
     pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let Self { id, base64 } = self;

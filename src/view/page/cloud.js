@@ -63,7 +63,7 @@ async function createCloud(section) {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 
   return {
-    /** Colours the points by a field. */
+    /** Colors the points by a field. */
     update({ field, scale, table }) {
       if (shown !== field) points.setValues(ofPoints(field.values, Float32Array));
       shown = field;

@@ -17,7 +17,7 @@ const ARRAYS = {
   object: { group: "Geometry", label: "Object", about: "position in the scene's list; -1 for none", names: about.objects },
   material: { group: "Geometry", label: "Material", about: "position in the scene's list; -1 for none", names: about.materials },
   Normals: { group: "Geometry", label: "Normal", about: "unit normal on the side that is seen", components: ["x", "y", "z"] },
-  RGB: { group: "Picture", label: "Colour", about: "8 bits a channel", components: ["red", "green", "blue"] },
+  RGB: { group: "Picture", label: "Color", about: "8 bits a channel", components: ["red", "green", "blue"] },
 };
 
 /** Names of arrays in the order of the menu, those that are not known last. */

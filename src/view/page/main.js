@@ -2,33 +2,45 @@
 
 const byId = (id) => document.getElementById(id);
 
-/** What is shown: a field, its axis and colours, marked values, a pixel. */
-const state = { field: null, axis: null, scale: null, table: null, mark: null, x: WIDTH >> 1, y: HEIGHT >> 1 };
+/** What is shown: a field, its axis and colors, marked values, a pixel and
+ * whether it stays when the pointer moves. */
+const state = { field: null, axis: null, scale: null, table: null, mark: null, x: WIDTH >> 1, y: HEIGHT >> 1, pinned: false };
 /** Counts choices of the menu: one that has been overtaken is not shown. */
 let n_choices = 0;
 let rgb = null;
 let cloud = null;
 
-const pane_events = { onProbe: moveProbe, onZoom: placeCursors };
+const pane_events = { onProbe: moveProbe, onPin: () => pin(!state.pinned), onZoom: placeCursors };
 const picture = createPane(byId("picture"), pane_events);
 const map = createPane(byId("map"), pane_events);
 const probe = createProbe(byId("probe"));
 const ruler = createRuler(byId("ruler"), { onScale: setScale, onMark: (from, to) => mark(state.field, from, to) });
 
-function moveProbe(x, y, byKey) {
+/** Moves the probe; one that is pinned follows keys and clicks alone. */
+function moveProbe(x, y, how) {
+  if (state.pinned && how === "pointer") return;
   Object.assign(state, { x, y });
-  if (byKey) reveal(x, y);
+  if (how === "key") reveal(x, y);
   placeCursors();
-  showProbe(byKey);
+  showProbe(how === "key" ? "" : null);
+}
+
+/** Holds the probe where it is, or lets it follow the pointer again. */
+function pin(isPinned) {
+  state.pinned = isPinned;
+  document.body.classList.toggle("pinned", isPinned);
+  byId("pin").setAttribute("aria-pressed", isPinned);
+  showProbe(isPinned ? "Pinned. " : "Released. ");
 }
 
 function placeCursors() {
   for (const pane of [picture, map]) pane.place(state.x, state.y);
 }
 
-function showProbe(byKey = false) {
+/** Shows the probe's values; says them aloud, after some words, if there are any. */
+function showProbe(spoken_first = null) {
   const index = state.y * WIDTH + state.x;
-  probe.update(state.x, state.y, state.field, byKey);
+  probe.update(state.x, state.y, state.field, spoken_first);
   cloud?.probe(index);
   drawRuler();
 }
@@ -44,7 +56,7 @@ const paintPixels = oncePerFrame(() => {
   cloud?.update(state);
 });
 
-/** Shows what hangs on the colours. */
+/** Shows what hangs on the colors. */
 function paintMap() {
   paintPixels();
   drawRuler();
@@ -58,9 +70,12 @@ function setScale(low, high) {
   paintMap();
 }
 
+/** Takes the range that is chosen for both the histogram and the colors. */
 function setAxis() {
-  state.axis = axisOf(state.field, byId("log").checked);
-  state.scale = fitted(state.field, state.axis);
+  const all = axisOf(state.field, byId("log").checked);
+  const isAll = byId("range-all").checked;
+  state.axis = isAll ? all : unsqueezed(state.field, all);
+  state.scale = isAll ? all : fitted(state.field, all);
   paintMap();
 }
 
@@ -68,9 +83,18 @@ const paintMarks = oncePerFrame(() => {
   const { field, from, to } = state.mark ?? {};
   const isMarked = field && ((i) => field.values[i] >= from && field.values[i] <= to);
   picture.paint(pictureColor(rgb, isMarked));
+  const few = field ? fewOf(field.values.length, isMarked) : null;
+  for (const pane of [picture, map]) pane.outline(few);
   cloud?.mark(isMarked);
   byId("marked").textContent = field ? describeMark(state.mark) : "Drag over the histogram.";
 });
+
+/** The numbers below `n` that are marked; null if they are not few. */
+function fewOf(n, isMarked) {
+  const few = [];
+  for (let i = 0; i < n && few.length <= MAX_MARKED; i++) if (isMarked(i)) few.push(i);
+  return few.length <= MAX_MARKED ? few : null;
+}
 
 /** Marks the pixels whose value of a field is within a range; null ends it. */
 function mark(field, from, to, name = "") {
@@ -135,7 +159,7 @@ function fillMenus() {
 function onTyped(ids, take) {
   const typed = () => {
     const [from, to] = ids.map((id) => (byId(id).value.trim() === "" ? NaN : Number(byId(id).value)));
-    ids.forEach((id, i) => byId(id).toggleAttribute("aria-invalid", Number.isNaN([from, to][i])));
+    ids.forEach((id, i) => byId(id).setAttribute("aria-invalid", Number.isNaN([from, to][i]) || from > to));
     if (from <= to) take(from, to);
   };
   for (const id of ids) byId(id).addEventListener("change", typed);
@@ -150,7 +174,11 @@ function listenToControls() {
   });
   byId("log").addEventListener("change", setAxis);
   byId("fit").addEventListener("click", setAxis);
-  byId("all").addEventListener("click", () => setScale(state.axis.low, state.axis.high));
+  for (const id of ["range-middle", "range-all"]) byId(id).addEventListener("change", setAxis);
+  byId("pin").addEventListener("click", () => pin(!state.pinned));
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && state.pinned) pin(false);
+  });
   byId("clear").addEventListener("click", () => mark(null, null, null));
   onTyped(["low", "high"], setScale);
   onTyped(["mark-from", "mark-to"], (from, to) => mark(state.field, from, to));

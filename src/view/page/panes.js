@@ -1,38 +1,17 @@
 // The picture and the map, side by side under one probe and one zoom.
 
-const [WIDTH, HEIGHT] = about.size;
+/** Pixels of the screen that a pointer may move while it clicks. */
+const CLICK_REACH = 4;
 
-/** What both panes show of the picture: from (x, y), in shares of it. */
-const zoomed = { zoom: 1, x: 0, y: 0 };
-
-function zoomTo(zoom, at = { x: 0.5, y: 0.5 }) {
-  zoom = Math.max(1, Math.min(Math.max(8, WIDTH / 8), zoom));
-  // The point `at` of the picture stays where it is.
-  const keep = (from, center) => center - (center - from) * (zoomed.zoom / zoom);
-  const [x, y] = [keep(zoomed.x, at.x), keep(zoomed.y, at.y)];
-  zoomed.zoom = zoom;
-  moveTo(x, y);
-}
-
-function moveTo(x, y) {
-  const last = 1 - 1 / zoomed.zoom;
-  [zoomed.x, zoomed.y] = [x, y].map((from) => Math.max(0, Math.min(last, from)));
-}
-
-/** Lets the zoomed part follow a pixel. */
-function reveal(x, y) {
-  const size = 1 / zoomed.zoom;
-  const follow = (from, at) => Math.min(Math.max(from, at - size * 0.95), at - size * 0.05);
-  const into = (from, at) => (at < from || at > from + size ? follow(from, at) : from);
-  moveTo(into(zoomed.x, (x + 0.5) / WIDTH), into(zoomed.y, (y + 0.5) / HEIGHT));
-}
-
-/** A canvas of the picture's pixels; tells `onProbe(x, y, byKey)` and `onZoom()`. */
-function createPane(figure, { onProbe, onZoom }) {
+/** A canvas of the picture's pixels. Calls `onProbe(x, y, how)` where the
+ * probe goes by "pointer", "click" or "key", `onPin()` where it is to be pinned
+ * or released, and `onZoom()`. */
+function createPane(figure, { onProbe, onPin, onZoom }) {
   const box = figure.querySelector(".pane");
   const canvas = element("canvas", { width: WIDTH, height: HEIGHT });
   const cursor = element("div", { class: "cursor" });
-  box.append(canvas, cursor);
+  const marks = createMarks(box);
+  box.append(canvas, marks.canvas, cursor);
   box.style.aspectRatio = `${WIDTH} / ${HEIGHT}`;
   box.style.maxWidth = `calc(75vh * ${WIDTH / HEIGHT})`;
   const context = canvas.getContext("2d");
@@ -45,11 +24,13 @@ function createPane(figure, { onProbe, onZoom }) {
     const { left, top, width, height } = canvas.getBoundingClientRect();
     return { x: (event.clientX - left) / width, y: (event.clientY - top) / height };
   };
-  const clamp = (x, y, byKey) =>
-    onProbe(Math.max(0, Math.min(WIDTH - 1, x)), Math.max(0, Math.min(HEIGHT - 1, y)), byKey);
+  const clamp = (x, y, how) =>
+    onProbe(Math.max(0, Math.min(WIDTH - 1, x)), Math.max(0, Math.min(HEIGHT - 1, y)), how);
 
   let dragged = null;
+  let pressed = null;
   box.addEventListener("pointerdown", (event) => {
+    pressed = event;
     if (zoomed.zoom > 1) {
       box.setPointerCapture(event.pointerId);
       dragged = { at: placeOf(event) };
@@ -61,13 +42,15 @@ function createPane(figure, { onProbe, onZoom }) {
       moveTo(zoomed.x + dragged.at.x - x, zoomed.y + dragged.at.y - y);
       onZoom();
     } else {
-      clamp(Math.floor(x * WIDTH), Math.floor(y * HEIGHT), false);
+      clamp(Math.floor(x * WIDTH), Math.floor(y * HEIGHT), "pointer");
     }
   });
   for (const end of ["pointerup", "pointercancel"]) box.addEventListener(end, () => (dragged = null));
   box.addEventListener("click", (event) => {
+    if (pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > CLICK_REACH) return;
     const { x, y } = placeOf(event);
-    clamp(Math.floor(x * WIDTH), Math.floor(y * HEIGHT), false);
+    clamp(Math.floor(x * WIDTH), Math.floor(y * HEIGHT), "click");
+    onPin();
   });
   const zoomBy = (factor, at) => {
     zoomTo(zoomed.zoom * factor, at);
@@ -87,8 +70,9 @@ function createPane(figure, { onProbe, onZoom }) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key in steps) {
       const [dx, dy] = steps[event.key];
-      clamp(probe.x + dx, probe.y + dy, true);
-    } else if (event.key === "+" || event.key === "=") zoomBy(1.5, at);
+      clamp(probe.x + dx, probe.y + dy, "key");
+    } else if (event.key === "Enter" || event.key === " ") onPin();
+    else if (event.key === "+" || event.key === "=") zoomBy(1.5, at);
     else if (event.key === "-") zoomBy(1 / 1.5, at);
     else if (event.key === "0") zoomBy(0, at);
     else return;
@@ -101,6 +85,8 @@ function createPane(figure, { onProbe, onZoom }) {
       for (let i = 0; i < pixels.length; i++) pixels[i] = color(i);
       context.putImageData(image, 0, 0);
     },
+    /** Outlines marked pixels: their indices, or null for none. */
+    outline: marks.set,
     /** Puts the cursor on a pixel and the canvas where the zoom wants it. */
     place(x, y) {
       probe = { x, y };
@@ -114,6 +100,7 @@ function createPane(figure, { onProbe, onZoom }) {
         width: `${(100 * zoom) / WIDTH}%`,
         height: `${(100 * zoom) / HEIGHT}%`,
       });
+      marks.draw();
     },
   };
 }

@@ -4,6 +4,7 @@ const VERTEX_SHADER = `#version 300 es
 uniform mat4 clip_from_world;
 uniform float point_scale, max_size, low, high;
 uniform bool is_log, in_picture_colors, is_marking, is_probe;
+uniform float ring_size;
 uniform sampler2D ramp;
 in vec3 position, rgb;
 in float value, footprint, marked;
@@ -19,9 +20,16 @@ void main() {
   color = vec4(in_picture_colors ? rgb : of_value, 1.0);
   if (is_marking && marked < 0.5) color = vec4(mix(vec3(dot(color.rgb, vec3(0.2, 0.7, 0.1))), vec3(0.5), 0.75), 1.0);
   is_ring = 0.0;
+  if (ring_size > 0.0) {
+    gl_PointSize = ring_size;
+    is_ring = 1.0;
+    color = vec4(0.3726, 0.8903, 1.0, 1.0);
+    if (marked < 0.5) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  }
   if (is_probe) {
     gl_PointSize = 15.0;
     is_ring = 1.0;
+    color = vec4(1.0);
   }
 }`;
 
@@ -36,7 +44,7 @@ void main() {
   if (radius > 1.0) discard;
   if (is_ring > 0.5) {
     if (radius < 0.45) discard;
-    shown = radius < 0.62 || radius > 0.86 ? vec4(0.0, 0.0, 0.0, 1.0) : vec4(1.0);
+    shown = radius < 0.62 || radius > 0.86 ? vec4(0.0, 0.0, 0.0, 1.0) : color;
   } else {
     shown = color;
   }
@@ -64,6 +72,7 @@ function createPoints(gl, { position, footprint, rgb }) {
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
   for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+  let n_marked = 0;
   const [, largest] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
 
   return {
@@ -72,16 +81,17 @@ function createPoints(gl, { position, footprint, rgb }) {
     /** A byte a point, not 0 where it is marked; null where nothing is. */
     setMarks(marks) {
       gl.uniform1i(at("is_marking"), marks ? 1 : 0);
+      n_marked = marks ? marks.reduce((n, mark) => n + (mark ? 1 : 0), 0) : 0;
       if (marks) set("marked", 1, marks);
     },
-    /** How values become colours. */
+    /** How values become colors. */
     setScale(scale, table) {
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB8, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, table);
       gl.uniform1f(at("low"), scale.low);
       gl.uniform1f(at("high"), scale.high);
       gl.uniform1i(at("is_log"), scale.log ? 1 : 0);
     },
-    /** Whether colours are those of the picture. */
+    /** Whether colors are those of the picture. */
     setPictureColors: (are) => gl.uniform1i(at("in_picture_colors"), are ? 1 : 0),
     /** Draws all points on a background, and a ring around that of an index;
      * `point_scale` is the size in pixels of a footprint of 1. */
@@ -94,9 +104,16 @@ function createPoints(gl, { position, footprint, rgb }) {
       gl.uniform1f(at("point_scale"), point_scale);
       gl.uniform1f(at("max_size"), Math.min(largest, 64 * devicePixelRatio));
       gl.uniform1i(at("is_probe"), 0);
+      gl.uniform1f(at("ring_size"), 0);
       gl.drawArrays(gl.POINTS, 0, footprint.length);
-      if (ringed < 0) return;
       gl.disable(gl.DEPTH_TEST);
+      // Points that are marked and few are ringed, in front or not.
+      if (n_marked > 0 && n_marked <= MAX_OUTLINES) {
+        gl.uniform1f(at("ring_size"), 13 * devicePixelRatio);
+        gl.drawArrays(gl.POINTS, 0, footprint.length);
+        gl.uniform1f(at("ring_size"), 0);
+      }
+      if (ringed < 0) return;
       gl.uniform1i(at("is_probe"), 1);
       gl.drawArrays(gl.POINTS, ringed, 1);
     },

@@ -16,15 +16,22 @@ function createProbe(section) {
   }
 
   /** The column and row in the rendering. */
-  const fullPlace = (place, axis) =>
-    Math.min(place * about.step + Math.floor(about.step / 2), about.full_size[axis] - 1);
+  const fullPlace = (place, axis) => Math.floor(((2 * place + 1) * about.full_size[axis]) / (2 * about.size[axis]));
+
+  /** A name may be long: it gives way, its number does not. */
+  const named = (text) => {
+    const [, name, id] = text.match(/^(.*)( \(-?\d+\))$/s) ?? [null, text, ""];
+    return [element("span", { class: "name" }, name), element("span", {}, id)];
+  };
 
   const texts = (name, index) => {
     const all = known.get(name);
     const n = all.length / (WIDTH * HEIGHT);
     const values = Array.from(all.subarray(n * index, n * index + n));
     const shown = n === 1 ? values.map((value) => format(value, name)) : values.map((value) => format(Number(value.toPrecision(3))));
-    return values.map((value, i) => element("data", { value }, shown[i]));
+    const parts = (text) => (described(name).names ? named(text) : [text]);
+    const kind = described(name).names ? "named" : "number";
+    return values.map((value, i) => element("data", { value, class: kind, title: shown[i] }, ...parts(shown[i])));
   };
 
   return {
@@ -32,8 +39,9 @@ function createProbe(section) {
     learn(name, values) {
       known.set(name, values);
     },
-    /** Shows a pixel; `field` is that of the map. */
-    update(x, y, field, byKey) {
+    /** Shows a pixel; `field` is that of the map. Says it aloud if asked to,
+     * after what happened. */
+    update(x, y, field, spoken_first = null) {
       const place = `${fullPlace(x, 0)}, ${fullPlace(y, 1)}`;
       title.textContent = `Pixel ${place}`;
       title.title = "column and row from the top left";
@@ -49,9 +57,9 @@ function createProbe(section) {
         }
         cell.replaceChildren(...parts);
       }
-      if (byKey) {
+      if (spoken_first !== null) {
         const value = rows.get(field.name).cell.textContent;
-        spoken.textContent = `Pixel ${place}: ${labelOf(field.key)} ${value}`;
+        spoken.textContent = `${spoken_first}Pixel ${place}: ${labelOf(field.key)} ${value}`;
       }
     },
   };

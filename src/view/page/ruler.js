@@ -1,4 +1,4 @@
-// Histogram and colour bar on one axis.
+// Histogram and color bar on one axis.
 
 const BARS_HEIGHT = 96;
 const BAR_TOP = BARS_HEIGHT + 4;
@@ -45,8 +45,13 @@ function createRuler(section, { onScale, onMark }) {
   root.addEventListener("pointermove", (event) => {
     if (brush.from === null) return;
     const ends = [brush.from, positionAt(event)].sort((a, b) => a - b);
-    if (ends[1] - ends[0] > 0.004) onMark(...ends.map((position) => shown.axis.value(position)));
+    if (ends[1] - ends[0] > 0.004) onMark(...marked(ends));
   });
+  // At an end of the axis, all that is beyond it is marked with it.
+  const marked = ([from, to]) => {
+    const { low, high } = extent(shown.field);
+    return [from > 0 ? shown.axis.value(from) : Math.min(low, shown.axis.low), to < 1 ? shown.axis.value(to) : Math.max(high, shown.axis.high)];
+  };
   const release = (event) => {
     if (brush.from !== null && Math.abs(positionAt(event) - brush.from) <= 0.004) onMark(null, null);
     brush.from = null;
@@ -69,9 +74,8 @@ function createRuler(section, { onScale, onMark }) {
     }
     const grip = svg("rect", { class: "field", x: MARGIN, y: 0, width, height: BARS_HEIGHT });
     const outline = bars(shown, width);
-    const note = svg("text", { class: "note", x: MARGIN + width, y: 10 });
-    note.textContent = `pixels, logarithmic${unplaced(shown)}`;
-    const below = [note, outline, ...band(shown, width), ...colorBar(shown, width), ticks(shown, width), ...pointer(shown, width), grip];
+    section.querySelector(".hint").textContent = `Pixels, on a logarithmic scale${unplaced(shown)}`;
+    const below = [outline, ...band(shown, width), ...colorBar(shown, width), ticks(shown, width), ...pointer(shown, width), grip];
     // The handles stay where they are, or they would lose the focus.
     for (const old of Array.from(root.children)) if (!handles.includes(old)) old.remove();
     if (!handles[0].isConnected) root.append(...handles);
@@ -88,10 +92,10 @@ function createRuler(section, { onScale, onMark }) {
   };
 }
 
-/** A handle on the colour bar; `at` tells its position, `move` changes it. */
+/** A handle on the color bar; `at` tells its position, `move` changes it. */
 function createHandle(end, { positionAt, at, move }) {
   const handle = svg("g", { class: "handle", tabindex: 0, role: "slider" });
-  handle.setAttribute("aria-label", end === "low" ? "Low end of the colours" : "High end of the colours");
+  handle.setAttribute("aria-label", end === "low" ? "Low end of the colors" : "High end of the colors");
   handle.append(svg("path", { d: "M0 -3 L8 7 V22 H-8 V7 Z" }));
   handle.addEventListener("pointerdown", (event) => {
     handle.setPointerCapture(event.pointerId);
@@ -117,11 +121,11 @@ function bars(shown, width) {
   const { field, axis } = shown;
   const n_values = axis.high - axis.low;
   const n_bins = field.whole && !axis.log && n_values < 400 ? n_values : Math.min(240, Math.round(width / 3));
-  if (shown.bins?.length !== n_bins) shown.bins = histogram(field, axis, n_bins);
-  const highest = Math.log1p(shown.bins.reduce((most, n) => Math.max(most, n), 1));
+  if (shown.bins?.counts.length !== n_bins) shown.bins = histogram(field, axis, n_bins);
+  const highest = Math.log1p(shown.bins.counts.reduce((most, n) => Math.max(most, n), 1));
   const gap = n_bins < 40 ? 2 : 0;
   let path = "";
-  shown.bins.forEach((n, i) => {
+  shown.bins.counts.forEach((n, i) => {
     if (n === 0) return;
     const height = Math.max(1.5, (Math.log1p(n) / highest) * (BARS_HEIGHT - 6));
     const [from, to] = [MARGIN + (i * width) / n_bins, MARGIN + ((i + 1) * width) / n_bins - gap];
@@ -131,10 +135,14 @@ function bars(shown, width) {
 }
 
 /** What the axis has no place for. */
-function unplaced(shown) {
-  const n = shown.field.values.length - shown.bins.reduce((sum, n) => sum + n, 0);
-  const why = shown.axis.log ? "have no value above 0" : "have no value";
-  return n === 0 ? "" : `; ${format(n)} grey ones ${why}`;
+function unplaced({ field, axis, bins: { counts, n_below, n_above } }) {
+  const n = field.values.length - n_below - n_above - counts.reduce((sum, n) => sum + n, 0);
+  const why = axis.log ? "have no value above 0" : "have no value";
+  const parts = [];
+  if (n_below) parts.push(`${format(n_below)} are lower`);
+  if (n_above) parts.push(`${format(n_above)} are higher, up to ${format(extent(field).high, field.name)}`);
+  if (n) parts.push(`${format(n)} gray ones ${why}`);
+  return parts.map((part) => `; ${part}`).join("");
 }
 
 function colorBar(shown, width) {
@@ -173,7 +181,11 @@ function band({ mark, axis, field }, width) {
 
 function pointer({ axis, probed }, width) {
   const position = axis.position(probed);
-  if (!(position >= 0 && position <= 1)) return [];
-  const x = MARGIN + position * width;
-  return [svg("line", { class: "pointer", x1: x, x2: x, y1: 0, y2: BAR_TOP + BAR_HEIGHT })];
+  if (Number.isNaN(position)) return [];
+  const x = MARGIN + Math.max(0, Math.min(1, position)) * width;
+  const line = svg("line", { class: "pointer", x1: x, x2: x, y1: 0, y2: BAR_TOP + BAR_HEIGHT });
+  if (position >= 0 && position <= 1) return [line];
+  // An arrow to what is beyond the end.
+  const tip = position < 0 ? -10 : 10;
+  return [line, svg("path", { class: "pointer", d: `M${x} 8 h${tip} m${-tip / 2} -4 l${tip / 2} 4 l${-tip / 2} 4` })];
 }

@@ -71,31 +71,50 @@ function hasPositive(field) {
   return extent(field).positive < Infinity;
 }
 
-/** How many values fall into each of equal pieces of an axis. */
+/** How many values fall into each of equal pieces of an axis, and how many are
+ * beyond its ends. */
 function histogram({ values }, axis, n_bins) {
   const counts = new Uint32Array(n_bins);
+  let [n_below, n_above] = [0, 0];
   for (const value of values) {
     const position = axis.position(value);
-    if (position >= 0 && position <= 1) counts[Math.min(n_bins - 1, Math.floor(position * n_bins))]++;
+    if (position < 0) n_below++;
+    else if (position > 1) n_above++;
+    else if (position >= 0) counts[Math.min(n_bins - 1, Math.floor(position * n_bins))]++;
   }
-  return counts;
+  return { counts, n_below, n_above };
 }
 
-/** The colours' range at first: one value in two hundred is outside at each
- * end, so that interrupted pixels do not flatten the rest. */
+const sorted = new WeakMap();
+
+/** A field's numbers, ascending; sorted when they are first asked for. */
+function sortedValues({ values }) {
+  if (!sorted.has(values)) sorted.set(values, Float64Array.from(values).filter(Number.isFinite).sort());
+  return sorted.get(values);
+}
+
+/** The range that leaves one value in two hundred outside at each end, so that
+ * interrupted pixels do not flatten the rest; all of the axis if it is empty. */
 function fitted(field, axis) {
-  const n_bins = 4096;
-  const counts = histogram(field, axis, n_bins);
-  const n_outside = counts.reduce((sum, n) => sum + n, 0) / 200;
-  const firstWithin = (bins) => {
-    let sum = 0;
-    return bins.findIndex((n) => (sum += n) > n_outside);
-  };
-  const first = firstWithin(counts);
-  const last = n_bins - 1 - firstWithin(counts.slice().reverse());
-  let [low, high] = [axis.value(first / n_bins), axis.value((last + 1) / n_bins)];
-  if (field.whole) [low, high] = [Math.ceil(low), Math.floor(high)];
-  return first < last && low < high ? new Scale(low, high, axis.log) : axis;
+  const all = sortedValues(field);
+  const values = axis.log ? all.subarray(all.findIndex((value) => value > 0)) : all;
+  const n_outside = Math.floor(values.length / 200);
+  const [low, high] = [values[n_outside], values[values.length - 1 - n_outside]];
+  return low < high ? new Scale(low, high, axis.log) : axis;
+}
+
+/** The axis of all values, or where outliers take more than half of it, one for
+ * the rest. */
+function unsqueezed(field, axis) {
+  const { names, group } = described(field.name);
+  if (names || group === "Work") return axis;
+  const middle = fitted(field, axis);
+  const [from, to] = [middle.low, middle.high].map((value) => axis.position(value));
+  if (to - from > 0.5) return axis;
+  const room = 0.03 * (to - from);
+  let [low, high] = [from - room, to + room].map((at) => axis.value(Math.max(0, Math.min(1, at))));
+  if (field.whole && !axis.log) [low, high] = [Math.ceil(low) - 0.5, Math.floor(high) + 0.5];
+  return new Scale(low, high, axis.log);
 }
 
 /** The table's color at each value, 0xAABBGGRR; grey without a place. */

@@ -54,7 +54,7 @@ async function createTable(section, { onPick }) {
     if (name === "name") {
       const button = element("button", { type: "button", title: "mark its pixels" }, row[column("name")] || "unnamed");
       button.addEventListener("click", () => onPick(valueOf(row, "kind"), valueOf(row, "id"), row[column("name")]));
-      return element("td", {}, button);
+      return element("td", { class: "words" }, button);
     }
     const number = element("data", { value: row[column(name)] }, format(valueOf(row, name), name));
     const made = element("td", { class: "number" }, number);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{rendered, viewed};
+use super::{rendered, rendered_at, viewed};
 use crate::common::{assert_success, raycost};
 
 /// What `raycost view` says when it refuses a folder.
@@ -77,4 +77,58 @@ fn an_output_that_is_not_whole_is_refused() {
     fs::write(&frame, &bytes).unwrap();
     fs::write(folder.path().join("objects.csv"), "kind,id\nobject\n").unwrap();
     assert!(refusal(folder.path()).contains("objects.csv"));
+}
+
+#[test]
+fn a_page_keeps_to_the_size_that_is_asked_for() {
+    let folder = rendered_at([300, 200], "seed_extended", &["--cost", "counters"]);
+    let page = folder.path().join("small.html");
+    let view = |megabytes: &str| {
+        let mut command = raycost();
+        command
+            .arg("view")
+            .arg(folder.path())
+            .arg("--out")
+            .arg(&page);
+        command.arg("--max-mb").arg(megabytes).output().unwrap()
+    };
+    let whole = fs::metadata(viewed(folder.path())).unwrap().len();
+    assert!(whole > 400_000, "{whole}");
+    for n_bytes in [390_000, 200_000, 120_000] {
+        let output = view(&(f64::from(n_bytes) / 1e6).to_string());
+        assert_success(&output);
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(
+            said.contains("evenly spread; their values are exact"),
+            "{said}"
+        );
+        let written = fs::metadata(&page).unwrap().len();
+        let room = u64::from(n_bytes as u32);
+        // Not needlessly small, either.
+        assert!(
+            written <= room && written > room * 3 / 4,
+            "{written} of {room}"
+        );
+    }
+    // Enough room changes nothing.
+    assert_success(&view("10"));
+    assert_eq!(fs::metadata(&page).unwrap().len(), whole);
+
+    fs::remove_file(&page).unwrap();
+    let output = view("0.02");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!page.exists());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("no page of this output has at most 20 kB"),
+        "{said}"
+    );
+    let (_, advised) = said.split_once("give `--max-mb ").unwrap();
+    assert_success(&view(advised.split_once('`').unwrap().0));
+    for wrong in ["0", "-1", "much", "NaN"] {
+        let output = view(wrong);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains("expected a number above 0"), "{said}");
+    }
 }

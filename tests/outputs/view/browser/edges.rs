@@ -100,11 +100,18 @@ fn a_large_rendering_is_thinned_out_and_says_so() {
     let arrays = arrays(folder.path());
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     let notes = browser.text("#notes");
+    assert!(notes.contains("2,400 x 1,600 pixels"), "{notes}");
     assert!(
-        notes.contains("2,400 x 1,600 pixels") && notes.contains("1,200 x 800"),
+        notes.contains("hit points: those of these pixels"),
         "{notes}"
     );
-    assert!(notes.contains("hit points, chosen by a hash"), "{notes}");
+    let [width, height] = [0, 1].map(|axis| {
+        let n = browser.value(&format!(
+            "JSON.parse(document.getElementById('about').textContent).size[{axis}]"
+        ));
+        n.as_u64().unwrap()
+    });
+    assert!(width * height > 2_000_000 && width * height <= 1920 * 1080);
     point_at_share(&mut browser, 0.431, 0.507);
     let title = browser.text("#probe h2");
     let (x, y) = title
@@ -117,6 +124,26 @@ fn a_large_rendering_is_thinned_out_and_says_so() {
     let distance = array(&arrays, "distance").values.at(y * 2400 + x);
     assert_eq!(probed(&mut browser, "distance"), [distance]);
     browser.screenshot("large", true);
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn every_point_of_a_picture_that_is_whole_is_in_the_cloud() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.yaml");
+    fs::write(
+        &scene,
+        small_scene("{ center: [0, 0, 0], radius: 10 }", "plain"),
+    )
+    .unwrap();
+    // 440,000 of them: more than the 400,000 that were the limit.
+    let flags = ["--width", "800", "--height", "550"];
+    render(&scene, folder.path(), &flags);
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    assert_eq!(browser.text("#notes"), "");
+    let cloud = browser.value("JSON.parse(document.getElementById('about').textContent).cloud");
+    assert_eq!(cloud, json!({ "n": 440_000, "n_all": 440_000 }));
     browser.assert_calm();
 }
 

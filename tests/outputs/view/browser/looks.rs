@@ -46,6 +46,8 @@ fn all_of_it_works_by_keyboard() {
     for name in [
         "mark-from",
         "mark-to",
+        "pin",
+        "range-",
         "fit",
         "clear",
         "Hit points",

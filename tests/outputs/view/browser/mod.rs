@@ -1,6 +1,7 @@
 //! The page in a real browser.
 
 mod edges;
+mod hands;
 mod looks;
 mod values;
 
