@@ -40,23 +40,57 @@ impl SystemWork {
     }
 }
 
-/// The most memory that the process has had at a time; `None` where nobody
-/// knows.
-#[cfg(unix)]
+/// The most physical memory that this program has had at a time, in bytes;
+/// `None` where the system does not say.
+///
+/// Not `getrusage`: on Linux its `ru_maxrss` survives `exec`, and so is at
+/// least that of the program which started this one.
+#[cfg(target_os = "linux")]
 pub(super) fn peak_memory_bytes() -> Option<u64> {
-    // In KiB, but for macOS, which has bytes: getrusage(2) of each.
-    let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
-    Some(u64::try_from(usage()?.max_rss()).ok()? * unit)
+    peak_of_status(&std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
-/// Nobody knows.
-#[cfg(not(unix))]
+/// The most physical memory that this program has had at a time, in bytes;
+/// `None` where the system does not say. On macOS each program is a task of its
+/// own, with a maximum of its own.
+#[cfg(target_os = "macos")]
+pub(super) fn peak_memory_bytes() -> Option<u64> {
+    u64::try_from(usage()?.max_rss()).ok()
+}
+
+/// `None`: this system is not asked.
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
 pub(super) fn peak_memory_bytes() -> Option<u64> {
     None
+}
+
+/// The peak of the resident set in bytes, by the text of `/proc/PID/status`:
+/// proc_pid_status(5).
+#[cfg(target_os = "linux")]
+fn peak_of_status(status: &str) -> Option<u64> {
+    let peak = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: u64 = peak.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kib << 10)
 }
 
 #[cfg(unix)]
 fn usage() -> Option<nix::sys::resource::Usage> {
     use nix::sys::resource::{UsageWho, getrusage};
     getrusage(UsageWho::RUSAGE_SELF).ok()
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_peak_is_read_as_linux_writes_it() {
+        let status = "Name:\traycost\nVmPeak:\t  456096 kB\nVmHWM:\t   12345 kB\nVmRSS:\t 11 kB\n";
+        assert_eq!(peak_of_status(status), Some(12345 << 10));
+        // A thread of the kernel has none.
+        assert_eq!(peak_of_status("Name:\tkthreadd\n"), None);
+        assert!(peak_memory_bytes().is_some_and(|bytes| bytes > 1 << 20));
+    }
 }
