@@ -134,7 +134,7 @@ impl Study {
         let start = Instant::now();
         let budget = self.plan.time_budget_s.map(Duration::from_secs_f32);
         for (n_done, turn) in todo.iter().enumerate() {
-            if budget.is_some_and(|budget| start.elapsed() > budget) {
+            if budget.is_some_and(|budget| start.elapsed() >= budget) {
                 bar.clear();
                 return Ok(todo.len() - n_done);
             }

@@ -57,7 +57,6 @@ fn diff(folder: &Path, arguments: &[&str]) -> Output {
         .arg("diff")
         .args(arguments)
         .current_dir(folder)
-        .env_remove("CLICOLOR_FORCE")
         .output()
         .unwrap()
 }

@@ -3,16 +3,15 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use crate::common::in_repository;
 
 /// Runs the program in a folder.
 fn raycost(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_raycost"))
+    crate::common::raycost()
         .args(arguments)
         .current_dir(folder)
-        .env_remove("CLICOLOR_FORCE")
         .output()
         .unwrap()
 }

@@ -56,12 +56,17 @@ fn a_time_is_printed_where_it_is_measured() {
     let out = tempfile::tempdir().unwrap();
     let printed = trace("seed_extended", out.path(), &["--pixel=290,190"]);
     let header = printed.lines().next().unwrap();
-    assert!(header.contains("tests    time"), "{printed}");
-    let times = printed
-        .lines()
-        .filter(|line| line.contains(" ns  "))
-        .count();
-    assert_eq!(times, 6, "{printed}");
+    assert!(header.split_whitespace().any(|word| word == "time"));
+    // Fast machines take nanoseconds, slow or busy ones seconds.
+    let is_time = |pair: &[&str]| {
+        pair[0].parse::<f64>().is_ok() && ["ns", "µs", "ms", "s"].contains(&pair[1])
+    };
+    let has_time = |line: &&str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        words.windows(2).any(is_time)
+    };
+    // Five rays and their sum.
+    assert_eq!(printed.lines().filter(has_time).count(), 6, "{printed}");
 }
 
 #[test]

@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use tungstenite::{Error, Message, WebSocket};
 
-/// How long anything may take.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// A browser that takes longer hangs, however slow and busy the machine is.
+const PATIENCE: Duration = Duration::from_secs(1800);
 
 /// A browser with one page.
 pub struct Chromium {

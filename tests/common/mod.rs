@@ -27,9 +27,18 @@ pub fn in_repository(path: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// The program itself.
+/// The program itself, whatever the environment says of colors and threads.
 pub fn raycost() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_raycost"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raycost"));
+    for variable in [
+        "CLICOLOR",
+        "CLICOLOR_FORCE",
+        "NO_COLOR",
+        "RAYON_NUM_THREADS",
+    ] {
+        command.env_remove(variable);
+    }
+    command
 }
 
 /// Fails with all that the program said if it did not succeed.

@@ -110,12 +110,9 @@ fn one_thread_takes_the_tiles_in_their_order() {
     let tiles_in_order = |order| {
         let (_, schedule) = rendered(&tiled("seed_extended", order, 16), 1, Simd::best());
         let mut runs: Vec<_> = (0..).zip(&schedule.runs).collect::<Vec<(usize, _)>>();
-        runs.sort_by_key(|(_, run)| run.start_ns);
-        assert!(
-            runs.iter()
-                .map(|(_, run)| run.position)
-                .eq(0..runs.len() as u32)
-        );
+        // Two may start at the same time, as far as a coarse clock knows.
+        runs.sort_by_key(|(_, run)| run.position);
+        assert!(runs.is_sorted_by_key(|(_, run)| run.start_ns));
         runs.into_iter()
             .map(|(tile, run)| (tile, run.counted))
             .collect::<Vec<_>>()

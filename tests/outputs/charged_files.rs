@@ -323,8 +323,10 @@ fn the_rows_of_the_table_sum_up_to_the_summary() {
             for column in ["rays", "node_visits", "primitive_tests"] {
                 assert_eq!(sum("all", column), totals[column].as_f64().unwrap());
             }
-            let time_ns = sum("all", "time_ns") / totals["time_ns"].as_f64().unwrap();
-            assert!((time_ns - 1.0).abs() < 1e-5, "{time_ns}");
+            let time_ns = totals["time_ns"].as_f64().unwrap();
+            // The table has whole nanoseconds.
+            let rounding = 0.5 * group("all").len() as f64 + 1e-6 * time_ns;
+            assert!((sum("all", "time_ns") - time_ns).abs() <= rounding);
             for ray_kind in ["camera", "shadow", "reflection", "refraction"] {
                 let rays = totals[format!("{ray_kind}_rays")].as_f64().unwrap();
                 assert_eq!(sum(ray_kind, "rays"), rays);
