@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::{Accel, Hit, ShadowRay, Step};
+use crate::accel::{Accel, Hit, ShadowRay, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use crate::geometry::Ray;
 use crate::scene::{MaterialId, ObjectId, Scene};
@@ -85,14 +85,14 @@ impl<'a> Tracer<'a> {
 
     /// The hit that [`trace`](Self::trace) finds, with every step of the ray
     /// added to `steps`.
-    pub fn watch(&self, ray: &Ray, steps: &mut Vec<Step>) -> Option<Hit> {
-        self.accel.watch_nearest(ray, steps)
+    pub fn record(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
+        self.accel.record_nearest(ray, steps)
     }
 
     /// The hit that [`is_shadowed`](Self::is_shadowed) finds, with every step of
     /// the ray added to `steps`.
-    pub fn watch_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<Step>) -> Option<Hit> {
-        self.accel.watch_occluded(shadow, steps)
+    pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
+        self.accel.record_occluded(shadow, steps)
     }
 
     /// The nearest hits of many rays: `hits` becomes one entry a ray. The probes

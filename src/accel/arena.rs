@@ -1,31 +1,30 @@
-//! The memory of a hierarchy, checked once, so that rays need not check.
-#![expect(
-    unsafe_code,
-    reason = "a check at every node costs a twentieth of the time"
-)]
+//! The memory of a hierarchy, checked once, so that traversals need no checks.
+#![expect(unsafe_code, reason = "a check at every node costs 5 % of the time")]
 
-use super::layout::{self, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, Line, NODE_LINES, Node, Word};
+use super::layout::{
+    self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, NODE_LINES, Node, NodeRef,
+};
 use super::simd::N_LANES;
 use crate::geometry::Aabb;
 
-/// Lines in which all words that a ray can come across name whole nodes and
-/// leaves.
+/// Cache lines in which every reference that a traversal can reach refers to a
+/// whole node or leaf.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Arena {
     /// The root first; empty if there are no primitives.
-    lines: Vec<Line>,
-    /// The boxes' largest coordinate in magnitude.
+    lines: Vec<CacheLine>,
+    /// The largest magnitude of a coordinate of the boxes.
     largest: f32,
 }
 
 impl Arena {
-    /// Checks the lines of a hierarchy within these bounds.
+    /// Checks the cache lines of a hierarchy within these bounds.
     ///
     /// # Panics
-    /// If a word names what is not there.
-    pub(super) fn new(lines: Vec<Line>, bounds: Aabb) -> Self {
+    /// If a reference points outside the lines.
+    pub(super) fn new(lines: Vec<CacheLine>, bounds: Aabb) -> Self {
         if !lines.is_empty() {
-            check(&lines, Word::ROOT);
+            check(&lines, NodeRef::ROOT);
         }
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         Self { lines, largest }
@@ -36,62 +35,63 @@ impl Arena {
         self.lines.is_empty()
     }
 
-    /// The boxes' largest coordinate in magnitude.
+    /// The largest magnitude of a coordinate of the boxes.
     pub(super) fn largest(&self) -> f32 {
         self.largest
     }
 
-    /// All lines.
-    pub(super) fn lines(&self) -> &[Line] {
+    /// All cache lines.
+    pub(super) fn lines(&self) -> &[CacheLine] {
         &self.lines
     }
 
-    /// The node that a word names.
+    /// The node of a reference.
     ///
     /// # Safety
-    /// The word names a node: the root of this arena, which is not empty, or a
-    /// child of one of its nodes.
+    /// The reference is to a node: the root of this arena, which is not empty, or
+    /// a child of one of its nodes.
     #[inline(always)]
-    pub(super) unsafe fn node(&self, word: Word) -> &Node {
-        debug_assert!(word.line() + NODE_LINES <= self.lines.len());
-        // SAFETY: `check` found the node whole; a line is aligned as a node is,
-        // which may have any bits.
-        unsafe { &*self.lines.as_ptr().add(word.line()).cast() }
+    pub(super) unsafe fn node(&self, node_ref: NodeRef) -> &Node {
+        debug_assert!(node_ref.line() + NODE_LINES <= self.lines.len());
+        // SAFETY: `check` made sure that the whole node is within the lines. A
+        // line has the alignment of a node, for which all bits are valid.
+        unsafe { &*self.lines.as_ptr().add(node_ref.line()).cast() }
     }
 
-    /// The leaf that a word names.
+    /// The leaf of a reference.
     ///
     /// # Safety
-    /// The word names a leaf, as a child of one of this arena's nodes.
+    /// The reference is to a leaf that is a child of one of this arena's nodes.
     #[inline(always)]
-    pub(super) unsafe fn leaf(&self, word: Word) -> Leaf<'_> {
-        debug_assert!(word.line() + LEAF_WINDOW_LINES <= self.lines.len());
-        // SAFETY: `check` found so many lines; numbers may have any bits.
-        let numbers = unsafe { &*self.lines.as_ptr().add(word.line()).cast() };
+    pub(super) unsafe fn leaf(&self, node_ref: NodeRef) -> Leaf<'_> {
+        debug_assert!(node_ref.line() + LEAF_WINDOW_LINES <= self.lines.len());
+        // SAFETY: `check` made sure that the window is within the lines. All bits
+        // are valid for numbers.
+        let numbers = unsafe { &*self.lines.as_ptr().add(node_ref.line()).cast() };
         Leaf {
             numbers,
-            n: word.leaf_size(),
+            n: node_ref.leaf_size(),
         }
     }
 
-    /// Where what a word names begins.
+    /// The address of a node or leaf.
     #[inline(always)]
-    pub(super) fn address(&self, word: Word) -> *const Line {
-        self.lines.as_ptr().wrapping_add(word.line())
+    pub(super) fn address(&self, node_ref: NodeRef) -> *const CacheLine {
+        self.lines.as_ptr().wrapping_add(node_ref.line())
     }
 }
 
-/// Makes sure that all below a node lies within the lines. Words lead forward,
-/// so that there is an end to it.
-fn check(lines: &[Line], word: Word) {
-    let node = layout::node(lines, word);
+/// Makes sure that the subtree below a node lies within the lines. References
+/// point forward, so that the recursion ends.
+fn check(lines: &[CacheLine], node_ref: NodeRef) {
+    let node = layout::node(lines, node_ref);
     for &child in &node.children[..node.n_children()] {
-        let child = Word(child);
-        assert!(child.line() > word.line(), "words lead forward");
+        let child = NodeRef(child);
+        assert!(child.line() > node_ref.line(), "references point forward");
         if child.is_leaf() {
             assert!(
                 child.line() + LEAF_WINDOW_LINES <= lines.len(),
-                "leaves end"
+                "leaves lie within the arena"
             );
         } else {
             check(lines, child);
@@ -103,26 +103,26 @@ fn check(lines: &[Line], word: Word) {
 #[derive(Clone, Copy)]
 pub(super) struct Leaf<'a> {
     numbers: &'a [f32; LEAF_WINDOW],
-    /// How many primitives it has, from 1 to 8.
+    /// The number of primitives, from 1 to 8.
     n: usize,
 }
 
 impl Leaf<'_> {
-    /// How many primitives it has, from 1 to 8.
+    /// The number of primitives, from 1 to 8.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.n
     }
 
-    /// Row `i`, and what follows it.
+    /// Row `i`, and the numbers that follow it.
     #[inline(always)]
     pub(super) fn row(&self, i: usize) -> &[f32; N_LANES] {
-        // The mask changes nothing, and spares a check.
+        // The mask changes nothing and avoids a bounds check.
         let row = self.numbers[(self.n * i) & 127..].first_chunk();
-        row.expect("the window is larger than 127 and a row")
+        row.expect("the window extends a row beyond number 127")
     }
 
-    /// The index of the primitive in a lane, after so many rows of numbers.
+    /// The index of the primitive in a lane; `n_rows` rows precede the indices.
     #[inline(always)]
     pub(super) fn primitive(&self, n_rows: usize, lane: usize) -> u32 {
         self.row(n_rows)[lane % N_LANES].to_bits() & !ID_BIT

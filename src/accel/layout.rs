@@ -1,15 +1,15 @@
-//! How the hierarchy lies in memory: an arena of cache lines.
+//! The memory layout of the hierarchy: an arena of cache lines.
 //!
-//! A node is four lines: the boxes of up to eight children as six rows of
-//! eight numbers, and a [`Word`] for each child. After the node come its
-//! leaves, then the nodes below it, depth first.
+//! A node is four cache lines: the boxes of up to eight children as six rows of
+//! eight numbers, and a [`NodeRef`] per child. The leaves of a node follow it,
+//! then the nodes below it, in depth-first order.
 //!
 //! A leaf of `n` primitives is a block of rows of `n` numbers: for triangles
-//! the coordinates of the three corners, for spheres
-//! those of the centre and the squared radius; then the primitives' indices,
-//! ascending. Eight lanes load a row in one go and what follows it with it, so
-//! that lanes from `n` on hold numbers of no meaning. None of them is
-//! subnormal, which would slow down arithmetic: hence [`ID_BIT`].
+//! the coordinates of the three vertices, for spheres the coordinates of the
+//! center and the squared radius; then the indices of the primitives, ascending.
+//! A load of eight lanes reads a row and the numbers behind it, so that the
+//! lanes from `n` on have no meaning. None of them is subnormal, which would
+//! slow down arithmetic: hence [`ID_BIT`].
 
 use bytemuck::{Pod, Zeroable};
 
@@ -20,40 +20,42 @@ use crate::scene::Primitive;
 /// A cache line.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Line([f32; 16]);
+pub(super) struct CacheLine([f32; 16]);
 
-/// Lines of a [`Node`].
-pub(super) const NODE_LINES: usize = size_of::<Node>() / size_of::<Line>();
-/// Lines that are there from the start of each leaf; the largest has five.
+/// Cache lines of a [`Node`].
+pub(super) const NODE_LINES: usize = size_of::<Node>() / size_of::<CacheLine>();
+/// Cache lines that may be read from the start of each leaf on; the largest leaf
+/// has five.
 pub(super) const LEAF_WINDOW_LINES: usize = 9;
-/// Numbers in those lines.
+/// Numbers in that window.
 pub(super) const LEAF_WINDOW: usize = LEAF_WINDOW_LINES * 16;
-/// Most primitives in a leaf.
+/// Greatest number of primitives in a leaf.
 pub(super) const MAX_LEAF: usize = N_LANES;
 /// Rows of a triangle leaf before the indices.
 pub(super) const TRIANGLE_ROWS: usize = 9;
 /// Rows of a sphere leaf before the indices.
 pub(super) const SPHERE_ROWS: usize = 4;
-/// Set in the indices of leaves: read as a number they are then normal.
+/// Set in the indices of leaves: as floating-point numbers they are normal.
 pub(super) const ID_BIT: u32 = 1 << 30;
 
-/// Up to eight boxes; those that are not there are empty.
+/// A node: the boxes of up to eight children. Missing children have empty boxes.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Least coordinates of the children, a row for each axis.
+    /// Least coordinates of the children's boxes, one row per axis.
     pub(super) min: [[f32; N_LANES]; 3],
-    /// Greatest coordinates of the children, a row for each axis.
+    /// Greatest coordinates of the children's boxes, one row per axis.
     pub(super) max: [[f32; N_LANES]; 3],
-    /// What the children are, as [`Word`]s.
+    /// The children, as the bits of [`NodeRef`]s.
     pub(super) children: [u32; N_LANES],
-    /// In bits `3 * octant..` of entry `i`: the child that comes at place `i`
-    /// for rays into that octant, the farthest first.
+    /// The children sorted from far to near, for each octant of ray directions:
+    /// the three bits from `3 * octant` on of entry `i` are the lane of child
+    /// number `i` in that order.
     pub(super) order: [u32; N_LANES],
 }
 
 impl Node {
-    /// No child at all: boxes that no ray enters.
+    /// A node without children: no ray enters its boxes.
     pub(super) const EMPTY: Self = Self {
         min: [[f32::INFINITY; N_LANES]; 3],
         max: [[f32::NEG_INFINITY; N_LANES]; 3],
@@ -61,12 +63,12 @@ impl Node {
         order: [0; N_LANES],
     };
 
-    /// The row of the boxes' coordinates that begins at number `start`: from 0
-    /// to 16 those of `min`, from 24 to 40 those of `max`.
+    /// The row of coordinates that begins at number `start`: 0, 8 and 16 are
+    /// those of `min`, 24, 32 and 40 those of `max`.
     #[inline(always)]
     pub(super) fn row(&self, start: usize) -> &[f32; N_LANES] {
         let numbers: &[f32; 64] = bytemuck::cast_ref(self);
-        // The mask changes nothing, and spares a check.
+        // The mask changes nothing and avoids a bounds check.
         let row = numbers[start & 56..].first_chunk();
         row.expect("eight numbers follow the last multiple of eight")
     }
@@ -77,14 +79,14 @@ impl Node {
     }
 }
 
-/// What kind of primitives a leaf holds.
+/// The kind of primitives in a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LeafKind {
-    /// Triangles, tested together.
+    /// Triangles, all tested at once.
     Triangles = 1,
-    /// Spheres, tested together.
+    /// Spheres, all tested at once.
     Spheres = 2,
-    /// Anything, tested one by one.
+    /// Any other shapes, tested one by one.
     Others = 3,
 }
 
@@ -109,7 +111,7 @@ impl LeafKind {
         }
     }
 
-    /// Rows before the indices; `None` where nothing is tested together.
+    /// Number of rows before the indices; `None` for a leaf without rows.
     pub(super) fn n_rows(self) -> Option<usize> {
         match self {
             Self::Triangles => Some(TRIANGLE_ROWS),
@@ -118,11 +120,11 @@ impl LeafKind {
         }
     }
 
-    /// Lines of a leaf of `n` primitives.
+    /// Cache lines of a leaf of `n` primitives.
     pub(super) fn n_lines(self, n: usize) -> usize {
         let len = match self {
             Self::Triangles => (TRIANGLE_ROWS + 1) * n,
-            // The last row is loaded whole, and nothing behind the leaf.
+            // Eight lanes load the last row: they must not read beyond the leaf.
             Self::Spheres => ((SPHERE_ROWS + 1) * n).max((SPHERE_ROWS - 1) * n + N_LANES),
             Self::Others => n,
         };
@@ -130,19 +132,21 @@ impl LeafKind {
     }
 }
 
-/// A child: a node, or a leaf with its kind and size. From the top 2 bits of
-/// kind (0 for a node), 3 bits of size less one, 27 bits of line.
+/// A reference to a node, or to a leaf with its kind and size. From the top: 2
+/// bits for the kind of leaf (0 for a node), 3 bits for its size minus one, 27
+/// bits for the index of its first cache line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Word(pub(super) u32);
+pub(super) struct NodeRef(pub(super) u32);
 
-impl Word {
-    /// The node that the search starts with.
+impl NodeRef {
+    /// The root.
     pub(super) const ROOT: Self = Self(0);
-    /// Lines that a leaf may start in, 8 GiB of them.
+    /// Number of cache lines that a reference can address: 8 GiB.
     pub(super) const MAX_LINES: usize = 1 << 27;
 
-    /// What a ray has come to that has been everywhere: a leaf where the root
-    /// is. It may be prefetched, which is slow for memory that is not there.
+    /// The sentinel for a finished traversal: a leaf at the address of the root.
+    /// The address is valid because the kernel prefetches it; a prefetch of
+    /// unmapped memory is slow.
     pub(super) const END: Self = Self((LeafKind::Others as u32) << 30);
 
     /// The node at this line.
@@ -155,13 +159,13 @@ impl Word {
         Self((kind as u32) << 30 | (n as u32 - 1) << 27 | line)
     }
 
-    /// Whether this is no node.
+    /// Whether this refers to a leaf.
     #[inline(always)]
     pub(super) fn is_leaf(self) -> bool {
         self.0 >> 30 != 0
     }
 
-    /// What the leaf holds.
+    /// The kind of the leaf.
     #[inline(always)]
     pub(super) fn leaf_kind(self) -> LeafKind {
         match self.0 >> 30 {
@@ -177,15 +181,15 @@ impl Word {
         (self.0 >> 27 & 7) as usize + 1
     }
 
-    /// Where it begins.
+    /// The index of its first cache line.
     #[inline(always)]
     pub(super) fn line(self) -> usize {
         (self.0 & (Self::MAX_LINES as u32 - 1)) as usize
     }
 }
 
-/// The node that a word names.
-pub(super) fn node(lines: &[Line], word: Word) -> &Node {
-    let lines = lines[word.line()..].first_chunk::<NODE_LINES>();
-    bytemuck::cast_ref(lines.expect("nodes are whole"))
+/// The node of a reference, with bounds checks.
+pub(super) fn node(lines: &[CacheLine], node_ref: NodeRef) -> &Node {
+    let lines = lines[node_ref.line()..].first_chunk::<NODE_LINES>();
+    bytemuck::cast_ref(lines.expect("nodes lie within the lines"))
 }

@@ -1,19 +1,20 @@
-//! Primitives → the nearest hit, or whether there is one.
+//! Primitives → the nearest hit of a ray, or whether there is any.
 //!
-//! Two structures with the same answers: [`Bvh`], and the brute force that
-//! tests everything and so is the truth that the other is held to. Planes have
-//! no bounds and stay outside the hierarchy. Of two hits at the same distance
-//! the primitive with the lower number counts.
+//! Two structures with the same results: [`Bvh`], and brute force, which tests
+//! every primitive and serves as the reference in tests. Planes have no bounds
+//! and stay outside the hierarchy. Of two hits at the same distance the one on
+//! the primitive with the lower index counts.
 //!
-//! The hierarchy is built (`build`) into an arena of cache lines (`layout`)
-//! that rays go through (`kernel`) with eight lanes (`simd`) for what they
-//! look for (`search`).
+//! `build` writes the hierarchy as cache lines (`layout`, `arena`); `kernel`
+//! traverses it, with eight lanes (`simd`), for a nearest-hit or an any-hit
+//! `search`.
 
 mod simd;
 mod layout;
 mod arena;
+mod hit;
 mod search;
-mod watch;
+mod record;
 mod build;
 mod kernel;
 mod statistics;
@@ -28,69 +29,53 @@ use crate::scene::{ObjectId, Primitive};
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
+pub use hit::{Hit, ShadowRay};
 pub use kernel::RAYS_IN_FLIGHT;
-use kernel::{Batch, Packets, Stream};
+use kernel::{Batch, PacketTraversal, StreamTraversal};
 pub use nodes::BvhNode;
-use search::{Any, Nearest, Query, Search};
+use record::Recorder;
+pub use record::TraversalStep;
+use search::{AnyHit, NearestHit, Query, Search};
 pub use simd::Simd;
 pub use statistics::BvhStatistics;
-pub use watch::Step;
-use watch::Watched;
 
-/// A ray's hit on a primitive.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Parameter along the ray, greater than 0.
-    pub t: f32,
-    /// The primitive's index in the scene.
-    pub primitive: u32,
-}
-
-/// A ray that asks whether anything is in its way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShadowRay {
-    /// The ray, whose direction is a unit vector.
-    pub ray: Ray,
-    /// Only hits with `t` in (0, `t_max`) count.
-    pub t_max: f32,
-    /// An object whose hits do not count.
-    pub ignored: Option<ObjectId>,
-}
-
-/// The structure that finds hits.
+/// An acceleration structure over the primitives of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accel<'a> {
     primitives: &'a [Primitive],
-    /// Primitives to test against every ray: the planes, or all.
-    always: Vec<u32>,
+    /// Primitives outside the hierarchy, tested against every ray: the unbounded
+    /// ones; with brute force, all.
+    unbounded: Vec<u32>,
     bvh: Option<Bvh>,
     simd: Simd,
 }
 
 impl<'a> Accel<'a> {
     /// The structure of this kind over the primitives, at most
-    /// [`Bvh::MAX_PRIMITIVES`], for the best of the machine's instruction sets.
+    /// [`Bvh::MAX_PRIMITIVES`], for the fastest instruction set of the CPU.
     ///
     /// # Panics
-    /// If the hierarchy is too large, which [`build`](Self::build) tells.
+    /// If the hierarchy is too large: where [`build`](Self::build) returns an
+    /// error.
     pub fn new(primitives: &'a [Primitive], kind: Acceleration) -> Self {
         let built = Self::build(primitives, kind, |_| {});
         built.unwrap_or_else(|too_large| panic!("{too_large}"))
     }
 
-    /// Builds the structure, as [`new`](Self::new) does. `report` hears of the
-    /// parts that are done, which add up to 1 at most, from any thread.
+    /// Builds the structure, as [`new`](Self::new) does. Calls `report` with each
+    /// finished share of the build, from any thread; the shares add up to at
+    /// most 1.
     ///
     /// # Errors
-    /// If the hierarchy is larger than 8 GiB, which takes 100 million
-    /// primitives or more.
+    /// If the hierarchy is larger than 8 GiB, which takes at least 100 million
+    /// primitives.
     pub fn build(
         primitives: &'a [Primitive],
         kind: Acceleration,
         report: impl Fn(f64) + Sync,
     ) -> Result<Self, TooLarge> {
         let all = 0..primitives.len() as u32;
-        let (always, bvh) = match kind {
+        let (unbounded, bvh) = match kind {
             Acceleration::BruteForce => (all.collect(), None),
             Acceleration::Bvh(quality) => {
                 let (planes, bounded): (Vec<u32>, Vec<u32>) =
@@ -101,19 +86,19 @@ impl<'a> Accel<'a> {
         };
         Ok(Self {
             primitives,
-            always,
+            unbounded,
             bvh,
             simd: Simd::best(),
         })
     }
 
-    /// The same structure, searched with other instructions: same hits, same
-    /// counters.
+    /// The same structure, traversed with another instruction set: same hits,
+    /// same counters.
     pub fn with_simd(self, simd: Simd) -> Self {
         Self { simd, ..self }
     }
 
-    /// The hierarchy's size; `None` for brute force.
+    /// Size and expected cost of the hierarchy; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
         self.bvh.as_ref().map(Bvh::statistics)
     }
@@ -121,16 +106,16 @@ impl<'a> Accel<'a> {
     /// The nearest hit with `t > 0` of the ray, whose direction is a unit
     /// vector.
     pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut nearest = Nearest::new(self.primitives, ray);
+        let mut nearest = NearestHit::new(self.primitives, ray);
         self.search(ray, &mut nearest, probe);
         nearest.hit()
     }
 
-    /// Whether anything is hit with `t` in (0, `t_max`) that does not belong
-    /// to `ignored`, by the ray, whose direction is a unit vector.
+    /// Whether the ray, whose direction is a unit vector, hits anything with `t`
+    /// in (0, `t_max`) that does not belong to `ignored`.
     ///
-    /// Brute force tests all primitives even after a hit: its count of tests
-    /// is rays times primitives.
+    /// Brute force tests all primitives even after a hit: it counts as many
+    /// tests as there are primitives.
     pub fn occluded<P: Probe>(
         &self,
         ray: &Ray,
@@ -138,40 +123,45 @@ impl<'a> Accel<'a> {
         ignored: Option<ObjectId>,
         probe: &mut P,
     ) -> bool {
-        let mut any = Any::new(self.primitives, ray, t_max, ignored);
+        let mut any = AnyHit::new(self.primitives, ray, t_max, ignored);
         self.search(ray, &mut any, probe);
         any.found
     }
 
-    /// [`nearest`](Self::nearest), with every step of the ray added to `steps`.
-    pub fn watch_nearest(&self, ray: &Ray, steps: &mut Vec<Step>) -> Option<Hit> {
-        let nearest = Nearest::new(self.primitives, ray);
-        let mut watched = Watched::new(nearest, self.primitives, ray, steps);
-        self.search(ray, &mut watched, &mut NoProbe);
-        watched.into_found().0.hit()
+    /// [`nearest`](Self::nearest); appends every step of the traversal to
+    /// `steps`.
+    pub fn record_nearest(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
+        let nearest = NearestHit::new(self.primitives, ray);
+        let mut recorder = Recorder::new(nearest, self.primitives, ray, steps);
+        self.search(ray, &mut recorder, &mut NoProbe);
+        recorder.into_parts().0.hit()
     }
 
-    /// [`occluded`](Self::occluded), with every step of the ray added to
-    /// `steps`; gives the hit that is in the way.
-    pub fn watch_occluded(&self, shadow: &ShadowRay, steps: &mut Vec<Step>) -> Option<Hit> {
+    /// [`occluded`](Self::occluded); appends every step of the traversal to
+    /// `steps` and returns the hit that occludes the ray.
+    pub fn record_occluded(
+        &self,
+        shadow: &ShadowRay,
+        steps: &mut Vec<TraversalStep>,
+    ) -> Option<Hit> {
         let ray = &shadow.ray;
-        let any = Any::new(self.primitives, ray, shadow.t_max, shadow.ignored);
-        let mut watched = Watched::new(any, self.primitives, ray, steps);
-        self.search(ray, &mut watched, &mut NoProbe);
-        watched.into_found().1
+        let any = AnyHit::new(self.primitives, ray, shadow.t_max, shadow.ignored);
+        let mut recorder = Recorder::new(any, self.primitives, ray, steps);
+        self.search(ray, &mut recorder, &mut NoProbe);
+        recorder.into_parts().1
     }
 
-    /// The nodes and leaves of the hierarchy, each before those below it.
+    /// The nodes and leaves of the hierarchy, parents before their children.
     pub fn nodes(&self) -> Vec<BvhNode> {
         self.bvh
             .as_ref()
-            .map(|bvh| nodes::of(bvh.arena()))
+            .map(|bvh| nodes::list(bvh.arena()))
             .unwrap_or_default()
     }
 
-    /// [`nearest`](Self::nearest) of many rays at once: `hits` becomes one entry
-    /// for each ray, and the probe hears of each ray by its index, in any
-    /// order.
+    /// [`nearest`](Self::nearest) of many rays at once. Overwrites `hits` with one
+    /// entry per ray, and reports the counters of each ray to the probe by its
+    /// index, in any order.
     pub fn nearest_stream<P: StreamProbe>(
         &self,
         rays: &[Ray],
@@ -181,8 +171,8 @@ impl<'a> Accel<'a> {
         self.stream(rays, hits, probe);
     }
 
-    /// [`occluded`](Self::occluded) of many rays at once, as
-    /// [`nearest_stream`](Self::nearest_stream) does it.
+    /// [`occluded`](Self::occluded) of many rays at once, in the manner of
+    /// [`nearest_stream`](Self::nearest_stream).
     pub fn occluded_stream<P: StreamProbe>(
         &self,
         rays: &[ShadowRay],
@@ -192,7 +182,7 @@ impl<'a> Accel<'a> {
         self.stream(rays, occluded, probe);
     }
 
-    /// Answers all queries.
+    /// Answers all queries: coherent rays in packets, the others as a stream.
     fn stream<Q: Query, P: StreamProbe>(
         &self,
         queries: &[Q],
@@ -201,11 +191,11 @@ impl<'a> Accel<'a> {
     ) {
         answers.clear();
         answers.resize_with(queries.len(), Q::Answer::default);
-        let nothing = Arena::default();
+        let empty = Arena::default();
         let mut batch = Batch {
-            arena: self.bvh.as_ref().map_or(&nothing, Bvh::arena),
+            arena: self.bvh.as_ref().map_or(&empty, Bvh::arena),
             primitives: self.primitives,
-            always: &self.always,
+            unbounded: &self.unbounded,
             queries,
             answers,
             probe,
@@ -213,21 +203,22 @@ impl<'a> Accel<'a> {
         if queries.is_empty() {
             return;
         }
-        let others = self.simd.run(Packets(batch.reborrow()));
-        if !others.is_empty() {
-            self.simd.run(Stream {
+        let incoherent = self.simd.run(PacketTraversal(batch.reborrow()));
+        if !incoherent.is_empty() {
+            self.simd.run(StreamTraversal {
                 batch,
-                numbers: &others,
+                indices: &incoherent,
             });
         }
     }
 
-    /// Shows what the ray may hit to the search, and tells the probe.
+    /// Tests the search against all primitives that the ray may hit; reports the
+    /// counters to the probe.
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
-        self.always
+        self.unbounded
             .iter()
             .for_each(|&primitive| search.test(primitive));
-        let n_tests = self.always.len() as u32;
+        let n_tests = self.unbounded.len() as u32;
         match &self.bvh {
             Some(bvh) if !search.is_done() => bvh.traverse(self.simd, ray, search, probe, n_tests),
             _ => probe.traversal(0, n_tests),

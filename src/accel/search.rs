@@ -1,12 +1,12 @@
-//! What a ray looks for: its nearest hit, or any.
+//! The two queries about a ray: its nearest hit, and whether there is any.
 
-use super::{Hit, ShadowRay};
+use super::hit::{Hit, ShadowRay};
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
 
-/// A search that a structure shows primitives to.
+/// The state of a query while its ray is traversed.
 pub(super) trait Search {
-    /// Whether near primitives should come before far ones.
+    /// Whether the traversal should visit near children before far ones.
     const NEAREST_FIRST: bool;
     /// Only hits before this parameter count.
     fn limit(&self) -> f32;
@@ -14,38 +14,39 @@ pub(super) trait Search {
     fn is_done(&self) -> bool;
     /// Tests the primitive with this index.
     fn test(&mut self, primitive: u32);
-    /// Whether it wants to hear of each step.
-    const WATCHES: bool = false;
-    /// Hears that the ray has been at the node at this line of the arena, and
-    /// whether it enters a child.
-    fn passed(&mut self, _line: usize, _enters: bool) {}
-    /// Hears that these primitives of the leaf at this line are tested now; none
-    /// where each is told by [`test`](Self::test).
-    fn tested(&mut self, _line: usize, _primitives: impl Iterator<Item = u32>) {}
-    /// Hears of the hit of a primitive, at `t > 0` and before the limit that
-    /// was when a group of primitives was begun.
+    /// Whether the traversal calls [`visit_node`](Self::visit_node) and
+    /// [`visit_leaf`](Self::visit_leaf).
+    const RECORDS: bool = false;
+    /// Called after a visit to the node at this cache line of the arena, with
+    /// whether the ray enters a child.
+    fn visit_node(&mut self, _line: usize, _enters: bool) {}
+    /// Called before the primitives of the leaf at this cache line are tested at
+    /// once; without primitives where [`test`](Self::test) follows for each.
+    fn visit_leaf(&mut self, _line: usize, _primitives: impl Iterator<Item = u32>) {}
+    /// Called for a hit on a primitive, at `t > 0`, and before the limit that
+    /// applied at the start of its group of primitives.
     fn found(&mut self, t: f32, primitive: u32);
 }
 
-/// What is asked about a ray.
+/// A question about a ray.
 pub(super) trait Query {
-    /// How the answer is found.
+    /// The state of its traversal.
     type Search<'a>: Search
     where
         Self: 'a;
     /// The answer.
     type Answer: Default;
-    /// The ray that it is about.
+    /// The ray.
     fn ray(&self) -> &Ray;
     /// The search for the answer among these primitives.
     fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Self::Search<'a>;
-    /// What a search has found.
+    /// The answer that a finished search has found.
     fn answer(search: &Self::Search<'_>) -> Self::Answer;
 }
 
-/// A ray asks for its nearest hit.
+/// The nearest hit of the ray.
 impl Query for Ray {
-    type Search<'a> = Nearest<'a>;
+    type Search<'a> = NearestHit<'a>;
     type Answer = Option<Hit>;
 
     #[inline(always)]
@@ -54,18 +55,19 @@ impl Query for Ray {
     }
 
     #[inline(always)]
-    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Nearest<'a> {
-        Nearest::new(primitives, self)
+    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> NearestHit<'a> {
+        NearestHit::new(primitives, self)
     }
 
     #[inline(always)]
-    fn answer(search: &Nearest) -> Option<Hit> {
+    fn answer(search: &NearestHit) -> Option<Hit> {
         search.hit()
     }
 }
 
+/// Whether the ray is occluded.
 impl Query for ShadowRay {
-    type Search<'a> = Any<'a>;
+    type Search<'a> = AnyHit<'a>;
     type Answer = bool;
 
     #[inline(always)]
@@ -74,27 +76,27 @@ impl Query for ShadowRay {
     }
 
     #[inline(always)]
-    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Any<'a> {
-        Any::new(primitives, &self.ray, self.t_max, self.ignored)
+    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> AnyHit<'a> {
+        AnyHit::new(primitives, &self.ray, self.t_max, self.ignored)
     }
 
     #[inline(always)]
-    fn answer(search: &Any) -> bool {
+    fn answer(search: &AnyHit) -> bool {
         search.found
     }
 }
 
 /// The search for a ray's nearest hit.
-pub(super) struct Nearest<'a> {
+pub(super) struct NearestHit<'a> {
     primitives: &'a [Primitive],
     ray: &'a Ray,
-    /// The hit so far; none is at infinity.
+    /// The nearest hit so far; at infinity if there is none.
     nearest: Hit,
-    /// One step further than the hit so far, so that ties are seen.
+    /// The next number after the `t` of that hit: hits at equal distance count.
     limit: f32,
 }
 
-impl<'a> Nearest<'a> {
+impl<'a> NearestHit<'a> {
     pub(super) fn new(primitives: &'a [Primitive], ray: &'a Ray) -> Self {
         Self {
             primitives,
@@ -114,7 +116,7 @@ impl<'a> Nearest<'a> {
     }
 }
 
-impl Search for Nearest<'_> {
+impl Search for NearestHit<'_> {
     const NEAREST_FIRST: bool = true;
 
     #[inline(always)]
@@ -139,14 +141,14 @@ impl Search for Nearest<'_> {
         let nearest = self.nearest;
         if t < nearest.t || t == nearest.t && primitive < nearest.primitive {
             self.nearest = Hit { t, primitive };
-            // The next greater number, since it is finite and not negative.
+            // The next greater number, since `t` is finite and not negative.
             self.limit = f32::from_bits(t.to_bits() + 1);
         }
     }
 }
 
 /// The search for any hit.
-pub(super) struct Any<'a> {
+pub(super) struct AnyHit<'a> {
     primitives: &'a [Primitive],
     ray: &'a Ray,
     t_max: f32,
@@ -154,7 +156,7 @@ pub(super) struct Any<'a> {
     pub(super) found: bool,
 }
 
-impl<'a> Any<'a> {
+impl<'a> AnyHit<'a> {
     pub(super) fn new(
         primitives: &'a [Primitive],
         ray: &'a Ray,
@@ -171,7 +173,7 @@ impl<'a> Any<'a> {
     }
 }
 
-impl Search for Any<'_> {
+impl Search for AnyHit<'_> {
     const NEAREST_FIRST: bool = false;
 
     #[inline(always)]
@@ -193,7 +195,7 @@ impl Search for Any<'_> {
 
     #[inline(always)]
     fn found(&mut self, _: f32, primitive: u32) {
-        // The primitive is far away in memory: look only if it matters.
+        // The primitive is likely not in the cache: load it only if needed.
         self.found |= match self.ignored {
             None => true,
             ignored => ignored != Some(self.primitives[primitive as usize].object),

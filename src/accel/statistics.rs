@@ -1,80 +1,84 @@
-//! The size of a hierarchy.
+//! Size and expected cost of a hierarchy.
 
 use super::arena::Arena;
-use super::layout::{self, Line, Node, Word};
+use super::layout::{self, CacheLine, Node, NodeRef};
 use crate::geometry::Aabb;
 
-/// Cost of a node, in primitive tests.
-pub(super) const NODE_COST: f64 = 1.0;
+/// Cost of a node in the count SAH: one node visit counts as much as one
+/// primitive test.
+pub(super) const NODE_COUNT: f64 = 1.0;
 
-/// The size of a hierarchy.
+/// Size and expected cost of a hierarchy.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct BvhStatistics {
     /// Nodes of up to eight children.
     pub n_nodes: usize,
     /// Leaves of up to eight primitives.
     pub n_leaves: usize,
-    /// Primitives in all leaves; those that were cut are in several.
+    /// References to primitives in all leaves; a primitive that was split has
+    /// several.
     pub n_references: usize,
-    /// Edges from the root to the deepest leaf.
+    /// Number of edges from the root to the deepest leaf.
     pub depth: usize,
-    /// Expected cost of a ray through the root's box, in primitive tests, by
-    /// the surface area heuristic.
+    /// The count SAH: the expected number of node visits and primitive tests of a
+    /// ray through the root's box, by the surface area heuristic. The build
+    /// minimizes another one, the time SAH, in which a leaf costs the same
+    /// however many primitives are tested at once (`build/collapse.rs`).
     pub sah_cost: f32,
-    /// Memory of nodes and leaves.
+    /// Memory of nodes and leaves, in bytes.
     pub bytes: usize,
-    /// What a ray reads of a node, in bytes; a quarter less where it enters no
+    /// Bytes that a node visit reads; a quarter less where the ray enters no
     /// child.
     pub bytes_per_visit: usize,
-    /// What a ray reads of a leaf for each of its primitives, in bytes: the mean
-    /// over all leaves; 0 if there is none.
+    /// Bytes of a leaf per primitive, which a visit to the leaf reads: the mean
+    /// over all leaves; 0 if there are none.
     pub bytes_per_test: f32,
 }
 
 impl BvhStatistics {
-    /// Of an arena, which may be empty.
+    /// The statistics of an arena, which may be empty.
     pub(super) fn of(arena: &Arena) -> Self {
         let lines = arena.lines();
-        let mut count = Count::default();
+        let mut tally = Tally::default();
         if !lines.is_empty() {
-            let root = layout::node(lines, Word::ROOT);
+            let root = layout::node(lines, NodeRef::ROOT);
             let area = node_bounds(root).surface_area();
-            count.node(lines, Word::ROOT, f64::from(area), 0);
-            count.cost /= f64::from(area).max(f64::MIN_POSITIVE);
+            tally.node(lines, NodeRef::ROOT, f64::from(area), 0);
+            tally.cost /= f64::from(area).max(f64::MIN_POSITIVE);
         }
         Self {
-            n_nodes: count.n_nodes,
-            n_leaves: count.n_leaves,
-            n_references: count.n_references,
-            depth: count.depth,
-            sah_cost: count.cost as f32,
+            n_nodes: tally.n_nodes,
+            n_leaves: tally.n_leaves,
+            n_references: tally.n_references,
+            depth: tally.depth,
+            sah_cost: tally.cost as f32,
             bytes: size_of_val(lines),
             bytes_per_visit: size_of::<Node>(),
-            bytes_per_test: (count.n_leaf_lines * size_of::<Line>()) as f32
-                / count.n_references.max(1) as f32,
+            bytes_per_test: (tally.n_leaf_lines * size_of::<CacheLine>()) as f32
+                / tally.n_references.max(1) as f32,
         }
     }
 }
 
 #[derive(Default)]
-struct Count {
+struct Tally {
     n_nodes: usize,
     n_leaves: usize,
     n_references: usize,
     n_leaf_lines: usize,
     depth: usize,
-    /// Sum of costs times areas.
+    /// Sum of the costs, each times its surface area.
     cost: f64,
 }
 
-impl Count {
-    fn node(&mut self, lines: &[Line], word: Word, area: f64, depth: usize) {
+impl Tally {
+    fn node(&mut self, lines: &[CacheLine], node_ref: NodeRef, area: f64, depth: usize) {
         self.n_nodes += 1;
         self.depth = self.depth.max(depth + 1);
-        self.cost += NODE_COST * area;
-        let node = layout::node(lines, word);
+        self.cost += NODE_COUNT * area;
+        let node = layout::node(lines, node_ref);
         for i in 0..node.n_children() {
-            let child = Word(node.children[i]);
+            let child = NodeRef(node.children[i]);
             let area = f64::from(child_bounds(node, i).surface_area());
             if child.is_leaf() {
                 self.n_leaves += 1;

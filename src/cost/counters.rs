@@ -156,7 +156,7 @@ mod tests {
         let traversals = Traversals {
             node_visits: &[5, 7, 4],
             primitive_tests: &[u32::MAX, 9, 2],
-            told: 0b101,
+            active: 0b101,
         };
         counters.add_traversals(&[1, 2, 0], &traversals);
         counters.add_rays(RayKind::Shadow, 0, 1);

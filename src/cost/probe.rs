@@ -1,21 +1,22 @@
-//! Who listens while rays are traced.
+//! Probes: receivers of the counters of traced rays.
 
 use super::{Cost, Counters, RayKind};
 
-/// Listens to the work on one pixel. Kernels count in locals and report once
-/// a ray.
+/// Receives the counters of one pixel. Kernels count in local variables and
+/// report once per ray.
 pub trait Probe {
-    /// Whether it listens at all.
+    /// Whether it uses what it receives.
     const COUNTS: bool;
     /// A ray starts.
     fn ray(&mut self, kind: RayKind);
-    /// A ray has ended after so many nodes and tests.
+    /// The traversal of a ray has ended, with these numbers of node visits and
+    /// primitive tests.
     fn traversal(&mut self, node_visits: u32, primitive_tests: u32);
-    /// A path has come to this many bounces.
+    /// A path has reached this number of bounces.
     fn bounce(&mut self, depth: u32);
 }
 
-/// Hears nothing and costs nothing.
+/// Ignores everything and costs nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoProbe;
 
@@ -50,41 +51,41 @@ impl Probe for Cost {
     }
 }
 
-/// What the ways of some rays in a row were.
+/// The counters of the traversals of `N` consecutive rays.
 #[derive(Debug, Clone, Copy)]
 pub struct Traversals<'a, const N: usize> {
-    /// Nodes that each has visited.
+    /// Node visits of each ray.
     pub node_visits: &'a [u32; N],
-    /// Primitives that each was tested with.
+    /// Primitive tests of each ray.
     pub primitive_tests: &'a [u32; N],
-    /// A bit each, the first ray's the lowest: whether this is told of it.
-    pub told: u32,
+    /// The active mask: bit `i` is set if the counters of ray `i` are valid.
+    pub active: u32,
 }
 
 impl<const N: usize> Traversals<'_, N> {
-    /// Tells of each ray of which this is told: its index, nodes and tests.
+    /// Calls `visit` with the index, the node visits and the primitive tests of
+    /// each active ray.
     #[inline(always)]
-    pub fn for_each(&self, mut tell: impl FnMut(usize, u32, u32)) {
-        let mut tell = |i: usize| tell(i, self.node_visits[i], self.primitive_tests[i]);
-        if self.told.count_ones() as usize == N {
-            // As good as always: without a branch for each.
-            (0..N).for_each(tell);
+    pub fn for_each(&self, mut visit: impl FnMut(usize, u32, u32)) {
+        let mut visit = |i: usize| visit(i, self.node_visits[i], self.primitive_tests[i]);
+        if self.active.count_ones() as usize == N {
+            // The common case: no branch per ray.
+            (0..N).for_each(visit);
         } else {
-            let mut told = self.told;
-            while told != 0 {
-                tell(told.trailing_zeros() as usize % N);
-                told &= told - 1;
+            let mut active = self.active;
+            while active != 0 {
+                visit(active.trailing_zeros() as usize % N);
+                active &= active - 1;
             }
         }
     }
 }
 
-/// Listens to rays that are traced many at a time.
+/// Receives the counters of rays that are traced many at a time.
 pub trait StreamProbe {
-    /// Whether [`traversals`](Self::traversals) wants to be called.
+    /// Whether [`traversals`](Self::traversals) has to be called.
     const COUNTS: bool;
-    /// Rays of the stream from number `first` on have ended after so many nodes
-    /// and tests.
+    /// The traversals of the rays from index `first` on have ended.
     fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>);
 }
 
@@ -95,20 +96,20 @@ impl StreamProbe for NoProbe {
     fn traversals<const N: usize>(&mut self, _: usize, _: &Traversals<N>) {}
 }
 
-/// Listens to the work on many pixels, which have numbers from 0 on.
+/// Receives the counters of many pixels, numbered from 0.
 pub trait PixelProbe: Default {
-    /// Whether it listens at all.
+    /// Whether it uses what it receives.
     const COUNTS: bool;
-    /// Forgets all, and is ready for so many pixels of so many samples: as many
-    /// camera rays.
+    /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
+    /// rays each.
     fn reset(&mut self, n_pixels: usize, n_samples: u32);
-    /// So many rays of this kind, not the camera's, start for a pixel.
+    /// `n` rays of this kind, other than camera rays, start for a pixel.
     fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
-    /// A ray of each of these pixels has ended after so many nodes and tests.
+    /// The traversal of one ray of each of these pixels has ended.
     fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);
-    /// A path of a pixel has come to this many bounces.
+    /// A path of a pixel has reached this number of bounces.
     fn bounce(&mut self, pixel: usize, depth: u32);
-    /// What it has counted, if it listens.
+    /// The counters, if it counts.
     fn counted(&self) -> Option<&Counters>;
 }
 
@@ -155,7 +156,7 @@ impl PixelProbe for Counters {
     }
 }
 
-/// Passes on what a stream's rays tell, each to its pixel.
+/// Attributes the counters of a stream's rays to their pixels.
 #[derive(Debug)]
 pub struct ByPixel<'a, P> {
     probe: &'a mut P,
@@ -177,7 +178,7 @@ impl<P: PixelProbe> StreamProbe for ByPixel<'_, P> {
         if P::COUNTS {
             let pixels = self.pixels[first..].first_chunk();
             self.probe
-                .traversals(pixels.expect("a pixel a ray"), traversals);
+                .traversals(pixels.expect("one pixel per ray"), traversals);
         }
     }
 }

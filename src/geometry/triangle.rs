@@ -50,7 +50,7 @@ impl Surface for Triangle {
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let shear = Shear::along(ray.direction);
         shear
-            .crossing(self.vertices.map(|vertex| shear.point(ray, vertex)))
+            .intersect(self.vertices.map(|vertex| shear.point(ray, vertex)))
             .filter(|&t| t > 0.0 && t < t_max)
     }
 

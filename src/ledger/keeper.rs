@@ -3,7 +3,7 @@
 use super::Ledger;
 use super::account::{Account, Charge, Hierarchy, Visits, Work};
 use super::tally::{Counter, Tally};
-use crate::accel::{Accel, BvhNode, Hit, Step};
+use crate::accel::{Accel, BvhNode, Hit, TraversalStep};
 use crate::config::{Extra, Image, Outputs};
 use crate::cost::{Clock, RayKind};
 use crate::observe::{Observer, RayTree, TracedRay};
@@ -173,7 +173,7 @@ struct Steps<'a> {
 
 impl Steps<'_> {
     /// Shares a ray's time out to its steps.
-    fn add(&mut self, ray: &TracedRay, steps: &[Step], time_ps: u64) {
+    fn add(&mut self, ray: &TracedRay, steps: &[TraversalStep], time_ps: u64) {
         let n_steps = u64::from(ray.node_visits) + u64::from(ray.primitive_tests);
         // Whole picoseconds that add up to the ray's.
         let mut rest = time_ps.checked_rem(n_steps).unwrap_or(0);
@@ -185,12 +185,14 @@ impl Steps<'_> {
         let mut leaf = None;
         for step in steps {
             match *step {
-                Step::Node { id, hit } => add(&mut self.lines, id, [1, hit.into(), share()]),
-                Step::Leaf { id, hit } => {
+                TraversalStep::Node { id, hit } => {
+                    add(&mut self.lines, id, [1, hit.into(), share()])
+                }
+                TraversalStep::Leaf { id, hit } => {
                     leaf = Some(id);
                     add(&mut self.lines, id, [1, hit.into(), 0]);
                 }
-                Step::Test { primitive, hit } => {
+                TraversalStep::Test { primitive, hit } => {
                     let time_ps = share();
                     add(&mut self.primitives, primitive, [1, hit.into(), time_ps]);
                     // What is outside the hierarchy is tested before all leaves.

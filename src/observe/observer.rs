@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{RayTree, TracedRay};
-use crate::accel::{Accel, Hit, Step};
+use crate::accel::{Accel, Hit, TraversalStep};
 use crate::camera::ImagePlane;
 use crate::config::Image;
 use crate::cost::{Clock, Cost, RayKind};
@@ -110,7 +110,7 @@ impl<'a> Observer<'a> {
         let tracer = &self.view.tracer;
         let ray = start.ray;
         let (cost, time_ns, met) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
-        let watch = |steps: &mut Vec<Step>| tracer.watch(&ray, steps);
+        let watch = |steps: &mut Vec<TraversalStep>| tracer.record(&ray, steps);
         (self.add(start, cost, time_ns, watch, tree), met)
     }
 
@@ -136,7 +136,7 @@ impl<'a> Observer<'a> {
             t_max: shadow.t_max,
         };
         let (cost, time_ns, is_shadowed) = self.timed(|cost| tracer.is_shadowed(shadow, cost));
-        let watch = |steps: &mut Vec<Step>| tracer.watch_shadow(shadow, steps);
+        let watch = |steps: &mut Vec<TraversalStep>| tracer.record_shadow(shadow, steps);
         (self.add(start, cost, time_ns, watch, tree), is_shadowed)
     }
 
@@ -211,7 +211,7 @@ impl<'a> Observer<'a> {
         start: Start,
         cost: Cost,
         time_ns: f32,
-        watch: impl FnOnce(&mut Vec<Step>) -> Option<Hit>,
+        watch: impl FnOnce(&mut Vec<TraversalStep>) -> Option<Hit>,
         tree: &mut RayTree,
     ) -> u32 {
         let first = tree.steps.len();

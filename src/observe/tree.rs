@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::accel::{Hit, Step};
+use crate::accel::{Hit, TraversalStep};
 use crate::cost::{Cost, Probe, RayKind};
 use crate::geometry::Ray;
 
@@ -14,7 +14,7 @@ pub struct RayTree {
     /// Sample after sample; of each, the camera ray first.
     pub rays: Vec<TracedRay>,
     /// What the rays did, ray after ray.
-    pub steps: Vec<Step>,
+    pub steps: Vec<TraversalStep>,
 }
 
 /// One ray and what became of it.
@@ -58,7 +58,7 @@ pub struct TracedRay {
 
 impl RayTree {
     /// The steps of one of its rays.
-    pub fn steps_of(&self, ray: &TracedRay) -> &[Step] {
+    pub fn steps_of(&self, ray: &TracedRay) -> &[TraversalStep] {
         &self.steps[ray.steps.clone()]
     }
 

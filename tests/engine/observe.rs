@@ -4,7 +4,7 @@ use crate::common::scenes::scenes;
 use crate::common::{config, counts, film, rays, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::{Accel, Step};
+use raycost::accel::{Accel, TraversalStep};
 use raycost::config::{Config, CostMode};
 use raycost::cost::{Clock, Cost, Counter, RayKind};
 use raycost::film::Film;
@@ -123,18 +123,19 @@ fn steps_are_what_is_counted() {
         observed(&small(name), |tree, _, _| {
             for ray in &tree.rays {
                 let steps = tree.steps_of(ray);
-                let count = |is: fn(&Step) -> bool| steps.iter().filter(|step| is(step)).count();
+                let count =
+                    |is: fn(&TraversalStep) -> bool| steps.iter().filter(|step| is(step)).count();
                 assert_eq!(
-                    count(|step| matches!(step, Step::Node { .. })),
+                    count(|step| matches!(step, TraversalStep::Node { .. })),
                     ray.node_visits as usize
                 );
                 assert_eq!(
-                    count(|step| matches!(step, Step::Test { .. })),
+                    count(|step| matches!(step, TraversalStep::Test { .. })),
                     ray.primitive_tests as usize
                 );
                 let met = |id| {
                     steps.iter().any(
-                        |step| matches!(step, Step::Test { primitive, hit: true } if *primitive == id),
+                        |step| matches!(step, TraversalStep::Test { primitive, hit: true } if *primitive == id),
                     )
                 };
                 assert!(ray.hit.is_none_or(|hit| met(hit.primitive)), "{name}");

@@ -1,36 +1,34 @@
-//! The chosen tree → lines of the arena.
+//! The collapsed tree → the cache lines of the arena.
 
 use rayon::prelude::*;
 
 use super::TooLarge;
-use super::binary::{BinaryNode, Kind};
+use super::binary::{BinaryNode, BinaryNodeKind};
 use super::collapse::{Forests, Roots, is_leaf};
 use super::order;
 use crate::accel::layout::{
-    ID_BIT, LEAF_WINDOW_LINES, LeafKind, Line, MAX_LEAF, NODE_LINES, Node, Word,
+    CacheLine, ID_BIT, LEAF_WINDOW_LINES, LeafKind, MAX_LEAF, NODE_LINES, Node, NodeRef,
 };
 use crate::geometry::Shape;
 use crate::scene::Primitive;
 
-/// From so many lines on subtrees are written in parallel.
+/// Number of cache lines from which subtrees are written in parallel.
 const PARALLEL: usize = 1 << 14;
 
-/// The arena of the tree: its root, all below it, and lines to spare.
+/// The cache lines of the tree: the root first, and padding at the end, so that
+/// a kernel may load a whole leaf window anywhere.
 pub(super) fn lines(
     nodes: &[BinaryNode],
     whole: &Forests,
     primitives: &[Primitive],
-) -> Result<Vec<Line>, TooLarge> {
-    let mut roots = match is_leaf(&nodes[0]) {
-        true => Roots::alone(),
-        false => Roots::below(nodes),
+) -> Result<Vec<CacheLine>, TooLarge> {
+    let (mut roots, n_lines) = if is_leaf(&nodes[0]) {
+        (Roots::alone(), NODE_LINES + whole.n_lines())
+    } else {
+        (Roots::below(nodes), whole.n_lines())
     };
-    let n_lines = match is_leaf(&nodes[0]) {
-        true => NODE_LINES + whole.n_lines(),
-        false => whole.n_lines(),
-    };
-    if n_lines > Word::MAX_LINES {
-        let bytes = (n_lines * size_of::<Line>()) as u64;
+    if n_lines > NodeRef::MAX_LINES {
+        let bytes = (n_lines * size_of::<CacheLine>()) as u64;
         return Err(TooLarge { bytes });
     }
     let mut lines = bytemuck::zeroed_vec(n_lines + LEAF_WINDOW_LINES);
@@ -38,18 +36,18 @@ pub(super) fn lines(
     Ok(lines)
 }
 
-/// Writes a node, its leaves and all below it. `lines` are its own, from
-/// `first_line` on.
+/// Writes a node and the subtree below it into `lines`, the first of which is
+/// number `first_line` of the arena.
 fn write_node(
     nodes: &[BinaryNode],
     primitives: &[Primitive],
     roots: &mut Roots,
-    lines: &mut [Line],
+    lines: &mut [CacheLine],
     first_line: u32,
 ) {
-    let children = roots.places();
-    // Small ones first: a search without order takes the last one, and a large
-    // one is hit more often.
+    let children = roots.indices();
+    // By ascending size: an unordered traversal visits the last child first, and
+    // a large one is the most likely to be hit.
     let area = |child: &usize| nodes[*child].bounds.surface_area();
     children.sort_by(|a, b| area(a).total_cmp(&area(b)));
     let n_lines = lines.len();
@@ -74,7 +72,7 @@ fn write_node(
     let mut subtrees = [const { None }; 8];
     for (lane, &child) in children.iter().enumerate() {
         if !is_leaf(&nodes[child]) {
-            node.children[lane] = Word::node(line).0;
+            node.children[lane] = NodeRef::node(line).0;
             subtrees[lane] = Some((&nodes[child..], take(&mut rest, &nodes[child]), line));
             line += nodes[child].n_lines;
         }
@@ -82,26 +80,27 @@ fn write_node(
     let write = |(nodes, lines, line)| {
         write_node(nodes, primitives, &mut Roots::below(nodes), lines, line);
     };
-    match n_lines < PARALLEL {
-        true => subtrees.into_iter().flatten().for_each(write),
-        false => subtrees.into_par_iter().flatten().for_each(write),
+    if n_lines < PARALLEL {
+        subtrees.into_iter().flatten().for_each(write);
+    } else {
+        subtrees.into_par_iter().flatten().for_each(write);
     }
     own.copy_from_slice(bytemuck::cast_slice(&[node]));
 }
 
-/// Takes the subtree's lines off.
-fn take<'a>(rest: &mut &'a mut [Line], subtree: &BinaryNode) -> &'a mut [Line] {
+/// Splits the subtree's lines off the front of `rest`.
+fn take<'a>(rest: &mut &'a mut [CacheLine], subtree: &BinaryNode) -> &'a mut [CacheLine] {
     rest.split_off_mut(..subtree.n_lines as usize)
         .expect("the lines were counted")
 }
 
-/// Writes a leaf of all primitives of a subtree.
+/// Writes a leaf with all primitives of a subtree.
 fn write_leaf(
     nodes: &[BinaryNode],
     primitives: &[Primitive],
-    lines: &mut [Line],
+    lines: &mut [CacheLine],
     line: u32,
-) -> Word {
+) -> NodeRef {
     let mut indices = [0; MAX_LEAF];
     let mut n = 0;
     let kind = gather(nodes, &mut indices, &mut n);
@@ -131,11 +130,11 @@ fn write_leaf(
     for (lane, &index) in indices.iter().enumerate() {
         numbers[n_rows * n + lane] = f32::from_bits(index | ID_BIT);
     }
-    Word::leaf(kind, n, line)
+    NodeRef::leaf(kind, n, line)
 }
 
-/// Moves the different ones of ascending numbers to the front; gives how many
-/// they are. (A primitive that was cut may be in a leaf with several parts.)
+/// Removes duplicates from ascending numbers; returns how many are left. (A leaf
+/// may get several parts of a primitive that was split.)
 fn dedup(numbers: &mut [u32]) -> usize {
     let mut n = 0;
     for i in 0..numbers.len() {
@@ -147,16 +146,16 @@ fn dedup(numbers: &mut [u32]) -> usize {
     n
 }
 
-/// Collects the primitives of a subtree, which are all of the kind that it
-/// gives.
+/// Collects the primitives of a subtree, all of the same kind, which it
+/// returns.
 fn gather(nodes: &[BinaryNode], indices: &mut [u32; MAX_LEAF], n: &mut usize) -> LeafKind {
     match nodes[0].kind() {
-        Kind::Leaf { primitive, kind } => {
+        BinaryNodeKind::Leaf { primitive, kind } => {
             indices[*n] = primitive;
             *n += 1;
             kind
         }
-        Kind::Inner { second } => {
+        BinaryNodeKind::Inner { second } => {
             gather(&nodes[1..], indices, n);
             gather(&nodes[second..], indices, n)
         }

@@ -1,15 +1,18 @@
-//! A primitive's box during the build, in half a cache line.
+//! References to primitives: what the build sorts and splits.
 
 use std::array::from_fn;
 
 use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
 
+use super::bounds::LaneBounds;
 use super::clip;
 use crate::accel::layout::LeafKind;
-use crate::geometry::{Aabb, Shape};
+use crate::geometry::Shape;
 use crate::scene::Primitive;
 
-/// A box that holds a primitive, or the part of it that lies in there.
+/// A primitive and a box around it, or around the part of it that the reference
+/// stands for. Half a cache line.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Reference {
@@ -21,7 +24,7 @@ pub(super) struct Reference {
 }
 
 impl Reference {
-    /// Of the whole primitive with this index.
+    /// The reference to the whole primitive with this index.
     pub(super) fn new(primitive: &Primitive, index: u32) -> Self {
         let bounds = primitive.bounds();
         Self {
@@ -32,7 +35,7 @@ impl Reference {
         }
     }
 
-    /// Whether it is of a triangle.
+    /// Whether the primitive is a triangle.
     #[inline]
     pub(super) fn is_triangle(&self) -> bool {
         self.kind == LeafKind::Triangles as u32
@@ -40,28 +43,29 @@ impl Reference {
 
     /// Its box.
     #[inline]
-    pub(super) fn corners(&self) -> Corners {
+    pub(super) fn bounds(&self) -> LaneBounds {
         let [a, b, c] = self.negated_min;
         let [x, y, z] = self.max;
-        Corners([a, b, c, 0.0, x, y, z, 0.0])
+        LaneBounds([a, b, c, 0.0, x, y, z, 0.0])
     }
 
-    /// Twice its box's centre.
+    /// Twice the center of its box.
     #[inline]
     pub(super) fn center(&self) -> [f32; 3] {
         from_fn(|axis| self.max[axis] - self.negated_min[axis])
     }
 
-    /// Twice its box's centre as a box.
+    /// The box that contains [`center`](Self::center) alone.
     #[inline]
-    pub(super) fn center_corners(&self) -> Corners {
+    pub(super) fn center_bounds(&self) -> LaneBounds {
         let [x, y, z] = self.center();
-        Corners([-x, -y, -z, 0.0, x, y, z, 0.0])
+        LaneBounds([-x, -y, -z, 0.0, x, y, z, 0.0])
     }
 
-    /// What of a triangle's reference lies below and above `position` on an
-    /// axis; `None` for nothing. Anything else stays as it is.
-    pub(super) fn cut(
+    /// Splits the reference to a triangle at `position` on an axis: the parts
+    /// below and above the plane, `None` for an empty one. Returns any other
+    /// reference as it is.
+    pub(super) fn split(
         &self,
         primitives: &[Primitive],
         axis: usize,
@@ -70,9 +74,9 @@ impl Reference {
         let Some(Shape::Triangle(triangle)) = primitives[self.index as usize].world_shape() else {
             return [Some(*self), None];
         };
-        clip::parts(triangle, axis, position).map(|part| {
-            let part = part.intersection(self.corners());
-            let Corners([a, b, c, _, x, y, z, _]) = part;
+        clip::split(triangle, axis, position).map(|part| {
+            let part = part.intersection(self.bounds());
+            let LaneBounds([a, b, c, _, x, y, z, _]) = part;
             (!part.is_empty()).then_some(Self {
                 negated_min: [a, b, c],
                 max: [x, y, z],
@@ -82,73 +86,20 @@ impl Reference {
     }
 }
 
-/// A box as `[-min, 0, max, 0]`: to grow is one maximum over all lanes.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(32))]
-pub(super) struct Corners([f32; 8]);
-
-impl Corners {
-    /// No point at all.
-    pub(super) const EMPTY: Self = Self([f32::NEG_INFINITY; 8]);
-
-    /// The box between two corners.
-    pub(super) fn new(min: [f32; 3], max: [f32; 3]) -> Self {
-        let ([a, b, c], [x, y, z]) = (min, max);
-        Self([-a, -b, -c, 0.0, x, y, z, 0.0])
+/// Maps chunks of references and reduces the results, in parallel from
+/// `parallel` references on. The reduction has to be independent of its order:
+/// maxima and sums of integers are.
+pub(super) fn map_reduce<T: Send>(
+    references: &[Reference],
+    parallel: usize,
+    map: impl Fn(&[Reference]) -> T + Send + Sync,
+    reduce: impl Fn(T, T) -> T + Send + Sync,
+) -> T {
+    if references.len() < parallel {
+        return map(references);
     }
-
-    /// The smallest box around both.
-    #[inline]
-    pub(super) fn union(self, other: Self) -> Self {
-        let max = |i: usize| {
-            let (a, b) = (self.0[i], other.0[i]);
-            if a > b { a } else { b }
-        };
-        Self(from_fn(max))
-    }
-
-    /// The box that both have in common.
-    pub(super) fn intersection(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i].min(other.0[i])))
-    }
-
-    /// Whether no point is in it.
-    #[inline]
-    pub(super) fn is_empty(&self) -> bool {
-        (0..3).any(|axis| self.extent(axis) < 0.0)
-    }
-
-    /// Half of the faces' area; of no meaning for the empty box.
-    #[inline]
-    pub(super) fn half_area(&self) -> f32 {
-        let [x, y, z] = from_fn(|axis| self.extent(axis));
-        x * y + y * z + z * x
-    }
-
-    /// The least coordinate on an axis.
-    #[inline]
-    pub(super) fn min(&self, axis: usize) -> f32 {
-        -self.0[axis]
-    }
-
-    /// The greatest coordinate on an axis.
-    #[inline]
-    pub(super) fn max(&self, axis: usize) -> f32 {
-        self.0[4 + axis]
-    }
-
-    /// The length along an axis; less than 0 for the empty box.
-    #[inline]
-    pub(super) fn extent(&self, axis: usize) -> f32 {
-        self.0[4 + axis] + self.0[axis]
-    }
-
-    /// The box as others know it.
-    pub(super) fn to_aabb(self) -> Aabb {
-        let [a, b, c, _, x, y, z, _] = self.0;
-        Aabb {
-            min: [-a, -b, -c].into(),
-            max: [x, y, z].into(),
-        }
-    }
+    references
+        .par_chunks(parallel / 4)
+        .map(&map)
+        .reduce(|| map(&[]), reduce)
 }

@@ -4,45 +4,46 @@ use crate::accel::layout::Node;
 use crate::accel::simd::{InstructionSet, Lanes};
 use crate::geometry::Ray;
 
-/// Directions below this along an axis count as this: their reciprocals stay
-/// finite, and no product is NaN. Where it matters the box is hit in any case,
-/// by its margin.
+/// Least magnitude of a direction's component: smaller ones are replaced by it,
+/// so that reciprocals are finite and no product is NaN. Where the replacement
+/// matters, the ray hits the box anyway, because of its margin.
 pub(super) const MIN_DIRECTION: f32 = 1e-18;
 
-/// Boxes grow by this part of the largest coordinate: see [`Slabs`].
+/// The margin of boxes, relative to the largest coordinate: see [`Slabs`].
 pub(super) const MARGIN: f32 = 2e-6;
 
-/// What a ray's tests against many boxes have in common.
+/// What the tests of a ray against all boxes share.
 ///
-/// The boxes grow by a margin that is larger than the rounding of any
-/// primitive's own test, so that a box never hides a hit that brute force
+/// The test enlarges the boxes by a margin that exceeds the rounding error of
+/// every primitive's own test, so that no box hides a hit that brute force
 /// finds: 2e-6 of the largest coordinate `l` of the ray's origin and the boxes.
 ///
-/// With roundings of `e = 2^-24` of their results the space of
-/// [`Shear`](crate::geometry::Shear) moves a triangle's corner by up to `14 e l`
-/// on an axis: differences to the origin (`2`, and again `2` times a slope), the
-/// slope (`4`), their product (`2`) and the last difference (`4`). The hit is
-/// wrong by `6 e l` along the ray: the difference (`2`), the scale (`2`) and
-/// their product (`2`). The planes here are wrong by `6 e l` for three roundings
-/// and by `e l` for the moved origin. That is `27 e l`, or 1.61e-6 of `l`.
+/// With a relative rounding error of `e = 2^-24` per operation,
+/// [`Shear`](crate::geometry::Shear) displaces a triangle's vertex by up to
+/// `14 e l` on an axis: differences to the origin (`2`, and again `2` times a
+/// slope), the slope (`4`), their product (`2`) and the last difference (`4`).
+/// The error of the hit along the ray is `6 e l`: the difference (`2`), the
+/// scale (`2`) and their product (`2`). The error of the planes here is `6 e l`
+/// for three roundings and `e l` for the displaced origin. That sums up to
+/// `27 e l`, or 1.61e-6 of `l`.
 ///
-/// Growing costs nothing a box: it moves the origin, once for the lower planes
-/// and once for the upper ones.
+/// The margin costs nothing per box: it displaces the origin, once for the near
+/// planes and once for the far ones.
 pub(super) struct Slabs<I: InstructionSet> {
-    axes: [Axis<I>; 3],
-    /// Where the order of a node's children for this ray begins, in bits.
+    axes: [SlabAxis<I>; 3],
+    /// The shift that selects the order of a node's children for this ray.
     order_shift: I::Lanes,
-    /// No ray enters a box before this.
+    /// A ray enters no box before this parameter.
     zero: I::Lanes,
 }
 
-/// One axis.
-struct Axis<I: InstructionSet> {
+/// One axis of the test.
+struct SlabAxis<I: InstructionSet> {
     inverse_direction: I::Lanes,
     origin_of_near: I::Lanes,
     origin_of_far: I::Lanes,
-    /// Where the rows of a node begin that hold the planes that the ray meets
-    /// first, and the others.
+    /// The first numbers of the node's rows that hold the near and the far
+    /// planes.
     near_row: usize,
     far_row: usize,
 }
@@ -52,7 +53,7 @@ impl<I: InstructionSet> Slabs<I> {
     #[inline(always)]
     pub(super) fn new(set: I, ray: &Ray, largest: f32) -> Self {
         let margin = MARGIN * largest.max(ray.origin.abs().max_element());
-        let axis = |i: usize| Axis::new(set, i, ray.origin[i], ray.direction[i], margin);
+        let axis = |i: usize| SlabAxis::new(set, i, ray.origin[i], ray.direction[i], margin);
         let down = |i: usize| u32::from(ray.direction[i].is_sign_negative()) << i;
         Self {
             axes: [axis(0), axis(1), axis(2)],
@@ -61,14 +62,14 @@ impl<I: InstructionSet> Slabs<I> {
         }
     }
 
-    /// Where the order of a node's children for this ray begins, in bits.
+    /// The shift that selects the order of a node's children for this ray.
     #[inline(always)]
     pub(super) fn order_shift(&self) -> I::Lanes {
         self.order_shift
     }
 
-    /// Where the ray enters each box, at least 0, and where it leaves it or
-    /// meets its `limit`; it misses the box if that comes first.
+    /// Where the ray enters each box, at least 0, and where it leaves the box or
+    /// reaches its `limit`. It misses a box that it leaves before it enters it.
     #[inline(always)]
     pub(super) fn span(&self, set: I, node: &Node, limit: I::Lanes) -> (I::Lanes, I::Lanes) {
         let [x, y, z] = &self.axes;
@@ -81,10 +82,10 @@ impl<I: InstructionSet> Slabs<I> {
     }
 }
 
-impl<I: InstructionSet> Axis<I> {
+impl<I: InstructionSet> SlabAxis<I> {
     #[inline(always)]
     fn new(set: I, axis: usize, origin: f32, direction: f32, margin: f32) -> Self {
-        // No branch on the sign, which nobody can foretell.
+        // No branch on the sign: it is unpredictable.
         let is_downward = usize::from(direction.is_sign_negative());
         let outward = margin.copysign(direction);
         let steep = direction.abs().max(MIN_DIRECTION).copysign(direction);
@@ -97,7 +98,7 @@ impl<I: InstructionSet> Axis<I> {
         }
     }
 
-    /// Where the ray meets the nearer and the farther plane of each box.
+    /// Where the ray hits the near and the far plane of each box.
     #[inline(always)]
     fn planes(&self, set: I, node: &Node) -> (I::Lanes, I::Lanes) {
         let (near, far) = (node.row(self.near_row), node.row(self.far_row));
@@ -113,15 +114,15 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accel::simd::{Lanes, Mask, Simd, Work};
+    use crate::accel::simd::{Lanes, Mask, Simd, SimdKernel};
 
-    /// Enters a node whose only child is the unit cube.
+    /// Tests a ray against a node whose only child is the unit cube.
     struct EnterCube {
         ray: Ray,
         t_max: f32,
     }
 
-    impl Work for EnterCube {
+    impl SimdKernel for EnterCube {
         type Output = Option<f32>;
 
         #[inline(always)]
@@ -133,16 +134,12 @@ mod tests {
             let slabs = Slabs::new(set, &self.ray, 1.0);
             let (enter, exit) = slabs.span(set, &node, set.splat(self.t_max));
             let hits = enter.le(exit);
-            assert_eq!(
-                hits.bits() & !1,
-                0,
-                "nothing enters a child that is not there"
-            );
+            assert_eq!(hits.bits() & !1, 0, "no ray enters a missing child");
             (hits.bits() == 1).then_some(enter.to_array()[0])
         }
     }
 
-    /// Where the ray enters the unit cube, on all instruction sets alike.
+    /// Where the ray enters the unit cube, by every instruction set.
     fn enter(origin: [f32; 3], direction: [f32; 3], t_max: f32) -> Option<f32> {
         let ray = Ray {
             origin: origin.into(),

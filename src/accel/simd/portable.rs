@@ -1,11 +1,11 @@
-//! Lanes as plain arrays, which the compiler turns into whatever vectors the
-//! target has: SSE2, NEON.
+//! Lanes as plain arrays, which the compiler vectorizes for the target: SSE2,
+//! NEON.
 
 use std::ops::{Add, BitAnd, Div, Mul, Sub};
 
-use super::{InstructionSet, Lanes, Mask, N_LANES};
+use super::lanes::{InstructionSet, Lanes, Mask, N_LANES};
 
-/// What every machine has.
+/// The set that needs no instructions beyond the target's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Portable;
 
@@ -40,7 +40,7 @@ impl InstructionSet for Portable {
         }
     }
 
-    /// Left to the machine.
+    /// Left to the hardware prefetcher.
     #[inline(always)]
     fn prefetch<T>(self, _: *const T) {}
 }
@@ -49,18 +49,18 @@ impl InstructionSet for Portable {
 #[derive(Clone, Copy)]
 pub(super) struct F32x8([f32; N_LANES]);
 
-/// Eight truths: bit `i` for lane `i`.
+/// One boolean per lane: bit `i` for lane `i`.
 #[derive(Clone, Copy)]
-pub(super) struct Bits(u8);
+pub(super) struct BitMask(u8);
 
-impl Mask for Bits {
+impl Mask for BitMask {
     #[inline(always)]
     fn bits(self) -> u8 {
         self.0
     }
 }
 
-impl BitAnd for Bits {
+impl BitAnd for BitMask {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
@@ -71,7 +71,7 @@ impl BitAnd for Bits {
 impl F32x8 {
     #[inline(always)]
     fn zip(mut self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
-        // A loop, for `array::map` and `from_fn` are not always inlined.
+        // A loop: `array::map` and `from_fn` are not always inlined.
         for (a, b) in self.0.iter_mut().zip(other.0) {
             *a = op(*a, b);
         }
@@ -79,17 +79,17 @@ impl F32x8 {
     }
 
     #[inline(always)]
-    fn compare(self, other: Self, op: impl Fn(&f32, &f32) -> bool) -> Bits {
+    fn compare(self, other: Self, op: impl Fn(&f32, &f32) -> bool) -> BitMask {
         let mut bits = 0;
         for i in 0..N_LANES {
             bits |= u8::from(op(&self.0[i], &other.0[i])) << i;
         }
-        Bits(bits)
+        BitMask(bits)
     }
 }
 
 impl Lanes for F32x8 {
-    type Mask = Bits;
+    type Mask = BitMask;
 
     #[inline(always)]
     fn to_array(self) -> [f32; N_LANES] {
@@ -123,24 +123,24 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> Bits {
+    fn lt(self, other: Self) -> BitMask {
         self.compare(other, f32::lt)
     }
 
     #[inline(always)]
-    fn le(self, other: Self) -> Bits {
+    fn le(self, other: Self) -> BitMask {
         self.compare(other, f32::le)
     }
 
     #[inline(always)]
-    fn select(mask: Bits, this: Self, other: Self) -> Self {
-        let mut picked = other;
+    fn select(mask: BitMask, this: Self, other: Self) -> Self {
+        let mut selected = other;
         for i in 0..N_LANES {
             if mask.0 >> i & 1 != 0 {
-                picked.0[i] = this.0[i];
+                selected.0[i] = this.0[i];
             }
         }
-        picked
+        selected
     }
 
     #[inline(always)]
@@ -158,7 +158,7 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: Bits) -> Self {
+    fn compress(self, mask: BitMask) -> Self {
         let mut kept = self;
         let mut bits = mask.0;
         for slot in kept.0.iter_mut().take(bits.count_ones() as usize) {
@@ -169,7 +169,7 @@ impl Lanes for F32x8 {
     }
 }
 
-/// An operator, lane by lane.
+/// Implements an operator, lane by lane.
 macro_rules! operator {
     ($trait:ident, $method:ident, $op:tt) => {
         impl $trait for F32x8 {

@@ -1,13 +1,15 @@
-//! Reading as kernels read, and nothing else: what memory can give them at most.
+//! A sum of numbers: reads memory as the kernels do and computes next to nothing,
+//! to measure the bandwidth that they can reach.
 
-use super::{InstructionSet, Lanes, N_LANES, Simd, Work};
+use super::Simd;
+use super::lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 
-/// Sums that grow side by side, so that none waits for another.
+/// Independent sums: no addition waits for the one before.
 const N_SUMS: usize = 8;
 
 impl Simd {
-    /// The sum of the numbers, in no order to rely on; those after the last
-    /// multiple of 64 are left out.
+    /// The sum of the numbers, added in no particular order. Leaves out those
+    /// after the last multiple of 64.
     ///
     /// ```
     /// # use raycost::accel::Simd;
@@ -20,7 +22,7 @@ impl Simd {
 
 struct Sum<'a>(&'a [f32]);
 
-impl Work for Sum<'_> {
+impl SimdKernel for Sum<'_> {
     type Output = f32;
 
     #[inline(always)]
@@ -31,7 +33,7 @@ impl Work for Sum<'_> {
                 *sum = *sum + set.load(eight);
             }
         }
-        // Short blocks come often: no chain of 64 additions at their end.
+        // A tree, not a chain of 64 additions: callers sum many short blocks.
         let [a, b, c, d, e, f, g, h] = sums;
         let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
         sum.to_array().iter().sum()

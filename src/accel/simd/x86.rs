@@ -1,33 +1,36 @@
 //! Eight lanes in one 256-bit register: what AVX2 and AVX-512 have in common.
 //!
-//! The functions here are no functions in the end: all are inlined into the
-//! one that has the target features, [`InstructionSet`]'s `run`.
-#![expect(unsafe_code, reason = "intrinsics, proved by the set that makes lanes")]
+//! All functions here are inlined into the one that has the target features,
+//! the `run` of a set: none of them is ever called.
+#![expect(
+    unsafe_code,
+    reason = "intrinsics; each value proves that the CPU has them"
+)]
 
 use std::arch::x86_64::*;
-use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{InstructionSet, Lanes, Mask, N_LANES};
+use super::lanes::{InstructionSet, Lanes, Mask, N_LANES};
 
-/// A set that has AVX2 at least. Its values prove that the CPU has it: they
-/// are made by `detect` alone.
+/// A set that has AVX2 at least. A value of it proves that the CPU has the
+/// instructions: only `detect` makes one. So each method takes `self`.
 pub(in crate::accel) trait Registers: Copy {
-    /// Eight truths.
+    /// One boolean per lane.
     type Mask: Mask;
     /// `a < b`, `false` if one is NaN.
-    fn lt(a: __m256, b: __m256) -> Self::Mask;
+    fn lt(self, a: __m256, b: __m256) -> Self::Mask;
     /// `a <= b`, `false` if one is NaN.
-    fn le(a: __m256, b: __m256) -> Self::Mask;
+    fn le(self, a: __m256, b: __m256) -> Self::Mask;
     /// `this` where `mask` is true, else `other`.
-    fn select(mask: Self::Mask, this: __m256, other: __m256) -> __m256;
-    /// The true lanes first.
-    fn compress(mask: Self::Mask, lanes: __m256) -> __m256;
+    fn select(self, mask: Self::Mask, this: __m256, other: __m256) -> __m256;
+    /// The lanes of `mask` first.
+    fn compress(self, mask: Self::Mask, lanes: __m256) -> __m256;
 }
 
-/// Eight numbers in a register of the set `R`.
+/// Eight numbers in a register, and the set that made them as the proof that
+/// the CPU has such registers.
 #[derive(Clone, Copy)]
-pub(in crate::accel) struct Ymm<R>(__m256, PhantomData<R>);
+pub(in crate::accel) struct Ymm<R>(__m256, R);
 
 impl<R: Registers> InstructionSet for R {
     type Lanes = Ymm<R>;
@@ -35,32 +38,33 @@ impl<R: Registers> InstructionSet for R {
     #[inline(always)]
     fn splat(self, value: f32) -> Ymm<R> {
         // SAFETY: `self` proves AVX2.
-        Ymm::of(unsafe { _mm256_set1_ps(value) })
+        Ymm(unsafe { _mm256_set1_ps(value) }, self)
     }
 
     #[inline(always)]
     fn load(self, values: &[f32; N_LANES]) -> Ymm<R> {
         // SAFETY: `self` proves AVX2; the pointer is to eight numbers, at any
         // alignment.
-        Ymm::of(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+        Ymm(unsafe { _mm256_loadu_ps(values.as_ptr()) }, self)
     }
 
     #[inline(always)]
     fn load_bits(self, bits: &[u32; N_LANES]) -> Ymm<R> {
         // SAFETY: as in `load`.
-        Ymm::of(unsafe { _mm256_loadu_ps(bits.as_ptr().cast()) })
+        Ymm(unsafe { _mm256_loadu_ps(bits.as_ptr().cast()) }, self)
     }
 
     #[inline(always)]
     fn splat_bits(self, bits: u32) -> Ymm<R> {
         // SAFETY: `self` proves AVX2.
-        Ymm::of(unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(bits as i32)) })
+        let bits = unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(bits as i32)) };
+        Ymm(bits, self)
     }
 
     #[inline(always)]
     fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32) {
         let counts: *mut __m256i = counts.as_mut_ptr().cast();
-        // SAFETY: `self` proves AVX2; the pointer is to eight words, at any
+        // SAFETY: `self` proves AVX2; the pointer is to eight integers, at any
         // alignment.
         unsafe {
             let lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
@@ -74,16 +78,9 @@ impl<R: Registers> InstructionSet for R {
 
     #[inline(always)]
     fn prefetch<T>(self, address: *const T) {
-        // SAFETY: every x86-64 CPU can prefetch, and at no address does that
-        // fail or show.
+        // SAFETY: every x86-64 CPU has SSE. A prefetch has no effect on the
+        // program's state and ignores invalid addresses.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
-    }
-}
-
-impl<R> Ymm<R> {
-    #[inline(always)]
-    fn of(register: __m256) -> Self {
-        Self(register, PhantomData)
     }
 }
 
@@ -92,8 +89,8 @@ macro_rules! binary {
     ($(#[$doc:meta])* $method:ident, $intrinsic:ident) => {
         #[inline(always)]
         fn $method(self, other: Self) -> Self {
-            // SAFETY: lanes are made by a set that proves AVX2.
-            Self::of(unsafe { $intrinsic(self.0, other.0) })
+            // SAFETY: the set in `self` proves AVX2.
+            Self(unsafe { $intrinsic(self.0, other.0) }, self.1)
         }
     };
     ($trait:ident: $method:ident, $intrinsic:ident) => {
@@ -114,7 +111,7 @@ impl<R: Registers> Lanes for Ymm<R> {
 
     #[inline(always)]
     fn to_array(self) -> [f32; N_LANES] {
-        // SAFETY: both are eight numbers.
+        // SAFETY: both are eight times 32 bits.
         unsafe { std::mem::transmute(self.0) }
     }
 
@@ -123,59 +120,62 @@ impl<R: Registers> Lanes for Ymm<R> {
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        // SAFETY: lanes are made by a set that proves AVX2.
-        Self::of(unsafe { _mm256_sqrt_ps(self.0) })
+        // SAFETY: the set in `self` proves AVX2.
+        Self(unsafe { _mm256_sqrt_ps(self.0) }, self.1)
     }
 
     #[inline(always)]
     fn flip_sign_by(self, other: Self) -> Self {
-        // SAFETY: lanes are made by a set that proves AVX2.
-        Self::of(unsafe {
+        // SAFETY: the set in `self` proves AVX2.
+        let flipped = unsafe {
             let sign = _mm256_and_ps(_mm256_set1_ps(-0.0), other.0);
             _mm256_xor_ps(self.0, sign)
-        })
+        };
+        Self(flipped, self.1)
     }
 
     #[inline(always)]
     fn signs(self) -> u8 {
-        // SAFETY: lanes are made by a set that proves AVX2.
+        // SAFETY: the set in `self` proves AVX2.
         unsafe { _mm256_movemask_ps(self.0) as u8 }
     }
 
     #[inline(always)]
     fn lt(self, other: Self) -> R::Mask {
-        R::lt(self.0, other.0)
+        self.1.lt(self.0, other.0)
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> R::Mask {
-        R::le(self.0, other.0)
+        self.1.le(self.0, other.0)
     }
 
     #[inline(always)]
     fn select(mask: R::Mask, this: Self, other: Self) -> Self {
-        Self::of(R::select(mask, this.0, other.0))
+        Self(this.1.select(mask, this.0, other.0), this.1)
     }
 
     #[inline(always)]
     fn to_bits(self) -> [u32; N_LANES] {
-        // SAFETY: both are eight words.
+        // SAFETY: both are eight times 32 bits.
         unsafe { std::mem::transmute(self.0) }
     }
 
     #[inline(always)]
     fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self {
-        // SAFETY: lanes are made by a set that proves AVX2; the pointer is to
-        // eight words, at any alignment. The permutation heeds three bits.
-        Self::of(unsafe {
+        // SAFETY: the set in `self` proves AVX2; the pointer is to eight
+        // integers, at any alignment.
+        let permuted = unsafe {
             let order = _mm256_loadu_si256(order.as_ptr().cast());
             let order = _mm256_srlv_epi32(order, _mm256_castps_si256(shift.0));
+            // Reads the low three bits of each index.
             _mm256_permutevar8x32_ps(self.0, order)
-        })
+        };
+        Self(permuted, self.1)
     }
 
     #[inline(always)]
     fn compress(self, mask: R::Mask) -> Self {
-        Self::of(R::compress(mask, self.0))
+        Self(self.1.compress(mask, self.0), self.1)
     }
 }

@@ -1,33 +1,33 @@
-//! The test of a packet as a whole against the eight boxes of a node.
+//! The test of all rays of a packet at once against the eight boxes of a node.
 
-use super::rays::{Rays, greatest, least};
+use super::rays::{PacketRays, greatest, least};
 use crate::accel::layout::Node;
 use crate::accel::search::Search;
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES};
 
-/// What holds all rays of a packet: on each axis the extremes of the origins
-/// and of the reciprocal directions, which have the same sign.
+/// A bound of all rays of a packet: on each axis the extremes of the origins and
+/// of the reciprocal directions, which have the same sign.
 ///
-/// A box that it misses is one that none of its rays enters, rounding and all.
-/// Take an axis that the rays go up, where `inverse > 0`, and a ray's
-/// `(plane - origin) * inverse`. Correct rounding keeps order: `a <= b` makes
-/// `fl(a) <= fl(b)`. So the difference is not less than that with the greatest
-/// origin, nor is its product with the ray's `inverse`; and a product with one
-/// number lies between the products of that number with the least and the
-/// greatest `inverse`, whatever its sign. So the lesser of these two is no
-/// later than the ray. Likewise the greater of the two, of the difference to
-/// the least origin, is no earlier. Where the rays go down, a product falls
-/// with the difference, and the origins change places. Maxima, minima and the
-/// largest limit keep the order, too: so if a ray has `enter <= exit`, then
-/// `enter(beam) <= enter <= exit <= exit(beam)`.
+/// No ray of the packet enters a box that the beam misses, in floating-point
+/// arithmetic. Proof: consider an axis that the rays point up, where
+/// `inverse > 0`, and `(plane - origin) * inverse` of one ray. Correct rounding is
+/// monotonic: `a <= b` implies `fl(a) <= fl(b)`. So the difference is at least the
+/// one with the greatest origin, and so is its product with the ray's `inverse`;
+/// the product of a number with `inverse` lies between its products with the
+/// least and the greatest `inverse`, whatever its sign. So the lesser of these
+/// two products, for the greatest origin, is a lower bound for the ray. Likewise
+/// the greater of the two, for the least origin, is an upper bound. Where the
+/// rays point down, the product decreases with the difference, and the origins
+/// are exchanged. Maxima, minima and the largest limit are monotonic, too. So if
+/// a ray has `enter <= exit`, then `enter(beam) <= enter <= exit <= exit(beam)`.
 pub(super) struct Beam<I: InstructionSet> {
-    axes: [Axis<I>; 3],
-    /// Where the order of a node's children for these rays begins, in bits.
+    axes: [BeamAxis<I>; 3],
+    /// The shift that selects the order of a node's children for these rays.
     order_shift: u32,
 }
 
-/// One axis.
-struct Axis<I: InstructionSet> {
+/// One axis of the test.
+struct BeamAxis<I: InstructionSet> {
     inverse_min: I::Lanes,
     inverse_max: I::Lanes,
     origin_of_near: I::Lanes,
@@ -38,21 +38,20 @@ struct Axis<I: InstructionSet> {
 
 impl<I: InstructionSet> Beam<I> {
     #[inline(always)]
-    pub(super) fn around(rays: &Rays<I>) -> Self {
+    pub(super) fn around(rays: &PacketRays<I>) -> Self {
         let [x, y, z] = rays.is_downward.map(u32::from);
         Self {
             axes: [
-                Axis::around(rays, 0),
-                Axis::around(rays, 1),
-                Axis::around(rays, 2),
+                BeamAxis::around(rays, 0),
+                BeamAxis::around(rays, 1),
+                BeamAxis::around(rays, 2),
             ],
             order_shift: 3 * (x | y << 1 | z << 2),
         }
     }
 
-    /// The places, in the order of the visit from last to first, of the boxes
-    /// that the beam enters before it leaves them or all rays have met their
-    /// limits; and by place where it enters.
+    /// The boxes that the beam enters before it leaves them or reaches the largest
+    /// limit, and where it enters them. Both in reverse order of the visits.
     #[inline(always)]
     pub(super) fn entered<S: Search>(
         &self,
@@ -75,31 +74,33 @@ impl<I: InstructionSet> Beam<I> {
         (enter.le(exit).bits(), enter.to_array())
     }
 
-    /// The child at this place.
+    /// The lane of the child at this position of the reverse order of the visits.
     #[inline(always)]
-    pub(super) fn lane<S: Search>(&self, node: &Node, place: usize) -> usize {
-        match S::NEAREST_FIRST {
-            true => (node.order[place] >> self.order_shift) as usize % N_LANES,
-            false => place,
+    pub(super) fn lane<S: Search>(&self, node: &Node, position: usize) -> usize {
+        if S::NEAREST_FIRST {
+            (node.order[position] >> self.order_shift) as usize % N_LANES
+        } else {
+            position
         }
     }
 }
 
-impl<I: InstructionSet> Axis<I> {
+impl<I: InstructionSet> BeamAxis<I> {
     #[inline(always)]
-    fn around(rays: &Rays<I>, axis: usize) -> Self {
+    fn around(rays: &PacketRays<I>, axis: usize) -> Self {
         let set = rays.set;
         let [a, b] = &rays.halves;
         let (a, b) = (&a.axes[axis], &b.axes[axis]);
-        let (near, far) = match rays.is_downward[axis] {
-            false => (
-                greatest(a.origin_of_near.max(b.origin_of_near)),
-                least(a.origin_of_far.min(b.origin_of_far)),
-            ),
-            true => (
+        let (near, far) = if rays.is_downward[axis] {
+            (
                 least(a.origin_of_near.min(b.origin_of_near)),
                 greatest(a.origin_of_far.max(b.origin_of_far)),
-            ),
+            )
+        } else {
+            (
+                greatest(a.origin_of_near.max(b.origin_of_near)),
+                least(a.origin_of_far.min(b.origin_of_far)),
+            )
         };
         Self {
             inverse_min: set.splat(least(a.inverse_direction.min(b.inverse_direction))),
@@ -111,8 +112,8 @@ impl<I: InstructionSet> Axis<I> {
         }
     }
 
-    /// Where the first of the rays may meet the nearer plane of each box, and
-    /// the last of them the farther one.
+    /// A lower bound for where the rays hit the near plane of each box, and an
+    /// upper bound for the far plane.
     #[inline(always)]
     fn planes(&self, set: I, node: &Node) -> (I::Lanes, I::Lanes) {
         let near = set.load(node.row(self.near_row)) - self.origin_of_near;
@@ -129,13 +130,13 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accel::kernel::packet::columns::Columns;
-    use crate::accel::search::Nearest;
-    use crate::accel::simd::{Simd, Work};
+    use crate::accel::kernel::packet::soa::RaySoa;
+    use crate::accel::search::NearestHit;
+    use crate::accel::simd::{Simd, SimdKernel};
     use crate::geometry::Ray;
     use crate::sampling::uniform;
 
-    /// Boxes of any size about the origin, and rays that go much the same way.
+    /// Boxes of any size around the origin, and coherent rays.
     fn random(i: u64) -> (Node, [Ray; 16]) {
         let vector = |k| {
             let [x, y, z, _] = uniform([5, i, k]);
@@ -157,42 +158,42 @@ mod tests {
         (node, std::array::from_fn(|k| ray(k as u64)))
     }
 
-    /// The boxes that the beam meets, and those that one of the rays enters.
+    /// The boxes that the beam hits, and those that one of the rays enters.
     struct Entered(Node, [Ray; 16]);
 
-    impl Work for Entered {
+    impl SimdKernel for Entered {
         type Output = [u8; 2];
 
         #[inline(always)]
         fn run<I: InstructionSet>(self, set: I) -> [u8; 2] {
             let Self(node, rays) = self;
-            let mut columns = Columns::EMPTY;
-            columns.fill(&rays);
-            let others = !columns.like_first(set);
-            columns.replace_by_first(others);
-            let rays = Rays::new(set, &columns, 2.0);
-            let (met, _) = Beam::around(&rays).entered::<Nearest>(set, &node, f32::INFINITY);
+            let mut soa = RaySoa::EMPTY;
+            soa.fill(&rays);
+            let incoherent = !soa.coherent_with_first(set);
+            soa.replace_by_first(incoherent);
+            let rays = PacketRays::new(set, &soa, 2.0);
+            let (hit, _) = Beam::around(&rays).entered::<NearestHit>(set, &node, f32::INFINITY);
             let limits = [[f32::INFINITY; N_LANES]; 2];
             let is_entered = |lane| rays.entering(&node, lane, &limits) != 0;
             let entered = (0..N_LANES).map(|lane| u8::from(is_entered(lane)) << lane);
-            [met, entered.sum()]
+            [hit, entered.sum()]
         }
     }
 
     #[test]
-    fn a_beam_meets_each_box_that_a_ray_enters() {
+    fn a_beam_hits_each_box_that_a_ray_enters() {
         for simd in Simd::available() {
-            let (mut n_met, mut n_entered) = (0, 0);
+            let (mut n_hit, mut n_entered) = (0, 0);
             for i in 0..3000 {
                 let (node, rays) = random(i);
-                let [met, entered] = simd.run(Entered(node, rays));
-                assert_eq!(entered & !met, 0, "{simd}, node {i}");
-                n_met += met.count_ones();
+                let [hit, entered] = simd.run(Entered(node, rays));
+                assert_eq!(entered & !hit, 0, "{simd}, node {i}");
+                n_hit += hit.count_ones();
                 n_entered += entered.count_ones();
             }
-            // And few others.
+            // And few other boxes.
             assert!(n_entered > 500, "{n_entered}");
-            assert!(n_met < 2 * n_entered, "{n_met} of {n_entered}");
+            assert!(n_hit < 2 * n_entered, "{n_hit} of {n_entered}");
         }
     }
 }

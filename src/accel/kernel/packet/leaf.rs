@@ -1,18 +1,19 @@
-//! The test of a leaf's primitives, one after the other, against all rays: what
-//! [`Blocks`](crate::accel::kernel::block::Blocks) do, with rays in the lanes.
+//! The test of a leaf's primitives, one after the other, against all rays: the
+//! arithmetic of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector)
+//! with rays in the lanes.
 
 use glam::Vec3;
 
-use super::N_HALVES;
-use super::rays::{Half, Rays};
+use super::rays::{Half, PacketRays};
+use super::soa::N_HALVES;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
 use crate::geometry::Shear;
 
-impl<I: InstructionSet> Rays<'_, I> {
-    /// Tests triangles. `found` hears of each ray that meets one, at which
-    /// parameter, and which primitive it is.
+impl<I: InstructionSet> PacketRays<'_, I> {
+    /// Tests triangles. Calls `found` for each hit, with the ray, the parameter and
+    /// the primitive.
     #[inline(always)]
     pub(super) fn triangles(
         &self,
@@ -42,7 +43,7 @@ impl<I: InstructionSet> Rays<'_, I> {
                     v.flip_sign_by(area),
                     w.flip_sign_by(area),
                 );
-                // Rounding may make an area zero, but never turns its sign.
+                // Rounding may make an area zero, but never changes its sign.
                 let mut inside = zero.le(u.min(v).min(w)).bits() & active;
                 if inside == 0 {
                     continue;
@@ -52,9 +53,9 @@ impl<I: InstructionSet> Rays<'_, I> {
                 while inside != 0 {
                     let lane = inside.trailing_zeros() as usize % N_LANES;
                     inside &= inside - 1;
-                    let corners =
+                    let vertices =
                         [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
-                    match self.shear(&self.halves[n], lane).crossing(corners) {
+                    match self.shear(&self.halves[n], lane).intersect(vertices) {
                         Some(t) if t > 0.0 => found(N_LANES * n + lane, t, primitive),
                         _ => {}
                     }
@@ -63,7 +64,7 @@ impl<I: InstructionSet> Rays<'_, I> {
         }
     }
 
-    /// The space of a ray.
+    /// The shear of a ray.
     #[inline(always)]
     fn shear(&self, half: &Half<I>, lane: usize) -> Shear {
         let [x, y] = &half.slopes;
@@ -74,8 +75,8 @@ impl<I: InstructionSet> Rays<'_, I> {
         }
     }
 
-    /// The point whose coordinates are number `i` of three rows, in the spaces
-    /// of the rays of a half.
+    /// The point with the coordinates at index `i` of three rows, in the shears of
+    /// the rays of a half.
     #[inline(always)]
     fn sheared(
         &self,
@@ -86,10 +87,10 @@ impl<I: InstructionSet> Rays<'_, I> {
         i: usize,
     ) -> Vec3Lanes<I::Lanes> {
         let set = self.set;
-        let origin = &self.columns.origins[half];
+        let origin = &self.soa.origins[half];
         let [slope_x, slope_y] = &self.halves[half].slopes;
         let i = i % N_LANES;
-        // No closure for what is alike here: it would not be inlined.
+        // No closure for the three lines: it would not be inlined.
         let in_x = set.splat(leaf.row(first + x)[i]) - set.load(&origin[x]);
         let in_y = set.splat(leaf.row(first + y)[i]) - set.load(&origin[y]);
         let in_z = set.splat(leaf.row(first + z)[i]) - set.load(&origin[z]);
@@ -100,7 +101,7 @@ impl<I: InstructionSet> Rays<'_, I> {
         }
     }
 
-    /// Tests spheres, as [`triangles`](Self::triangles) does.
+    /// Tests spheres; calls `found` as [`triangles`](Self::triangles) does.
     #[inline(always)]
     pub(super) fn spheres(&self, leaf: Leaf, active: u16, mut found: impl FnMut(usize, f32, u32)) {
         let set = self.set;
@@ -118,23 +119,24 @@ impl<I: InstructionSet> Rays<'_, I> {
                     continue;
                 }
                 let n = n % N_HALVES;
-                let d = Vec3Lanes::load(set, &self.columns.directions[n]);
-                let c = center - Vec3Lanes::load(set, &self.columns.origins[n]);
+                let d = Vec3Lanes::load(set, &self.soa.directions[n]);
+                let c = center - Vec3Lanes::load(set, &self.soa.origins[n]);
                 let a = d.dot(d);
                 let inverse_a = set.splat(1.0) / a;
                 let b = c.dot(d);
                 let nearest = c - d * (b * inverse_a);
                 let discriminant = r2 - nearest.dot(nearest);
-                let met = zero.le(discriminant);
-                if met.bits() & active == 0 {
+                let is_hit = zero.le(discriminant);
+                if is_hit.bits() & active == 0 {
                     continue;
                 }
-                // A discriminant below 0 gives NaN, in lanes that are out already.
+                // A negative discriminant gives NaN, in lanes that are masked
+                // already.
                 let q = b + (a * discriminant).sqrt().flip_sign_by(b);
                 let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
                 let (near, far) = (t0.min(t1), t1.max(t0));
                 let t = I::Lanes::select(zero.lt(near), near, far);
-                let mut hits = (met & zero.lt(t)).bits() & active;
+                let mut hits = (is_hit & zero.lt(t)).bits() & active;
                 let t = t.to_array();
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize % N_LANES;

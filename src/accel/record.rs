@@ -1,55 +1,55 @@
-//! A search that keeps account of every step.
+//! A search that records every step of its traversal.
 
-use super::Hit;
+use super::hit::Hit;
 use super::search::Search;
 use crate::geometry::Ray;
 use crate::scene::Primitive;
 
-/// What a ray did on its way, in this order.
+/// One step of a ray's traversal, in chronological order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// Was at a node.
+pub enum TraversalStep {
+    /// A visit to a node.
     Node {
         /// The node, as in [`BvhNode`](super::BvhNode).
         id: u32,
-        /// Whether it entered a child.
+        /// Whether the ray entered a child.
         hit: bool,
     },
-    /// Was at a leaf; the tests of its primitives follow.
+    /// A visit to a leaf; the tests of its primitives follow.
     Leaf {
         /// The leaf, as in [`BvhNode`](super::BvhNode).
         id: u32,
-        /// Whether it met one of them.
+        /// Whether the ray hit one of them.
         hit: bool,
     },
-    /// Was tested against a primitive.
+    /// A test against a primitive.
     Test {
         /// The primitive's index in the scene.
         primitive: u32,
-        /// Whether they meet, nearer than what was known then.
+        /// Whether the ray hit it, before the limit at that time.
         hit: bool,
     },
 }
 
-/// Shows all to another search and writes it down.
-pub(super) struct Watched<'a, S> {
+/// Wraps another search and records its steps.
+pub(super) struct Recorder<'a, S> {
     search: S,
     primitives: &'a [Primitive],
     ray: &'a Ray,
-    steps: &'a mut Vec<Step>,
-    /// The index of the leaf's step among them, in a leaf.
+    steps: &'a mut Vec<TraversalStep>,
+    /// The index of the last leaf among the steps.
     leaf: Option<usize>,
-    /// What ended the search, if a hit did.
+    /// The hit that ended the search, if one did.
     end: Option<Hit>,
 }
 
-impl<'a, S> Watched<'a, S> {
-    /// Watches the search of a ray; adds to `steps`.
+impl<'a, S> Recorder<'a, S> {
+    /// Records the search of a ray; appends to `steps`.
     pub(super) fn new(
         search: S,
         primitives: &'a [Primitive],
         ray: &'a Ray,
-        steps: &'a mut Vec<Step>,
+        steps: &'a mut Vec<TraversalStep>,
     ) -> Self {
         Self {
             search,
@@ -61,16 +61,15 @@ impl<'a, S> Watched<'a, S> {
         }
     }
 
-    /// What the search that was watched has found, and the hit that ended it,
-    /// if one did.
-    pub(super) fn into_found(self) -> (S, Option<Hit>) {
+    /// The recorded search, and the hit that ended it, if one did.
+    pub(super) fn into_parts(self) -> (S, Option<Hit>) {
         (self.search, self.end)
     }
 }
 
-impl<S: Search> Search for Watched<'_, S> {
+impl<S: Search> Search for Recorder<'_, S> {
     const NEAREST_FIRST: bool = S::NEAREST_FIRST;
-    const WATCHES: bool = true;
+    const RECORDS: bool = true;
 
     fn limit(&self) -> f32 {
         self.search.limit()
@@ -81,7 +80,7 @@ impl<S: Search> Search for Watched<'_, S> {
     }
 
     fn test(&mut self, primitive: u32) {
-        self.steps.push(Step::Test {
+        self.steps.push(TraversalStep::Test {
             primitive,
             hit: false,
         });
@@ -90,20 +89,20 @@ impl<S: Search> Search for Watched<'_, S> {
         }
     }
 
-    fn passed(&mut self, line: usize, enters: bool) {
-        self.steps.push(Step::Node {
+    fn visit_node(&mut self, line: usize, enters: bool) {
+        self.steps.push(TraversalStep::Node {
             id: line as u32,
             hit: enters,
         });
     }
 
-    fn tested(&mut self, line: usize, primitives: impl Iterator<Item = u32>) {
+    fn visit_leaf(&mut self, line: usize, primitives: impl Iterator<Item = u32>) {
         self.leaf = Some(self.steps.len());
-        self.steps.push(Step::Leaf {
+        self.steps.push(TraversalStep::Leaf {
             id: line as u32,
             hit: false,
         });
-        let test = |primitive| Step::Test {
+        let test = |primitive| TraversalStep::Test {
             primitive,
             hit: false,
         };
@@ -111,11 +110,13 @@ impl<S: Search> Search for Watched<'_, S> {
     }
 
     fn found(&mut self, t: f32, primitive: u32) {
-        let was_tested = |step: &Step| matches!(step, Step::Test { primitive: tested, .. } if *tested == primitive);
+        let was_tested = |step: &TraversalStep| matches!(step, TraversalStep::Test { primitive: tested, .. } if *tested == primitive);
         let test = self.steps.iter().rposition(was_tested);
         for step in test.into_iter().chain(self.leaf) {
             match &mut self.steps[step] {
-                Step::Node { hit, .. } | Step::Leaf { hit, .. } | Step::Test { hit, .. } => {
+                TraversalStep::Node { hit, .. }
+                | TraversalStep::Leaf { hit, .. }
+                | TraversalStep::Test { hit, .. } => {
                     *hit = true;
                 }
             }

@@ -1,40 +1,39 @@
-//! The cheapest way to part references in two.
+//! Object splits: the binned SAH.
 //!
 //! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies"
-//! (2007): the references are counted into bins by their centres, and only
-//! planes between bins are weighed.
+//! (2007): the references are counted in bins by their centers, and only the
+//! planes between bins are evaluated.
 
-use rayon::prelude::*;
+use super::bounds::LaneBounds;
+use super::reference::{Reference, map_reduce};
+use crate::accel::simd::{InstructionSet, Simd, SimdKernel};
 
-use super::reference::{Corners, Reference};
-use crate::accel::simd::{InstructionSet, Simd, Work};
-
-/// From so many references on they are counted in parallel.
+/// Number of references from which they are binned in parallel.
 const PARALLEL: usize = 1 << 16;
 
-/// A way to part references in two: by the bin of their centres on one axis.
-pub(super) struct Split {
+/// A split of references by the bins of their centers on one axis.
+pub(super) struct ObjectSplit {
     axis: usize,
-    grid: Grid,
-    /// References in lower bins go left.
+    grid: CentroidGrid,
+    /// References in the bins below it go left.
     first_right_bin: usize,
     pub(super) n_left: usize,
-    pub(super) left: Corners,
-    pub(super) right: Corners,
-    /// Of both sides: half of the area times the number of references.
+    pub(super) left: LaneBounds,
+    pub(super) right: LaneBounds,
+    /// For each side: half of the surface area times the number of references.
     pub(super) costs: [f32; 2],
 }
 
-impl Split {
-    /// The cheapest one by the surface area heuristic, over `N` bins an axis, a
-    /// power of two; `None` if all centres coincide, in the bins' view.
+impl ObjectSplit {
+    /// The cheapest split by the surface area heuristic, with `N` bins per axis,
+    /// a power of two; `None` if all centers are in the same bin.
     pub(super) fn best<const N: usize>(
         simd: Simd,
         references: &[Reference],
-        centers: &Corners,
+        centers: &LaneBounds,
     ) -> Option<Self> {
-        let grid = Grid::new::<N>(centers);
-        let bins = Bins::<N>::of(simd, references, &grid);
+        let grid = CentroidGrid::new::<N>(centers);
+        let bins = ObjectBins::<N>::of(simd, references, &grid);
         let candidates = (0..3).filter(|&axis| grid.bins_per_length[axis] > 0.0);
         let (axis, first_right_bin, _) = candidates
             .filter_map(|axis| bins.cheapest_plane(axis))
@@ -55,41 +54,42 @@ impl Split {
         })
     }
 
-    /// The costs of both sides together.
+    /// The sum of the costs of both sides.
     pub(super) fn cost(&self) -> f32 {
         self.costs[0] + self.costs[1]
     }
 
-    /// Half of the area of what both sides' boxes have in common.
+    /// Half of the surface area of the intersection of both sides' boxes.
     pub(super) fn overlap(&self) -> f32 {
         let common = self.left.intersection(self.right);
-        match common.is_empty() {
-            true => 0.0,
-            false => common.half_area(),
+        if common.is_empty() {
+            0.0
+        } else {
+            common.half_area()
         }
     }
 
-    /// On which side the reference goes.
+    /// Whether the reference goes left.
     #[inline]
     pub(super) fn is_left(&self, reference: &Reference) -> bool {
         self.grid.bin(reference, self.axis) < self.first_right_bin
     }
 }
 
-/// Where the bins are.
+/// The positions of the bins.
 #[derive(Clone, Copy)]
-struct Grid {
-    /// Least centres, all doubled.
+struct CentroidGrid {
+    /// Twice the least coordinates of the centers.
     from: [f32; 3],
-    /// 0 on an axis of no use.
+    /// 0 on an axis without extent.
     bins_per_length: [f32; 3],
     mask: u32,
 }
 
-impl Grid {
-    fn new<const N: usize>(centers: &Corners) -> Self {
+impl CentroidGrid {
+    fn new<const N: usize>(centers: &LaneBounds) -> Self {
         let bins_per_length = |axis| {
-            // A little less, so that the last centre falls into the last bin.
+            // Slightly less than N bins, so that the last center is in the last bin.
             let factor = N as f32 * 0.9999 / centers.extent(axis);
             if factor.is_finite() && factor > 0.0 {
                 factor
@@ -107,8 +107,8 @@ impl Grid {
     /// The bin on an axis.
     #[inline]
     fn bin(&self, reference: &Reference, axis: usize) -> usize {
-        // Beyond 2^23 floats are integers: adding it rounds, and the last bits
-        // are the number; cheaper than a conversion, which has to mind NaN.
+        // From 2^23 on, floats are integers: adding 2^23 rounds, and the low bits
+        // are the integer. A conversion would cost more: it has to handle NaN.
         const TWO_TO_23: f32 = 8_388_608.0;
         let bin = (reference.center()[axis] - self.from[axis]) * self.bins_per_length[axis];
         let above = bin - 0.5;
@@ -117,38 +117,21 @@ impl Grid {
     }
 }
 
-/// Counts references, from `parallel` of them on in parallel. What is merged
-/// are maxima and sums of integers, the same in any order.
-pub(super) fn tally<T: Send>(
-    references: &[Reference],
-    parallel: usize,
-    of_few: impl Fn(&[Reference]) -> T + Send + Sync,
-    merged: impl Fn(T, T) -> T + Send + Sync,
-) -> T {
-    if references.len() < parallel {
-        return of_few(references);
-    }
-    references
-        .par_chunks(parallel / 4)
-        .map(&of_few)
-        .reduce(|| of_few(&[]), merged)
-}
-
-/// Numbers of references and the boxes around them, `N` on each axis.
-struct Bins<const N: usize> {
-    boxes: [[Corners; N]; 3],
+/// Numbers of references and the boxes around them, `N` bins on each axis.
+struct ObjectBins<const N: usize> {
+    boxes: [[LaneBounds; N]; 3],
     counts: [[u32; N]; 3],
 }
 
-impl<const N: usize> Bins<N> {
+impl<const N: usize> ObjectBins<N> {
     const EMPTY: Self = Self {
-        boxes: [[Corners::EMPTY; N]; 3],
+        boxes: [[LaneBounds::EMPTY; N]; 3],
         counts: [[0; N]; 3],
     };
 
-    fn of(simd: Simd, references: &[Reference], grid: &Grid) -> Self {
-        let of_few = |references: &[Reference]| simd.run(Count { references, grid });
-        tally(references, PARALLEL, of_few, Self::merged)
+    fn of(simd: Simd, references: &[Reference], grid: &CentroidGrid) -> Self {
+        let bin = |references: &[Reference]| simd.run(BinReferences { references, grid });
+        map_reduce(references, PARALLEL, bin, Self::merged)
     }
 
     fn merged(mut self, other: Self) -> Self {
@@ -161,36 +144,36 @@ impl<const N: usize> Bins<N> {
         self
     }
 
-    /// The box around some bins and their number of references.
-    fn sum(&self, axis: usize, range: std::ops::Range<usize>) -> (Corners, usize) {
+    /// The box around a range of bins and their number of references.
+    fn sum(&self, axis: usize, range: std::ops::Range<usize>) -> (LaneBounds, usize) {
         let boxes = self.boxes[axis][range.clone()].iter();
         let counts = self.counts[axis][range].iter();
         (
-            boxes.fold(Corners::EMPTY, |sum, &bin| sum.union(bin)),
+            boxes.fold(LaneBounds::EMPTY, |sum, &bin| sum.union(bin)),
             counts.sum::<u32>() as usize,
         )
     }
 
-    /// The axis, the cheapest plane's right bin and the cost: areas times
-    /// numbers. `None` if one bin holds all.
+    /// The cheapest plane on an axis: the axis, the bin to the right of the plane
+    /// and the cost. `None` if all references are in the same bin.
     fn cheapest_plane(&self, axis: usize) -> Option<(usize, usize, f32)> {
         let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
         let mut right_costs = [f32::INFINITY; N];
-        let (mut corners, mut n) = (Corners::EMPTY, 0);
+        let (mut bounds, mut n) = (LaneBounds::EMPTY, 0);
         for bin in (1..N).rev() {
-            (corners, n) = (corners.union(boxes[bin]), n + counts[bin]);
+            (bounds, n) = (bounds.union(boxes[bin]), n + counts[bin]);
             if n > 0 {
-                right_costs[bin] = corners.half_area() * n as f32;
+                right_costs[bin] = bounds.half_area() * n as f32;
             }
         }
-        let (mut corners, mut n) = (Corners::EMPTY, 0);
+        let (mut bounds, mut n) = (LaneBounds::EMPTY, 0);
         let mut best: Option<(usize, usize, f32)> = None;
         for bin in 1..N {
-            (corners, n) = (corners.union(boxes[bin - 1]), n + counts[bin - 1]);
+            (bounds, n) = (bounds.union(boxes[bin - 1]), n + counts[bin - 1]);
             if n == 0 || right_costs[bin] == f32::INFINITY {
                 continue;
             }
-            let cost = corners.half_area() * n as f32 + right_costs[bin];
+            let cost = bounds.half_area() * n as f32 + right_costs[bin];
             if best.is_none_or(|best| cost < best.2) {
                 best = Some((axis, bin, cost));
             }
@@ -199,24 +182,24 @@ impl<const N: usize> Bins<N> {
     }
 }
 
-/// Counts references into bins.
-struct Count<'a, const N: usize> {
+/// Counts references in bins.
+struct BinReferences<'a, const N: usize> {
     references: &'a [Reference],
-    grid: &'a Grid,
+    grid: &'a CentroidGrid,
 }
 
-impl<const N: usize> Work for Count<'_, N> {
-    type Output = Bins<N>;
+impl<const N: usize> SimdKernel for BinReferences<'_, N> {
+    type Output = ObjectBins<N>;
 
     #[inline(always)]
-    fn run<I: InstructionSet>(self, _: I) -> Bins<N> {
-        let mut bins = Bins::EMPTY;
+    fn run<I: InstructionSet>(self, _: I) -> ObjectBins<N> {
+        let mut bins = ObjectBins::EMPTY;
         for reference in self.references {
-            let corners = reference.corners();
+            let bounds = reference.bounds();
             for axis in 0..3 {
-                // The mask of the grid says that it is less than N.
+                // The mask of the grid keeps it below N; `%` removes the bounds check.
                 let bin = self.grid.bin(reference, axis) % N;
-                bins.boxes[axis][bin] = bins.boxes[axis][bin].union(corners);
+                bins.boxes[axis][bin] = bins.boxes[axis][bin].union(bounds);
                 bins.counts[axis][bin] += 1;
             }
         }

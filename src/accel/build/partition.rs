@@ -1,46 +1,47 @@
-//! Moves references to the two sides of a split.
+//! Partitions references: moves them to the two sides of a split.
 
 use rayon::prelude::*;
 
-use super::bins::Split;
-use super::cuts::Cut;
-use super::reference::{Corners, Reference};
-use crate::accel::simd::{InstructionSet, Simd, Work};
+use super::bounds::LaneBounds;
+use super::object_split::ObjectSplit;
+use super::reference::Reference;
+use super::spatial_split::SpatialSplit;
+use crate::accel::simd::{InstructionSet, Simd, SimdKernel};
 use crate::scene::Primitive;
 
-/// From so many references on they are moved in parallel.
+/// Number of references from which they are moved in parallel.
 const PARALLEL: usize = 1 << 16;
 const CHUNK: usize = PARALLEL / 4;
 
-/// The references on one side.
+/// The size and the bounds of a subset of the references.
 #[derive(Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct Subset {
     pub(super) n: usize,
-    pub(super) bounds: Corners,
-    /// The box around the doubled centres.
-    pub(super) centers: Corners,
+    pub(super) bounds: LaneBounds,
+    /// The box around the centers, times two.
+    pub(super) centers: LaneBounds,
 }
 
-impl Part {
+impl Subset {
     const EMPTY: Self = Self {
         n: 0,
-        bounds: Corners::EMPTY,
-        centers: Corners::EMPTY,
+        bounds: LaneBounds::EMPTY,
+        centers: LaneBounds::EMPTY,
     };
 
-    /// All of these.
+    /// That of these references.
     pub(super) fn of(references: &[Reference]) -> Self {
         let chunks = references.par_chunks(CHUNK);
         let of_chunk = |chunk: &[Reference]| chunk.iter().fold(Self::EMPTY, Self::with);
-        // Maxima and sums of integers: the same in any order.
+        // Maxima and sums of integers are independent of the order.
         chunks.map(of_chunk).reduce(|| Self::EMPTY, Self::union)
     }
 
     fn with(self, reference: &Reference) -> Self {
         Self {
             n: self.n + 1,
-            bounds: self.bounds.union(reference.corners()),
-            centers: self.centers.union(reference.center_corners()),
+            bounds: self.bounds.union(reference.bounds()),
+            centers: self.centers.union(reference.center_bounds()),
         }
     }
 
@@ -53,26 +54,32 @@ impl Part {
     }
 }
 
-/// The beginnings of the room on the left and on the right.
+/// Where the references of the left and of the right side go.
 pub(super) type Sides<'a> = [&'a mut [Reference]; 2];
 
-/// Moves whole references, in their order.
-pub(super) fn by_bins(simd: Simd, references: &[Reference], to: Sides, split: &Split) -> [Part; 2] {
-    let [left, right] = match references.len() < PARALLEL {
-        true => simd.run(Deal {
+/// Partitions whole references; keeps their order.
+pub(super) fn by_object_split(
+    simd: Simd,
+    references: &[Reference],
+    to: Sides,
+    split: &ObjectSplit,
+) -> [Subset; 2] {
+    let [left, right] = if references.len() < PARALLEL {
+        simd.run(Scatter {
             references,
             to,
             split,
-        }),
-        false => deal_in_parallel(simd, references, to, split),
+        })
+    } else {
+        scatter_in_parallel(simd, references, to, split)
     };
     [
-        Part {
+        Subset {
             n: split.n_left,
             bounds: split.left,
             centers: left,
         },
-        Part {
+        Subset {
             n: references.len() - split.n_left,
             bounds: split.right,
             centers: right,
@@ -80,38 +87,38 @@ pub(super) fn by_bins(simd: Simd, references: &[Reference], to: Sides, split: &S
     ]
 }
 
-/// Moves references; gives the boxes around the centres on both sides.
-struct Deal<'a, 'r> {
+/// Moves references; returns the boxes around the centers on both sides.
+struct Scatter<'a, 'r> {
     references: &'a [Reference],
     to: Sides<'r>,
-    split: &'a Split,
+    split: &'a ObjectSplit,
 }
 
-impl Work for Deal<'_, '_> {
-    type Output = [Corners; 2];
+impl SimdKernel for Scatter<'_, '_> {
+    type Output = [LaneBounds; 2];
 
     #[inline(always)]
-    fn run<I: InstructionSet>(self, _: I) -> [Corners; 2] {
+    fn run<I: InstructionSet>(self, _: I) -> [LaneBounds; 2] {
         let mut ends = [0; 2];
-        let mut centers = [Corners::EMPTY; 2];
+        let mut centers = [LaneBounds::EMPTY; 2];
         for reference in self.references {
-            // No branch on the side, which nobody can foretell.
+            // No branch on the side: it is unpredictable.
             let side = usize::from(!self.split.is_left(reference));
             self.to[side][ends[side]] = *reference;
             ends[side] += 1;
-            centers[side] = centers[side].union(reference.center_corners());
+            centers[side] = centers[side].union(reference.center_bounds());
         }
         centers
     }
 }
 
-/// Each chunk has its own stretch on either side.
-fn deal_in_parallel(
+/// Gives each chunk its own slice of either side.
+fn scatter_in_parallel(
     simd: Simd,
     references: &[Reference],
     to: Sides,
-    split: &Split,
-) -> [Corners; 2] {
+    split: &ObjectSplit,
+) -> [LaneBounds; 2] {
     let chunks = references.par_chunks(CHUNK);
     let n_left = |chunk: &[Reference]| chunk.iter().filter(|r| split.is_left(r)).count();
     let n_left: Vec<usize> = chunks.clone().map(n_left).collect();
@@ -123,57 +130,57 @@ fn deal_in_parallel(
             right.split_off_mut(..n_right)?,
         ])
     };
-    let stretches: Option<Vec<Sides>> = n_left
+    let slices: Option<Vec<Sides>> = n_left
         .into_iter()
         .zip(references.chunks(CHUNK))
         .map(&mut take)
         .collect();
     chunks
-        .zip(stretches.expect("both sides were counted"))
+        .zip(slices.expect("both sides were counted"))
         .map(|(references, to)| {
-            simd.run(Deal {
+            simd.run(Scatter {
                 references,
                 to,
                 split,
             })
         })
         .reduce(
-            || [Corners::EMPTY; 2],
+            || [LaneBounds::EMPTY; 2],
             |[a, b], [c, d]| [a.union(c), b.union(d)],
         )
 }
 
-/// Moves references to the sides of a plane, those across it in two parts.
-pub(super) fn by_cut(
+/// Partitions references at a plane; splits those that straddle it.
+pub(super) fn by_spatial_split(
     references: &[Reference],
     to: Sides,
-    cut: &Cut,
+    split: &SpatialSplit,
     primitives: &[Primitive],
-) -> [Part; 2] {
-    let mut parts = [Part::EMPTY; 2];
+) -> [Subset; 2] {
+    let mut subsets = [Subset::EMPTY; 2];
     for reference in references {
-        for (side, part) in cut.sides(reference, primitives).into_iter().enumerate() {
+        for (side, part) in split.sides(reference, primitives).into_iter().enumerate() {
             if let Some(part) = part {
-                to[side][parts[side].n] = part;
-                parts[side] = parts[side].with(&part);
+                to[side][subsets[side].n] = part;
+                subsets[side] = subsets[side].with(&part);
             }
         }
     }
-    // If rounding left a side empty, a test too many does no harm.
+    // If rounding left a side empty, one redundant reference does no harm.
     for side in 0..2 {
-        if parts[side].n == 0 {
+        if subsets[side].n == 0 {
             to[side][0] = to[1 - side][0];
-            parts[side] = Part::EMPTY.with(&to[side][0]);
+            subsets[side] = Subset::EMPTY.with(&to[side][0]);
         }
     }
-    parts
+    subsets
 }
 
-/// Moves the references as they stand, half to each side.
-pub(super) fn by_halves(references: &[Reference], to: Sides) -> [Part; 2] {
+/// Moves the first half to the left and the second half to the right.
+pub(super) fn in_halves(references: &[Reference], to: Sides) -> [Subset; 2] {
     let (left, right) = references.split_at(references.len() / 2);
     let [to_left, to_right] = to;
     to_left[..left.len()].copy_from_slice(left);
     to_right[..right.len()].copy_from_slice(right);
-    [left, right].map(Part::of)
+    [left, right].map(Subset::of)
 }

@@ -1,20 +1,20 @@
 //! The test of a ray against all primitives of a leaf at once.
 //!
-//! The same operations in the same order as the tests of `geometry`, so that
-//! each lane gives the very `t` of [`Triangle`](crate::geometry::Triangle) or
-//! [`Sphere`](crate::geometry::Sphere). Of triangles eight lanes only find
-//! those that may be met, few as they are: what decides is [`Shear`]'s.
+//! It performs the same operations in the same order as the tests in `geometry`:
+//! each lane has the same `t` as [`Triangle`](crate::geometry::Triangle) or
+//! [`Sphere`](crate::geometry::Sphere), to the bit. For triangles the eight
+//! lanes only find the candidates, which are few; the test of [`Shear`] decides.
 
 use glam::Vec3;
 
 use crate::accel::arena::Leaf;
-use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
+use crate::accel::layout::{LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
 use crate::geometry::{Ray, Shear};
 
-/// What a ray's tests against many leaves have in common.
-pub(super) struct Blocks<I: InstructionSet> {
+/// What the tests of a ray against all leaves share.
+pub(super) struct LeafIntersector<I: InstructionSet> {
     set: I,
     origin: Vec3,
     direction: Vec3,
@@ -22,20 +22,20 @@ pub(super) struct Blocks<I: InstructionSet> {
     a: f32,
     inverse_a: f32,
     shear: Shear,
-    /// The origin with the axes of the shear.
-    turned_origin: Vec3Lanes<I::Lanes>,
+    /// The origin, its axes permuted as in the shear.
+    permuted_origin: Vec3Lanes<I::Lanes>,
     slopes: [I::Lanes; 2],
 }
 
-impl<I: InstructionSet> Blocks<I> {
+impl<I: InstructionSet> LeafIntersector<I> {
     #[inline(always)]
     pub(super) fn new(set: I, ray: &Ray) -> Self {
-        Self::sheared_by(set, ray, Shear::along(ray.direction))
+        Self::with_shear(set, ray, Shear::along(ray.direction))
     }
 
-    /// For a ray that runs along the last axis of this space.
+    /// For a ray whose shear is known.
     #[inline(always)]
-    pub(super) fn sheared_by(set: I, ray: &Ray, shear: Shear) -> Self {
+    pub(super) fn with_shear(set: I, ray: &Ray, shear: Shear) -> Self {
         let a = ray.direction.dot(ray.direction);
         let [slope_x, slope_y] = shear.slopes;
         Self {
@@ -45,14 +45,24 @@ impl<I: InstructionSet> Blocks<I> {
             a,
             inverse_a: a.recip(),
             shear,
-            turned_origin: Vec3Lanes::splat(set, shear.turn(ray.origin).into()),
+            permuted_origin: Vec3Lanes::splat(set, shear.permute(ray.origin).into()),
             slopes: [set.splat(slope_x), set.splat(slope_y)],
+        }
+    }
+
+    /// Tests the primitives of a leaf; reports the hits to the search.
+    #[inline(always)]
+    pub(super) fn test<S: Search>(&self, leaf: Leaf, kind: LeafKind, search: &mut S) {
+        match kind {
+            LeafKind::Triangles => self.triangles(leaf, search),
+            LeafKind::Spheres => self.spheres(leaf, search),
+            LeafKind::Others => (0..leaf.len()).for_each(|i| search.test(leaf.primitive(0, i))),
         }
     }
 
     /// Tests triangles.
     #[inline(always)]
-    pub(super) fn triangles<S: Search>(&self, leaf: Leaf, search: &mut S) {
+    fn triangles<S: Search>(&self, leaf: Leaf, search: &mut S) {
         let zero = self.set.splat(0.0);
         // No `array::map` here: it is not always inlined.
         let (a, b, c) = (
@@ -69,8 +79,8 @@ impl<I: InstructionSet> Blocks<I> {
             v.flip_sign_by(area),
             w.flip_sign_by(area),
         );
-        // Rounding may make an area zero, but never turns its sign.
-        let mut inside = zero.le(u.min(v).min(w)).bits() & in_use(leaf);
+        // Rounding may make an area zero, but never changes its sign.
+        let mut inside = zero.le(u.min(v).min(w)).bits() & used_lanes(leaf);
         if inside == 0 {
             return;
         }
@@ -78,8 +88,8 @@ impl<I: InstructionSet> Blocks<I> {
         while inside != 0 {
             let lane = inside.trailing_zeros() as usize % N_LANES;
             inside &= inside - 1;
-            let corners = [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
-            match self.shear.crossing(corners) {
+            let vertices = [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
+            match self.shear.intersect(vertices) {
                 Some(t) if t > 0.0 && t < search.limit() => {
                     search.found(t, leaf.primitive(TRIANGLE_ROWS, lane));
                 }
@@ -88,13 +98,13 @@ impl<I: InstructionSet> Blocks<I> {
         }
     }
 
-    /// Points of three rows in the space of [`Shear`].
+    /// The points of three rows in the space of the [`Shear`].
     #[inline(always)]
     fn sheared(&self, leaf: Leaf, first: usize) -> Vec3Lanes<I::Lanes> {
         let [x, y, z] = self.shear.axes;
-        let x = self.row(leaf, first + x) - self.turned_origin.x;
-        let y = self.row(leaf, first + y) - self.turned_origin.y;
-        let z = self.row(leaf, first + z) - self.turned_origin.z;
+        let x = self.row(leaf, first + x) - self.permuted_origin.x;
+        let y = self.row(leaf, first + y) - self.permuted_origin.y;
+        let z = self.row(leaf, first + z) - self.permuted_origin.z;
         Vec3Lanes {
             x: x - self.slopes[0] * z,
             y: y - self.slopes[1] * z,
@@ -104,7 +114,7 @@ impl<I: InstructionSet> Blocks<I> {
 
     /// Tests spheres.
     #[inline(always)]
-    pub(super) fn spheres<S: Search>(&self, leaf: Leaf, search: &mut S) {
+    fn spheres<S: Search>(&self, leaf: Leaf, search: &mut S) {
         let zero = self.set.splat(0.0);
         let (center, r2) = (self.vectors(leaf, 0), self.row(leaf, 3));
         let d = Vec3Lanes::splat(self.set, self.direction);
@@ -113,16 +123,16 @@ impl<I: InstructionSet> Blocks<I> {
         let b = c.dot(d);
         let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
-        let met = zero.le(discriminant);
-        if met.bits() & in_use(leaf) == 0 {
+        let is_hit = zero.le(discriminant);
+        if is_hit.bits() & used_lanes(leaf) == 0 {
             return;
         }
-        // A discriminant below 0 gives NaN, in lanes that are out already.
+        // A negative discriminant gives NaN, in lanes that are masked already.
         let q = b + (a * discriminant).sqrt().flip_sign_by(b);
         let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
         let (near, far) = (t0.min(t1), t1.max(t0));
         let t = I::Lanes::select(zero.lt(near), near, far);
-        let hits = met & zero.lt(t) & t.lt(self.set.splat(search.limit()));
+        let hits = is_hit & zero.lt(t) & t.lt(self.set.splat(search.limit()));
         report(leaf, SPHERE_ROWS, t.to_array(), hits.bits(), search);
     }
 
@@ -142,16 +152,16 @@ impl<I: InstructionSet> Blocks<I> {
     }
 }
 
-/// Bits for the lanes that hold a primitive.
+/// The lanes that hold a primitive, as bits.
 #[inline(always)]
-fn in_use(leaf: Leaf) -> u8 {
+fn used_lanes(leaf: Leaf) -> u8 {
     u8::MAX >> (N_LANES - leaf.len())
 }
 
-/// Tells the search of the hits at `t` in these lanes, if they are in use.
+/// Reports to the search the hits at `t` in these lanes, as far as they are used.
 #[inline(always)]
 fn report<S: Search>(leaf: Leaf, n_rows: usize, t: [f32; N_LANES], hits: u8, search: &mut S) {
-    let mut hits = hits & in_use(leaf);
+    let mut hits = hits & used_lanes(leaf);
     while hits != 0 {
         let lane = hits.trailing_zeros() as usize % N_LANES;
         hits &= hits - 1;
