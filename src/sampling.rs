@@ -1,12 +1,12 @@
-//! Randomness that hangs on nothing but its arguments.
+//! Random numbers that depend only on their key.
 //!
-//! A hash instead of a generator with a state: any sample of any pixel, or any
-//! sphere of a cloud, comes out the same in whatever order and on whatever
-//! thread it is asked for.
+//! They are hashes instead of the output of a generator with a state: a sample
+//! of a pixel or a sphere of a cloud is the same in whatever order and on
+//! whatever thread it is computed.
 
 use glam::Vec2;
 
-/// Four uniform numbers in [0, 1) for a key of three.
+/// Four uniformly distributed numbers in [0, 1) for a key of three integers.
 ///
 /// The hash is pcg4d of Jarzynski and Olano, "Hash Functions for GPU
 /// Rendering", JCGT 9(3), 2020, on both halves of the key.
@@ -20,7 +20,7 @@ pub fn uniform(key: [u64; 3]) -> [f32; 4] {
         low[2] ^ mixed[2],
         mixed[3],
     ]);
-    // The upper 24 bits are all that an f32 in [0, 1) can hold evenly.
+    // An f32 in [0, 1) has 24 bits of uniform resolution.
     bits.map(|word| (word >> 8) as f32 / (1 << 24) as f32)
 }
 
@@ -39,14 +39,13 @@ fn pcg4d(key: [u32; 4]) -> [u32; 4] {
     [x, y, z, w]
 }
 
-/// A stratified pattern of points in a pixel: `n` strata of equal area, one
-/// jittered point in each, but the pixel's very middle in the stratum that
-/// holds it.
+/// A stratified pattern of points in a pixel: `n` strata of equal area with one
+/// jittered point each. The point of one stratum is the pixel's center.
 #[derive(Debug, Clone, Copy)]
 pub struct PixelPattern {
     n: u32,
     n_rows: u32,
-    /// The point that is the pixel's middle.
+    /// The index of the point in the pixel's center.
     center: u32,
     seed: u64,
 }
@@ -66,13 +65,13 @@ impl PixelPattern {
         pattern
     }
 
-    /// The number of the point that is the pixel's middle.
+    /// The index of the point in the pixel's center.
     pub fn center(&self) -> u32 {
         self.center
     }
 
-    /// Point `i` of pixel number `pixel`, relative to the pixel's middle: both
-    /// coordinates in [-0.5, 0.5).
+    /// Point `i` of pixel number `pixel`, relative to the pixel's center: both
+    /// coordinates are in [-0.5, 0.5).
     pub fn point(&self, pixel: u64, i: u32) -> Vec2 {
         if i == self.center {
             return Vec2::ZERO;
@@ -80,14 +79,16 @@ impl PixelPattern {
         let row = self.row_of(i);
         let (first, end) = (self.first_of_row(row), self.first_of_row(row + 1));
         let [u, v, ..] = uniform([self.seed, pixel, i.into()]);
-        // The row is as high as its share of the points: all areas are equal.
+        // The height of a row is proportional to its points: all strata have the
+        // same area.
         let n_in_row = (end - first) as f32;
         let x = ((i - first) as f32 + u) / n_in_row;
         let y = (first as f32 + v * n_in_row) / self.n as f32;
         Vec2::new(x, y) - 0.5
     }
 
-    /// The first point of a row; the rows share the points as evenly as goes.
+    /// The first point of a row. The numbers of points per row differ by at most
+    /// 1.
     fn first_of_row(&self, row: u32) -> u32 {
         (u64::from(row) * u64::from(self.n) / u64::from(self.n_rows)) as u32
     }
@@ -107,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn uniform_numbers_fill_the_unit_interval_evenly() {
+    fn uniform_numbers_are_uniformly_distributed() {
         let mut counts = [0; 16];
         for i in 0..10_000 {
             for u in uniform([7, i, 3 << 32]) {
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn every_stratum_has_its_point_and_one_is_the_middle() {
+    fn every_stratum_has_one_point_and_one_is_the_center() {
         for n in 1..=40 {
             let pattern = PixelPattern::new(n, 5);
             assert_eq!(pattern.point(9, pattern.center()), Vec2::ZERO);

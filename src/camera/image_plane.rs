@@ -1,33 +1,33 @@
-//! The picture as a rectangle in the world.
+//! The image as a rectangle in world space.
 
 use glam::Vec3;
 
 use crate::geometry::Ray;
 
-/// Where the pixels lie in the world, and how rays go through them.
+/// The positions of the pixels in world space, and the camera rays through them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImagePlane {
-    /// How the rays run.
+    /// How the rays pass through the plane.
     pub projection: Projection,
-    /// The sample point of pixel (0, 0): column 0 of the top row.
+    /// The center of pixel (0, 0): column 0 of the top row.
     pub origin: Vec3,
-    /// From one column's sample point to the next one's.
+    /// From a pixel's center to the next column's.
     pub right: Vec3,
-    /// From one row's sample point to that of the row below.
+    /// From a pixel's center to that of the row below.
     pub down: Vec3,
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub size: [u32; 2],
 }
 
-/// How rays run through the image plane.
+/// How rays pass through the image plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
-    /// All from one point.
+    /// All start in one point.
     Perspective {
-        /// That point.
+        /// That point, in world space.
         eye: Vec3,
     },
-    /// All in one direction, from the plane on.
+    /// All start on the plane, in one direction.
     Parallel {
         /// That direction, a unit vector.
         direction: Vec3,
@@ -35,10 +35,10 @@ pub enum Projection {
 }
 
 impl ImagePlane {
-    /// An image plane of square pixels around its middle, looking along `forward`.
+    /// An image plane of square pixels around `center`.
     ///
-    /// `height` is the plane's height in world units; `right` and `up` are unit
-    /// vectors; `size` counts the pixels.
+    /// `right` and `up` are unit vectors, `height` is the plane's height in world
+    /// units, `size` is the number of columns and rows.
     pub(super) fn centered(
         projection: Projection,
         [center, right, up]: [Vec3; 3],
@@ -56,9 +56,9 @@ impl ImagePlane {
         }
     }
 
-    /// The ray through pixel coordinates (x, y): whole numbers are the pixels'
-    /// own sample points, (0, 0) on top left; a pixel reaches half a unit to
-    /// each side.
+    /// The ray through pixel coordinates (x, y). The centers of the pixels have
+    /// integer coordinates, (0, 0) at the top left; a pixel extends half a unit
+    /// to each side.
     #[inline]
     pub fn ray(&self, x: f32, y: f32) -> Ray {
         let through = self.point(x, y);
@@ -74,8 +74,8 @@ impl ImagePlane {
         }
     }
 
-    /// The world-space size of pixel (x, y) at a distance along its ray: the
-    /// side of a square as large as the pixel.
+    /// The world-space size of pixel (x, y) at a distance along its ray: the side of
+    /// a square with the pixel's area.
     pub fn footprint(&self, x: f32, y: f32, distance: f32) -> f32 {
         let pitch = (self.right.length() * self.down.length()).sqrt();
         match self.projection {
@@ -89,7 +89,7 @@ impl ImagePlane {
         self.origin + x * self.right + y * self.down
     }
 
-    /// The middle of the picture.
+    /// The center of the image.
     pub fn center(&self) -> Vec3 {
         let [x, y] = self.size.map(|n| 0.5 * (n as f32 - 1.0));
         self.point(x, y)

@@ -1,8 +1,9 @@
-//! The camera that looks from one point to another.
+//! The perspective camera that looks from one point to another.
 
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
 use crate::yaml::{self, Number};
 
@@ -15,48 +16,16 @@ use crate::yaml::{self, Number};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Keys")]
+#[serde(try_from = "LookAtKeys")]
 pub struct LookAt {
     eye: Vec3,
     basis: Basis,
     fov_y_deg: f32,
 }
 
-/// The directions of a camera, unit vectors at right angles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Basis {
-    pub(super) forward: Vec3,
-    pub(super) right: Vec3,
-    pub(super) up: Vec3,
-}
-
-impl Basis {
-    /// Looking from `eye` to `target`, `up` upwards in the picture; `Err` says
-    /// what is wrong with the three.
-    pub(super) fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Result<Self, &'static str> {
-        let forward = (target - eye)
-            .try_normalize()
-            .ok_or("cannot have its eye in its target, expected two different points")?;
-        // Right-handed, as in ParaView: seen toward -z, x points to the right.
-        let right = forward.cross(up);
-        if right.length_squared() < 1e-12 {
-            return Err(
-                "cannot have its `up` along the line from `eye` to `target`, \
-                 expected an `up` at an angle to it",
-            );
-        }
-        let right = right.normalize();
-        Ok(Self {
-            forward,
-            right,
-            up: right.cross(forward),
-        })
-    }
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Keys {
+struct LookAtKeys {
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
     #[serde(deserialize_with = "yaml::point")]
@@ -67,11 +36,6 @@ struct Keys {
     fov_y_deg: f32,
 }
 
-/// The `up` of a camera whose file names none.
-pub(super) fn up() -> Vec3 {
-    Vec3::Y
-}
-
 fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     let number = Number {
         expected: "an angle in degrees from 0.001 to 179.9",
@@ -80,10 +44,10 @@ fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     serde::de::DeserializeSeed::deserialize(number, d)
 }
 
-impl TryFrom<Keys> for LookAt {
+impl TryFrom<LookAtKeys> for LookAt {
     type Error = &'static str;
 
-    fn try_from(keys: Keys) -> Result<Self, Self::Error> {
+    fn try_from(keys: LookAtKeys) -> Result<Self, Self::Error> {
         Ok(Self {
             eye: keys.eye,
             basis: Basis::look_at(keys.eye, keys.target, keys.up)?,
@@ -110,8 +74,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_field_of_view_spans_the_rows_edge_to_edge() {
-        let keys = Keys {
+    fn the_field_of_view_spans_the_rows_from_edge_to_edge() {
+        let keys = LookAtKeys {
             eye: Vec3::ZERO,
             target: -Vec3::Z,
             up: Vec3::Y,

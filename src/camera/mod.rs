@@ -1,10 +1,11 @@
 //! Cameras: pixel coordinates → rays.
 //!
-//! Each kind of camera is one file that reads its YAML keys and places an
-//! [`ImagePlane`]; all rays come of that. To add a camera, write its file, its
-//! `mod` line and its arm in [`Camera`].
+//! Each kind of camera has one file, which reads its YAML keys and places an
+//! [`ImagePlane`]; the rays depend on nothing else. To add a camera, write its
+//! file, its `mod` line and its arms in [`Camera`].
 
 mod image_plane;
+mod basis;
 mod look_at;
 mod orthographic;
 mod window;
@@ -23,16 +24,16 @@ pub use window::{Window, WindowSamples};
     expecting = "a camera such as { look_at: { … } }"
 )]
 pub enum Camera {
-    /// A perspective camera by eye, target and field of view.
+    /// A perspective camera, given by eye, target and field of view.
     LookAt(LookAt),
-    /// Parallel rays.
+    /// A camera with parallel rays.
     Orthographic(Orthographic),
-    /// A perspective camera by eye and window, off-axis if need be.
+    /// A perspective camera, given by eye and window, which may be off-axis.
     Window(Window),
 }
 
 impl Camera {
-    /// The image plane of a picture of `width * height` pixels.
+    /// The image plane of an image of `width * height` pixels.
     pub fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
         match self {
             Self::LookAt(camera) => camera.image_plane(width, height),

@@ -3,11 +3,12 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
-use super::look_at::{Basis, up};
 use crate::yaml;
 
-/// An orthographic camera: what lies behind the plane through `eye` is not seen.
+/// An orthographic camera. It does not see what lies behind the plane through
+/// `eye`.
 ///
 /// ```
 /// # use raycost::camera::Camera;
@@ -16,7 +17,7 @@ use crate::yaml;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Keys")]
+#[serde(try_from = "OrthographicKeys")]
 pub struct Orthographic {
     eye: Vec3,
     basis: Basis,
@@ -25,22 +26,22 @@ pub struct Orthographic {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Keys {
+struct OrthographicKeys {
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
     #[serde(deserialize_with = "yaml::point")]
     target: Vec3,
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
-    /// World-space height of the picture.
+    /// World-space height of the image.
     #[serde(deserialize_with = "yaml::positive")]
     height: f32,
 }
 
-impl TryFrom<Keys> for Orthographic {
+impl TryFrom<OrthographicKeys> for Orthographic {
     type Error = &'static str;
 
-    fn try_from(keys: Keys) -> Result<Self, Self::Error> {
+    fn try_from(keys: OrthographicKeys) -> Result<Self, Self::Error> {
         Ok(Self {
             eye: keys.eye,
             basis: Basis::look_at(keys.eye, keys.target, keys.up)?,

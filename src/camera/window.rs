@@ -1,4 +1,4 @@
-//! The camera that looks through a window, off-axis if the window is.
+//! The perspective camera that looks through a window, which may be off-axis.
 
 use glam::Vec3;
 use serde::Deserialize;
@@ -6,8 +6,8 @@ use serde::Deserialize;
 use super::image_plane::{ImagePlane, Projection};
 use crate::yaml;
 
-/// A perspective camera that sees what lies behind a window in a plane of
-/// constant z, x to the right and y up.
+/// A perspective camera that looks through a window in a plane of constant z,
+/// with x to the right and y up.
 ///
 /// ```
 /// # use raycost::camera::Camera;
@@ -16,26 +16,27 @@ use crate::yaml;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Keys")]
+#[serde(try_from = "WindowKeys")]
 pub struct Window {
-    keys: Keys,
+    keys: WindowKeys,
 }
 
-/// Where the pixels' sample points lie in the window.
+/// The positions of the pixels' centers in the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`centers` or `edges`")]
 pub enum WindowSamples {
-    /// In the middle of `width * height` equal cells.
+    /// In the centers of `width * height` equal cells.
     #[default]
     Centers,
-    /// In equal steps from edge to edge, both included, as the course's NumPy
-    /// model has it; a picture one pixel wide samples the left or top edge.
+    /// In equal steps from edge to edge, both included, as in the course's NumPy
+    /// model. An image that is one pixel wide or high samples the left or top
+    /// edge.
     Edges,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Keys {
+struct WindowKeys {
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
     #[serde(deserialize_with = "yaml::range")]
@@ -48,20 +49,21 @@ struct Keys {
     samples: WindowSamples,
 }
 
-impl TryFrom<Keys> for Window {
+impl TryFrom<WindowKeys> for Window {
     type Error = &'static str;
 
-    fn try_from(keys: Keys) -> Result<Self, Self::Error> {
-        match keys.eye.z == keys.z {
-            true => Err("cannot lie in the eye's own plane, expected a `z` other than the eye's"),
-            false => Ok(Self { keys }),
+    fn try_from(keys: WindowKeys) -> Result<Self, Self::Error> {
+        if keys.eye.z == keys.z {
+            Err("cannot lie in the eye's own plane, expected a `z` other than the eye's")
+        } else {
+            Ok(Self { keys })
         }
     }
 }
 
 impl Window {
     pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
-        let Keys {
+        let WindowKeys {
             eye,
             x,
             y,
@@ -98,7 +100,7 @@ mod tests {
     use super::*;
 
     fn plane(samples: WindowSamples) -> ImagePlane {
-        let keys = Keys {
+        let keys = WindowKeys {
             eye: Vec3::new(0.0, 0.35, -1.0),
             x: [-1.0, 1.0],
             y: [-0.5, 1.0],

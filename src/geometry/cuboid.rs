@@ -1,51 +1,52 @@
-//! Axis-aligned boxes as things to see.
+//! Axis-aligned boxes as shapes.
 
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Patch, Ray, Surface, Transform};
+use super::{Aabb, Intersectable, Patch, Ray, Transform};
 use crate::yaml;
 
-/// The surface of an axis-aligned box; a rotated one comes of a `transform`.
+/// The surface of an axis-aligned box. A `transform` makes a rotated one.
 ///
 /// ```
 /// # use raycost::geometry::Cuboid;
 /// let cuboid: Cuboid = raycost::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "Corners")]
+#[serde(try_from = "CuboidKeys")]
 pub struct Cuboid {
     bounds: Aabb,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Corners {
+struct CuboidKeys {
     #[serde(deserialize_with = "yaml::point")]
     min: Vec3,
     #[serde(deserialize_with = "yaml::point")]
     max: Vec3,
 }
 
-impl TryFrom<Corners> for Cuboid {
+impl TryFrom<CuboidKeys> for Cuboid {
     type Error = &'static str;
 
-    fn try_from(Corners { min, max }: Corners) -> Result<Self, Self::Error> {
-        match min.cmplt(max).all() {
-            true => Ok(Self::new(Aabb { min, max })),
-            false => Err("cannot be without volume, expected min < max on every axis"),
+    fn try_from(CuboidKeys { min, max }: CuboidKeys) -> Result<Self, Self::Error> {
+        if min.cmplt(max).all() {
+            Ok(Self::new(Aabb { min, max }))
+        } else {
+            Err("cannot be without volume, expected min < max on every axis")
         }
     }
 }
 
 impl Cuboid {
-    /// The surface of `bounds`, which has a volume.
+    /// The surface of `bounds`, which must have a volume.
     pub fn new(bounds: Aabb) -> Self {
         Self { bounds }
     }
 }
 
-impl Surface for Cuboid {
+impl Intersectable for Cuboid {
     /// The slab test of Kay and Kajiya (SIGGRAPH 1986).
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
@@ -93,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn its_corners_go_round_one_face_and_then_round_the_other() {
+    fn its_corners_follow_one_face_and_then_the_opposite_one() {
         let cuboid = Cuboid::new(Aabb {
             min: Vec3::new(-1.0, -2.0, 3.0),
             max: Vec3::new(1.0, 2.0, 5.0),
@@ -105,13 +106,14 @@ mod tests {
             let edge = near[(i + 1) % 4] - near[i];
             assert_eq!((edge != Vec3::ZERO, edge.x * edge.y), (true, 0.0));
         }
-        // VTK's hexahedron: its first face, seen from within, goes round to the right.
+        // VTK's hexahedron: the corners of the first face are counter-clockwise
+        // as seen from inside.
         let [u, v] = [near[1] - near[0], near[2] - near[1]];
         assert!(u.cross(v).dot(far[0] - near[0]) > 0.0);
     }
 
     #[test]
-    fn a_box_is_met_from_outside_and_inside_on_the_right_face() {
+    fn a_ray_hits_a_box_from_outside_and_from_inside() {
         let cuboid = Cuboid::new(Aabb {
             min: Vec3::new(-1.0, -2.0, 3.0),
             max: Vec3::new(1.0, 2.0, 5.0),

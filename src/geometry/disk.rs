@@ -3,10 +3,10 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Patch, Plane, Ray, Surface, Transform};
+use super::{Aabb, Intersectable, Patch, Plane, Ray, Transform};
 use crate::yaml;
 
-/// The points of a plane within one distance of a centre.
+/// The points of a plane within a distance of a center.
 ///
 /// ```
 /// # use raycost::geometry::Disk;
@@ -18,7 +18,7 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Disk {
-    /// The centre.
+    /// The center.
     #[serde(deserialize_with = "yaml::point")]
     pub center: Vec3,
     /// The unit normal; the file may give any length but zero.
@@ -38,7 +38,7 @@ impl Disk {
     }
 }
 
-impl Surface for Disk {
+impl Intersectable for Disk {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         self.plane()

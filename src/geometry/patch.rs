@@ -1,4 +1,4 @@
-//! Shapes as viewers of meshes draw them.
+//! Shapes as cells of a mesh, for viewers.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,34 +6,34 @@ use glam::Vec3;
 
 use super::Transform;
 
-/// Corners of what stands for a circle.
+/// Corners of the polygon that replaces a circle.
 const N_CORNERS: usize = 32;
-/// Bands from pole to pole of what stands for an ellipsoid.
+/// Bands from pole to pole of the strip that replaces an ellipsoid.
 const N_BANDS: usize = 12;
 
-/// A shape as the corners of one cell.
+/// The cell that a viewer draws for a shape, in terms of its corners.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Patch {
-    /// Of a sphere the centre alone: a viewer draws many as discs.
+    /// A sphere, as its center alone: viewers draw many of them as points.
     Ball {
-        /// The centre.
+        /// The center.
         center: Vec3,
         /// The radius.
         radius: f32,
     },
     /// A triangle.
     Triangle([Vec3; 3]),
-    /// A flat polygon, corner after corner.
+    /// A flat polygon, its corners in order.
     Polygon(Vec<Vec3>),
-    /// A box: the four corners of one face in turn, then those that they have
-    /// an edge to.
+    /// A box: the four corners of one face in order, then the corners of the
+    /// opposite face that they share edges with.
     Box([Vec3; 8]),
-    /// Triangles, one for each three corners in a row.
+    /// A triangle strip: one triangle for each three consecutive corners.
     Strip(Vec<Vec3>),
 }
 
 impl Patch {
-    /// What stands for a disk around `center` with this unit normal.
+    /// The polygon that replaces a disk around `center` with this unit normal.
     pub(super) fn disk(center: Vec3, normal: Vec3, radius: f32) -> Self {
         let (u, v) = normal.any_orthonormal_pair();
         let corner = |i: usize| {
@@ -67,7 +67,7 @@ impl Patch {
     }
 }
 
-/// One strip around a sphere, band after band from pole to pole.
+/// One strip around a sphere, from pole to pole, band by band.
 fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {
     let corner = |circle: usize, i: usize| {
         let (sin_polar, cos_polar) = (PI * circle as f32 / N_BANDS as f32).sin_cos();
@@ -83,10 +83,10 @@ fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Aabb, Disk, Surface};
+    use crate::geometry::{Aabb, Disk, Intersectable};
 
-    /// Twice the sum of the areas of the strip's triangles, as vectors: each
-    /// second triangle goes round the other way.
+    /// Twice the areas of the strip's triangles, as vectors: every second triangle
+    /// has the opposite orientation.
     fn double_areas(strip: &[Vec3]) -> impl Iterator<Item = Vec3> + '_ {
         strip.windows(3).enumerate().map(|(i, corners)| {
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

@@ -3,11 +3,11 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Patch, Ray, Surface, Transform};
+use super::{Aabb, Intersectable, Patch, Ray, Transform};
 use crate::yaml;
 
-/// Rays flatter than this against the plane miss it: |cos| of the angle to the
-/// normal.
+/// Least |cos| of the angle between a ray and the normal: other rays miss the
+/// plane.
 const MIN_COS: f32 = 1e-6;
 
 /// The points of an infinite plane.
@@ -28,7 +28,7 @@ pub struct Plane {
     pub normal: Vec3,
 }
 
-impl Surface for Plane {
+impl Intersectable for Plane {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let cos = ray.direction.dot(self.normal);
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plane_is_met_from_both_sides_and_missed_along_it() {
+    fn rays_hit_a_plane_from_both_sides_and_miss_it_along_it() {
         let floor = Plane {
             point: Vec3::new(7.0, -0.5, 3.0),
             normal: Vec3::Y,

@@ -5,10 +5,10 @@ use glam::Vec3;
 /// A half-line: the points `origin + t * direction` with `t > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where it starts.
+    /// Its start point.
     pub origin: Vec3,
-    /// Where it goes; of unit length in world space, so that `t` is a distance
-    /// there, and of any length in object space, so that `t` stays the same.
+    /// Its direction: of unit length in world space, so that `t` is a distance
+    /// there; of any length in object space, so that `t` is the same there.
     pub direction: Vec3,
 }
 
@@ -19,10 +19,10 @@ impl Ray {
     }
 
     /// The ray in `direction` from the surface point `position` with unit
-    /// normal `normal`, its origin moved off the surface to the side that it
-    /// goes to, far enough not to hit the surface again.
+    /// normal `normal`. Its origin is offset from the surface toward the side of
+    /// the direction, so that it does not hit the surface again.
     ///
-    /// The step is 256 units in the last place of each coordinate, or 1/65536
+    /// The offset is 256 units in the last place of each coordinate, or 1/65536
     /// near the origin of space: Wächter and Binder, "A Fast and Robust Method
     /// for Avoiding Self-Intersection", Ray Tracing Gems (2019), chapter 6.
     pub fn leaving(position: Vec3, normal: Vec3, direction: Vec3) -> Self {
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_leaving_ray_starts_on_the_side_it_goes_to() {
+    fn a_leaving_ray_starts_on_the_side_of_its_direction() {
         for scale in [1e-6, 1.0, 1e6] {
             for sign in [-1.0, 1.0] {
                 let position = Vec3::new(0.3, -0.7, 0.2) * scale;

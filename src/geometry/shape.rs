@@ -1,33 +1,13 @@
-//! The one list of shapes, and what each of them can do.
+//! The list of shapes.
 
 use std::fmt;
 
 use glam::Vec3;
 use serde::de::MapAccess;
 
-use super::{Aabb, Cuboid, Disk, Patch, Plane, Ray, Sphere, Transform, Triangle};
+use super::{Aabb, Cuboid, Disk, Intersectable, Patch, Plane, Ray, Sphere, Transform, Triangle};
 
-/// What a shape has to know.
-pub trait Surface: Sized {
-    /// The least `t` in (0, `t_max`) at which the ray meets the surface, from
-    /// either side. The ray's direction may have any length.
-    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32>;
-
-    /// The point of the surface nearest to `near`, which lies on it but for
-    /// rounding, and the outward unit normal there.
-    fn project(&self, near: Vec3) -> (Vec3, Vec3);
-
-    /// The smallest box around it; [`Aabb::ALL`] if it has no bounds.
-    fn bounds(&self) -> Aabb;
-
-    /// Its image under the transform, if that is a shape of the same kind.
-    fn transformed(&self, transform: &Transform) -> Option<Self>;
-
-    /// How a viewer of meshes draws it; `None` if it has no bounds.
-    fn patch(&self) -> Option<Patch>;
-}
-
-/// Makes the enum, its YAML keys and its dispatch of one list.
+/// Defines the enum, its YAML keys and its dispatch from one list.
 macro_rules! shapes {
     ($($(#[$doc:meta])* $key:literal => $shape:ident,)*) => {
         /// A shape of any kind, in object space.
@@ -40,8 +20,8 @@ macro_rules! shapes {
             /// The YAML keys of all kinds.
             pub const KEYS: &[&str] = &[$($key),*];
 
-            /// Reads the value behind `key`, one of [`Self::KEYS`], from `map`;
-            /// `None` for another key.
+            /// Reads the value of `key` from `map`; `None` if the key is not one of
+            /// [`Self::KEYS`].
             pub fn next_value<'de, A: MapAccess<'de>>(
                 key: &str,
                 map: &mut A,
@@ -53,7 +33,7 @@ macro_rules! shapes {
             }
         }
 
-        impl Surface for Shape {
+        impl Intersectable for Shape {
             #[inline]
             fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
                 match self { $(Self::$shape(shape) => shape.intersect(ray, t_max),)* }

@@ -3,10 +3,10 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Patch, Ray, Surface, Transform};
+use super::{Aabb, Intersectable, Patch, Ray, Transform};
 use crate::yaml;
 
-/// The points at one distance from a centre.
+/// The points at a distance from a center.
 ///
 /// ```
 /// # use raycost::geometry::Sphere;
@@ -16,7 +16,7 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sphere {
-    /// The centre.
+    /// The center.
     #[serde(deserialize_with = "yaml::point")]
     pub center: Vec3,
     /// The radius, greater than 0.
@@ -24,11 +24,11 @@ pub struct Sphere {
     pub radius: f32,
 }
 
-impl Surface for Sphere {
+impl Intersectable for Sphere {
     /// Haines, Günther and Akenine-Möller, "Precision Improvements for
     /// Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7: the
-    /// discriminant from the point of the ray that is nearest to the centre,
-    /// so that small and far spheres keep their digits.
+    /// discriminant is computed from the point of the ray nearest to the center,
+    /// which avoids cancellation for small and distant spheres.
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let (c, d) = (self.center - ray.origin, ray.direction);
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_meets_the_near_side_then_the_far_side() {
+    fn a_ray_hits_the_near_side_from_outside_and_the_far_side_from_inside() {
         assert_eq!(SPHERE.intersect(&along_z(0.0, 1.0), 10.0), Some(2.0));
         assert_eq!(SPHERE.intersect(&along_z(3.0, 1.0), 10.0), Some(1.0));
         assert_eq!(SPHERE.intersect(&along_z(5.0, 1.0), 10.0), None);
@@ -100,12 +100,12 @@ mod tests {
     }
 
     #[test]
-    fn t_counts_in_lengths_of_the_direction() {
+    fn t_is_in_units_of_the_direction() {
         assert_eq!(SPHERE.intersect(&along_z(0.0, 4.0), 10.0), Some(0.5));
     }
 
     #[test]
-    fn a_small_far_sphere_keeps_its_digits() {
+    fn the_hit_on_a_small_distant_sphere_is_accurate() {
         let small = Sphere {
             center: Vec3::new(0.0, 0.0, 4000.0),
             radius: 0.5,

@@ -1,4 +1,4 @@
-//! Affine transforms, and the steps that a scene file makes them of.
+//! Affine transforms, and the steps that define them in a scene file.
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use serde::Deserialize;
@@ -7,8 +7,8 @@ use super::aabb::Aabb;
 use super::ray::Ray;
 use crate::yaml;
 
-/// One step of an object's `transform`; the list is applied from its first
-/// step to its last.
+/// One step of an object's `transform`. The steps are applied in the order of
+/// the list.
 ///
 /// ```
 /// # use raycost::geometry::TransformStep;
@@ -22,15 +22,15 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "a step such as { scale: 2 }")]
 pub enum TransformStep {
-    /// Moves by a vector.
+    /// Translates by a vector.
     Translate(#[serde(deserialize_with = "yaml::vector")] Vec3),
-    /// Turns about an axis through the origin.
+    /// Rotates about an axis through the origin.
     Rotate(Rotation),
-    /// Multiplies each coordinate; negative factors mirror.
+    /// Scales each coordinate; negative factors mirror.
     Scale(#[serde(deserialize_with = "yaml::scale")] Vec3),
 }
 
-/// A right-handed turn about an axis through the origin.
+/// A right-handed rotation about an axis through the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -53,8 +53,8 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// The steps applied in their order; `None` when they leave no volume, so
-    /// that nothing could be seen or inverted.
+    /// The steps applied in their order; `None` if the result has no finite inverse
+    /// or no volume.
     pub fn of_steps(steps: &[TransformStep]) -> Option<Self> {
         let world_from_object = steps.iter().fold(Affine3A::IDENTITY, |before, step| {
             let this = match *step {
@@ -78,24 +78,24 @@ impl Transform {
         })
     }
 
-    /// An object-space point in the world.
+    /// A point of object space in world space.
     pub fn world_point(&self, point: Vec3) -> Vec3 {
         self.world_from_object.transform_point3(point)
     }
 
-    /// A world-space point in object space.
+    /// A point of world space in object space.
     pub fn object_point(&self, point: Vec3) -> Vec3 {
         self.object_from_world.transform_point3(point)
     }
 
-    /// An object-space surface normal in the world, of unit length.
+    /// A surface normal of object space in world space, of unit length.
     pub fn world_normal(&self, normal: Vec3) -> Vec3 {
-        // Normals go by the inverse transpose (pbrt, 4th ed., 3.10.3).
+        // Normals transform by the inverse transpose (pbrt, 4th ed., 3.10.3).
         let inverse_transpose: Mat3A = self.object_from_world.matrix3.transpose();
         (inverse_transpose * normal).normalize()
     }
 
-    /// A world-space ray in object space, with the same `t` along it.
+    /// A ray of world space in object space, with the same parameter `t`.
     pub fn object_ray(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.object_point(ray.origin),
@@ -103,13 +103,14 @@ impl Transform {
         }
     }
 
-    /// The smallest world-space box around an object-space one.
+    /// The smallest box in world space around a box of object space.
     pub fn world_bounds(&self, bounds: &Aabb) -> Aabb {
         Aabb::of_points(bounds.corners().map(|corner| self.world_point(corner)))
     }
 
-    /// The one factor by which all lengths grow, if there is one: the
-    /// transform is then a similarity and keeps spheres and circles round.
+    /// The factor by which it scales all lengths; `None` if it is not the same for
+    /// all. With one, the transform is a similarity, which maps spheres to
+    /// spheres.
     pub fn uniform_scale(&self) -> Option<f32> {
         let [x, y, z] = self.axes();
         let (a, b, c) = (x.length(), y.length(), z.length());
@@ -118,14 +119,15 @@ impl Transform {
         round.then_some(a)
     }
 
-    /// Whether axis-aligned boxes stay axis-aligned boxes, axis by axis.
+    /// Whether it maps each axis to itself, and so axis-aligned boxes to
+    /// axis-aligned boxes.
     pub fn keeps_axes(&self) -> bool {
         let [x, y, z] = self.axes();
         let off_diagonal = [x.y, x.z, y.x, y.z, z.x, z.y];
         off_diagonal.iter().all(|&entry| entry == 0.0)
     }
 
-    /// Where the unit vectors go.
+    /// The images of the unit vectors.
     fn axes(&self) -> [Vec3; 3] {
         Vec3::AXES.map(|axis| self.world_from_object.transform_vector3(axis))
     }

@@ -4,10 +4,10 @@ use glam::Vec3;
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
 
-use super::{Aabb, Patch, Ray, Shear, Surface, Transform};
+use super::{Aabb, Intersectable, Patch, Ray, Shear, Transform};
 use crate::yaml;
 
-/// The points between three corners.
+/// The points between three vertices.
 ///
 /// ```
 /// # use raycost::geometry::Triangle;
@@ -19,32 +19,32 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Triangle {
-    /// The corners, counter-clockwise as seen from outside; not on one line.
+    /// The vertices, counter-clockwise as seen from outside; not on one line.
     #[serde(deserialize_with = "vertices")]
     pub vertices: [Vec3; 3],
 }
 
 impl Triangle {
-    /// The unit normal; `None` if the corners lie on one line.
+    /// The unit normal; `None` if the vertices lie on one line.
     pub fn normal(&self) -> Option<Vec3> {
         let [a, b, c] = self.vertices;
         (b - a).cross(c - a).try_normalize()
     }
 
-    /// The shares of the three corners in a point of the triangle's plane: at
-    /// least 0, and 1 together. Of a point outside they are those of a point on
-    /// its edge.
+    /// The barycentric coordinates of a point in the triangle's plane: at least 0,
+    /// with a sum of 1. For a point outside they are those of a point on an
+    /// edge.
     pub fn barycentrics(&self, point: Vec3) -> Vec3 {
         let [a, b, c] = self.vertices;
         let normal = (b - a).cross(c - a);
-        // Signed areas of the triangles that the point makes with two corners.
+        // Signed areas of the triangles of the point and two vertices.
         let areas = [(b, c), (c, a), (a, b)]
             .map(|(from, to)| (to - from).cross(point - from).dot(normal).max(0.0));
         Vec3::from(areas) / areas.iter().sum::<f32>()
     }
 }
 
-impl Surface for Triangle {
+impl Intersectable for Triangle {
     /// Watertight: see [`Shear`].
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
@@ -74,9 +74,9 @@ impl Surface for Triangle {
     }
 }
 
-/// Three points that are not on one line.
+/// Reads three points that are not on one line.
 fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<[Vec3; 3], D::Error> {
-    let vertices = <[Point; 3]>::deserialize(d)?.map(|Point(point)| point);
+    let vertices = <[Vertex; 3]>::deserialize(d)?.map(|Vertex(point)| point);
     if (Triangle { vertices }).normal().is_none() {
         return Err(D::Error::invalid_value(
             Unexpected::Other("three points on one line"),
@@ -87,14 +87,14 @@ fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<[Vec3; 3], D::Error> {
 }
 
 #[derive(Deserialize)]
-struct Point(#[serde(deserialize_with = "yaml::point")] Vec3);
+struct Vertex(#[serde(deserialize_with = "yaml::point")] Vec3);
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_triangle_is_met_from_both_sides_within_its_edges() {
+    fn rays_hit_a_triangle_from_both_sides_within_its_edges() {
         let triangle = Triangle {
             vertices: [Vec3::ZERO, Vec3::X, Vec3::Y],
         };

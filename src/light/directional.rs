@@ -1,9 +1,9 @@
-//! The light that comes from one direction.
+//! The light from one direction.
 
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::Illumination;
+use super::illumination::Illumination;
 use crate::yaml;
 
 /// A light infinitely far away, such as the sun.
@@ -17,14 +17,18 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
-    /// Where its light goes, a unit vector; the file may give any length but zero.
+    /// The direction in which its light travels, a unit vector; the file may give
+    /// any length but zero.
     #[serde(deserialize_with = "yaml::direction")]
     pub direction: Vec3,
-    /// Its colour, each channel at least 0; white if not given.
-    #[serde(deserialize_with = "yaml::radiance", default = "white")]
+    /// Its color, each channel at least 0; white by default.
+    #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     pub color: Vec3,
-    /// A factor on the colour, at least 0; 1 if not given.
-    #[serde(deserialize_with = "yaml::non_negative", default = "one")]
+    /// A factor on the color, at least 0; 1 by default.
+    #[serde(
+        deserialize_with = "yaml::non_negative",
+        default = "super::default::one"
+    )]
     pub intensity: f32,
 }
 
@@ -36,14 +40,4 @@ impl DirectionalLight {
             radiance: self.color * self.intensity,
         }
     }
-}
-
-/// The colour of a light whose file names none.
-pub(super) fn white() -> Vec3 {
-    Vec3::ONE
-}
-
-/// The intensity of a light whose file names none.
-pub(super) fn one() -> f32 {
-    1.0
 }

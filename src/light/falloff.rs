@@ -1,20 +1,20 @@
-//! How a light weakens with the distance.
+//! The falloff of light with the distance.
 
 use serde::Deserialize;
 
-/// A light's weakening with the distance `d` from it.
+/// The falloff of a light with the distance `d` from it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(
     rename_all = "snake_case",
     expecting = "`none`, `inverse` or `inverse_square`"
 )]
 pub enum Falloff {
-    /// None: as bright far away as near.
+    /// None: independent of the distance.
     #[default]
     None,
-    /// As 1 / d: softer than nature.
+    /// 1 / d: weaker than in nature.
     Inverse,
-    /// As 1 / d²: a small light in nature.
+    /// 1 / d²: that of a point light in nature.
     InverseSquare,
 }
 

@@ -1,10 +1,12 @@
-//! Lights: a point → where its light comes from.
+//! Lights: a point → the light that arrives there.
 //!
-//! Each kind is one file. To add a light, write its file, its `mod` line and
+//! Each kind of light has one file. To add a light, write its file, its `mod` line and
 //! its arms in [`Light`].
 
+mod default;
 mod directional;
 mod falloff;
+mod illumination;
 mod point;
 
 use glam::Vec3;
@@ -12,6 +14,7 @@ use serde::Deserialize;
 
 pub use directional::DirectionalLight;
 pub use falloff::Falloff;
+pub use illumination::Illumination;
 pub use point::PointLight;
 
 /// One of the scene file's `lights`.
@@ -27,19 +30,8 @@ pub enum Light {
     Directional(DirectionalLight),
 }
 
-/// The light that reaches a point from one light, if nothing stands between.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Illumination {
-    /// From the point to the light, a unit vector.
-    pub direction: Vec3,
-    /// How far the light is; infinite for a directional one.
-    pub distance: f32,
-    /// What arrives, each channel at least 0.
-    pub radiance: Vec3,
-}
-
 impl Light {
-    /// The light at `point`.
+    /// The light that arrives at `point` unless it is occluded.
     pub fn illuminate(&self, point: Vec3) -> Illumination {
         match self {
             Self::Point(light) => light.illuminate(point),

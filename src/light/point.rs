@@ -1,9 +1,10 @@
-//! The light at a point.
+//! The point light.
 
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Falloff, Illumination};
+use super::falloff::Falloff;
+use super::illumination::Illumination;
 use crate::yaml;
 
 /// A light that shines from one point in all directions.
@@ -17,22 +18,19 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
-    /// Where it stands.
+    /// Its position in world space.
     #[serde(deserialize_with = "yaml::point")]
     pub position: Vec3,
-    /// Its colour, each channel at least 0; white if not given.
-    #[serde(
-        deserialize_with = "yaml::radiance",
-        default = "super::directional::white"
-    )]
+    /// Its color, each channel at least 0; white by default.
+    #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     pub color: Vec3,
-    /// A factor on the colour, at least 0; 1 if not given.
+    /// A factor on the color, at least 0; 1 by default.
     #[serde(
         deserialize_with = "yaml::non_negative",
-        default = "super::directional::one"
+        default = "super::default::one"
     )]
     pub intensity: f32,
-    /// How it weakens with the distance; not at all if not given.
+    /// Its falloff with the distance; none by default.
     #[serde(default)]
     pub falloff: Falloff,
 }

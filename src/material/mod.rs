@@ -1,4 +1,4 @@
-//! Materials: what a surface does to light.
+//! Materials: how surfaces reflect light.
 
 mod texture;
 
@@ -8,17 +8,17 @@ pub use texture::{Axes, Checker, Rounding, Texture};
 
 use crate::yaml;
 
-/// One of the scene file's `materials`, for Blinn and Phong's model.
+/// One of the scene file's `materials`, for the Blinn-Phong model.
 ///
 /// ```
 /// # use raycost::material::Material;
 /// let mirror: Material = raycost::yaml::from_str("
-/// color: \"#c0c8d0\"   # or [r, g, b], one grey, { checker: … }
-/// ambient: 1          # share of the ambient light, 0 to 1
+/// color: \"#c0c8d0\"   # or [r, g, b], one gray, { checker: … }
+/// ambient: 1          # fraction of the ambient light, 0 to 1
 /// diffuse: 0.4        # 0 to 1
 /// specular: 0.6       # 0 to 1
 /// exponent: 80        # size of the highlight: larger is sharper
-/// reflection: 0.5     # share of the mirrored ray, 0 to 1
+/// reflection: 0.5     # fraction of the mirrored ray, 0 to 1
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -27,21 +27,21 @@ use crate::yaml;
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 pub struct Material {
-    /// The colour of its diffuse light.
+    /// The color of its diffuse reflection.
     pub color: Texture,
-    /// Share of the scene's ambient light, 0 to 1; 1 if not given.
+    /// Fraction of the scene's ambient light, 0 to 1; 1 by default.
     #[serde(deserialize_with = "yaml::fraction", default = "one")]
     pub ambient: f32,
-    /// Share of diffuse light, 0 to 1; 1 if not given.
+    /// Fraction of the diffuse light, 0 to 1; 1 by default.
     #[serde(deserialize_with = "yaml::fraction", default = "one")]
     pub diffuse: f32,
-    /// Strength of the highlight, 0 to 1; none if not given.
+    /// Strength of the highlight, 0 to 1; 0 by default.
     #[serde(deserialize_with = "yaml::fraction", default)]
     pub specular: f32,
-    /// Exponent of the highlight, at least 0; 50 if not given.
+    /// Exponent of the highlight, at least 0; 50 by default.
     #[serde(deserialize_with = "yaml::non_negative", default = "fifty")]
     pub exponent: f32,
-    /// Share of the mirrored ray's light, 0 to 1; none if not given.
+    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default.
     #[serde(deserialize_with = "yaml::fraction", default)]
     pub reflection: f32,
 }

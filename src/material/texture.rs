@@ -1,37 +1,37 @@
-//! Colours that may depend on the place.
+//! Colors that may depend on the position.
 
 use glam::{BVec3, Vec3};
 use serde::Deserialize;
 
 use crate::yaml::{self, ColorOr};
 
-/// A colour for each point of the world.
+/// A color for each point of world space.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(from = "ColorOr<Pattern>")]
+#[serde(from = "ColorOr<TexturePattern>")]
 pub enum Texture {
     /// The same everywhere.
     Color(Vec3),
-    /// Two colours in a checkerboard.
+    /// Two colors in a checkerboard.
     Checker(Checker),
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Pattern {
+enum TexturePattern {
     Checker(Checker),
 }
 
-impl From<ColorOr<Pattern>> for Texture {
-    fn from(found: ColorOr<Pattern>) -> Self {
+impl From<ColorOr<TexturePattern>> for Texture {
+    fn from(found: ColorOr<TexturePattern>) -> Self {
         match found {
             ColorOr::Color(color) => Self::Color(color),
-            ColorOr::Other(Pattern::Checker(checker)) => Self::Checker(checker),
+            ColorOr::Other(TexturePattern::Checker(checker)) => Self::Checker(checker),
         }
     }
 }
 
-/// Cubes of two colours that fill the world, or squares or stripes where
-/// `axes` names fewer axes.
+/// Cubes of two colors that fill space; squares or stripes where `axes` names
+/// fewer axes.
 ///
 /// ```
 /// # use raycost::material::Texture;
@@ -42,25 +42,25 @@ impl From<ColorOr<Pattern>> for Texture {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checker {
-    /// The colour of the cell at the origin of the world.
+    /// The color of the cell at the origin of world space.
     #[serde(deserialize_with = "yaml::color")]
     pub even: Vec3,
-    /// The other colour.
+    /// The other color.
     #[serde(deserialize_with = "yaml::color")]
     pub odd: Vec3,
-    /// Length of a cell's side in world units.
+    /// Side length of a cell in world units.
     #[serde(deserialize_with = "yaml::positive")]
     pub size: f32,
-    /// The axes along which the colours change; all if not given. A floor
-    /// wants `xz`: along y it would flicker between two layers.
+    /// The axes along which the colors alternate; all by default. A floor at the
+    /// boundary of two cells in y needs `xz`: rounding would mix their colors.
     #[serde(default)]
     pub axes: Axes,
-    /// How a coordinate becomes a cell's number.
+    /// How coordinates are rounded to the indices of cells.
     #[serde(default)]
     pub rounding: Rounding,
 }
 
-/// Axes of the world.
+/// A set of axes of world space.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase", expecting = "axes such as `x` or `xz`")]
 #[expect(missing_docs, reason = "each variant names its axes")]
@@ -75,20 +75,20 @@ pub enum Axes {
     Xyz,
 }
 
-/// How a coordinate becomes a cell's number.
+/// How coordinates are rounded to the indices of cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`floor` or `truncate`")]
 pub enum Rounding {
-    /// Downwards: all cells are equal.
+    /// Toward negative infinity: all cells have the same size.
     #[default]
     Floor,
-    /// Toward zero, as the course's NumPy model has it: the cells at zero are
-    /// twice as wide.
+    /// Toward zero, as in the course's NumPy model: the cells at zero are twice as
+    /// wide.
     Truncate,
 }
 
 impl Texture {
-    /// The colour at a world-space point.
+    /// The color at a point in world space.
     pub fn color_at(&self, point: Vec3) -> Vec3 {
         match self {
             Self::Color(color) => *color,
@@ -103,12 +103,13 @@ impl Checker {
             Rounding::Floor => (point / self.size).floor(),
             Rounding::Truncate => (point / self.size).trunc(),
         };
-        let counted = Vec3::select(self.axes.mask(), cell, Vec3::ZERO);
-        let sum = counted.element_sum();
-        // Even and odd of a float: exact up to 2^24 cells, even beyond.
-        match (sum * 0.5).fract() == 0.0 {
-            true => self.even,
-            false => self.odd,
+        let indices = Vec3::select(self.axes.mask(), cell, Vec3::ZERO);
+        let sum = indices.element_sum();
+        // The parity of a float: exact up to 2^24, where all floats are even.
+        if (sum * 0.5).fract() == 0.0 {
+            self.even
+        } else {
+            self.odd
         }
     }
 }
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_cells_differ() {
+    fn neighboring_cells_differ() {
         let even = |x: f32, z: f32| is_even(Rounding::Floor, Axes::Xz, Vec3::new(x, 9.7, z));
         assert!(even(0.1, 0.1) && !even(0.6, 0.1) && even(0.6, 0.6));
         assert!(!even(-0.1, 0.1) && even(-0.1, -0.1));

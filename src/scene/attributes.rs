@@ -1,43 +1,42 @@
-//! What primitives of files have beside their shapes.
+//! Attributes of primitives beyond their shapes: normals and colors of files.
 
 use glam::Vec3;
 
-use super::Primitive;
+use super::primitive::Primitive;
 use crate::geometry::Shape;
 
-/// What the primitives of one object have beside their shapes, in the order of
-/// the primitives.
+/// The attributes of one object's primitives, in the order of the primitives.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) enum Attributes {
-    /// Nothing.
+    /// No attributes.
     #[default]
     None,
-    /// Normals at the corners of triangles.
-    Normals(CornerNormals),
-    /// Colours, red, green and blue.
+    /// Normals at the vertices of triangles.
+    Normals(VertexNormals),
+    /// A color per primitive: red, green and blue.
     Colors(Vec<[u8; 3]>),
 }
 
-/// Normals at the corners of an object's triangles.
+/// Normals at the vertices of an object's triangles.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct CornerNormals {
-    /// In world space, of unit length; NaN where there is none.
+pub(super) struct VertexNormals {
+    /// In world space, of unit length; NaN for a missing normal.
     pub(super) vectors: Vec<Vec3>,
-    /// Three indices of `vectors` for each triangle.
+    /// Three indices into `vectors` per triangle.
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-impl CornerNormals {
-    /// The unit normal at a point of `primitive`, which is triangle `i`,
-    /// interpolated between its corners; `None` if they give none.
+impl VertexNormals {
+    /// The unit normal at a point of `primitive`, which is triangle `i`: the
+    /// interpolation of the normals at its vertices; `None` if one is missing.
     pub(super) fn at(&self, primitive: &Primitive, i: usize, point: Vec3) -> Option<Vec3> {
         let Some(Shape::Triangle(triangle)) = primitive.world_shape() else {
             return None;
         };
         let weights = triangle.barycentrics(point).to_array();
-        let corners = self.triangles[i].iter().zip(weights);
-        corners
-            .map(|(&corner, weight)| weight * self.vectors[corner as usize])
+        let vertices = self.triangles[i].iter().zip(weights);
+        vertices
+            .map(|(&normal, weight)| weight * self.vectors[normal as usize])
             .sum::<Vec3>()
             .try_normalize()
     }

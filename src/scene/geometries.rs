@@ -1,4 +1,4 @@
-//! What objects are made of, with all files read.
+//! The geometries of all objects, with the contents of their files.
 
 use std::path::Path as FilePath;
 
@@ -7,13 +7,13 @@ use crate::geometry::Shape;
 use crate::import::{self, FileFault, Mesh, Spheres};
 use crate::yaml::{Fault, Path};
 
-/// What the objects of a config are made of.
+/// The geometries of the objects of a config.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Geometries(pub(super) Vec<Solid>);
+pub struct Geometries(pub(super) Vec<ObjectGeometry>);
 
-/// What one object is made of.
+/// The geometry of one object.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Solid {
+pub(super) enum ObjectGeometry {
     Shape(Shape),
     Generator(Generator),
     Mesh(Mesh),
@@ -21,18 +21,17 @@ pub(super) enum Solid {
 }
 
 impl Geometries {
-    /// Those of the config, with files that stand relative to `folder`. Takes
-    /// at most `available` bytes of memory.
+    /// Reads the geometries of a config. Paths of files are relative to `folder`.
+    /// Takes at most `available` bytes of memory.
     ///
     /// # Errors
-    /// The first file that cannot be read, is damaged, or may be too large for
-    /// the memory.
+    /// The first file that cannot be read, is damaged, or may need more memory.
     pub fn read(config: &Config, folder: &FilePath, available: u64) -> Result<Self, Fault> {
         let mut found = Self(Vec::with_capacity(config.objects.len()));
         for (index, object) in config.objects.iter().enumerate() {
             found.0.push(match &object.geometry {
-                Geometry::Shape(shape) => Solid::Shape(shape.clone()),
-                Geometry::Generator(generator) => Solid::Generator(generator.clone()),
+                Geometry::Shape(shape) => ObjectGeometry::Shape(shape.clone()),
+                Geometry::Generator(generator) => ObjectGeometry::Generator(generator.clone()),
                 Geometry::File(file) => {
                     let path = Path::default().key("objects").index(index);
                     let path = path.key(file.to_string()).key("file");
@@ -45,29 +44,29 @@ impl Geometries {
         Ok(found)
     }
 
-    /// How many primitives they make, at most.
+    /// Upper bound of the number of primitives.
     pub fn n_primitives(&self) -> usize {
-        let of_object = |solid: &Solid| match solid {
-            Solid::Shape(_) => 1,
-            Solid::Generator(generator) => generator.n_spheres(),
-            Solid::Mesh(mesh) => mesh.triangles.len(),
-            Solid::Spheres(spheres) => spheres.spheres.len(),
+        let of_object = |geometry: &ObjectGeometry| match geometry {
+            ObjectGeometry::Shape(_) => 1,
+            ObjectGeometry::Generator(generator) => generator.n_spheres(),
+            ObjectGeometry::Mesh(mesh) => mesh.triangles.len(),
+            ObjectGeometry::Spheres(spheres) => spheres.spheres.len(),
         };
         self.0.iter().map(of_object).sum()
     }
 
-    /// Bytes of memory that the contents of files take.
+    /// Bytes of memory that the contents of the files take.
     pub fn n_bytes(&self) -> u64 {
-        let of_object = |solid: &Solid| match solid {
-            Solid::Shape(_) | Solid::Generator(_) => 0,
-            Solid::Mesh(mesh) => mesh.n_bytes(),
-            Solid::Spheres(spheres) => spheres.n_bytes(),
+        let of_object = |geometry: &ObjectGeometry| match geometry {
+            ObjectGeometry::Shape(_) | ObjectGeometry::Generator(_) => 0,
+            ObjectGeometry::Mesh(mesh) => mesh.n_bytes(),
+            ObjectGeometry::Spheres(spheres) => spheres.n_bytes(),
         };
         self.0.iter().map(of_object).sum()
     }
 }
 
-/// Makes sure that the file's contents fit into memory, whatever they are.
+/// Makes sure that the file fits into memory, whatever it contains.
 fn check_size(file: &FilePath, available: u64, path: &Path) -> Result<(), Fault> {
     let n_bytes = import::n_bytes(file).map_err(|fault| at(path, &fault))?;
     let needed = n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE);
@@ -84,11 +83,13 @@ fn check_size(file: &FilePath, available: u64, path: &Path) -> Result<(), Fault>
     Err(Fault::new(path.clone(), message, "expected a smaller file"))
 }
 
-fn read(file: &GeometryFile, folder: &FilePath) -> import::Result<Solid> {
+fn read(file: &GeometryFile, folder: &FilePath) -> import::Result<ObjectGeometry> {
     let path = folder.join(file.file());
     match file {
-        GeometryFile::Mesh(file) => read_mesh(file, &path).map(Solid::Mesh),
-        GeometryFile::Spheres(file) => import::read_spheres(&path, file.radius).map(Solid::Spheres),
+        GeometryFile::Mesh(file) => read_mesh(file, &path).map(ObjectGeometry::Mesh),
+        GeometryFile::Spheres(file) => {
+            import::read_spheres(&path, file.radius).map(ObjectGeometry::Spheres)
+        }
     }
 }
 
@@ -102,7 +103,7 @@ fn read_mesh(file: &MeshFile, path: &FilePath) -> import::Result<Mesh> {
     Ok(mesh)
 }
 
-/// The file's fault as one of the scene's value at `path`.
+/// The file's fault as a fault of the scene file's value at `path`.
 fn at(path: &Path, fault: &FileFault) -> Fault {
     Fault::new(
         path.clone(),

@@ -1,13 +1,13 @@
 //! Config → [`Scene`]: everything placed in world space, ids instead of names.
 //!
-//! Takes a checked [`Config`] and its [`Geometries`]; gives what the tracer
-//! reads, or a [`Fault`] where two places of the file do not fit together: a
-//! material that nobody defines, a transform that flattens its object.
+//! Takes a checked [`Config`] and its [`Geometries`]; returns what the tracer
+//! reads, or a [`Fault`] where two parts of the file contradict each other: an
+//! undefined material, a transform without an inverse.
 
 mod primitive;
 mod geometries;
 mod attributes;
-mod place;
+mod placement;
 
 use glam::Vec3;
 
@@ -18,7 +18,7 @@ use crate::material::Material;
 use crate::yaml::{Fault, Path, did_you_mean};
 
 use attributes::Attributes;
-use place::Place;
+use placement::Placement;
 
 pub use geometries::Geometries;
 pub use primitive::{MaterialId, ObjectId, Primitive};
@@ -26,21 +26,21 @@ pub use primitive::{MaterialId, ObjectId, Primitive};
 /// A scene in world space.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// Where the pixels lie.
+    /// The positions of the pixels.
     pub image_plane: ImagePlane,
-    /// What rays see that hit nothing.
+    /// The color of rays that hit nothing.
     pub background: Background,
-    /// How light is computed.
+    /// How surfaces are shaded.
     pub shading: Shading,
     /// The lights.
     pub lights: Vec<Light>,
     /// The materials, by [`MaterialId`].
     pub materials: Vec<Material>,
-    /// All that rays can hit, object by object.
+    /// Everything that rays can hit, object by object.
     pub primitives: Vec<Primitive>,
-    /// How many triangles of meshes were left out because they have no area.
+    /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
-    /// What the primitives of an object have beside, by [`ObjectId`].
+    /// The attributes of the objects' primitives, by [`ObjectId`].
     attributes: Vec<ObjectAttributes>,
 }
 
@@ -52,10 +52,10 @@ struct ObjectAttributes {
 }
 
 impl Scene {
-    /// The scene of a config whose objects are made of `geometries`.
+    /// The scene of a config and the geometries of its objects.
     ///
     /// # Errors
-    /// The first place of the file that does not fit the others.
+    /// The first value of the file that contradicts others.
     pub fn new(config: &Config, geometries: Geometries) -> Result<Self, Fault> {
         if config.objects.is_empty() {
             return Err(Fault::new(
@@ -77,12 +77,13 @@ impl Scene {
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
         };
-        for (index, (object, solid)) in config.objects.iter().zip(geometries.0).enumerate() {
+        for (index, (object, geometry)) in config.objects.iter().zip(geometries.0).enumerate() {
             let path = Path::default().key("objects").index(index);
             let materials = material_ids(config, object, &path)?;
             let first = scene.primitives.len() as u32;
-            let place = Place::new(object, ObjectId(index as u32), &materials, &path)?;
-            let attributes = place.solid(solid, &mut scene)?;
+            let placement = Placement::new(object, ObjectId(index as u32), &materials, &path)?;
+            let attributes =
+                placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
             scene
                 .attributes
                 .push(ObjectAttributes { first, attributes });
@@ -90,7 +91,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// How many objects.
+    /// Number of objects.
     pub fn n_objects(&self) -> usize {
         self.attributes.len()
     }
@@ -100,8 +101,8 @@ impl Scene {
         &self.materials[id.0 as usize]
     }
 
-    /// The colour of this primitive at a point of it: its own if it has one,
-    /// or its material's.
+    /// The color of a primitive at one of its points: its own if it has one, else
+    /// that of its material.
     pub fn color(&self, primitive: u32, point: Vec3) -> Vec3 {
         let found = &self.primitives[primitive as usize];
         match self.attributes(primitive) {
@@ -110,8 +111,8 @@ impl Scene {
         }
     }
 
-    /// The unit normal that this primitive is shaded with at a point of it, on
-    /// either side; `None` for that of its shape.
+    /// The shading normal of a primitive at one of its points, of unit length, on
+    /// either side; `None` if it is the geometric one.
     pub fn shading_normal(&self, primitive: u32, point: Vec3) -> Option<Vec3> {
         match self.attributes(primitive) {
             (Attributes::Normals(normals), i) => {
@@ -121,8 +122,8 @@ impl Scene {
         }
     }
 
-    /// The attributes of the primitive's object, and its number among that
-    /// object's primitives.
+    /// The attributes of the primitive's object, and the primitive's index among
+    /// those of the object.
     fn attributes(&self, primitive: u32) -> (&Attributes, usize) {
         let object = self.primitives[primitive as usize].object;
         let ObjectAttributes { first, attributes } = &self.attributes[object.0 as usize];
@@ -155,9 +156,10 @@ fn material_ids(config: &Config, object: &Object, path: &Path) -> Result<Vec<Mat
 
 fn unknown_material(config: &Config, name: &str, path: Path) -> Fault {
     let known: Vec<&str> = config.materials.keys().map(String::as_str).collect();
-    let list = match known.is_empty() {
-        true => "there are no `materials`".to_owned(),
-        false => format!("the materials are {}", known.join(", ")),
+    let list = if known.is_empty() {
+        "there are no `materials`".to_owned()
+    } else {
+        format!("the materials are {}", known.join(", "))
     };
     let help = match did_you_mean(name, known) {
         Some(suggestion) => format!("{suggestion} ({list})"),

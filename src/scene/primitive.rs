@@ -1,32 +1,32 @@
-//! One thing that a ray can hit.
+//! Primitives: what rays hit.
 
 use glam::Vec3;
 
-use crate::geometry::{Aabb, Patch, Ray, Shape, Surface, Transform};
+use crate::geometry::{Aabb, Intersectable, Patch, Ray, Shape, Transform};
 
-/// The number of an object in the file's `objects`, from 0.
+/// The index of an object in the file's `objects`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ObjectId(pub u32);
 
-/// The number of a material in the file's `materials`, from 0.
+/// The index of a material in the file's `materials`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialId(pub u32);
 
-/// A shape in world space and what it belongs to.
+/// A shape in world space, its object and its material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Primitive {
     shape: Shape,
-    /// For a shape that has no image of its own kind in world space: a sphere
-    /// stretched to an ellipsoid, a box turned.
+    /// The transform of a shape whose image in world space is a shape of no known
+    /// kind: an ellipsoid, a rotated box.
     placement: Option<Box<Transform>>,
-    /// The object that it is of.
+    /// Its object.
     pub object: ObjectId,
-    /// What it is made of.
+    /// Its material.
     pub material: MaterialId,
 }
 
 impl Primitive {
-    /// A shape under a transform, if there is one.
+    /// A shape under a transform, if it has one.
     pub fn new(
         shape: Shape,
         transform: Option<&Transform>,
@@ -46,12 +46,12 @@ impl Primitive {
         }
     }
 
-    /// Its shape in world space; `None` if it is there by a transform alone.
+    /// Its shape in world space; `None` if it needs a transform.
     pub fn world_shape(&self) -> Option<&Shape> {
         self.placement.is_none().then_some(&self.shape)
     }
 
-    /// The least `t` in (0, `t_max`) at which the ray meets it.
+    /// The least `t` in (0, `t_max`) at which the ray hits it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         match &self.placement {
@@ -60,8 +60,8 @@ impl Primitive {
         }
     }
 
-    /// The point of its surface nearest to `near`, which lies on it but for
-    /// rounding, and the outward unit normal there.
+    /// The point of its surface nearest to `near`, which lies on it up to rounding
+    /// errors, and the outward unit normal there.
     pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
         match &self.placement {
             None => self.shape.project(near),
@@ -80,7 +80,7 @@ impl Primitive {
         }
     }
 
-    /// How a viewer of meshes draws it in world space; `None` for a plane.
+    /// The cell that a viewer draws for it, in world space; `None` for a plane.
     pub fn patch(&self) -> Option<Patch> {
         let patch = self.shape.patch()?;
         Some(match &self.placement {
@@ -89,12 +89,12 @@ impl Primitive {
         })
     }
 
-    /// Whether it has no end.
+    /// Whether it has no bounds.
     pub fn is_unbounded(&self) -> bool {
         self.shape.bounds() == Aabb::ALL
     }
 
-    /// Whether it kept coordinates that 32-bit numbers can calculate with.
+    /// Whether its coordinates in world space are in the range of the arithmetic.
     pub(super) fn is_in_range(&self) -> bool {
         if self.is_unbounded() {
             return self.project(Vec3::ZERO).0.is_finite();
@@ -103,7 +103,7 @@ impl Primitive {
         bounds.min.abs().max(bounds.max.abs()).max_element() <= 1e16
     }
 
-    /// Whether it kept an extent in world space.
+    /// Whether it has an extent in world space.
     pub(super) fn has_extent(&self) -> bool {
         let bounds = self.bounds();
         (bounds.max - bounds.min).max_element() > 1e-16

@@ -1,17 +1,17 @@
-//! An object's solid → primitives in world space.
+//! An object's geometry → primitives in world space.
 
 use glam::Vec3;
 
-use super::attributes::{Attributes, CornerNormals};
-use super::geometries::Solid;
-use super::{MaterialId, ObjectId, Primitive, Scene};
+use super::attributes::{Attributes, VertexNormals};
+use super::geometries::ObjectGeometry;
+use super::primitive::{MaterialId, ObjectId, Primitive};
 use crate::config::Object;
 use crate::geometry::{Shape, Transform};
 use crate::import::{Mesh, Spheres};
 use crate::yaml::{Fault, Path};
 
-/// Where and as what an object stands.
-pub(super) struct Place<'a> {
+/// The id, the materials and the transform of an object.
+pub(super) struct Placement<'a> {
     object: &'a Object,
     id: ObjectId,
     /// At least one.
@@ -20,11 +20,11 @@ pub(super) struct Place<'a> {
     path: &'a Path,
 }
 
-impl<'a> Place<'a> {
-    /// That of the object at `path`.
+impl<'a> Placement<'a> {
+    /// The placement of the object at `path`.
     ///
     /// # Errors
-    /// A transform that leaves no volume.
+    /// A transform without an inverse.
     pub(super) fn new(
         object: &'a Object,
         id: ObjectId,
@@ -44,34 +44,44 @@ impl<'a> Place<'a> {
         })
     }
 
-    /// Adds the solid's primitives to the scene; gives what they have beside.
+    /// Adds the primitives of a geometry to `primitives`, and the number of its
+    /// degenerate triangles to `n_degenerate`; returns the primitives' attributes.
     ///
     /// # Errors
-    /// A place where 32-bit numbers cannot hold them.
-    pub(super) fn solid(&self, solid: Solid, scene: &mut Scene) -> Result<Attributes, Fault> {
-        let primitives = &mut scene.primitives;
-        match solid {
-            Solid::Shape(shape) => self.add(shape, 0, primitives)?,
-            Solid::Generator(generator) => {
+    /// A transform or a size that exceeds the range of 32-bit numbers.
+    pub(super) fn add_geometry(
+        &self,
+        geometry: ObjectGeometry,
+        primitives: &mut Vec<Primitive>,
+        n_degenerate: &mut u64,
+    ) -> Result<Attributes, Fault> {
+        match geometry {
+            ObjectGeometry::Shape(shape) => self.add(shape, 0, primitives)?,
+            ObjectGeometry::Generator(generator) => {
                 for i in 0..generator.n_spheres() {
                     let (sphere, material) = generator.sphere(i, self.materials.len());
                     self.add(Shape::Sphere(sphere), material, primitives)?;
                 }
             }
-            Solid::Spheres(Spheres { spheres, colors }) => {
+            ObjectGeometry::Spheres(Spheres { spheres, colors }) => {
                 for (i, sphere) in spheres.into_iter().enumerate() {
                     self.add(Shape::Sphere(sphere), i % self.materials.len(), primitives)?;
                 }
                 return Ok(colors.map_or(Attributes::None, Attributes::Colors));
             }
-            Solid::Mesh(mesh) => return self.mesh(mesh, scene),
+            ObjectGeometry::Mesh(mesh) => return self.add_mesh(mesh, primitives, n_degenerate),
         }
         Ok(Attributes::None)
     }
 
-    /// Adds the mesh's triangles but for degenerate ones.
-    fn mesh(&self, mut mesh: Mesh, scene: &mut Scene) -> Result<Attributes, Fault> {
-        let n_before = scene.primitives.len();
+    /// Adds the mesh's triangles, except for degenerate ones.
+    fn add_mesh(
+        &self,
+        mut mesh: Mesh,
+        primitives: &mut Vec<Primitive>,
+        n_degenerate: &mut u64,
+    ) -> Result<Attributes, Fault> {
+        let n_before = primitives.len();
         let normals = mesh.normals.take();
         let mut triangles = Vec::with_capacity(normals.as_ref().map_or(0, |n| n.triangles.len()));
         for (i, &indices) in mesh.triangles.iter().enumerate() {
@@ -80,13 +90,13 @@ impl<'a> Place<'a> {
                 return Err(out_of_range(self.object, self.path));
             }
             if is_degenerate(&primitive) {
-                scene.n_degenerate += 1;
+                *n_degenerate += 1;
                 continue;
             }
-            scene.primitives.push(primitive);
+            primitives.push(primitive);
             triangles.extend(normals.as_ref().map(|normals| normals.triangles[i]));
         }
-        if scene.primitives.len() == n_before {
+        if primitives.len() == n_before {
             let path = self.path.clone().key("mesh").key("file");
             let message = "no triangle of the mesh has an area";
             let expected = "expected corners that are not on one line";
@@ -94,11 +104,11 @@ impl<'a> Place<'a> {
         }
         Ok(normals.map_or(Attributes::None, |normals| {
             let vectors = self.world_normals(normals.vectors);
-            Attributes::Normals(CornerNormals { vectors, triangles })
+            Attributes::Normals(VertexNormals { vectors, triangles })
         }))
     }
 
-    /// Directions of the mesh as unit vectors in world space; NaN for zero.
+    /// The mesh's normals as unit vectors in world space; NaN for a zero vector.
     fn world_normals(&self, mut vectors: Vec<Vec3>) -> Vec<Vec3> {
         for vector in &mut vectors {
             *vector = match &self.transform {
@@ -130,7 +140,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Whether it is a triangle without an area.
+/// Whether the primitive is a triangle without an area.
 fn is_degenerate(primitive: &Primitive) -> bool {
     let triangle = match primitive.world_shape() {
         Some(Shape::Triangle(triangle)) => Some(triangle),
@@ -139,17 +149,19 @@ fn is_degenerate(primitive: &Primitive) -> bool {
     triangle.is_some_and(|triangle| triangle.normal().is_none())
 }
 
-/// The fault of an object whose size 32-bit numbers cannot hold at its place.
+/// The fault of an object whose position or size exceeds the range of 32-bit
+/// numbers.
 fn out_of_range(object: &Object, path: &Path) -> Fault {
-    let (key, help) = match object.transform.is_empty() {
-        true => (
+    let (key, help) = if object.transform.is_empty() {
+        (
             object.geometry.to_string(),
             "make it larger, or bring it nearer to the origin",
-        ),
-        false => (
+        )
+    } else {
+        (
             "transform".to_owned(),
             "bring the `scale` factors nearer to 1, and the object nearer to the origin",
-        ),
+        )
     };
     Fault::new(
         path.clone().key(key),

@@ -1,0 +1,43 @@
+//! The orientation of a camera.
+
+use glam::Vec3;
+
+/// The directions of a camera: orthonormal vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Basis {
+    pub(super) forward: Vec3,
+    pub(super) right: Vec3,
+    pub(super) up: Vec3,
+}
+
+impl Basis {
+    /// The basis of a camera that looks from `eye` to `target`, with `up` pointing
+    /// upward in the image.
+    ///
+    /// # Errors
+    /// What is wrong with the three.
+    pub(super) fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Result<Self, &'static str> {
+        let forward = (target - eye)
+            .try_normalize()
+            .ok_or("cannot have its eye in its target, expected two different points")?;
+        // Right-handed, as in ParaView: seen toward -z, x points to the right.
+        let right = forward.cross(up);
+        if right.length_squared() < 1e-12 {
+            return Err(
+                "cannot have its `up` along the line from `eye` to `target`, \
+                 expected an `up` at an angle to it",
+            );
+        }
+        let right = right.normalize();
+        Ok(Self {
+            forward,
+            right,
+            up: right.cross(forward),
+        })
+    }
+}
+
+/// The default of a camera's `up`.
+pub(super) fn up() -> Vec3 {
+    Vec3::Y
+}

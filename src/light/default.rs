@@ -1,0 +1,13 @@
+//! The defaults of YAML keys that all lights have.
+
+use glam::Vec3;
+
+/// The default of a light's `color`.
+pub(super) fn white() -> Vec3 {
+    Vec3::ONE
+}
+
+/// The default of a light's `intensity`.
+pub(super) fn one() -> f32 {
+    1.0
+}
