@@ -1,4 +1,4 @@
-//! Ray → the surface point that it meets.
+//! Ray → the surface point that it hits.
 
 use glam::Vec3;
 
@@ -7,64 +7,65 @@ use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use crate::geometry::Ray;
 use crate::scene::{MaterialId, ObjectId, Scene};
 
-/// Follows rays through a scene and tells the probe of each.
+/// Traces rays through a scene and reports their counters to a probe.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracer<'a> {
     scene: &'a Scene,
     accel: &'a Accel<'a>,
 }
 
-/// Where a ray met a surface, in world space.
+/// A point of a surface that a ray has hit, in world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// The point, brought back onto the surface after rounding.
+    /// The point, projected onto the surface to remove the rounding error.
     pub position: Vec3,
-    /// The unit normal to shade with, on the same side as the geometric one.
+    /// The shading normal, a unit vector on the same side as the geometric one.
     pub normal: Vec3,
-    /// The surface's own unit normal, on the side that the ray came from: what
-    /// tells the sides of the surface apart.
+    /// The geometric normal, a unit vector on the side from which the ray came: it
+    /// distinguishes the sides of the surface.
     pub geometric_normal: Vec3,
-    /// Its colour there.
+    /// The color of the surface there.
     pub color: Vec3,
     /// Distance along the ray, greater than 0.
     pub distance: f32,
-    /// The object that was met.
+    /// The object that was hit.
     pub object: ObjectId,
-    /// What it is made of there.
+    /// Its material.
     pub material: MaterialId,
-    /// Whether both normals are turned against those that the surface has
-    /// itself, since the ray came from its other side.
-    pub is_turned: bool,
+    /// Whether both normals are opposite to the surface's own, because the ray came
+    /// from its other side.
+    pub is_flipped: bool,
 }
 
 impl SurfacePoint {
-    /// One of the point's normals as the surface has it, whichever side the ray
-    /// came from.
+    /// The surface's own normal for one of the point's normals, whichever side the
+    /// ray came from.
     pub fn outward(&self, normal: Vec3) -> Vec3 {
-        if self.is_turned { -normal } else { normal }
+        if self.is_flipped { -normal } else { normal }
     }
 
-    /// Whether a direction leaves the surface on the seen side, by both of its
-    /// normals.
+    /// Whether a direction points away from the visible side of the surface, by
+    /// both normals.
     pub fn is_faced_by(&self, direction: Vec3) -> bool {
         self.normal.dot(direction) > 0.0 && self.geometric_normal.dot(direction) > 0.0
     }
 
-    /// The unit direction of the mirror image of one that comes to the point,
-    /// by the shading normal; by the geometric one where that would lead into
-    /// the surface.
+    /// The mirror direction of an incoming direction, a unit vector: by the shading
+    /// normal, or by the geometric one if the former would point into the
+    /// surface.
     pub fn mirrored(&self, direction: Vec3) -> Vec3 {
         let by = |normal| direction.reflect(normal).normalize();
         let mirrored = by(self.normal);
-        match mirrored.dot(self.geometric_normal) > 0.0 {
-            true => mirrored,
-            false => by(self.geometric_normal),
+        if mirrored.dot(self.geometric_normal) > 0.0 {
+            mirrored
+        } else {
+            by(self.geometric_normal)
         }
     }
 }
 
 impl<'a> Tracer<'a> {
-    /// Follows rays through `scene`, whose primitives `accel` finds.
+    /// Traces rays through `scene`; `accel` is a structure over its primitives.
     pub fn new(scene: &'a Scene, accel: &'a Accel<'a>) -> Self {
         Self { scene, accel }
     }
@@ -76,28 +77,28 @@ impl<'a> Tracer<'a> {
         Some(self.surface_point(ray, hit))
     }
 
-    /// Whether anything is in the shadow ray's way.
+    /// Whether the shadow ray is occluded.
     pub fn is_shadowed<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> bool {
         probe.ray(RayKind::Shadow);
         self.accel
             .occluded(&shadow.ray, shadow.t_max, shadow.ignored, probe)
     }
 
-    /// The hit that [`trace`](Self::trace) finds, with every step of the ray
-    /// added to `steps`.
+    /// The hit that [`trace`](Self::trace) finds; appends every step of the
+    /// traversal to `steps`.
     pub fn record(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         self.accel.record_nearest(ray, steps)
     }
 
-    /// The hit that [`is_shadowed`](Self::is_shadowed) finds, with every step of
-    /// the ray added to `steps`.
+    /// The hit that occludes the ray of [`is_shadowed`](Self::is_shadowed); appends
+    /// every step of the traversal to `steps`.
     pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         self.accel.record_occluded(shadow, steps)
     }
 
-    /// The nearest hits of many rays: `hits` becomes one entry a ray. The probes
-    /// hear of each ray's traversal; that it started is for them who made it to
-    /// tell.
+    /// The nearest hits of many rays. Overwrites `hits` with one entry per ray.
+    /// Reports the traversals to the probes, but not the starts of the rays: that
+    /// is up to the caller.
     pub fn nearest_stream<P: PixelProbe>(
         &self,
         rays: &[Ray],
@@ -107,9 +108,9 @@ impl<'a> Tracer<'a> {
         self.accel.nearest_stream(rays, hits, &mut probes);
     }
 
-    /// [`is_shadowed`](Self::is_shadowed) of many rays, as
-    /// [`nearest_stream`](Self::nearest_stream) does it: `shadowed` becomes one
-    /// entry a ray.
+    /// [`is_shadowed`](Self::is_shadowed) of many rays, in the manner of
+    /// [`nearest_stream`](Self::nearest_stream). Overwrites `shadowed` with one
+    /// entry per ray.
     pub fn shadow_stream<P: PixelProbe>(
         &self,
         rays: &[ShadowRay],
@@ -119,12 +120,12 @@ impl<'a> Tracer<'a> {
         self.accel.occluded_stream(rays, shadowed, &mut probes);
     }
 
-    /// The surface point of a ray's hit.
+    /// The surface point of a hit.
     pub fn surface_point(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
-        let is_turned = outward.dot(ray.direction) > 0.0;
-        let geometric_normal = if is_turned { -outward } else { outward };
+        let is_flipped = outward.dot(ray.direction) > 0.0;
+        let geometric_normal = if is_flipped { -outward } else { outward };
         let normal = match self.scene.shading_normal(hit.primitive, position) {
             None => geometric_normal,
             Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
@@ -138,7 +139,7 @@ impl<'a> Tracer<'a> {
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,
-            is_turned,
+            is_flipped,
         }
     }
 }

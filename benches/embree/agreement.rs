@@ -1,4 +1,4 @@
-//! Do two kernels give the same answers?
+//! Checks that two kernels have the same answers.
 
 use std::fmt;
 
@@ -7,26 +7,26 @@ use raycost::accel::Hit;
 use crate::kernel::Kernel;
 use crate::rays::Rays;
 
-/// How far distances may be apart, as a part of the distance: the kernels round
+/// Tolerance of distances, relative to the distance: the kernels round
 /// differently.
 const TOLERANCE: f32 = 1e-4;
 
-/// How many rays may differ: one in as many. Rays that graze an edge are hits
-/// by one rounding and misses by another.
+/// One in this number of rays may differ: rounding decides whether rays that graze
+/// an edge hit.
 const ONE_IN: usize = 1000;
 
-/// How the answers of two kernels compare.
+/// The number of rays for which the answers of two kernels differ.
 #[derive(Debug, Clone, Copy)]
 pub struct Agreement {
     n_rays: usize,
-    /// Rays for which one hits and the other misses.
+    /// Rays that hit for one kernel only.
     n_one_misses: usize,
     /// Rays that hit different primitives at different distances.
     n_elsewhere: usize,
 }
 
 impl Agreement {
-    /// Traces all rays with both.
+    /// Traces all rays with both kernels.
     pub fn of(ours: &dyn Kernel, theirs: &dyn Kernel, rays: &Rays) -> Self {
         let mut agreement = Self {
             n_rays: rays.len(),
@@ -59,13 +59,13 @@ impl Agreement {
         agreement
     }
 
-    /// Whether no more rays differ than rounding explains.
+    /// Whether rounding explains the differences.
     pub fn is_good(&self) -> bool {
-        self.n_apart() * ONE_IN <= self.n_rays
+        self.n_different() * ONE_IN <= self.n_rays
     }
 
-    /// How many rays differ.
-    pub fn n_apart(&self) -> usize {
+    /// Number of rays that differ.
+    pub fn n_different(&self) -> usize {
         self.n_one_misses + self.n_elsewhere
     }
 }
@@ -83,7 +83,7 @@ impl fmt::Display for Agreement {
         } = self;
         write!(
             f,
-            "of {n_rays} rays {n_one_misses} hit for one alone, {n_elsewhere} elsewhere"
+            "of {n_rays} rays {n_one_misses} hit for one kernel only, {n_elsewhere} hit elsewhere"
         )
     }
 }

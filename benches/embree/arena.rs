@@ -1,4 +1,4 @@
-//! One scene, on which raycost and Embree build and trace in turn.
+//! One scene that raycost and Embree build and trace in turn.
 
 use std::iter;
 use std::time::Instant;
@@ -18,7 +18,7 @@ use crate::rays::{self, Kind, Rays};
 use crate::report::{Discipline, Outcome, Row, goal};
 use crate::scenes::View;
 
-/// A quality of building, as raycost and as Embree have it.
+/// A build quality of raycost and the corresponding one of Embree.
 struct Build {
     names: [&'static str; 2],
     ours: Acceleration,
@@ -44,7 +44,7 @@ pub const ISAS: [&str; 2] = ["avx2", "avx512"];
 /// Devices by their instruction sets.
 type Devices = Vec<(&'static str, Device)>;
 
-/// A scene and the rays that are traced through it.
+/// A scene and the rays to trace through it.
 pub struct Arena<'a> {
     embree: &'static Functions,
     name: &'a str,
@@ -54,7 +54,7 @@ pub struct Arena<'a> {
 }
 
 impl<'a> Arena<'a> {
-    /// The scene with the rays of a square picture of `side` rows.
+    /// The scene with the rays of a square image of `side` rows.
     pub fn new(
         embree: &'static Functions,
         name: &'a str,
@@ -72,13 +72,13 @@ impl<'a> Arena<'a> {
         }
     }
 
-    /// How many rays are traced, all kinds together.
+    /// Number of rays of all kinds.
     pub fn n_rays(&self) -> usize {
         self.rays.iter().map(|(_, rays)| rays.len()).sum()
     }
 
-    /// Whether all kernels give the same answers but for rounding; prints how
-    /// many rays differ where some do.
+    /// Whether all kernels have the same answers up to rounding; prints the numbers
+    /// of rays that differ.
     ///
     /// # Errors
     /// Embree's.
@@ -92,7 +92,7 @@ impl<'a> Arena<'a> {
                 for rival in rivals(&scenes, *kind) {
                     let ours = CountingStream(&accel);
                     let agreement = Agreement::of(&ours, rival.kernel.as_ref(), rays);
-                    if agreement.n_apart() > 0 {
+                    if agreement.n_different() > 0 {
                         let [_, quality] = build.names;
                         println!(
                             "{}, {kind}, Embree {quality}, {rival}: {agreement}",
@@ -106,34 +106,34 @@ impl<'a> Arena<'a> {
         Ok(is_good)
     }
 
-    /// Races on one thread and on two, and tells of each result.
+    /// Measures with one thread and with two; calls `report` with each result.
     ///
     /// # Errors
     /// Embree's.
-    pub fn race(&self, course: Course, tell: &mut impl FnMut(Row)) -> Result<(), String> {
+    pub fn race(&self, course: Course, report: &mut impl FnMut(Row)) -> Result<(), String> {
         for n_threads in [1, 2] {
             let course = Course {
                 n_threads,
                 ..course
             };
-            // Embree builds on as many threads as any living device wants.
+            // Embree builds with the largest number of threads of any living device.
             let devices = self.devices(n_threads)?;
             for build in &BUILDS {
-                let mut tell = |outcome| tell(self.row(build, n_threads, outcome));
-                tell(self.race_builds(course, &devices, build)?);
+                let mut report = |outcome| report(self.row(build, n_threads, outcome));
+                report(self.race_builds(course, &devices, build)?);
                 let accel = Accel::new(self.primitives, build.ours);
                 let scenes = self.scenes(&devices, build)?;
                 for (kind, rays) in &self.rays {
                     contest::outcomes(course, &accel, &rivals(&scenes, *kind), *kind, rays)
                         .into_iter()
-                        .for_each(&mut tell);
+                        .for_each(&mut report);
                 }
             }
         }
         Ok(())
     }
 
-    /// Builds in turn.
+    /// Measures the builds, in turn.
     fn race_builds(
         &self,
         course: Course,
@@ -158,13 +158,14 @@ impl<'a> Arena<'a> {
         Ok(Outcome::new(Discipline::Build, n, times[0], theirs, isa))
     }
 
-    /// Those of Embree's devices that the machine has.
+    /// Embree's devices for the instruction sets of the CPU.
     fn devices(&self, n_threads: usize) -> Result<Devices, String> {
         let device = |isa| Ok((isa, Device::new(self.embree, isa, n_threads)?));
         let devices: Vec<Result<_, String>> = ISAS.into_iter().map(device).collect();
-        match devices.iter().any(Result::is_ok) {
-            true => Ok(devices.into_iter().flatten().collect()),
-            false => devices.into_iter().collect(),
+        if devices.iter().any(Result::is_ok) {
+            Ok(devices.into_iter().flatten().collect())
+        } else {
+            devices.into_iter().collect()
         }
     }
 
@@ -191,7 +192,7 @@ impl<'a> Arena<'a> {
     }
 }
 
-/// How long the call takes, its result's end not included.
+/// The time of the call in seconds, without dropping its result.
 fn seconds<T>(call: impl FnOnce() -> T) -> f64 {
     let start = Instant::now();
     let result = call();

@@ -11,7 +11,7 @@ use crate::rays::{Kind, Rays};
 use crate::report::{Discipline, Outcome};
 use crate::trace::{Packets, Singles};
 
-/// A kernel of Embree's.
+/// A kernel of Embree.
 pub struct Rival<'a> {
     isa: &'static str,
     takes_packets: bool,
@@ -95,7 +95,7 @@ pub fn outcomes(
     .collect()
 }
 
-/// The one that takes the least time.
+/// The fastest one, with its time.
 pub fn fastest(times: impl Iterator<Item = (&'static str, f64)>) -> Option<(&'static str, f64)> {
     times.min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -1,4 +1,4 @@
-//! Embree behind a safe face: a library, its devices, and scenes that race.
+//! A safe interface to Embree: the library, its devices and its scenes.
 
 #![expect(unsafe_code, reason = "a C library has no other way in")]
 
@@ -10,18 +10,18 @@ use raycost::scene::Primitive;
 
 use crate::ffi::{self, Functions, Handle, Quality};
 
-/// A mesh or a cloud of spheres as Embree takes it.
+/// A mesh or a cloud of spheres in Embree's layout.
 pub struct Geometry {
-    /// x, y, z and, of a sphere, its radius; four floats, since Embree reads
-    /// 16 bytes even where it needs 12.
+    /// x, y, z and, for a sphere, its radius. Four floats, since Embree reads 16
+    /// bytes even where it needs 12.
     vertices: Vec<[f32; 4]>,
-    /// The corners of each triangle; empty for spheres.
+    /// The vertices of each triangle; empty for spheres.
     triangles: Vec<[u32; 3]>,
 }
 
 impl Geometry {
-    /// The same primitives in the same order: all triangles, which share the
-    /// corners that they have in common, or all spheres.
+    /// The same primitives in the same order: either triangles, with shared
+    /// vertices, or spheres.
     pub fn of(primitives: &[Primitive]) -> Self {
         let mut geometry = Self {
             vertices: Vec::new(),
@@ -52,19 +52,19 @@ impl Geometry {
     }
 }
 
-/// An instruction set of Embree's for a number of threads.
+/// Embree with an instruction set and a number of threads.
 pub struct Device {
     embree: &'static Functions,
     handle: Handle,
 }
 
 impl Device {
-    /// A device with this `isa`, `avx2` or `avx512`, that builds on as many
-    /// threads. Devices that live at the same time all build on the most
-    /// threads of any of them.
+    /// A device with this `isa`, `avx2` or `avx512`, that builds with `n_threads`
+    /// threads. Devices that live at the same time all build with the largest
+    /// number of threads of any of them.
     ///
     /// # Errors
-    /// Embree's error code, where it has no such device for this machine.
+    /// Embree's error code, if it has no such device for this CPU.
     pub fn new(embree: &'static Functions, isa: &str, n_threads: usize) -> Result<Self, String> {
         let configuration = format!("isa={isa},threads={n_threads}");
         let text = CString::new(configuration.clone()).map_err(|error| error.to_string())?;
@@ -122,9 +122,10 @@ impl Device {
     /// The scene is of this device, and the geometry outlives it.
     unsafe fn attach(&self, scene: Handle, geometry: &Geometry, quality: Quality) {
         let embree = self.embree;
-        let (kind, format) = match geometry.triangles.is_empty() {
-            true => (ffi::SPHERES, ffi::FLOAT4),
-            false => (ffi::TRIANGLES, ffi::FLOAT3),
+        let (kind, format) = if geometry.triangles.is_empty() {
+            (ffi::SPHERES, ffi::FLOAT4)
+        } else {
+            (ffi::TRIANGLES, ffi::FLOAT3)
         };
         let (vertices, triangles) = (&geometry.vertices, &geometry.triangles);
         // SAFETY: the caller's promise; offsets, strides and counts are those
@@ -162,8 +163,8 @@ impl Device {
         unsafe { (self.embree.device_property)(self.handle, property) }
     }
 
-    /// The last error's code, 0 for none; of no device in particular where
-    /// there is none.
+    /// The code of the last error, 0 for none; without a device, that of the last
+    /// failed creation of one.
     fn error(&self) -> c_int {
         // SAFETY: the handle is a device, or null, which Embree allows.
         unsafe { (self.embree.device_error)(self.handle) }
@@ -173,7 +174,7 @@ impl Device {
 impl Drop for Device {
     fn drop(&mut self) {
         if !self.handle.is_null() {
-            // SAFETY: the handle is a device that is used no more.
+            // SAFETY: the handle is a device, and nothing uses it afterwards.
             unsafe { (self.embree.release_device)(self.handle) }
         }
     }
@@ -190,7 +191,7 @@ pub struct Scene<'a> {
 unsafe impl Sync for Scene<'_> {}
 
 impl Scene<'_> {
-    /// The functions that trace it.
+    /// Embree's functions.
     pub fn embree(&self) -> &Functions {
         self.device.embree
     }
@@ -203,7 +204,7 @@ impl Scene<'_> {
 
 impl Drop for Scene<'_> {
     fn drop(&mut self) {
-        // SAFETY: the handle is a scene that is used no more.
+        // SAFETY: the handle is a scene, and nothing uses it afterwards.
         unsafe { (self.device.embree.release_scene)(self.handle) }
     }
 }

@@ -1,19 +1,18 @@
-//! What races: anything that traces batches of rays.
+//! The interface of all kernels: they trace batches of rays.
 
 use raycost::accel::{Accel, Hit, ShadowRay};
 use raycost::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
 use raycost::geometry::Ray;
 
-/// Traces batches of rays; from several threads at once.
+/// Traces batches of rays, on several threads at once.
 pub trait Kernel: Sync {
-    /// The nearest hit of each ray: `hits` becomes one entry for each.
+    /// Overwrites `hits` with the nearest hit of each ray.
     fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>);
-    /// Whether anything is in the way of each ray: `occluded` becomes one entry
-    /// for each.
+    /// Overwrites `occluded` with whether each ray is occluded.
     fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>);
 }
 
-/// raycost, one ray at a time; `P` counts, or does not.
+/// raycost, one ray at a time; `P` decides whether it counts.
 pub struct Single<'a, P> {
     accel: &'a Accel<'a>,
     probe: P,

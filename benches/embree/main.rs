@@ -1,10 +1,10 @@
 //! raycost's kernels against Embree's: `cargo bench --bench embree`.
 //!
-//! Same primitives, same rays bit for bit, same threads, in one process and in
-//! turn. Embree 3 is loaded at run time (`tests/with-embree` installs it) and
-//! races with whichever of its instruction sets is faster. raycost races with
-//! its counters on. Millions of rays a second, and of primitives for builds;
-//! medians.
+//! Both get the same primitives, the same rays to the bit and the same number of
+//! threads, and take turns in one process. Embree 3 is loaded at run time
+//! (`tests/with-embree` installs it) and uses whichever of its instruction sets
+//! is faster. raycost counts. The results are medians of millions of rays per
+//! second, and of primitives per second for builds.
 
 mod agreement;
 mod arena;
@@ -32,31 +32,31 @@ use ffi::Functions;
 use race::Course;
 use scenes::View;
 
-/// Race raycost's kernels against Embree's.
+/// Compare the speed of raycost's kernels with Embree's.
 #[derive(Debug, Parser)]
 struct Options {
-    /// Folder with meshes to race on beside the generated scenes
+    /// Folder with meshes to use besides the generated scenes
     #[arg(long, value_name = "DIR")]
     meshes: Option<PathBuf>,
-    /// Race on the scenes with this in their names alone
+    /// Use only the scenes whose names contain this
     #[arg(long, value_name = "NAME", default_value = "")]
     scene: String,
-    /// How often each kernel runs
+    /// Number of runs of each kernel
     #[arg(long, value_name = "N", default_value_t = 7)]
     rounds: usize,
-    /// Rows and columns of the picture
+    /// Rows and columns of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 512)]
     side: usize,
-    /// Rays that a thread takes at one go
+    /// Rays per batch
     #[arg(long, value_name = "RAYS", default_value_t = 1024)]
     batch: usize,
     /// Write the table's rows to this file as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Race not, but fail if the hits differ by more than rounding
+    /// Measure nothing, but fail if the hits differ by more than rounding
     #[arg(long)]
     check: bool,
-    /// Given by `cargo bench`
+    /// `cargo bench` passes it
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -93,9 +93,10 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     // Lives as long as the process: devices and scenes refer to it.
     let embree: &'static Functions = Box::leak(Box::new(embree));
     let version = Device::new(embree, arena::ISAS[0], 1)?.version();
-    match options.check {
-        true => println!("Embree {version}; rays that do not agree:"),
-        false => println!("Embree {version}\n\n{}", report::HEAD),
+    if options.check {
+        println!("Embree {version}; rays that do not agree:");
+    } else {
+        println!("Embree {version}\n\n{}", report::HEAD);
     }
     let (mut rows, mut is_good) = (Vec::new(), true);
     for (name, load) in scenes(options.meshes.as_deref())? {
@@ -120,7 +121,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     Ok(is_good)
 }
 
-/// What makes a scene.
+/// Makes a scene.
 type Load = Box<dyn Fn() -> (Vec<Primitive>, View)>;
 
 /// The scenes by name: the generated ones, and the meshes of the folder.

@@ -1,4 +1,4 @@
-//! Runs in turn and their medians.
+//! Runs kernels in turn; medians of their times.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -9,13 +9,13 @@ use cpu_time::ThreadTime;
 use crate::kernel::Kernel;
 use crate::rays::Rays;
 
-/// How a race is run.
+/// The parameters of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Course {
     pub n_threads: usize,
-    /// Rays that a thread takes at one go.
+    /// Rays per batch.
     pub batch: usize,
-    /// How often each kernel runs.
+    /// Number of runs of each kernel.
     pub n_rounds: usize,
 }
 
@@ -25,9 +25,8 @@ impl Course {
         in_turn(self.n_rounds, kernels, |kernel| self.seconds(*kernel, rays))
     }
 
-    /// How long the kernel takes for all rays: the time of the threads
-    /// themselves, shared among them, so that other work on the machine
-    /// disturbs little.
+    /// The time of the kernel for all rays in seconds: the mean CPU time of the
+    /// threads, so that other load on the machine disturbs little.
     fn seconds(&self, kernel: &dyn Kernel, rays: &Rays) -> f64 {
         let next = AtomicUsize::new(0);
         let work = || {

@@ -1,4 +1,4 @@
-//! The rays of the race: those of a picture, and three that leave each hit.
+//! The rays: the primary rays of an image, and three from each of their hits.
 
 use std::f32::consts::TAU;
 
@@ -11,24 +11,24 @@ use raycost::scene::Primitive;
 
 use crate::scenes::View;
 
-/// Rows and columns of a tile, as the renderer has them.
+/// Rows and columns of a tile, as in the renderer.
 const TILE_SIDE: usize = 16;
 
-/// Why rays are shot.
+/// The kinds of rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// From the eye, a tile of the picture after the other.
+    /// From the eye, tile by tile.
     Primary,
     /// From each of their hits, in a cosine-distributed direction.
     Diffuse,
-    /// The same in another direction, and no longer than a tenth of the scene.
+    /// The same in another direction, with a length of a tenth of the scene.
     AmbientOcclusion,
-    /// From each hit to a spot of an area light.
+    /// From each hit to a point of an area light.
     Shadow,
 }
 
-/// What they ask for.
+/// Rays by their query.
 pub enum Rays {
     Nearest(Vec<Ray>),
     Any(Vec<ShadowRay>),
@@ -43,7 +43,7 @@ impl Rays {
     }
 }
 
-/// All kinds of rays for a square picture of `side` rows.
+/// All kinds of rays for a square image of `side` rows.
 pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) -> [(Kind, Rays); 4] {
     let bounds = primitives
         .iter()
@@ -83,8 +83,8 @@ pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) ->
     ]
 }
 
-/// The pixels of a square picture, y * side + x, in the order of the tiles and
-/// of the blocks within them.
+/// The pixels of a square image, as y * side + x, in the order of the tiles and of
+/// the blocks within them.
 fn tiled(side: usize) -> impl Iterator<Item = usize> {
     let starts = move |step| (0..side).step_by(step);
     let tiles = starts(TILE_SIDE).flat_map(move |y| starts(TILE_SIDE).map(move |x| (x, y)));
@@ -97,9 +97,8 @@ fn tiled(side: usize) -> impl Iterator<Item = usize> {
     pixels.filter(is_inside).map(move |(x, y)| y * side + x)
 }
 
-/// A unit vector above the surface, as likely as its cosine with the normal:
-/// the normal plus a point of the unit sphere. Not quite unit, so that it does
-/// not cancel the normal.
+/// A cosine-distributed unit vector above the surface: the normal plus a point of
+/// the unit sphere, which is scaled by 0.999 so that it cannot cancel the normal.
 fn cosine_distributed(normal: Vec3, [u, v, ..]: [f32; 4]) -> Vec3 {
     let z = 1.0 - 2.0 * v;
     let (sin, cos) = (TAU * u).sin_cos();

@@ -1,4 +1,4 @@
-//! The table: what was reached, and what was to be reached.
+//! The table of results and goals.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::ffi::Quality;
 use crate::rays::Kind;
 
-/// What was raced.
+/// What is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Discipline {
@@ -21,18 +21,18 @@ pub enum Discipline {
     StreamAgainstPackets(Kind),
 }
 
-/// A race's result.
+/// A result.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
     pub discipline: Discipline,
-    /// Million rays or primitives a second; counters on.
+    /// Millions of rays or primitives per second, with counters.
     pub ours: f64,
-    /// Million rays or primitives a second, the faster of Embree's instruction
-    /// sets.
+    /// Millions of rays or primitives per second with the faster of Embree's
+    /// instruction sets.
     pub embree: f64,
-    /// Which one that is.
+    /// That instruction set.
     pub isa: &'static str,
-    /// What the counters cost, as a part of the time without.
+    /// The overhead of the counters, relative to the time without them.
     pub counters_cost: Option<f64>,
 }
 
@@ -69,12 +69,12 @@ pub struct Row {
     pub quality: [&'static str; 2],
     pub n_threads: usize,
     pub outcome: Outcome,
-    /// The least ratio that is wanted, if one is.
+    /// The goal: the least ratio, if there is one.
     pub goal: Option<f64>,
 }
 
-/// The least ratio that is wanted of a scene of spheres or of triangles, beside
-/// Embree's build of this quality.
+/// The goal of a scene of spheres or of triangles, against Embree's build of this
+/// quality: the least ratio.
 pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
     use Discipline::{Build, Single, Stream, StreamAgainstPackets};
     match (discipline, of_spheres) {

@@ -48,7 +48,7 @@ impl Kernel for Singles<'_> {
 /// `rtcIntersect16` and `rtcOccluded16`.
 pub struct Packets<'a> {
     pub scene: &'a Scene<'a>,
-    /// Whether the rays of a packet start together and go the same way.
+    /// Whether the rays of a packet are coherent.
     pub is_coherent: bool,
 }
 
@@ -126,7 +126,7 @@ fn fields(ray: &Ray, t_max: f32) -> RayFields<f32, u32> {
     }
 }
 
-/// The rays `0..n` lane by lane; the last one again in the lanes beyond.
+/// The rays `0..n` lane by lane, and the last one in the remaining lanes.
 #[inline]
 fn lanes<'a>(n: usize, ray: impl Fn(usize) -> (&'a Ray, f32)) -> RayFields<[f32; 16], [u32; 16]> {
     let ray = |lane: usize| ray(lane.min(n - 1));
@@ -142,7 +142,7 @@ fn lanes<'a>(n: usize, ray: impl Fn(usize) -> (&'a Ray, f32)) -> RayFields<[f32;
     }
 }
 
-/// As many lanes as there are rays.
+/// The active mask: one lane per ray.
 fn valid<T>(rays: &[T]) -> Valid16 {
     Valid16(from_fn(|lane| if lane < rays.len() { -1 } else { 0 }))
 }

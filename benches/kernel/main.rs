@@ -1,12 +1,13 @@
 //! Rays per second of every ray kernel that this machine can run:
 //! `cargo bench --bench kernel [-- [--only SCENE] [--mesh FILE] [--builds]]`.
 //!
-//! Four scenes. For each quality of the hierarchy: the time to build it, its
-//! size, and the nodes and tests of a ray; with `--builds` no more than that.
-//! For each kernel: three kinds of rays: primary rays of a picture, and from
-//! their hits one diffuse ray (cosine-distributed) and one shadow ray to a
-//! point light. One thread; the kernels take turns in one process, so that a
-//! drifting machine meets all of them alike; medians.
+//! There are three scenes, and a fourth one with `--mesh`. For each quality of the
+//! hierarchy: the build time, the size, and the node visits and primitive tests
+//! per ray; with `--builds` that is all. For each kernel three kinds of rays:
+//! the primary rays of an image and, from each of their hits, a diffuse ray
+//! (cosine-distributed) and a shadow ray to a point light. On one thread; the
+//! kernels take turns in one process, so that drifts of the machine's speed
+//! affect all of them equally. Reports medians.
 
 mod scenes;
 
@@ -24,7 +25,7 @@ use scenes::View;
 
 const N_ROUNDS: usize = 9;
 const N_BUILDS: usize = 3;
-/// Rows and columns of the picture.
+/// Rows and columns of the image.
 const SIDE: usize = 512;
 
 fn main() {
@@ -46,13 +47,13 @@ fn main() {
     }
 }
 
-/// What follows this word on the command line.
+/// The argument after `name` on the command line.
 fn argument(name: &str) -> Option<String> {
     let mut arguments = std::env::args().skip_while(|argument| argument != name);
     arguments.nth(1)
 }
 
-/// Every kernel that there is, by name.
+/// A kernel per instruction set of the CPU, by name.
 fn kernels(primitives: &[Primitive]) -> Vec<(String, Accel<'_>)> {
     let built = Accel::new(primitives, Acceleration::default());
     let on = |simd: Simd| (simd.to_string(), built.clone().with_simd(simd));
@@ -90,7 +91,7 @@ fn compare(scene: &str, primitives: &[Primitive], view: &View) {
     }
 }
 
-/// Builds a hierarchy and tells what it took, and what rays do in it.
+/// Builds a hierarchy; prints its build time, its size and the cost of rays.
 fn compare_build(primitives: &[Primitive], quality: Quality, rays: &Rays) {
     let build = || Accel::new(primitives, Acceleration::Bvh(quality));
     let mut times = [0.0; N_BUILDS];
@@ -105,21 +106,22 @@ fn compare_build(primitives: &[Primitive], quality: Quality, rays: &Rays) {
     for (set, rays, t_max) in rays.sets() {
         let mut cost = Cost::default();
         seconds(&accel, rays, t_max, &mut cost);
-        let a_ray = |count: u64| count as f64 / rays.len() as f64;
-        let (nodes, tests) = (a_ray(cost.node_visits), a_ray(cost.primitive_tests));
+        let per_ray = |count: u64| count as f64 / rays.len() as f64;
+        let (nodes, tests) = (per_ray(cost.node_visits), per_ray(cost.primitive_tests));
         print!("   {set} {nodes:.2} nodes {tests:.2} tests");
     }
     println!("\n           {:?}", accel.statistics().unwrap());
 }
 
-/// How long all rays take; `t_max` 0 asks for nearest hits.
+/// The time for all rays in seconds; they are nearest-hit queries if `t_max` is 0.
 fn seconds(accel: &Accel, rays: &[Ray], t_max: f32, probe: &mut impl Probe) -> f64 {
     let start = Instant::now();
     let mut n_hits = 0;
     for ray in rays {
-        n_hits += usize::from(match t_max > 0.0 {
-            true => accel.occluded(ray, t_max, None, probe),
-            false => black_box(accel.nearest(ray, probe)).is_some(),
+        n_hits += usize::from(if t_max > 0.0 {
+            accel.occluded(ray, t_max, None, probe)
+        } else {
+            black_box(accel.nearest(ray, probe)).is_some()
         });
     }
     black_box(n_hits);
@@ -138,8 +140,7 @@ struct Rays {
 }
 
 impl Rays {
-    /// All by name; with the distance that shadow rays look to, 0 for the
-    /// others.
+    /// The sets of rays by name, with the `t_max` of shadow rays and 0 for others.
     fn sets(&self) -> [(&str, &[Ray], f32); 3] {
         [
             ("primary", &self.primary, 0.0),

@@ -1,4 +1,4 @@
-//! What the kernels are measured on, and from where it is seen.
+//! The scenes of the kernel benchmarks, and views of them.
 
 use std::path::Path;
 
@@ -8,11 +8,11 @@ use raycost::import::read_mesh;
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
 
-/// An eye that looks at a point, and a light.
+/// A camera that looks at a point, and a light.
 pub struct View {
     eye: Vec3,
     target: Vec3,
-    /// Where shadow rays go.
+    /// The target of shadow rays.
     pub light: Vec3,
 }
 
@@ -23,7 +23,7 @@ pub const CUBE: View = View {
     light: Vec3::new(3.0, 4.0, 2.0),
 };
 
-/// A look along the nave of [`architecture`].
+/// A view along the nave of [`architecture`].
 pub const NAVE: View = View {
     eye: Vec3::new(1.5, 1.7, 1.0),
     target: Vec3::new(14.0, 2.6, 20.0),
@@ -31,7 +31,7 @@ pub const NAVE: View = View {
 };
 
 impl View {
-    /// The ray through pixel `i` of a square picture, row by row.
+    /// The ray through pixel `i` of a square image, counted row by row.
     pub fn ray(&self, i: usize, side: usize) -> Ray {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(Vec3::Y).normalize();
@@ -67,7 +67,7 @@ pub fn sphere_cloud() -> Vec<Primitive> {
     (0..1_000_000).map(sphere).collect()
 }
 
-/// Small triangles anywhere, of all directions.
+/// Small triangles at random positions, in all directions.
 pub fn triangle_soup() -> Vec<Primitive> {
     let triangle = |i| {
         let (center, _) = in_cube([2, i, 0]);
@@ -125,7 +125,8 @@ fn column(foot: Vec3, triangles: &mut Vec<[Vec3; 3]>) {
     tube([ring(8, 0.0), ring(0, 4.2)], 40, triangles);
 }
 
-/// The side of a cone between two circles, given by centre and radius.
+/// The lateral surface of a cone between two circles, each given by its center and
+/// radius.
 fn tube(circles: [(Vec3, f32); 2], n_sides: u16, triangles: &mut Vec<[Vec3; 3]>) {
     let axis = (circles[1].0 - circles[0].0).normalize();
     let (u, v) = axis.any_orthonormal_pair();

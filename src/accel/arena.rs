@@ -2,7 +2,7 @@
 #![expect(unsafe_code, reason = "a check at every node costs 5 % of the time")]
 
 use super::layout::{
-    self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, NODE_LINES, Node, NodeRef,
+    self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, NODE_LINES, NodeRef, WideNode,
 };
 use super::simd::N_LANES;
 use crate::geometry::Aabb;
@@ -51,7 +51,7 @@ impl Arena {
     /// The reference is to a node: the root of this arena, which is not empty, or
     /// a child of one of its nodes.
     #[inline(always)]
-    pub(super) unsafe fn node(&self, node_ref: NodeRef) -> &Node {
+    pub(super) unsafe fn node(&self, node_ref: NodeRef) -> &WideNode {
         debug_assert!(node_ref.line() + NODE_LINES <= self.lines.len());
         // SAFETY: `check` made sure that the whole node is within the lines. A
         // line has the alignment of a node, for which all bits are valid.

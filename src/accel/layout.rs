@@ -22,8 +22,8 @@ use crate::scene::Primitive;
 #[repr(C, align(64))]
 pub(super) struct CacheLine([f32; 16]);
 
-/// Cache lines of a [`Node`].
-pub(super) const NODE_LINES: usize = size_of::<Node>() / size_of::<CacheLine>();
+/// Cache lines of a [`WideNode`].
+pub(super) const NODE_LINES: usize = size_of::<WideNode>() / size_of::<CacheLine>();
 /// Cache lines that may be read from the start of each leaf on; the largest leaf
 /// has five.
 pub(super) const LEAF_WINDOW_LINES: usize = 9;
@@ -41,7 +41,7 @@ pub(super) const ID_BIT: u32 = 1 << 30;
 /// A node: the boxes of up to eight children. Missing children have empty boxes.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(super) struct WideNode {
     /// Least coordinates of the children's boxes, one row per axis.
     pub(super) min: [[f32; N_LANES]; 3],
     /// Greatest coordinates of the children's boxes, one row per axis.
@@ -54,7 +54,7 @@ pub(super) struct Node {
     pub(super) order: [u32; N_LANES],
 }
 
-impl Node {
+impl WideNode {
     /// A node without children: no ray enters its boxes.
     pub(super) const EMPTY: Self = Self {
         min: [[f32::INFINITY; N_LANES]; 3],
@@ -189,7 +189,7 @@ impl NodeRef {
 }
 
 /// The node of a reference, with bounds checks.
-pub(super) fn node(lines: &[CacheLine], node_ref: NodeRef) -> &Node {
+pub(super) fn node(lines: &[CacheLine], node_ref: NodeRef) -> &WideNode {
     let lines = lines[node_ref.line()..].first_chunk::<NODE_LINES>();
     bytemuck::cast_ref(lines.expect("nodes lie within the lines"))
 }

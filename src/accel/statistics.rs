@@ -1,7 +1,7 @@
 //! Size and expected cost of a hierarchy.
 
 use super::arena::Arena;
-use super::layout::{self, CacheLine, Node, NodeRef};
+use super::layout::{self, CacheLine, NodeRef, WideNode};
 use crate::geometry::Aabb;
 
 /// Cost of a node in the count SAH: one node visit counts as much as one
@@ -53,7 +53,7 @@ impl BvhStatistics {
             depth: tally.depth,
             sah_cost: tally.cost as f32,
             bytes: size_of_val(lines),
-            bytes_per_visit: size_of::<Node>(),
+            bytes_per_visit: size_of::<WideNode>(),
             bytes_per_test: (tally.n_leaf_lines * size_of::<CacheLine>()) as f32
                 / tally.n_references.max(1) as f32,
         }
@@ -93,13 +93,13 @@ impl Tally {
 }
 
 /// The box around all children of a node.
-pub(super) fn node_bounds(node: &Node) -> Aabb {
+pub(super) fn node_bounds(node: &WideNode) -> Aabb {
     let bounds = (0..node.n_children()).map(|i| child_bounds(node, i));
     bounds.fold(Aabb::EMPTY, Aabb::union)
 }
 
 /// The box of a node's child `i`.
-pub(super) fn child_bounds(node: &Node, i: usize) -> Aabb {
+pub(super) fn child_bounds(node: &WideNode, i: usize) -> Aabb {
     Aabb {
         min: node.min.map(|row| row[i]).into(),
         max: node.max.map(|row| row[i]).into(),

@@ -182,7 +182,7 @@ impl<'a> Trees<'a> {
             cells,
             ..Row::of_text(String::new())
         };
-        let limited = tree.limited_color();
+        let limited = tree.clamped_color();
         let [red, green, blue] = to_rgb8(limited);
         let shown = format!("#{red:02x}{green:02x}{blue:02x} in the picture");
         let remark = match limited.abs_diff_eq(tree.color(), 1e-5) {

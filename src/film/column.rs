@@ -1,4 +1,4 @@
-//! The arrays of a film that go into files, in one list for all writers.
+//! The arrays of a film in output files: one list for all writers.
 
 use vtkio::model::ScalarType;
 
@@ -6,42 +6,42 @@ use super::{Film, Strip};
 use crate::config::CostMode;
 use crate::cost::Counter;
 
-/// An array of the film as files have it.
+/// An array of the film as in files.
 pub struct Column {
     /// Its name in files.
     pub name: &'static str,
-    /// Its numbers.
+    /// The type of its numbers.
     pub scalar: ScalarType,
-    /// How many numbers a pixel.
+    /// Numbers per pixel.
     pub n_components: usize,
-    /// Whether the film keeps it; others are made of what it keeps.
-    pub is_kept: bool,
-    /// Its bytes in a strip of the film, in native order: those of the film, or
-    /// of a buffer that they are written to.
+    /// Whether the film stores it; others are computed from what the film stores.
+    pub is_stored: bool,
+    /// Its bytes in a strip of the film, in native order: a slice of the film, or of
+    /// the buffer, to which it then writes them.
     pub bytes: for<'a> fn(&Film, &'a Strip, &'a mut Vec<u32>) -> &'a [u8],
 }
 
-/// Makes a [`Column`] of a field of [`Strip`].
+/// A [`Column`] from a field of [`Strip`].
 macro_rules! column {
     ($name:literal, $field:ident, $scalar:ident x $n:literal) => {
         Column {
             name: $name,
             scalar: ScalarType::$scalar,
             n_components: $n,
-            is_kept: true,
+            is_stored: true,
             bytes: |_, strip, _| bytemuck::cast_slice(&strip.$field),
         }
     };
 }
 
-/// Makes a [`Column`] of numbers that are made of what a film keeps.
-macro_rules! made {
+/// A [`Column`] of numbers computed from what the film stores.
+macro_rules! computed {
     ($name:literal, $scalar:ident, $write:expr) => {
         Column {
             name: $name,
             scalar: ScalarType::$scalar,
             n_components: 1,
-            is_kept: false,
+            is_stored: false,
             bytes: |film, strip, numbers| {
                 let write: fn(&Film, &Strip, &mut Vec<u32>) = $write;
                 write(film, strip, numbers);
@@ -51,12 +51,12 @@ macro_rules! made {
     };
 }
 
-/// Makes a [`Column`] of one of the counters.
+/// A [`Column`] of a counter.
 macro_rules! counter {
     ($name:literal, $counter:ident) => {
         Column {
-            is_kept: true,
-            ..made!($name, U32, |film, strip, counts| {
+            is_stored: true,
+            ..computed!($name, U32, |film, strip, counts| {
                 film.counts(strip, Counter::$counter, counts)
             })
         }
@@ -64,13 +64,13 @@ macro_rules! counter {
 }
 
 const GEOMETRY: [Column; 6] = [
-    // The colour, 8 bits a channel.
+    // The color, 8 bits per channel.
     column!("RGB", rgb, U8 x 3),
-    // Unit normal on the side seen; NaN without a hit.
+    // Shading normal, a unit vector on the visible side; NaN without a hit.
     column!("Normals", normal, F32 x 3),
     // Distance along the camera ray in world units; NaN without a hit.
     column!("distance", distance, F32 x 1),
-    // World size of a pixel at that distance; NaN without a hit.
+    // Size of a pixel at that distance in world units; NaN without a hit.
     column!("footprint", footprint, F32 x 1),
     // Index into the file's `objects`; -1 without a hit.
     column!("object", object, I32 x 1),
@@ -78,55 +78,56 @@ const GEOMETRY: [Column; 6] = [
     column!("material", material, I32 x 1),
 ];
 
-// Thread time, the clock's own cost taken off, at least 1.
+// Thread time without the overhead of the clock, at least 1.
 const TIME: [Column; 1] = [column!("time_ns", time_ns, F32 x 1)];
 
-// How far repeated times are from `time_ns`, and how many were not taken.
+// The spread of repeated times, and the number of rejected ones.
 const REPEATED: [Column; 2] = [
-    // Median absolute deviation of the samples that were kept.
+    // Median absolute deviation of the accepted times.
     column!("time_mad_ns", time_mad_ns, F32 x 1),
-    // Samples during which the thread changed its CPU.
+    // Times during which the thread migrated to another CPU.
     column!("n_rejected", n_rejected, U8 x 1),
 ];
 
 const COUNTERS: [Column; 9] = [
-    // BVH nodes entered by all rays of the pixel.
+    // BVH nodes visited by all rays of the pixel.
     counter!("node_visits", NodeVisits),
     // Ray-primitive tests of all rays of the pixel.
     counter!("primitive_tests", PrimitiveTests),
-    // All rays of the pixel.
-    made!("rays", U32, Film::rays),
-    // Those toward lights.
+    // Number of all rays of the pixel.
+    computed!("rays", U32, Film::rays),
+    // Number of shadow rays.
     counter!("shadow_rays", ShadowRays),
-    // Those mirrored off surfaces.
+    // Number of reflection rays.
     counter!("reflection_rays", ReflectionRays),
-    // Those through surfaces.
+    // Number of refraction rays.
     counter!("refraction_rays", RefractionRays),
     // Longest path in bounces.
     counter!("depth", Depth),
     // The tile, numbered along rows from the top left.
-    made!("tile", I32, Film::tile_numbers),
+    computed!("tile", I32, Film::tile_numbers),
     // The thread, from 0.
-    made!("thread", I32, Film::threads),
+    computed!("thread", I32, Film::threads),
 ];
 
-/// The arrays of a film of this mode that was rendered so many times, in the
-/// order of the files.
+/// The arrays of a film with this cost mode that was rendered `n_repeats` times,
+/// in the order of the files.
 pub fn columns(cost: CostMode, n_repeats: u8) -> impl Iterator<Item = &'static Column> {
     let (time, counters): (&[_], &[_]) = match cost {
         CostMode::None => (&[], &[]),
         CostMode::Counters => (&[], &COUNTERS),
         CostMode::Time => (&TIME, &COUNTERS),
     };
-    let repeated: &[_] = match cost.has_time() && n_repeats > 1 {
-        true => &REPEATED,
-        false => &[],
+    let repeated: &[_] = if cost.has_time() && n_repeats > 1 {
+        &REPEATED
+    } else {
+        &[]
     };
     GEOMETRY.iter().chain(time).chain(repeated).chain(counters)
 }
 
 impl Column {
-    /// Bytes a pixel.
+    /// Bytes per pixel.
     pub fn stride(&self) -> usize {
         let scalar = match self.scalar {
             ScalarType::U8 => 1,
@@ -143,7 +144,7 @@ mod tests {
     use crate::schedule::TileGrid;
 
     #[test]
-    fn every_column_has_its_stride_of_bytes_a_pixel() {
+    fn every_column_has_as_many_bytes_per_pixel_as_its_stride() {
         let modes = [CostMode::None, CostMode::Counters, CostMode::Time];
         for (mode, expected) in modes.into_iter().zip([43, 67, 72]) {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);

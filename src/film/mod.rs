@@ -1,10 +1,11 @@
-//! What was rendered, pixel by pixel.
+//! The film: the rendered image and the cost of each pixel.
 //!
 //! A [`Film`] is a stack of [`Strip`]s of a few rows each, and a strip is a
-//! structure of arrays. Strips let threads write side by side without a copy,
-//! and writers walk them in order. What was counted stays tile by tile, packed
-//! by the thread that counted it. [`columns`] lists the arrays that go into
-//! files, in one place for all writers.
+//! structure of arrays. A thread renders a tile into buffers of its own, then
+//! copies them to the strips that the tile crosses, with one strip locked at a
+//! time. File writers read the strips in order. Counters stay with their tile
+//! ([`RenderedTile`]), packed by the thread that counted. [`columns`] lists the
+//! arrays of the output files, for all writers.
 
 mod column;
 mod packed;
@@ -25,39 +26,39 @@ use crate::config::CostMode;
 use crate::cost::Cost;
 use crate::schedule::TileGrid;
 
-/// Rows in a strip but the last: fewer than a tile's, so that threads whose
-/// tiles stand side by side do not wait for one another for long, and enough to
-/// be written into a file at one go.
+/// Rows of a strip, except for the last one: fewer than a tile has by default, so
+/// that threads with tiles side by side wait for each other only briefly, and
+/// enough for a large write to a file.
 pub const STRIP_ROWS: u32 = 4;
 
-/// A rendered picture: colours, geometry and cost of every pixel.
+/// A rendered image: the color, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    /// The tiles that it is rendered in, and how wide and high it is.
+    /// Its tiles, its width and its height.
     pub grid: TileGrid,
-    /// Samples of each pixel, each with a camera ray of its own.
+    /// Samples per pixel, each with its own camera ray.
     pub n_samples: u32,
-    /// Which of the cost arrays are there.
+    /// Which cost arrays it has.
     pub cost: CostMode,
-    /// How often it was rendered.
+    /// Number of times that it was rendered.
     pub n_repeats: u8,
-    /// The counters of all pixels together; zero where nothing was counted.
+    /// The sum of the counters of all pixels; zero if nothing was counted.
     pub totals: Cost,
-    /// The rows, top strip first.
+    /// The rows; the first strip is on top.
     pub strips: Vec<Strip>,
-    /// What is kept tile by tile, in the order of the grid.
+    /// Threads and counters by tile, in the order of the grid.
     pub tiles: Vec<RenderedTile>,
 }
 
-/// Bytes of memory that a film takes for each pixel, at most.
+/// Upper bound of a film's bytes per pixel.
 pub fn bytes_per_pixel(cost: CostMode) -> usize {
-    let kept = columns(cost, 1).filter(|column| column.is_kept);
+    let kept = columns(cost, 1).filter(|column| column.is_stored);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
     size_of::<Vec3>() + rejected + kept.map(Column::stride).sum::<usize>()
 }
 
 impl Film {
-    /// An empty film of the grid's pixels.
+    /// A film for the pixels of the grid, not rendered yet.
     pub fn new(grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
         let TileGrid { width, height, .. } = grid;
         let strip = |first_row| {
@@ -78,31 +79,31 @@ impl Film {
         }
     }
 
-    /// How many pixels have a hit.
+    /// Number of pixels with a hit.
     pub fn n_hits(&self) -> usize {
         let hits = |strip: &Strip| strip.object.iter().filter(|&&object| object >= 0).count();
         self.strips.iter().map(hits).sum()
     }
 
-    /// The sum of `time_ns` over all pixels; 0 where no time was measured.
+    /// The sum of `time_ns` over all pixels; 0 if no time was measured.
     pub fn total_time_ns(&self) -> f64 {
         self.values(|strip| &strip.time_ns).map(f64::from).sum()
     }
 
-    /// The sum of `time_mad_ns` over all pixels; 0 unless rendered more than
+    /// The sum of `time_mad_ns` over all pixels; 0 unless it was rendered more than
     /// once.
     pub fn total_time_mad_ns(&self) -> f64 {
         let deviations = self.strips.iter().flat_map(|strip| &strip.time_mad_ns);
         deviations.map(|&ns| f64::from(ns)).sum()
     }
 
-    /// How many samples of all pixels were rejected: times during which the
-    /// thread changed its CPU.
+    /// Number of rejected times of all pixels: those during which the thread
+    /// migrated to another CPU.
     pub fn n_rejected(&self) -> u64 {
         self.values(|strip| &strip.n_rejected).map(u64::from).sum()
     }
 
-    /// One array's rows, the film's uppermost first, each a slice of its strip.
+    /// The rows of an array, from top to bottom, each as a slice of its strip.
     pub fn rows<'a, T: 'a>(
         &'a self,
         array: fn(&Strip) -> &Vec<T>,
@@ -113,7 +114,7 @@ impl Film {
             .flat_map(move |strip| array(strip).chunks_exact(width))
     }
 
-    /// One array, row-major, `width * height`, row 0 on top.
+    /// An array, row-major, `width * height`; row 0 is on top.
     pub fn values<'a, T: Copy + 'a>(
         &'a self,
         array: fn(&Strip) -> &Vec<T>,

@@ -1,30 +1,29 @@
-//! The counters of pixels in little memory.
+//! The counters of pixels, compressed.
 
 use crate::cost::{Counter, Counters};
 
-/// What was counted of some pixels. A count that would pass 2^32 - 1 stays
-/// there.
+/// The counters of some pixels. Counts saturate at 2^32 - 1.
 ///
-/// A counter's bytes of the same value lie together, in a plane, and planes of
-/// nothing but zeros are left out: where no count passes 255, which is common,
-/// each takes one byte, and where all are 0, none. To write more would take as
-/// long as to count.
+/// Each counter is stored as byte planes: one plane for the lowest bytes of all
+/// pixels, one for the next bytes and so on. Planes of zeros are omitted: counts
+/// up to 255, which are common, take one byte, and counts of 0 none. Writing all
+/// bytes would take as long as counting.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PackedCounters {
     n_pixels: usize,
-    /// Which planes are there, a bit each.
+    /// The planes that are present, one bit each.
     present: u32,
     planes: Vec<u8>,
 }
 
-/// Planes of a counter, that of its lowest bytes first.
+/// Planes per counter; the first one has the lowest bytes.
 const N_PLANES: u32 = u32::BITS / u8::BITS;
 
-/// A bit for each of them.
+/// One bit per plane of a counter.
 const PLANES: u32 = (1 << N_PLANES) - 1;
 
 impl PackedCounters {
-    /// Packs them.
+    /// Packs the counters.
     pub fn new(counters: &Counters) -> Self {
         let bits = Counter::ALL.map(|counter| {
             let counts = counters.get(counter).iter();
@@ -38,7 +37,7 @@ impl PackedCounters {
         for (bytes, (counter, plane)) in planes.chunks_exact_mut(n_pixels.max(1)).zip(used()) {
             let counts = counters.get(counter);
             match bits[counter as usize] {
-                u32::MAX => write_plane(bytes, &limited(counts), plane),
+                u32::MAX => write_plane(bytes, &saturated(counts), plane),
                 _ => write_plane(bytes, counts, plane),
             }
         }
@@ -49,13 +48,13 @@ impl PackedCounters {
         }
     }
 
-    /// How many pixels.
+    /// Number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.n_pixels
     }
 
-    /// Adds one counter of the pixels from the one with index `first` on; a sum
-    /// that would pass 2^32 - 1 stays there.
+    /// Adds one counter of the pixels from index `first` on to `sums`, which saturate
+    /// at 2^32 - 1.
     pub fn add_to(&self, counter: Counter, first: usize, sums: &mut [u32]) {
         let mut present = self.present >> (N_PLANES * counter as u32) & PLANES;
         let before = self.present & (bit((counter, 0)) - 1);
@@ -72,10 +71,10 @@ impl PackedCounters {
     }
 }
 
-/// Writes one byte of each count, of which all are below 2^32.
+/// Writes one byte of each count; all counts are below 2^32.
 fn write_plane(bytes: &mut [u8], counts: &[u64], plane: u32) {
     let byte = |count: u64| (count as u32 >> (u8::BITS * plane)) as u8;
-    // Sixteen at a time become vector instructions.
+    // Chunks of sixteen compile to vector instructions.
     let (many, rest) = bytes.as_chunks_mut::<16>();
     let (many_counts, rest_counts) = counts.as_chunks::<16>();
     for (bytes, counts) in many.iter_mut().zip(many_counts) {
@@ -86,20 +85,20 @@ fn write_plane(bytes: &mut [u8], counts: &[u64], plane: u32) {
     }
 }
 
-/// The counts, or the greatest number that is shown.
+/// The counts, saturated at 2^32 - 1.
 #[cold]
-fn limited(counts: &[u64]) -> Vec<u64> {
-    let limited = counts.iter().map(|&count| count.min(u32::MAX.into()));
-    limited.collect()
+fn saturated(counts: &[u64]) -> Vec<u64> {
+    let saturated = counts.iter().map(|&count| count.min(u32::MAX.into()));
+    saturated.collect()
 }
 
-/// The planes of all counters, in the order in which they are kept.
+/// The planes of all counters, in the order in which they are stored.
 fn all_planes() -> impl Iterator<Item = (Counter, u32)> {
     let planes = |counter| (0..N_PLANES).map(move |plane| (counter, plane));
     Counter::ALL.into_iter().flat_map(planes)
 }
 
-/// A plane's bit among those that are there.
+/// The bit of a plane in `present`.
 fn bit((counter, plane): (Counter, u32)) -> u32 {
     1 << (N_PLANES * counter as u32 + plane)
 }
@@ -109,7 +108,7 @@ mod tests {
     use super::*;
     use crate::cost::Cost;
 
-    /// Pixels with these numbers of nodes, tests, shadow rays and bounces.
+    /// Pixels with these numbers of visits, tests, shadow rays and bounces.
     fn counters(pixels: &[[u64; 4]]) -> Counters {
         let mut counters = Counters::default();
         counters.reset(pixels.len(), 1);
@@ -126,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_packed_comes_back() {
+    fn packing_is_lossless_up_to_saturation() {
         let most = u64::from(u32::MAX);
         let few = [
             [1, 0, most, 0x1_0000],
@@ -160,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_take_no_memory_and_small_numbers_a_byte() {
+    fn zeros_take_no_memory_and_small_counts_one_byte() {
         let n_bytes = |pixels: &[[u64; 4]]| PackedCounters::new(&counters(pixels)).planes.len();
         assert_eq!(n_bytes(&[[0; 4]; 3]), 0);
         assert_eq!(n_bytes(&[[0, 255, 0, 0], [7, 0, 0, 0]]), 4);

@@ -1,38 +1,38 @@
-//! Pixels on their way into the film.
+//! Rendered pixels that are to be written to the film.
 
 use glam::Vec3;
 
 use crate::cost::Counters;
 use crate::trace::SurfacePoint;
 
-/// Pixels of a tile and what they cost, row by row.
+/// Pixels of a tile and their cost, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Rendered<'a> {
-    /// What is seen.
+    /// The images of the pixels.
     pub pixels: &'a [Pixel],
-    /// The counters of each pixel, if there are any.
+    /// The counters of the pixels, if they were counted.
     pub counters: Option<&'a Counters>,
-    /// The time of each pixel; empty where it was not measured.
+    /// The times of the pixels; empty if they were not measured.
     pub times: &'a [PixelTime],
 }
 
-/// What is seen in one pixel.
+/// The color and the surface of one pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pixel {
-    /// Mean colour of the samples, not yet limited to 1.
+    /// Mean color of the samples, not clamped.
     pub color: Vec3,
-    /// What the middle sample's camera ray met.
+    /// The surface point that the camera ray of the center sample hit.
     pub surface: Option<SurfacePoint>,
-    /// World-space size of the pixel there.
+    /// The size of the pixel there, in world units.
     pub footprint: f32,
 }
 
 /// One measured time of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PixelTime {
-    /// In nanoseconds.
+    /// The time in nanoseconds.
     pub ns: f32,
-    /// Whether the thread changed its CPU meanwhile: not a time of the pixel
-    /// alone.
+    /// Whether the thread migrated to another CPU meanwhile: then the time is not
+    /// that of the pixel alone.
     pub is_rejected: bool,
 }

@@ -1,4 +1,4 @@
-//! Some rows of a film, array by array.
+//! Some rows of a film as a structure of arrays.
 
 use std::ops::Range;
 
@@ -8,17 +8,17 @@ use super::{Pixel, Rendered};
 use crate::config::CostMode;
 use crate::trace::SurfacePoint;
 
-/// Some rows of a film. Every array is row-major, `width * n_rows` long, the
-/// uppermost row first; times that were not asked for are empty.
+/// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
+/// uppermost row first. Arrays of times are empty without times.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[expect(missing_docs, reason = "each array is told in `columns`")]
+#[expect(missing_docs, reason = "`columns` documents each array")]
 pub struct Strip {
-    /// The number of the uppermost row, 0 on top of the film.
+    /// The index of the uppermost row; row 0 is at the top of the film.
     pub first_row: u32,
-    /// How many rows.
+    /// Number of rows.
     pub n_rows: u32,
     pub rgb: Vec<[u8; 3]>,
-    /// World-space point of the pixel's hit; NaN for none.
+    /// The point of the pixel's hit in world space; NaN without a hit.
     pub position: Vec<Vec3>,
     pub normal: Vec<Vec3>,
     pub distance: Vec<f32>,
@@ -51,8 +51,8 @@ impl Strip {
         }
     }
 
-    /// Puts neighbouring pixels of a row, these of `rendered`, at the indices
-    /// from `first` on of every array.
+    /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the
+    /// indices from `first` on of every array.
     pub fn put(&mut self, first: usize, rendered: &Rendered, row: Range<usize>) {
         let places = first..first + row.len();
         self.put_surfaces(places.clone(), &rendered.pixels[row.clone()]);
@@ -66,8 +66,7 @@ impl Strip {
     }
 
     fn put_surfaces(&mut self, places: Range<usize>, pixels: &[Pixel]) {
-        // Array by array: its bounds are looked at once, and its memory is
-        // written in one go.
+        // Array by array: one bounds check each, and contiguous writes.
         macro_rules! put {
             ($field:ident, $value:expr) => {
                 fill(&mut self.$field[places.clone()], pixels, $value)
@@ -84,7 +83,7 @@ impl Strip {
     }
 }
 
-/// Writes a value of each into the places.
+/// Writes one value of each element of `from`.
 #[inline(always)]
 fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
     for (place, from) in places.iter_mut().zip(from) {
@@ -92,25 +91,25 @@ fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
     }
 }
 
-/// What the pixel's surface has, or `none` without one.
+/// A value of the pixel's surface point; `none` without one.
 #[inline(always)]
 fn seen<T>(pixel: &Pixel, none: T, value: impl Fn(&SurfacePoint) -> T) -> T {
     pixel.surface.as_ref().map_or(none, value)
 }
 
-/// Limited to 0..1, then to 8 bits by rounding; no gamma.
+/// The color clamped to 0..1 and rounded to 8 bits per channel, without gamma.
 pub(crate) fn to_rgb8(color: Vec3) -> [u8; 3] {
     (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
         .to_array()
         .map(rounded)
 }
 
-/// The nearest whole number of one from 0 to 255, halves up: as `f32::round`,
-/// which is a call of a function where x86-64 has no SSE 4.1.
+/// The integer nearest to a number from 0 to 255, halves rounded up: that of
+/// `f32::round`, which is a function call on x86-64 without SSE 4.1.
 #[inline(always)]
 fn rounded(channel: f32) -> u8 {
     let whole = channel as u8;
-    // Exact: the two are less than 1 apart.
+    // The difference is exact: it is less than 1.
     whole + u8::from(channel - f32::from(whole) >= 0.5)
 }
 
@@ -119,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rounding_is_that_of_the_library() {
+    fn rounding_equals_that_of_the_standard_library() {
         let halves = (0..255).map(|whole| whole as f32 + 0.5);
         let close = halves.flat_map(|half| [half.next_down(), half, half.next_up()]);
         let everywhere = (0..=255_000).map(|thousandth| thousandth as f32 / 1000.0);

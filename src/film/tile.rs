@@ -1,27 +1,27 @@
-//! What a film keeps tile by tile.
+//! What a film stores by tile.
 
 use super::{Film, PackedCounters, Strip};
 use crate::cost::Counter;
 
-/// Who rendered a tile, and what that cost.
+/// The thread that rendered a tile, and the tile's counters.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RenderedTile {
     /// The thread that rendered it, from 0.
     pub thread: u32,
-    /// What was counted of its pixels, some whole rows after the other from the
-    /// top; nothing where nothing was counted.
+    /// The counters of its pixels, in parts of whole rows from top to bottom; empty
+    /// if nothing was counted.
     pub counters: Vec<PackedCounters>,
 }
 
 impl Film {
-    /// Makes `counts` one counter of the pixels of a strip of the film.
+    /// Overwrites `counts` with one counter of the pixels of a strip.
     pub fn counts(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
         counts.clear();
         counts.resize(strip.rgb.len(), 0);
         self.add_counts(strip, counter, counts);
     }
 
-    /// Makes `rays` all rays of the pixels of a strip of the film.
+    /// Overwrites `rays` with the numbers of rays of the pixels of a strip.
     pub fn rays(&self, strip: &Strip, rays: &mut Vec<u32>) {
         rays.clear();
         rays.resize(strip.rgb.len(), self.n_samples);
@@ -34,17 +34,17 @@ impl Film {
         }
     }
 
-    /// Makes `numbers` those of the tiles of the pixels of a strip of the film.
+    /// Overwrites `numbers` with the tiles of the pixels of a strip.
     pub fn tile_numbers(&self, strip: &Strip, numbers: &mut Vec<u32>) {
         self.by_tile(strip, numbers, |number| number);
     }
 
-    /// Makes `threads` those that rendered the pixels of a strip of the film.
+    /// Overwrites `threads` with the threads that rendered the pixels of a strip.
     pub fn threads(&self, strip: &Strip, threads: &mut Vec<u32>) {
         self.by_tile(strip, threads, |number| self.tiles[number as usize].thread);
     }
 
-    /// Adds one counter to the number of each pixel of a strip.
+    /// Adds one counter of the pixels of a strip to `sums`.
     fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
         let width = self.grid.width as usize;
         let rows = sums.chunks_exact_mut(width).zip(strip.first_row..);
@@ -57,6 +57,7 @@ impl Film {
         }
     }
 
+    /// Overwrites `numbers` with a value per tile, for the pixels of a strip.
     fn by_tile(&self, strip: &Strip, numbers: &mut Vec<u32>, of: impl Fn(u32) -> u32) {
         numbers.clear();
         for y in strip.first_row..strip.first_row + strip.n_rows {
@@ -68,8 +69,8 @@ impl Film {
 }
 
 impl RenderedTile {
-    /// Adds one counter of the pixels from the one with index `first` on, which
-    /// are of one row.
+    /// Adds one counter of the pixels from index `first` on, all in the same row, to
+    /// `sums`.
     fn add_to(&self, counter: Counter, mut first: usize, sums: &mut [u32]) {
         for part in &self.counters {
             if first < part.n_pixels() {

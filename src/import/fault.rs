@@ -1,15 +1,15 @@
-//! What is wrong with a geometry file, and where.
+//! The faults of geometry files, with their positions.
 
 use std::fmt;
 use std::io;
 use std::path::Path;
 
-/// A mistake in a geometry file.
+/// A fault in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileFault {
-    /// The file, as it was asked for; empty until it is known.
+    /// The path of the file as given; empty until it is known.
     file: String,
-    /// Where in the file, if that can be told.
+    /// The position in the file, if it is known.
     pub place: Option<Place>,
     /// What is wrong.
     pub problem: String,
@@ -17,12 +17,12 @@ pub struct FileFault {
     pub expected: String,
 }
 
-/// A place in a geometry file.
+/// A position in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
-    /// A line of a text, 1 is the first.
+    /// A line of a text file; the first one is 1.
     Line(u64),
-    /// An element of a binary file: its kind and its number, 0 is the first.
+    /// An element of a binary file: its kind and its number; the first one is 0.
     Element(String, u64),
 }
 
@@ -37,19 +37,19 @@ impl FileFault {
         }
     }
 
-    /// The same at a place, where none is known yet.
+    /// The same fault at this position, unless a position is known already.
     pub(super) fn at(mut self, place: Place) -> Self {
         self.place.get_or_insert(place);
         self
     }
 
-    /// The same in this file.
+    /// The same fault in this file.
     pub(super) fn in_file(mut self, path: &Path) -> Self {
         self.file = path.display().to_string();
         self
     }
 
-    /// File, place and problem in one line.
+    /// File, position and problem in one line.
     pub fn message(&self) -> String {
         let Self { file, problem, .. } = self;
         match &self.place {

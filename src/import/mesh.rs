@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{FileFault, Result};
 use crate::geometry::Triangle;
 
-/// A triangle mesh, as a file gives it. Its triangles may be degenerate.
+/// The triangle mesh of a file. Its triangles may be degenerate.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Positions, finite.
@@ -13,7 +13,7 @@ pub struct Mesh {
     /// Three indices of `vertices` each, counter-clockwise as seen from
     /// outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The normals of the corners, if the file has any.
+    /// The normals at the corners, if the file has any.
     pub normals: Option<Normals>,
 }
 
@@ -34,7 +34,7 @@ impl Mesh {
         }
     }
 
-    /// Bytes of memory that it takes.
+    /// Its memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         let of_arrays = |vectors: &[Vec3], triangles: &[[u32; 3]]| {
             (size_of_val(vectors) + size_of_val(triangles)) as u64
@@ -45,8 +45,8 @@ impl Mesh {
     }
 
     /// Normals that vary smoothly over the surface: at each vertex the sum of
-    /// its triangles' normals, weighted by their angles there, so that no cut
-    /// of a face into triangles shows (Thürmer and Wüthrich, "Computing Vertex
+    /// its triangles' normals, weighted by their angles there, so that
+    /// the triangulation of a face does not show (Thürmer and Wüthrich, "Computing Vertex
     /// Normals from Polygonal Facets", Journal of Graphics Tools 3(1), 1998).
     pub fn smooth_normals(&self) -> Normals {
         let mut vectors = vec![Vec3::ZERO; self.vertices.len()];
@@ -67,7 +67,7 @@ impl Mesh {
 
 /// The angle between two vectors, in radians.
 fn angle(a: Vec3, b: Vec3) -> f32 {
-    // libm's arc cosine gives the same bits on every machine.
+    // libm's arc cosine returns the same bits on every machine.
     libm::acosf(
         a.normalize_or_zero()
             .dot(b.normalize_or_zero())
@@ -75,7 +75,10 @@ fn angle(a: Vec3, b: Vec3) -> f32 {
     )
 }
 
-/// Three numbers that are finite.
+/// Makes a vector of three numbers.
+///
+/// # Errors
+/// A number that is not finite.
 pub(super) fn finite(numbers: [f32; 3]) -> Result<Vec3> {
     let bad = numbers.iter().find(|number| !number.is_finite());
     match bad {
@@ -87,12 +90,15 @@ pub(super) fn finite(numbers: [f32; 3]) -> Result<Vec3> {
     }
 }
 
-/// A number of vertices or normals, which indices of 32 bits tell apart.
+/// Converts a number of vertices or normals.
+///
+/// # Errors
+/// More than indices of 32 bits can distinguish.
 pub(super) fn count(n: usize) -> Result<u32> {
     u32::try_from(n).map_err(|_| FileFault::new("too many vertices", "at most 4294967295"))
 }
 
-/// Cuts a polygon into triangles that share its first corner.
+/// Triangulates a polygon: a fan of triangles that share its first corner.
 pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let pairs = corners.windows(2).skip(1);
     pairs.map(|pair| [corners[0], pair[0], pair[1]])

@@ -1,8 +1,8 @@
 //! Geometry files → checked values.
 //!
-//! Takes the path of a file; gives a [`Mesh`] or [`Spheres`] whose numbers are
-//! finite and whose indices are in range, or a [`FileFault`] that names the
-//! line or the element. To add a mesh format, write its file, its `mod` line
+//! Takes the path of a file; returns a [`Mesh`] or [`Spheres`] whose numbers are
+//! finite and whose indices are in range, or a [`FileFault`] with the line or the
+//! element. To add a mesh format, write its file, its `mod` line
 //! and its line in `FORMATS`.
 
 mod fault;
@@ -20,25 +20,25 @@ pub use fault::{FileFault, Place};
 pub use mesh::{Mesh, Normals};
 pub use spheres::Spheres;
 
-/// What a reader gives.
+/// The result of a reader.
 pub type Result<T> = std::result::Result<T, FileFault>;
 
-/// An open file on its way through a reader.
+/// An open file to be read.
 type Input = BufReader<File>;
 
-/// Bytes of memory that a reader takes for each byte of its file, at most. A
-/// corner of a polygon is one more triangle, and takes two bytes in a text and
-/// one in a binary file; a triangle is twelve bytes, of which a growing vector
-/// holds up to three times as many.
+/// Upper bound of the memory of a reader, in bytes per byte of its file. Each
+/// corner of a polygon adds a triangle, and takes two bytes in a text file and one
+/// in a binary file. A triangle takes twelve bytes; a growing vector takes up to
+/// three times as much.
 pub const MAX_BYTES_PER_BYTE: u64 = 36;
 
-/// Reads a file of one format.
+/// A reader of one format.
 type MeshReader = fn(Input) -> Result<Mesh>;
 
 /// The mesh formats by the extension of their files, in lower case.
 const FORMATS: &[(&str, MeshReader)] = &[("obj", obj::read), ("ply", ply::read)];
 
-/// Reads a triangle mesh in the format that the extension tells.
+/// Reads a triangle mesh; the file's extension determines the format.
 ///
 /// # Errors
 /// A file that cannot be read, is of no known format, is damaged, or has no
@@ -49,16 +49,17 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
     let read = || {
         let (_, read) = known.ok_or_else(|| unknown_format(&extension))?;
         let mesh = read(open(path)?)?;
-        match mesh.triangles.is_empty() {
-            true => Err(FileFault::new("no triangle in the file", "faces")),
-            false => Ok(mesh),
+        if mesh.triangles.is_empty() {
+            Err(FileFault::new("no triangle in the file", "faces"))
+        } else {
+            Ok(mesh)
         }
     };
     read().map_err(|fault| fault.in_file(path))
 }
 
-/// Reads a list of spheres from a table of comma-separated values; `radius` is
-/// that of all spheres where the table has no column of radii.
+/// Reads a list of spheres from a table of comma-separated values. `radius` is the
+/// radius of all spheres if the table has no column of radii.
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, has no radius or has no sphere.
@@ -71,12 +72,15 @@ pub fn read_spheres(path: &Path, radius: Option<f32>) -> Result<Spheres> {
 /// The length of a geometry file in bytes.
 ///
 /// # Errors
-/// What is no file, or cannot be asked.
+/// If it is not a regular file, or if its metadata cannot be read.
 pub fn n_bytes(path: &Path) -> Result<u64> {
     let metadata = std::fs::metadata(path).map_err(FileFault::from);
-    let length = metadata.and_then(|metadata| match metadata.is_file() {
-        true => Ok(metadata.len()),
-        false => Err(FileFault::new("it is no file", "a file")),
+    let length = metadata.and_then(|metadata| {
+        if metadata.is_file() {
+            Ok(metadata.len())
+        } else {
+            Err(FileFault::new("it is no file", "a file"))
+        }
     });
     length.map_err(|fault| fault.in_file(path))
 }

@@ -7,18 +7,18 @@ use super::{FileFault, Input, Place, Result};
 use crate::geometry::Sphere;
 use crate::yaml::{did_you_mean, hex_color};
 
-/// A table's spheres.
+/// The spheres of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spheres {
     /// The spheres, at least one.
     pub spheres: Vec<Sphere>,
-    /// The colour of each sphere, red, green and blue; `None` if the table
-    /// has no colours.
+    /// The color of each sphere: red, green and blue; `None` if the table has no
+    /// colors.
     pub colors: Option<Vec<[u8; 3]>>,
 }
 
 impl Spheres {
-    /// Bytes of memory that it takes.
+    /// Their memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         let n_color_bytes = self
             .colors
@@ -30,7 +30,7 @@ impl Spheres {
 
 pub(super) fn read(file: Input, radius: Option<f32>) -> Result<Spheres> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let columns = Columns::of(table.byte_headers().map_err(of_table)?, radius)
+    let columns = SphereColumns::of(table.byte_headers().map_err(of_table)?, radius)
         .map_err(|fault| fault.at(Place::Line(1)))?;
     let mut found = Spheres {
         spheres: Vec::new(),
@@ -45,14 +45,15 @@ pub(super) fn read(file: Input, radius: Option<f32>) -> Result<Spheres> {
             colors.push(color(word(&row, column)).map_err(at_line)?);
         }
     }
-    match found.spheres.is_empty() {
-        true => Err(FileFault::new("no sphere in the file", "a line for each")),
-        false => Ok(found),
+    if found.spheres.is_empty() {
+        Err(FileFault::new("no sphere in the file", "a line for each"))
+    } else {
+        Ok(found)
     }
 }
 
-/// Where the columns stand that a table may have.
-struct Columns {
+/// The positions of a table's columns.
+struct SphereColumns {
     center: [usize; 3],
     radius: Radius,
     color: Option<usize>,
@@ -63,11 +64,12 @@ enum Radius {
     OfAll(f32),
 }
 
-impl Columns {
+impl SphereColumns {
     /// The names of all columns.
     const NAMES: [&str; 5] = ["x", "y", "z", "r", "color"];
 
-    /// Of the table's first line; `radius` is for a table without.
+    /// Reads the table's first line. `radius` is the radius of all spheres if there
+    /// is no column of radii.
     fn of(header: &ByteRecord, radius: Option<f32>) -> Result<Self> {
         let mut columns = [None; 5];
         for (i, name) in header.iter().enumerate() {
@@ -116,7 +118,7 @@ impl Columns {
 }
 
 fn unknown_column(name: &str) -> FileFault {
-    let problem = match did_you_mean(name, Columns::NAMES) {
+    let problem = match did_you_mean(name, SphereColumns::NAMES) {
         Some(suggestion) => format!("unknown column `{name}`, {suggestion}"),
         None => format!("unknown column `{name}`"),
     };

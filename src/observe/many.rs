@@ -1,4 +1,4 @@
-//! Many pixels, on all threads, within the memory that there is.
+//! The observation of many pixels, on all threads, within a limit of memory.
 
 use std::fmt;
 
@@ -6,29 +6,29 @@ use rayon::prelude::*;
 
 use super::{Observer, RayTree, TracedRay};
 
-/// How often a pixel is observed where it is timed: its rays first come into
-/// cold caches, as no ray does whose neighbours were rendered before it.
+/// Number of observations of a timed pixel. In the first one the caches are cold,
+/// unlike in a rendering, where the neighboring pixels have warmed them.
 const N_TIMES: usize = 5;
 
-/// Paths that are followed between two looks at the memory, at least.
+/// Least number of paths between two checks of the memory.
 const N_SAMPLES: u32 = 1 << 12;
 
 /// A pixel and its rays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedPixel {
-    /// Column and row, row 0 on top.
+    /// Column and row; row 0 is on top.
     pub place: (u32, u32),
     /// Its rays.
     pub tree: RayTree,
 }
 
-/// The rays that were asked for are more than there is room for, or more than an
-/// `i32` can count.
+/// The rays need more memory than is available, or are more than an `i32` can
+/// count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyRays {
-    /// Pixels that were observed.
+    /// Number of observed pixels.
     pub n_pixels: usize,
-    /// The rays of these, which are too many.
+    /// Number of their rays, which is too large.
     pub n_rays: usize,
 }
 
@@ -46,7 +46,8 @@ impl std::error::Error for TooManyRays {}
 
 impl Observer<'_> {
     /// Observes many pixels on the current rayon pool. The time of each ray is
-    /// the median of a few. `report` hears of pixels that are done.
+    /// the median of several observations. Calls `report` with the number of
+    /// pixels that have been finished since the last call.
     ///
     /// # Errors
     /// As soon as the rays take more than `n_bytes` of memory, or are more than
@@ -63,7 +64,11 @@ impl Observer<'_> {
         while places.peek().is_some() {
             let batch: Vec<_> = places.by_ref().take(batch_len).collect();
             let n_new = batch.len();
-            pixels.par_extend(batch.into_par_iter().map(|place| self.observe_well(place)));
+            pixels.par_extend(
+                batch
+                    .into_par_iter()
+                    .map(|place| self.observe_repeatedly(place)),
+            );
             let new: &[ObservedPixel] = &pixels[pixels.len() - n_new..];
             n_rays += new.iter().map(|pixel| pixel.tree.rays.len()).sum::<usize>();
             report(n_new as u64);
@@ -76,8 +81,8 @@ impl Observer<'_> {
         Ok(pixels)
     }
 
-    /// Observes a pixel, a few times if it is timed.
-    fn observe_well(&self, place: (u32, u32)) -> ObservedPixel {
+    /// Observes a pixel; several times if it is timed.
+    fn observe_repeatedly(&self, place: (u32, u32)) -> ObservedPixel {
         let mut tree = RayTree::default();
         self.observe(place, &mut tree);
         if self.is_timed() {

@@ -1,9 +1,9 @@
-//! Pixel → the tree of its rays, every step of theirs included.
+//! Pixel → the tree of its rays, with every step of their traversals.
 //!
-//! A third way to render a pixel, beside rays one by one and rays in streams,
-//! with the same rays, hits and counters. It is slow and hides nothing: what
-//! each ray met, which nodes and primitives it came across, how long it took
-//! and what it brought to the pixel.
+//! A third way to render a pixel, besides single rays and streams of rays, with
+//! the same rays, hits and counters. It is slow and records everything: what
+//! each ray hit, which nodes and primitives it was tested against, how long it
+//! took and how much it contributed to the pixel.
 
 mod tree;
 mod observer;

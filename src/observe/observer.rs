@@ -1,4 +1,4 @@
-//! How a pixel is observed.
+//! The observation of a pixel.
 
 use glam::Vec3;
 
@@ -14,17 +14,16 @@ use crate::scene::Scene;
 use crate::shade::{LightSample, Path};
 use crate::trace::SurfacePoint;
 
-/// Renders pixels and shows all of their rays.
+/// Renders pixels and records their rays.
 #[derive(Clone, Copy)]
 pub struct Observer<'a> {
     view: View<'a>,
-    scene: &'a Scene,
     keeps_steps: bool,
-    /// What times the rays, if anything does.
+    /// The clock that measures the rays; `None` for no times.
     clock: Option<&'a Clock>,
 }
 
-/// A ray about to be traced.
+/// A ray to be traced.
 struct Start {
     kind: RayKind,
     parent: Option<u32>,
@@ -36,7 +35,8 @@ struct Start {
 }
 
 impl<'a> Observer<'a> {
-    /// Observes the pixels of this picture; times their rays with the clock.
+    /// Observes the pixels of this image; measures their rays with the clock, if
+    /// there is one.
     pub fn new(
         scene: &'a Scene,
         accel: &'a Accel<'a>,
@@ -45,13 +45,12 @@ impl<'a> Observer<'a> {
     ) -> Self {
         Self {
             view: View::new(scene, accel, image),
-            scene,
             keeps_steps: true,
             clock,
         }
     }
 
-    /// The same, of pixels that lie in this plane in place of the scene's.
+    /// The same for pixels in this plane instead of the scene's.
     pub fn through(self, plane: ImagePlane) -> Self {
         Self {
             view: self.view.through(plane),
@@ -67,17 +66,18 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Samples a pixel.
+    /// Number of samples per pixel.
     pub(super) fn n_samples(&self) -> u32 {
         self.view.n_samples
     }
 
-    /// Whether rays have a time.
+    /// Whether it measures times.
     pub(super) fn is_timed(&self) -> bool {
         self.clock.is_some()
     }
 
-    /// Makes `tree` that of the pixel in column `x` and row `y`, row 0 on top.
+    /// Overwrites `tree` with that of the pixel in column `x` and row `y`; row 0 is
+    /// on top.
     pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
         tree.clear();
         (0..self.view.n_samples).for_each(|sample| self.observe_sample((x, y), sample, tree));
@@ -96,8 +96,8 @@ impl<'a> Observer<'a> {
                 ray,
                 t_max: f32::INFINITY,
             };
-            let (number, met) = self.trace(start, tree);
-            let mirrored = match met {
+            let (number, hit) = self.trace(start, tree);
+            let mirrored = match hit {
                 Some(point) => self.shade(&mut path, number, &point, tree),
                 None => self.miss(&mut path, number, tree),
             };
@@ -105,21 +105,22 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Adds a ray that looks for what is nearest; gives its number.
+    /// Traces a ray for its nearest hit and adds it; returns its index and the
+    /// surface point.
     fn trace(&self, start: Start, tree: &mut RayTree) -> (u32, Option<SurfacePoint>) {
         let tracer = &self.view.tracer;
         let ray = start.ray;
-        let (cost, time_ns, met) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
-        let watch = |steps: &mut Vec<TraversalStep>| tracer.record(&ray, steps);
-        (self.add(start, cost, time_ns, watch, tree), met)
+        let (cost, time_ns, hit) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
+        let record = |steps: &mut Vec<TraversalStep>| tracer.record(&ray, steps);
+        (self.add(start, cost, time_ns, record, tree), hit)
     }
 
-    /// Adds the shadow ray of a light sample; gives its number and whether
-    /// something is in its way.
+    /// Traces the shadow ray of a light sample and adds it; returns its index and
+    /// whether it is occluded.
     fn trace_shadow(
         &self,
         parent: u32,
-        light: Option<u32>,
+        light: u32,
         sample: &LightSample,
         tree: &mut RayTree,
     ) -> (u32, bool) {
@@ -130,17 +131,17 @@ impl<'a> Observer<'a> {
             kind: RayKind::Shadow,
             parent: Some(parent),
             sample: from.sample,
-            light,
+            light: Some(light),
             bounce: from.bounce,
             ray: shadow.ray,
             t_max: shadow.t_max,
         };
         let (cost, time_ns, is_shadowed) = self.timed(|cost| tracer.is_shadowed(shadow, cost));
-        let watch = |steps: &mut Vec<TraversalStep>| tracer.record_shadow(shadow, steps);
-        (self.add(start, cost, time_ns, watch, tree), is_shadowed)
+        let record = |steps: &mut Vec<TraversalStep>| tracer.record_shadow(shadow, steps);
+        (self.add(start, cost, time_ns, record, tree), is_shadowed)
     }
 
-    /// Shades the point that a ray met; gives the ray that goes on.
+    /// Shades the point that a ray hit; returns the ray that continues the path.
     fn shade(
         &self,
         path: &mut Path,
@@ -151,12 +152,7 @@ impl<'a> Observer<'a> {
         let shader = &self.view.shader;
         let ray = tree.rays[number as usize].ray;
         let mut lights: Vec<(u32, Illumination)> = Vec::new();
-        // Light samples come in the order of the lights, some of which have none.
-        let mut sources = (0..).zip(&self.scene.lights);
-        for sample in shader.light_samples(point) {
-            let source =
-                sources.find(|(_, light)| light.illuminate(point.position) == sample.light);
-            let light = source.map(|(light, _)| light);
+        for (light, sample) in shader.indexed_light_samples(point) {
             let (shadow, is_shadowed) = self.trace_shadow(number, light, &sample, tree);
             if !is_shadowed {
                 lights.push((shadow, sample.light));
@@ -176,7 +172,7 @@ impl<'a> Observer<'a> {
         mirrored
     }
 
-    /// Adds the background that a ray sees, which ends its path.
+    /// Adds the background that a ray sees; its path ends.
     fn miss(&self, path: &mut Path, number: u32, tree: &mut RayTree) -> Option<Ray> {
         let before = path.color;
         let ray = tree.rays[number as usize].ray;
@@ -186,13 +182,12 @@ impl<'a> Observer<'a> {
         None
     }
 
-    /// Notes what a ray brings to its sample.
+    /// Sets the contribution of a ray, given in terms of its sample.
     fn contribute(&self, number: u32, color: Vec3, tree: &mut RayTree) {
         tree.rays[number as usize].contribution = color / self.view.n_samples as f32;
     }
 
-    /// Does some work; gives what it counts, its time in nanoseconds, and what
-    /// it gives.
+    /// Runs `work`; returns its counters, its time in nanoseconds and its result.
     fn timed<T>(&self, work: impl FnOnce(&mut Cost) -> T) -> (Cost, f32, T) {
         let mut cost = Cost::default();
         let Some(clock) = self.clock else {
@@ -205,17 +200,17 @@ impl<'a> Observer<'a> {
         (cost, time_ns, result)
     }
 
-    /// Adds a ray to the tree; gives its number.
+    /// Adds a ray to the tree; returns its index.
     fn add(
         &self,
         start: Start,
         cost: Cost,
         time_ns: f32,
-        watch: impl FnOnce(&mut Vec<TraversalStep>) -> Option<Hit>,
+        record: impl FnOnce(&mut Vec<TraversalStep>) -> Option<Hit>,
         tree: &mut RayTree,
     ) -> u32 {
         let first = tree.steps.len();
-        let hit = watch(&mut tree.steps);
+        let hit = record(&mut tree.steps);
         if !self.keeps_steps {
             tree.steps.truncate(first);
         }

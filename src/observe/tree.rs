@@ -8,51 +8,50 @@ use crate::accel::{Hit, TraversalStep};
 use crate::cost::{Cost, Probe, RayKind};
 use crate::geometry::Ray;
 
-/// The rays of a pixel, each after its parent, and all of their steps.
+/// The rays of a pixel, each after its parent, and the steps of their traversals.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RayTree {
-    /// Sample after sample; of each, the camera ray first.
+    /// The rays, sample by sample; the camera ray is the first of its sample.
     pub rays: Vec<TracedRay>,
-    /// What the rays did, ray after ray.
+    /// The steps, ray by ray.
     pub steps: Vec<TraversalStep>,
 }
 
-/// One ray and what became of it.
+/// A ray, its hit, its cost and its contribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TracedRay {
-    /// Why it was shot.
+    /// Its kind.
     pub kind: RayKind,
-    /// The ray whose hit it starts from, as its index in the tree, lower than
-    /// its own; `None` for camera rays.
+    /// The index of the ray at whose hit it starts, lower than its own; `None` for
+    /// camera rays.
     pub parent: Option<u32>,
-    /// The pixel's sample that it belongs to.
+    /// The index of its sample in the pixel.
     pub sample: u32,
-    /// The light that a shadow ray asks for, by its place in the scene file's
-    /// list; `None` for other rays.
+    /// The index of a shadow ray's light in the scene file; `None` for other rays.
     pub light: Option<u32>,
-    /// Mirrors on the way from the camera to its start.
+    /// Number of reflections between the camera and its start.
     pub bounce: u32,
-    /// Where it starts and goes.
+    /// Its origin and direction.
     pub ray: Ray,
-    /// Hits count before this parameter: the light of a shadow ray, which may be
-    /// at infinity as the ends of other rays are.
+    /// Only hits before this parameter count: for a shadow ray that of the light,
+    /// for other rays infinity.
     pub t_max: f32,
-    /// What it met; of a shadow ray, what is in the way.
+    /// Its hit; for a shadow ray the one that occludes it.
     pub hit: Option<Hit>,
-    /// BVH nodes entered.
+    /// Number of BVH nodes visited.
     pub node_visits: u32,
-    /// Ray-primitive tests.
+    /// Number of ray-primitive tests.
     pub primitive_tests: u32,
-    /// Thread time in nanoseconds from its start to its hit, and to shade that,
-    /// the clock's own cost taken off; 0 without a clock. The kernel is that of
-    /// `cost: time`, without anybody who watches the steps.
+    /// Thread time in nanoseconds to trace it and to shade its hit, without the
+    /// overhead of the clock; 0 without a clock. It is that of the kernel of
+    /// `cost: time`, which records no steps.
     pub time_ns: f32,
-    /// What it brings to the pixel's colour before any limit: the light of the
-    /// point that it met, or of the background, by its weight in the pixel. A
-    /// shadow ray's is the part of its parent's that would be missing without
-    /// its light.
+    /// Its contribution to the pixel's color before clamping: the light of the
+    /// point that it hit, or of the background, times its weight in the pixel.
+    /// That of a shadow ray is the part of its parent's contribution that would
+    /// be missing without its light.
     pub contribution: Vec3,
-    /// Its steps in those of the tree; none where the observer keeps none.
+    /// The range of its steps in the tree; empty if the observer keeps no steps.
     pub steps: Range<usize>,
 }
 
@@ -62,7 +61,7 @@ impl RayTree {
         &self.steps[ray.steps.clone()]
     }
 
-    /// The counters of all rays together.
+    /// The sum of the counters of all rays.
     pub fn cost(&self) -> Cost {
         let mut cost = Cost::default();
         for ray in &self.rays {
@@ -73,28 +72,28 @@ impl RayTree {
         cost
     }
 
-    /// The pixel's colour before any limit.
+    /// The pixel's color before clamping.
     pub fn color(&self) -> Vec3 {
         color_of(&self.rays)
     }
 
-    /// The pixel's colour as the film has it: each sample is limited to 1, a
-    /// channel at a time, before their mean is taken.
-    pub fn limited_color(&self) -> Vec3 {
+    /// The pixel's color as in the film: the mean of the samples, each channel
+    /// clamped to at most 1.
+    pub fn clamped_color(&self) -> Vec3 {
         let n_samples = self.rays.last().map_or(0, |ray| ray.sample + 1);
         let most = Vec3::splat(1.0 / n_samples as f32);
         let samples = self.rays.chunk_by(|a, b| a.sample == b.sample);
         samples.map(|rays| color_of(rays).min(most)).sum()
     }
 
-    /// Empties it, to be used for another pixel.
+    /// Removes all rays and steps; keeps the memory.
     pub(super) fn clear(&mut self) {
         self.rays.clear();
         self.steps.clear();
     }
 }
 
-/// What these rays bring together: what shadow rays bring is part of the others'.
+/// The sum of the contributions. Those of shadow rays are part of their parents'.
 fn color_of(rays: &[TracedRay]) -> Vec3 {
     let rays = rays.iter().filter(|ray| ray.kind != RayKind::Shadow);
     rays.map(|ray| ray.contribution).sum()

@@ -1,24 +1,24 @@
-//! The tiles of a picture.
+//! The tiles of an image.
 
 use std::ops::Range;
 
-/// Pixels along the side of a tile's blocks: 16 pixels, as many as the ray
-/// kernel takes together.
+/// Pixels along the side of a block within a tile: a block has 16 pixels, as many
+/// as a packet has rays.
 const BLOCK_SIDE: u32 = 4;
 
-/// A picture cut into square tiles, numbered along rows from the top left. The
-/// last of a row and those of the last row are what is left of a square.
+/// An image divided into square tiles, numbered along rows from the top left. The
+/// tiles at the right and the bottom edge may be smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileGrid {
     /// Pixels along a tile's side.
     pub tile_size: u32,
-    /// Tiles in a row.
+    /// Number of tiles per row.
     pub n_columns: u32,
-    /// Rows of tiles.
+    /// Number of rows of tiles.
     pub n_rows: u32,
-    /// Columns of pixels.
+    /// Width of the image in pixels.
     pub width: u32,
-    /// Rows of pixels.
+    /// Height of the image in pixels.
     pub height: u32,
 }
 
@@ -27,15 +27,15 @@ pub struct TileGrid {
 pub struct Tile {
     /// Its number in the grid.
     pub number: u32,
-    /// First column of pixels and the one after the last.
+    /// Its first column of pixels, and the one after its last.
     pub columns: [u32; 2],
-    /// First row of pixels and the one after the last, row 0 on top.
+    /// Its first row of pixels, and the one after its last; row 0 is on top.
     pub rows: [u32; 2],
 }
 
 impl TileGrid {
-    /// Cuts a picture of `width * height` pixels into tiles of `tile_size`
-    /// pixels a side; none of the three is 0.
+    /// Divides an image of `width * height` pixels into tiles with sides of
+    /// `tile_size` pixels; none of the three is 0.
     pub fn new(width: u32, height: u32, tile_size: u32) -> Self {
         Self {
             tile_size,
@@ -46,12 +46,12 @@ impl TileGrid {
         }
     }
 
-    /// How many tiles.
+    /// Number of tiles.
     pub fn n_tiles(&self) -> u32 {
         self.n_columns * self.n_rows
     }
 
-    /// The tiles that a row of pixels goes through, from left to right.
+    /// The tiles that contain a row of pixels, from left to right.
     pub fn tiles_of_row(&self, y: u32) -> impl Iterator<Item = Tile> {
         let first = y / self.tile_size * self.n_columns;
         (first..first + self.n_columns).map(|number| self.tile(number))
@@ -72,8 +72,8 @@ impl TileGrid {
 }
 
 impl Tile {
-    /// Its pixels (x, y), block by block: rays that follow each other lie close
-    /// together, which the ray kernel makes use of.
+    /// Its pixels (x, y), block by block: consecutive rays are coherent, so that the
+    /// kernel can trace them as packets.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let columns = self.columns;
         blocks(self.rows).flat_map(move |rows| {
@@ -84,22 +84,23 @@ impl Tile {
         })
     }
 
-    /// The number of a pixel along its rows, from 0 at the top left.
+    /// The row-major index of a pixel in the tile, from 0 at the top left.
     pub fn index(&self, (x, y): (u32, u32)) -> u32 {
         let [left, right] = self.columns;
         (y - self.rows[0]) * (right - left) + x - left
     }
 
-    /// The tile cut into as many whole rows as `n_pixels` hold, at least one,
-    /// and into whole blocks if so many hold them.
+    /// Divides the tile into parts of whole rows, with at most `n_pixels` pixels or
+    /// one row each. If a part can have whole rows of blocks, it has no others.
     pub fn parts(&self, n_pixels: usize) -> impl Iterator<Item = Tile> + use<> {
         let tile = *self;
         let [top, bottom] = tile.rows;
         let width = tile.columns[1] - tile.columns[0];
         let n_rows = (n_pixels as u32 / width).max(1);
-        let n_rows = match n_rows < BLOCK_SIDE {
-            true => n_rows,
-            false => n_rows - n_rows % BLOCK_SIDE,
+        let n_rows = if n_rows < BLOCK_SIDE {
+            n_rows
+        } else {
+            n_rows - n_rows % BLOCK_SIDE
         };
         (top..bottom)
             .step_by(n_rows as usize)
@@ -109,20 +110,20 @@ impl Tile {
             })
     }
 
-    /// How many pixels.
+    /// Number of pixels.
     pub fn n_pixels(&self) -> usize {
         let [top, bottom] = self.rows;
         self.width() * (bottom - top) as usize
     }
 
-    /// How many columns of pixels.
+    /// Number of columns of pixels.
     pub fn width(&self) -> usize {
         let [left, right] = self.columns;
         (right - left) as usize
     }
 }
 
-/// What blocks have of rows, or columns, from the first to before the end.
+/// The rows (or columns) of each block between the first one and the end.
 fn blocks([first, end]: [u32; 2]) -> impl Iterator<Item = Range<u32>> {
     let starts = (first..end).step_by(BLOCK_SIDE as usize);
     starts.map(move |start| start..(start + BLOCK_SIDE).min(end))
@@ -145,7 +146,7 @@ mod tests {
                     along_rows.sort_by_key(|&(x, y)| (y, x));
                     let indices = along_rows.into_iter().map(|place| tile.index(place));
                     assert!(indices.eq(0..tile.n_pixels() as u32));
-                    // Some hold whole blocks, and then their order is the tile's.
+                    // Parts of whole blocks have the order of the tile.
                     let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());
                     assert!(parts.eq(tile.pixels()));
                     let parts = tile.parts(100).flat_map(|part| part.pixels());

@@ -1,29 +1,28 @@
-//! How evenly threads were at work.
+//! How evenly the threads were busy.
 
 use serde::Serialize;
 
 use super::TileRun;
 
-/// How evenly the work was shared out. A thread is busy while it renders a
-/// tile; the rendering spans from the begin of the first tile to the end of the
-/// last.
+/// How evenly the work was distributed. A thread is busy while it renders a tile.
+/// The rendering lasts from the begin of the first tile to the end of the last.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Load {
-    /// The longest busy time of a thread over the mean of all, minus 1: by what
-    /// part the rendering could be shorter if all were equally busy.
+    /// The longest busy time of a thread over the mean of all threads, minus 1: how
+    /// much longer the slowest thread was busy than in a balanced rendering.
     ///
     /// Pearce, Gamblin et al., "Quantifying the Effectiveness of Load Balance
     /// Algorithms", ICS 2012.
     pub load_imbalance: f64,
-    /// The part of the threads' time in which they had no tile: 1 minus the
-    /// busy time over the number of threads times the span. 1 minus this is the
-    /// parallel efficiency of the POP metrics (pop-coe.eu).
+    /// The fraction of the threads' time without a tile: 1 minus the sum of the busy
+    /// times over the number of threads times the duration of the rendering. 1
+    /// minus this is the parallel efficiency of the POP metrics (pop-coe.eu).
     pub idle_share: f64,
 }
 
 impl Load {
-    /// The load of `n_threads` threads with these tiles between them; 0 in both
-    /// numbers without any time.
+    /// The load of `n_threads` threads that rendered these tiles; both numbers are 0
+    /// if the tiles took no time.
     pub fn of(runs: &[TileRun], n_threads: u32) -> Self {
         let mut busy_ns = vec![0_u64; n_threads as usize];
         for run in runs {
@@ -64,8 +63,8 @@ mod tests {
     }
 
     #[test]
-    fn a_schedule_by_hand() {
-        // Busy for 90, 60 and 30 of 100 ns, and one thread without a tile.
+    fn the_load_of_a_small_schedule() {
+        // Busy for 90, 60 and 30 ns of 100 ns, and one thread without a tile.
         let runs = [
             run(0, 0, 50),
             run(1, 10, 70),
@@ -78,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_threads_are_balanced_and_one_alone_is() {
+    fn equal_threads_are_balanced_and_so_is_a_single_one() {
         let even = [run(0, 0, 10), run(1, 0, 10)];
         let alone = [run(0, 5, 10), run(0, 10, 25)];
         for (runs, n_threads) in [(&even, 2), (&alone, 1)] {

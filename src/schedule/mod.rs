@@ -1,8 +1,8 @@
-//! The picture in tiles: which there are, in which order threads take them, and
-//! what became of that.
+//! The image as tiles: their grid, their order, and the record of who rendered
+//! them when.
 //!
-//! A [`TileGrid`] cuts the picture; a [`Schedule`] is the record of a rendering:
-//! when each tile was begun and done, and by whom.
+//! A [`TileGrid`] divides the image into tiles. A [`Schedule`] is the record of a
+//! rendering: the thread, the begin and the end of each tile.
 
 mod grid;
 mod hilbert;
@@ -17,18 +17,18 @@ pub use load::Load;
 use crate::config::TileOrder;
 use crate::cost::Cost;
 
-/// When each tile of a picture was rendered, and by which thread.
+/// When each tile of an image was rendered, and by which thread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     /// The tiles.
     pub grid: TileGrid,
-    /// The order in which threads took them.
+    /// The order in which the threads took them.
     pub order: TileOrder,
-    /// How many threads there were, those without a tile included.
+    /// Number of threads, including those without a tile.
     pub n_threads: u32,
-    /// When the first tile was begun.
+    /// When the first tile began.
     pub begin: Instant,
-    /// One a tile, in the order of the grid.
+    /// One per tile, in the order of the grid.
     pub runs: Vec<TileRun>,
 }
 
@@ -37,29 +37,30 @@ pub struct Schedule {
 pub struct TileRun {
     /// The thread that rendered it, from 0.
     pub thread: u32,
-    /// How many tiles were taken before it.
+    /// Number of tiles that were taken before it.
     pub position: u32,
-    /// When it was begun, in nanoseconds since the first tile was.
+    /// When it began, in nanoseconds since the begin of the first tile.
     pub start_ns: u64,
-    /// When all of its pixels were in the film, likewise.
+    /// When all of its pixels were in the film, in nanoseconds since the begin of
+    /// the first tile.
     pub end_ns: u64,
-    /// How long of that its pixels took into the film, in nanoseconds: first
-    /// touches of memory, and other threads that write to the same rows.
+    /// The part of its duration that the write to the film took, in nanoseconds:
+    /// first touches of memory, and contention with other threads for its rows.
     pub film_ns: u64,
-    /// The counters of its pixels together; zero where nothing was counted.
+    /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,
 }
 
 impl TileRun {
-    /// How long it took, in nanoseconds.
+    /// Its duration in nanoseconds.
     pub fn duration_ns(&self) -> u64 {
         self.end_ns - self.start_ns
     }
 }
 
 impl Schedule {
-    /// The schedule of `runs`, which are a list a thread of tiles by their
-    /// numbers, in nanoseconds since `begin`; each tile of the grid is in one.
+    /// The schedule of `runs`: for each thread a list of its tiles with their
+    /// numbers, in nanoseconds since `begin`. Each tile of the grid is in one list.
     pub fn new(
         grid: TileGrid,
         order: TileOrder,
@@ -84,13 +85,13 @@ impl Schedule {
         }
     }
 
-    /// The counters of all tiles together.
+    /// The sum of the counters of all tiles.
     pub fn counted(&self) -> Cost {
         let counted = self.runs.iter().map(|run| run.counted);
         counted.fold(Cost::default(), Cost::with)
     }
 
-    /// How evenly the threads were at work.
+    /// How evenly the threads were busy.
     pub fn load(&self) -> Load {
         Load::of(&self.runs, self.n_threads)
     }

@@ -53,14 +53,26 @@ impl<'a> Shader<'a> {
 
     /// The lights that may reach the point, in the order of the scene file.
     pub fn light_samples(&self, point: &SurfacePoint) -> impl Iterator<Item = LightSample> {
+        self.indexed_light_samples(point).map(|(_, sample)| sample)
+    }
+
+    /// [`light_samples`](Self::light_samples) with the indices of the lights in the
+    /// scene file.
+    pub fn indexed_light_samples(
+        &self,
+        point: &SurfacePoint,
+    ) -> impl Iterator<Item = (u32, LightSample)> {
         let model = self.scene.shading.model;
-        self.scene.lights.iter().filter_map(move |light| {
-            let light = light.illuminate(point.position);
-            match model {
-                ShadingModel::BlinnPhong => standard::light_sample(light, point),
-                ShadingModel::Seed => Some(seed::light_sample(light, point)),
-            }
-        })
+        (0..)
+            .zip(&self.scene.lights)
+            .filter_map(move |(index, light)| {
+                let light = light.illuminate(point.position);
+                let sample = match model {
+                    ShadingModel::BlinnPhong => standard::light_sample(light, point)?,
+                    ShadingModel::Seed => seed::light_sample(light, point),
+                };
+                Some((index, sample))
+            })
     }
 
     /// Adds the light of the point that the path's `ray` met, lit by those of

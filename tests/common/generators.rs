@@ -1,12 +1,12 @@
-//! Random rays and primitives, often awkward ones.
+//! Random rays and primitives, many of them degenerate.
 
 use glam::Vec3;
 use proptest::prelude::*;
 use raycost::geometry::{Ray, Shape, Sphere, Triangle};
 use raycost::scene::{MaterialId, ObjectId, Primitive};
 
-/// A number that is often one of a few round ones, so that rays run along
-/// axes and through edges, and primitives coincide.
+/// A number, often one of a few round ones, so that some rays are parallel to
+/// axes or pass through edges, and some primitives coincide.
 pub fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         3 => -4.0_f32..4.0,
@@ -24,7 +24,7 @@ pub fn point() -> impl Strategy<Value = Vec3> {
     triple().prop_map(Vec3::from)
 }
 
-/// A unit vector, often along an axis or in a plane of two, with zeros of
+/// A unit vector, often parallel to an axis or to a plane of two axes, with zeros of
 /// either sign.
 pub fn direction() -> impl Strategy<Value = Vec3> {
     let any = point()
@@ -38,7 +38,7 @@ pub fn direction() -> impl Strategy<Value = Vec3> {
     prop_oneof![3 => any, 1 => round]
 }
 
-/// A ray from among the primitives or from far away.
+/// A ray that starts between the primitives or far away.
 pub fn ray() -> impl Strategy<Value = Ray> {
     let far_or_near = prop_oneof![4 => Just(1.0_f32), 1 => Just(100.0)];
     (point(), direction(), far_or_near).prop_map(|(origin, direction, scale)| Ray {
@@ -47,25 +47,26 @@ pub fn ray() -> impl Strategy<Value = Ray> {
     })
 }
 
-/// Rays that go much the same way: from a point, to a point, or side by side;
-/// some so close that they are the same.
+/// Coherent rays: from a point, to a point, or parallel; some of them are equal.
 pub fn bundle() -> impl Strategy<Value = Vec<Ray>> {
     let spread = || prop::sample::select(vec![0.0_f32, 1e-7, 1e-3, 0.02, 0.1, 0.5]);
     let offsets = prop::collection::vec([point(), point()], 16..40);
-    (ray(), [spread(), spread()], offsets).prop_map(|(ray, [aside, around], offsets)| {
-        let beside = |[aside_by, around_by]: [Vec3; 2]| Ray {
-            origin: ray.origin + aside * aside_by,
-            direction: match around {
-                // To the last bit, and with the signs of its zeros.
-                0.0 => ray.direction,
-                _ => (ray.direction + around * 0.25 * around_by).normalize(),
-            },
-        };
-        offsets.into_iter().map(beside).collect()
-    })
+    (ray(), [spread(), spread()], offsets).prop_map(
+        |(ray, [spread_origin, spread_direction], offsets)| {
+            let near = |[offset, turn]: [Vec3; 2]| Ray {
+                origin: ray.origin + spread_origin * offset,
+                direction: match spread_direction {
+                    // Equal to the last bit, including the signs of zeros.
+                    0.0 => ray.direction,
+                    _ => (ray.direction + spread_direction * 0.25 * turn).normalize(),
+                },
+            };
+            offsets.into_iter().map(near).collect()
+        },
+    )
 }
 
-/// A sphere or a triangle, often one of a few, so that some coincide.
+/// A sphere or a triangle; some of them coincide.
 pub fn shape() -> impl Strategy<Value = Shape> {
     let few = prop_oneof![Just(0.5_f32), Just(1.0), 0.01_f32..2.0];
     prop_oneof![
@@ -78,7 +79,7 @@ pub fn shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// A triangle of any size and form: huge, tiny, a needle, a line or a point.
+/// A triangle of any size and shape: huge, tiny, thin, a line or a point.
 pub fn awkward_triangle() -> impl Strategy<Value = Triangle> {
     let size = || prop::sample::select(vec![0.0_f32, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 30.0, 1e5]);
     (point(), [point(), point()], [size(), size()]).prop_map(|(a, [b, c], [size_b, size_c])| {
@@ -88,11 +89,11 @@ pub fn awkward_triangle() -> impl Strategy<Value = Triangle> {
     })
 }
 
-/// A ray that has to do with a triangle: in its plane, along an edge or
-/// through a corner; or from a corner or a point of the plane to anywhere.
+/// A ray in the plane of a triangle, along an edge or through a vertex; or from a
+/// point of the plane to anywhere.
 pub fn ray_at(triangle: Triangle) -> impl Strategy<Value = Ray> {
-    let share = || prop_oneof![-1.0_f32..2.0, Just(0.0_f32), Just(0.5), Just(1.0)];
-    let in_plane = [share(), share()].prop_map(move |[u, v]| {
+    let weight = || prop_oneof![-1.0_f32..2.0, Just(0.0_f32), Just(0.5), Just(1.0)];
+    let in_plane = [weight(), weight()].prop_map(move |[u, v]| {
         let [a, b, c] = triangle.vertices;
         a + u * (b - a) + v * (c - a)
     });

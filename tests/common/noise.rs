@@ -6,13 +6,12 @@ use raycost::cost::{Cost, Counters};
 use raycost::film::{Film, PackedCounters, RenderedTile};
 use raycost::schedule::TileGrid;
 
-/// A film of noise: no array can be taken for another, and NaN comes in all
-/// its shapes.
+/// A film of noise: no array equals another, and NaN has all bit patterns.
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     let mut film = Film::new(TileGrid::new(width, height, 7), 0x1234_5678, cost);
     let mut state = seed;
     let mut noise = || {
-        // The generator of Numerical Recipes.
+        // The linear congruential generator of Numerical Recipes.
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 24) as u8
     };
@@ -53,9 +52,10 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             PackedCounters::new(&counters)
         };
         let parts = film.grid.tile(number).parts(20);
-        let counters = match cost.has_counters() {
-            true => parts.map(|part| part.n_pixels()).map(counters).collect(),
-            false => Vec::new(),
+        let counters = if cost.has_counters() {
+            parts.map(|part| part.n_pixels()).map(counters).collect()
+        } else {
+            Vec::new()
         };
         film.tiles[number as usize] = RenderedTile {
             thread: word() >> 1,

@@ -7,7 +7,7 @@ use raycost::config::Config;
 
 use super::parse;
 
-/// Some spheres and a box above a plane, of materials that mirror more or less.
+/// Some spheres and a box above a plane, with materials of different reflection.
 #[derive(Debug, Clone)]
 pub struct RandomScene {
     pub model: &'static str,
@@ -17,13 +17,13 @@ pub struct RandomScene {
     pub seed: u64,
     pub reflections: [f32; 3],
     pub specular: f32,
-    /// Whether each light is at a point.
+    /// For each light, whether it is a point light.
     pub lights: Vec<bool>,
     pub acceleration: &'static str,
 }
 
 impl RandomScene {
-    /// What its YAML says.
+    /// The config of its YAML text.
     pub fn config(&self) -> Config {
         let Self {
             model,
@@ -62,11 +62,10 @@ lights:"
         );
         for (i, at_point) in lights.iter().enumerate() {
             let x = 3 * i as i32 - 4;
-            let light = match at_point {
-                true => format!("point: {{ position: [{x}, 4, 3], intensity: 0.6 }}"),
-                false => {
-                    format!("directional: {{ direction: [{x}, -2, -1], color: [0.5, 0.4, 0.3] }}")
-                }
+            let light = if *at_point {
+                format!("point: {{ position: [{x}, 4, 3], intensity: 0.6 }}")
+            } else {
+                format!("directional: {{ direction: [{x}, -2, -1], color: [0.5, 0.4, 0.3] }}")
             };
             write!(text, "\n  - {light}").unwrap();
         }
@@ -78,7 +77,7 @@ lights:"
 }
 
 prop_compose! {
-    /// Any of these scenes, small.
+    /// A random scene with a small image.
     pub fn scenes()(
         model in prop_oneof![Just("blinn_phong"), Just("seed")],
         size in [1_u32..40, 1_u32..40],

@@ -1,4 +1,4 @@
-//! Brute force, the slow twin of every other way to find hits.
+//! Brute force, the reference for every other way to find hits.
 
 use std::fmt::Debug;
 
@@ -9,21 +9,22 @@ use raycost::cost::{Cost, StreamProbe, Traversals};
 use raycost::geometry::Ray;
 use raycost::scene::{ObjectId, Primitive};
 
-/// What was found of a ray, and what that cost.
+/// A query's answer and its cost.
 type Answer<A> = (A, Cost);
 
-/// How carefully hierarchies are built.
+/// The qualities of hierarchies.
 pub const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Balanced, Quality::High];
 
-/// The hierarchy of this quality on every instruction set of this machine.
+/// The hierarchy of this quality with every instruction set of the CPU.
 pub fn kernels(primitives: &[Primitive], quality: Quality) -> Vec<Accel<'_>> {
     let built = Accel::new(primitives, Acceleration::Bvh(quality));
     let on = |simd| built.clone().with_simd(simd);
     Simd::available().into_iter().map(on).collect()
 }
 
-/// All kernels, ray by ray and in streams, find what brute force finds in
-/// hierarchies of each quality, and count the same for each ray.
+/// Checks that all kernels find the hits of brute force in hierarchies of each
+/// quality, for single rays and for streams, and that they count the same for
+/// each ray.
 pub fn compare(primitives: &[Primitive], rays: &[Ray]) -> Result<(), TestCaseError> {
     let hits = agree(primitives, |accel| {
         [nearest(accel, rays), nearest_stream(accel, rays)]
@@ -35,18 +36,18 @@ pub fn compare(primitives: &[Primitive], rays: &[Ray]) -> Result<(), TestCaseErr
     Ok(())
 }
 
-/// Makes sure that `ways` to answer agree with each other and with brute
-/// force, whose answers it gives.
+/// Checks that both results of `answer` agree with each other and with brute force;
+/// returns the answers of brute force.
 fn agree<A: PartialEq + Debug>(
     primitives: &[Primitive],
-    ways: impl Fn(&Accel) -> [Vec<Answer<A>>; 2],
+    answer: impl Fn(&Accel) -> [Vec<Answer<A>>; 2],
 ) -> Result<Vec<Answer<A>>, TestCaseError> {
-    let [expected, in_stream] = ways(&Accel::new(primitives, Acceleration::BruteForce));
+    let [expected, in_stream] = answer(&Accel::new(primitives, Acceleration::BruteForce));
     prop_assert_eq!(&in_stream, &expected);
     for quality in QUALITIES {
         let all: Vec<_> = kernels(primitives, quality)
             .iter()
-            .flat_map(&ways)
+            .flat_map(&answer)
             .collect();
         for answers in &all {
             prop_assert_eq!(answers.len(), expected.len());
@@ -59,8 +60,8 @@ fn agree<A: PartialEq + Debug>(
     Ok(expected)
 }
 
-/// Rays that end at a hit, before it, just behind it or nowhere, and heed all
-/// objects or all but one.
+/// Rays that end at a hit, before it, just behind it or at infinity, and that
+/// ignore no object or one.
 fn shadow_rays(rays: &[Ray], hits: &[Answer<Option<Hit>>]) -> Vec<ShadowRay> {
     let ends = |hit: Option<Hit>| {
         let t = hit.map_or(2.0, |hit| hit.t);
@@ -102,33 +103,36 @@ fn occluded(accel: &Accel, rays: &[ShadowRay]) -> Vec<Answer<bool>> {
 }
 
 fn nearest_stream(accel: &Accel, rays: &[Ray]) -> Vec<Answer<Option<Hit>>> {
-    let (mut hits, mut costs) = (Vec::new(), ByRay::new(rays.len()));
+    let (mut hits, mut costs) = (Vec::new(), RayCosts::new(rays.len()));
     accel.nearest_stream(rays, &mut hits, &mut costs);
-    costs.beside(hits)
+    costs.zip(hits)
 }
 
 fn occluded_stream(accel: &Accel, rays: &[ShadowRay]) -> Vec<Answer<bool>> {
-    let (mut occluded, mut costs) = (Vec::new(), ByRay::new(rays.len()));
+    let (mut occluded, mut costs) = (Vec::new(), RayCosts::new(rays.len()));
     accel.occluded_stream(rays, &mut occluded, &mut costs);
-    costs.beside(occluded)
+    costs.zip(occluded)
 }
 
-/// What each ray of a stream cost, once it has told.
-struct ByRay(Vec<Option<Cost>>);
+/// The cost of each ray of a stream; `None` before it is reported.
+struct RayCosts(Vec<Option<Cost>>);
 
-impl ByRay {
+impl RayCosts {
     fn new(n_rays: usize) -> Self {
         Self(vec![None; n_rays])
     }
 
-    fn beside<A>(self, answers: Vec<A>) -> Vec<Answer<A>> {
+    fn zip<A>(self, answers: Vec<A>) -> Vec<Answer<A>> {
         assert_eq!(answers.len(), self.0.len());
-        let costs = self.0.into_iter().map(|cost| cost.expect("each ray tells"));
+        let costs = self
+            .0
+            .into_iter()
+            .map(|cost| cost.expect("each ray reports its cost"));
         answers.into_iter().zip(costs).collect()
     }
 }
 
-impl StreamProbe for ByRay {
+impl StreamProbe for RayCosts {
     const COUNTS: bool = true;
 
     fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>) {
@@ -138,8 +142,8 @@ impl StreamProbe for ByRay {
                 primitive_tests: primitive_tests.into(),
                 ..Cost::default()
             };
-            let told = self.0[first + i].replace(cost);
-            assert_eq!(told, None, "each ray tells once");
+            let before = self.0[first + i].replace(cost);
+            assert_eq!(before, None, "each ray reports its cost once");
         });
     }
 }

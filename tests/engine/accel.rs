@@ -1,4 +1,4 @@
-//! The hierarchy against its slow twin: the same hits on random scenes.
+//! The hierarchy finds the hits of brute force, on random scenes.
 
 use crate::common::generators::{self, bundle, ray, triple};
 use crate::common::twins::{QUALITIES, compare};
@@ -46,21 +46,21 @@ fn shape() -> impl Strategy<Value = String> {
     ]
 }
 
-/// A transform that makes ellipsoids and turned boxes of half of the shapes.
+/// No transform, or one that makes ellipsoids of spheres and rotates boxes.
 fn transform() -> impl Strategy<Value = String> {
     let steps = (
         [0.3_f32..3.0, 0.3_f32..3.0, 0.3_f32..3.0],
         0.0_f32..360.0,
         triple(),
     );
-    let turned = steps.prop_map(|(scale, angle, by)| {
+    let transformed = steps.prop_map(|(scale, angle, by)| {
         format!(
             "\n    transform: [{{ scale: {} }}, {{ rotate: {{ axis: [1, 2, 3], angle_deg: {angle} }} }}, {{ translate: {} }}]",
             list(scale),
             list(by)
         )
     });
-    prop_oneof![Just(String::new()), turned]
+    prop_oneof![Just(String::new()), transformed]
 }
 
 fn scene() -> impl Strategy<Value = Scene> {
@@ -134,8 +134,8 @@ fn spheres(text: &str) -> Scene {
     scene_of(&parse(&text))
 }
 
-/// Thousands of spheres at one point: no plane parts their centres, so the
-/// builder has to halve them, and its depth has to stay bounded.
+/// Thousands of spheres at one point: no plane separates their centers, so that
+/// the build has to halve them, and the depth has to stay bounded.
 #[test]
 fn coincident_spheres_make_a_shallow_tree() {
     let scene = spheres(
@@ -152,10 +152,10 @@ fn coincident_spheres_make_a_shallow_tree() {
     assert_eq!((hit.t, hit.primitive), (3.5, 0));
 }
 
-/// Radii and gaps that double: the worst case for the depth of a tree built
-/// by cost.
+/// Radii and gaps that double: the worst case for the depth of a tree built by
+/// the surface area heuristic.
 #[test]
-fn a_geometric_series_of_spheres_is_found_whole() {
+fn every_sphere_of_a_geometric_series_is_hit() {
     let objects: String = (-40..40)
         .map(|i| {
             let x = 2.0_f64.powi(i);
@@ -180,7 +180,7 @@ fn a_geometric_series_of_spheres_is_found_whole() {
     }
 }
 
-/// Needles of all directions, which fill their boxes least.
+/// Thin triangles in all directions, most of whose boxes are empty.
 fn needles(n: u64) -> Vec<Primitive> {
     let needle = |i| {
         let point = |corner| {
@@ -225,7 +225,7 @@ fn better_quality_means_less_cost_and_fewer_tests() {
     }
 }
 
-/// The parallel build makes no choice by thread.
+/// The parallel build does not depend on the threads.
 #[test]
 fn the_tree_is_the_same_on_any_number_of_threads() {
     let scene = spheres(
@@ -245,12 +245,12 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
         let one = tree(1);
         assert!(one == tree(2) && one == tree(5), "{quality}");
         let statistics = one.statistics().unwrap();
-        // As the check of the memory assumes.
+        // The check of the available memory assumes this.
         assert!(statistics.bytes / primitives.len() < 128, "{statistics:?}");
     }
 }
 
-/// Ellipsoids, which are tested one by one.
+/// Ellipsoids, which the kernel tests one by one.
 fn ellipsoids(n: u64) -> Vec<Primitive> {
     let stretch = TransformStep::Scale(Vec3::new(1.0, 2.0, 3.0));
     let transform = Transform::of_steps(&[stretch]);

@@ -1,4 +1,4 @@
-//! The hierarchy against its slow twin where rounding decides.
+//! The hierarchy finds the hits of brute force where rounding decides.
 
 use crate::common::generators::{
     awkward_triangle, bundle, direction, point, primitives, ray, ray_at, shape,
@@ -8,7 +8,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use raycost::geometry::{Aabb, Cuboid, Plane, Ray, Shape, Triangle};
 
-/// Triangles, and rays that have to do with them.
+/// Triangles, and rays in their planes or through their edges and vertices.
 fn aimed() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {
     prop::collection::vec(awkward_triangle(), 1..60).prop_flat_map(|triangles| {
         let any = prop::sample::select(triangles.clone());
@@ -17,7 +17,7 @@ fn aimed() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {
     })
 }
 
-/// Rays within a cube of so many unit boxes a side, most of them in faces.
+/// Rays within a cube of `n` unit boxes per side; most start in faces.
 fn rays_in_grid(n: i32) -> impl Strategy<Value = Vec<Ray>> {
     let step = prop_oneof![3 => (0..=n).prop_map(|i| i as f32), 1 => 0.0..n as f32];
     let origin = prop::array::uniform3(step).prop_map(Vec3::from);
@@ -36,20 +36,20 @@ proptest! {
     #![proptest_config(cases(1000))]
 
     #[test]
-    fn needles_points_and_giants_from_their_planes_edges_and_corners((triangles, rays) in aimed()) {
+    fn rays_in_planes_and_through_edges_and_vertices_of_any_triangle((triangles, rays) in aimed()) {
         compare(&primitives(triangles.into_iter().map(Shape::Triangle)), &rays)?;
     }
 }
 
-/// Triangles, and rays from one point to many of the same triangle.
-fn aimed_together() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {
+/// Triangles, and rays from one point to points of the same triangle.
+fn aimed_bundle() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {
     prop::collection::vec(awkward_triangle(), 1..60).prop_flat_map(|triangles| {
         let one = prop::sample::select(triangles.clone());
         let rays = one.prop_flat_map(|triangle| prop::collection::vec(ray_at(triangle), 16..40));
         let rays = rays.prop_map(|rays| {
             let origin = rays[0].origin;
-            let together = |ray: Ray| Ray { origin, ..ray };
-            rays.into_iter().map(together).collect()
+            let from_origin = |ray: Ray| Ray { origin, ..ray };
+            rays.into_iter().map(from_origin).collect()
         });
         (Just(triangles), rays)
     })
@@ -59,25 +59,25 @@ proptest! {
     #![proptest_config(cases(300))]
 
     #[test]
-    fn needles_points_and_giants_in_bundles((triangles, rays) in aimed_together()) {
+    fn coherent_rays_at_any_triangle((triangles, rays) in aimed_bundle()) {
         compare(&primitives(triangles.into_iter().map(Shape::Triangle)), &rays)?;
     }
 
-    /// Spheres and triangles that coincide, and some on the way.
+    /// Spheres and triangles, some of them coincident.
     #[test]
     fn coherent_rays(
         shapes in prop::collection::vec(shape(), 1..40),
-        twins in 1_usize..4,
+        n_copies in 1_usize..4,
         planes in prop::collection::vec((point(), direction()), 0..2),
         bundles in prop::collection::vec(bundle(), 1..4),
     ) {
         let plane = |(point, normal)| Shape::Plane(Plane { point, normal });
-        let n = twins * shapes.len();
+        let n = n_copies * shapes.len();
         let shapes = shapes.into_iter().cycle().take(n);
         compare(&primitives(planes.into_iter().map(plane).chain(shapes)), &bundles.concat())?;
     }
 
-    /// What is far from the origin of space is coarse.
+    /// Coordinates far from the origin have a coarse resolution.
     #[test]
     fn coherent_rays_far_from_the_origin(
         triangles in prop::collection::vec(awkward_triangle(), 1..40),
@@ -96,7 +96,7 @@ proptest! {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// The lower number wins, whichever leaf it is in.
+    /// The primitive with the lower index wins, in whichever leaf it is.
     #[test]
     fn coincident_primitives(
         shapes in prop::collection::vec(shape(), 1..12),
@@ -115,7 +115,7 @@ proptest! {
         compare(&primitives(boxes), &rays)?;
     }
 
-    /// What is far from the origin of space is coarse.
+    /// Coordinates far from the origin have a coarse resolution.
     #[test]
     fn scenes_far_from_the_origin(
         triangles in prop::collection::vec(awkward_triangle(), 1..40),

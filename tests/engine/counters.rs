@@ -1,4 +1,4 @@
-//! Counters are true: they are the product.
+//! The counters are exact.
 
 use crate::common::{config, counts, film, parse, rays, scene_of, sum, tiles_and_threads, total};
 use raycost::config::Acceleration;
@@ -43,7 +43,7 @@ fn brute_force_tests_every_primitive_with_every_ray() {
 }
 
 #[test]
-fn the_pixels_sum_up_to_the_totals() {
+fn the_sums_over_the_pixels_are_the_totals() {
     let film = film(&parse(SCENE), 2);
     let totals = film.totals;
     let [camera, shadow, reflection, refraction] = totals.rays;
@@ -61,7 +61,7 @@ fn the_pixels_sum_up_to_the_totals() {
 }
 
 #[test]
-fn both_structures_shoot_the_same_rays_and_see_the_same() {
+fn brute_force_traces_the_same_rays_and_finds_the_same_hits() {
     let mut config = parse(SCENE);
     let bvh = film(&config, 2);
     config.acceleration = Acceleration::BruteForce;

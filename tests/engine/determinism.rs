@@ -5,7 +5,7 @@ use raycost::config::CostMode;
 use raycost::film::Film;
 
 #[test]
-fn threads_change_no_byte() {
+fn the_number_of_threads_changes_no_byte() {
     for name in ["seed_extended", "textures", "sphere_cloud"] {
         let mut config = config(name);
         (config.image.width, config.image.height) = (101, 67);
@@ -41,7 +41,7 @@ fn the_seed_changes_the_samples_and_not_the_geometry() {
 }
 
 #[test]
-fn samples_leave_the_geometry_of_the_pixels_middle() {
+fn more_samples_keep_the_geometry_of_the_pixels_center() {
     let mut config = config("seed_extended");
     let one = film(&config, 2);
     config.image.samples_per_pixel = 4;

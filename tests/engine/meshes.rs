@@ -1,4 +1,4 @@
-//! Meshes and tables in a scene: their normals, colours and counts.
+//! Meshes and tables in a scene: their normals, colors and numbers of primitives.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,8 +14,8 @@ use raycost::trace::{SurfacePoint, Tracer};
 /// Rows and columns of the sphere's quads.
 const N: usize = 24;
 
-/// A unit sphere of quads as OBJ, with or without normals; those at the poles
-/// have two corners there.
+/// A unit sphere of quads as OBJ, with or without normals. Quads at the poles have
+/// two equal corners.
 fn sphere(has_normals: bool) -> String {
     let mut text = String::new();
     let angle = |i: usize| i as f32 / N as f32 * std::f32::consts::PI;
@@ -32,9 +32,10 @@ fn sphere(has_normals: bool) -> String {
     let corner = |(i, j): (usize, usize)| {
         let column = if i % N == 0 { 0 } else { j % N };
         let c = i * N + column + 1;
-        match has_normals {
-            true => format!(" {c}//{c}"),
-            false => format!(" {c}"),
+        if has_normals {
+            format!(" {c}//{c}")
+        } else {
+            format!(" {c}")
         }
     };
     for i in 0..N {
@@ -46,7 +47,7 @@ fn sphere(has_normals: bool) -> String {
     text
 }
 
-/// A scene of one object that stands in `folder`.
+/// A scene of one object, whose file is in `folder`.
 fn scene(folder: &Path, object: &str) -> Scene {
     let config = parse(&format!(
         "image: {{ width: 4, height: 3 }}\n\
@@ -59,7 +60,7 @@ fn scene(folder: &Path, object: &str) -> Scene {
     Scene::new(&config, geometries).unwrap()
 }
 
-/// What rays toward the middle meet, from everywhere.
+/// The surface points that rays from all directions toward the center hit.
 fn surface_points(scene: &Scene) -> Vec<(Ray, SurfacePoint)> {
     let accel = Accel::new(&scene.primitives, Default::default());
     let tracer = Tracer::new(scene, &accel);
@@ -92,7 +93,7 @@ fn largest_error(points: &[(Ray, SurfacePoint)], expected: impl Fn(Vec3) -> Vec3
 }
 
 #[test]
-fn smooth_normals_of_a_sphere_point_from_its_middle() {
+fn smooth_normals_of_a_sphere_point_away_from_its_center() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("plain.obj"), sphere(false)).unwrap();
     std::fs::write(folder.path().join("round.obj"), sphere(true)).unwrap();
@@ -107,7 +108,7 @@ fn smooth_normals_of_a_sphere_point_from_its_middle() {
 }
 
 #[test]
-fn normals_stand_upright_on_a_mirrored_and_stretched_sphere() {
+fn normals_are_perpendicular_to_a_mirrored_and_scaled_sphere() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("round.obj"), sphere(true)).unwrap();
     let object = "mesh: { file: round.obj }\n    transform: [{ scale: [1.5, -1, 0.8] }]";
@@ -128,7 +129,7 @@ fn triangles_without_area_are_left_out_and_counted() {
 }
 
 #[test]
-fn a_mirrored_ray_never_goes_into_the_surface() {
+fn a_mirrored_ray_never_points_into_the_surface() {
     let point = SurfacePoint {
         position: Vec3::ZERO,
         normal: Vec3::new(0.6, 0.8, 0.0),
@@ -156,7 +157,7 @@ fn a_mirrored_ray_never_goes_into_the_surface() {
 }
 
 #[test]
-fn a_table_colours_its_spheres() {
+fn a_table_defines_the_colors_of_its_spheres() {
     let folder = tempfile::tempdir().unwrap();
     let table = "x,y,z,color\n0,0,0,#336699\n9,9,9,#ffffff\n";
     std::fs::write(folder.path().join("two.csv"), table).unwrap();

@@ -1,7 +1,7 @@
-//! What is observed of a pixel's rays is what they do when nobody looks.
+//! The observed rays of a pixel are those of its rendering.
 
 use crate::common::scenes::scenes;
-use crate::common::{config, counts, film, rays, scene_of, with_cost};
+use crate::common::{config, counts, film, parse, rays, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
 use raycost::accel::{Accel, TraversalStep};
@@ -10,7 +10,7 @@ use raycost::cost::{Clock, Cost, Counter, RayKind};
 use raycost::film::Film;
 use raycost::observe::{Observer, RayTree, TooManyRays};
 
-/// The pixels of a config, with the tree of each.
+/// Calls `check` with the tree and the index of each pixel, and with the film.
 fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
     let film = film(&with_cost(config.clone(), CostMode::Counters), 1);
     let scene = scene_of(config);
@@ -27,7 +27,7 @@ fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
     }
 }
 
-/// A scene of `configs/`, small.
+/// A scene of `configs/` with a small image.
 fn small(name: &str) -> Config {
     let mut config = config(name);
     (config.image.width, config.image.height) = (24, 18);
@@ -37,7 +37,7 @@ fn small(name: &str) -> Config {
 
 const SCENES: [&str; 4] = ["seed_extended", "hall_of_mirrors", "spot", "blocks"];
 
-/// The tree has the counters and the colour of the film's pixel.
+/// Checks that the tree has the counters and the color of the film's pixel.
 fn assert_is_pixel(tree: &RayTree, pixel: usize, film: &Film) {
     let of = |counter| u64::from(counts(film, counter)[pixel]);
     let cost = tree.cost();
@@ -47,17 +47,17 @@ fn assert_is_pixel(tree: &RayTree, pixel: usize, film: &Film) {
     assert_eq!(cost.rays_of(RayKind::Shadow), of(Counter::ShadowRays));
     assert_eq!(cost.depth, of(Counter::Depth));
     let shown = film.values(|strip| &strip.rgb).nth(pixel).unwrap();
-    let color = tree.limited_color();
+    let color = tree.clamped_color();
     for (channel, shown) in color.to_array().into_iter().zip(shown) {
-        // The contributions are added up in another order than in the film.
+        // The order of the sum is not that of the film.
         let rounding = (255.0 * channel - f32::from(shown)).abs();
         assert!(rounding <= 0.501, "{color} is shown as {shown}");
     }
     assert!(color.cmple(tree.color() + 1e-5).all());
 }
 
-/// Rays follow those whose hits they start from, and shadow rays bring no more
-/// than a part of these.
+/// Checks that each ray follows the one at whose hit it starts, and that a shadow
+/// ray contributes at most as much as that one.
 fn assert_is_tree(tree: &RayTree, n_lights: u32) {
     for (number, ray) in tree.rays.iter().enumerate() {
         let is_shadow = ray.kind == RayKind::Shadow;
@@ -84,7 +84,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn trees_of_random_scenes_are_their_pixels(scene in scenes()) {
+    fn trees_of_random_scenes_match_their_pixels(scene in scenes()) {
         let n_lights = scene.lights.len() as u32;
         observed(&scene.config(), |tree, pixel, film| {
             assert_is_pixel(tree, pixel, film);
@@ -94,7 +94,7 @@ proptest! {
 }
 
 #[test]
-fn trees_of_the_scenes_here_are_their_pixels() {
+fn trees_of_the_example_scenes_match_their_pixels() {
     for name in SCENES {
         let config = small(name);
         observed(&config, |tree, pixel, film| {
@@ -105,7 +105,7 @@ fn trees_of_the_scenes_here_are_their_pixels() {
 }
 
 #[test]
-fn shadow_rays_go_to_the_light_that_they_name() {
+fn shadow_rays_point_to_their_lights() {
     let config = small("hall_of_mirrors");
     observed(&config, |tree, _, _| {
         for ray in &tree.rays {
@@ -117,8 +117,33 @@ fn shadow_rays_go_to_the_light_that_they_name() {
     });
 }
 
+/// The radiance of the first light overflows to NaN, which equals nothing.
 #[test]
-fn steps_are_what_is_counted() {
+fn a_light_of_no_finite_radiance_keeps_its_index() {
+    let config = parse(
+        "image: { width: 1, height: 1 }
+camera: { look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 20 } }
+materials: { m: { color: 1 } }
+lights:
+  - point: { position: [0, 0, 1.001], color: [0, 1, 1], intensity: 1e38, falloff: inverse_square }
+  - point: { position: [0, 3, 5] }
+objects:
+  - sphere: { center: [0, 0, 0], radius: 1 }
+    material: m
+",
+    );
+    let light = &config.lights[0];
+    assert!(light.illuminate(Vec3::Z).radiance.x.is_nan());
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let mut tree = RayTree::default();
+    Observer::new(&scene, &accel, &config.image, None).observe((0, 0), &mut tree);
+    let lights: Vec<_> = tree.rays.iter().map(|ray| ray.light).collect();
+    assert_eq!(lights, [None, Some(0), Some(1)]);
+}
+
+#[test]
+fn the_steps_match_the_counters() {
     for name in SCENES {
         observed(&small(name), |tree, _, _| {
             for ray in &tree.rays {
@@ -133,19 +158,19 @@ fn steps_are_what_is_counted() {
                     count(|step| matches!(step, TraversalStep::Test { .. })),
                     ray.primitive_tests as usize
                 );
-                let met = |id| {
+                let was_hit = |id| {
                     steps.iter().any(
                         |step| matches!(step, TraversalStep::Test { primitive, hit: true } if *primitive == id),
                     )
                 };
-                assert!(ray.hit.is_none_or(|hit| met(hit.primitive)), "{name}");
+                assert!(ray.hit.is_none_or(|hit| was_hit(hit.primitive)), "{name}");
             }
         });
     }
 }
 
 #[test]
-fn many_pixels_are_each_as_one() {
+fn many_pixels_equal_single_ones() {
     let config = small("hall_of_mirrors");
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
@@ -180,12 +205,12 @@ fn every_ray_of_a_timed_pixel_has_a_time() {
 }
 
 #[test]
-fn no_more_rays_are_kept_than_there_is_room_for() {
+fn the_memory_limits_the_number_of_rays() {
     let config = small("seed_extended");
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let observer = Observer::new(&scene, &accel, &config.image, None).without_steps();
-    // The pixels never end: only their rays do.
+    // There is no end of pixels: only the memory ends this.
     let places = std::iter::repeat((17, 12));
     let full = observer.observe_many(places, 1 << 20, |_| {});
     let TooManyRays { n_pixels, n_rays } = full.unwrap_err();

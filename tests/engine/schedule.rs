@@ -1,5 +1,5 @@
-//! How the picture is dealt out changes nothing but who rendered what, and
-//! when; and the record of that is true.
+//! The tiling only changes which thread rendered what, and when; the schedule
+//! records that correctly.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -46,7 +46,7 @@ fn neither_order_nor_size_changes_a_byte() {
 }
 
 #[test]
-fn the_schedule_is_what_the_film_says() {
+fn the_schedule_agrees_with_the_film() {
     for (order, size) in ORDERS.into_iter().flat_map(|o| [(o, 3), (o, 16), (o, 256)]) {
         let config = tiled("sphere_cloud", order, size);
         let (film, schedule) = rendered(&config, 3, Simd::best());
@@ -54,8 +54,8 @@ fn the_schedule_is_what_the_film_says() {
     }
 }
 
-/// Each tile once, no two at a time on one thread, with the counters and the
-/// thread of its pixels.
+/// Checks that the schedule has each tile once, with the counters and the thread
+/// of its pixels, and no two at the same time on one thread.
 fn check(film: &Film, schedule: &Schedule, n_threads: u32) {
     let runs = &schedule.runs;
     assert_eq!(
@@ -128,7 +128,7 @@ fn one_thread_takes_the_tiles_in_their_order() {
             .windows(2)
             .all(|pair| is_near(place(pair[0].0), place(pair[1].0)))
     );
-    // What was dear comes first, on the whole.
+    // On the whole, expensive tiles come first.
     let cost = tiles_in_order(TileOrder::Cost);
     let (first, last) = cost.split_at(cost.len() / 2);
     let tests = |tiles: &[(usize, Cost)]| -> u64 {
@@ -141,7 +141,7 @@ fn one_thread_takes_the_tiles_in_their_order() {
 }
 
 #[test]
-fn tiles_lie_over_their_pixels() {
+fn tiles_cover_their_pixels_in_paraview() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path();
     let output = raycost()
@@ -191,8 +191,8 @@ fn tiles_lie_over_their_pixels() {
     assert!((0.0..1.0).contains(&schedule["idle_share"].as_f64().unwrap()));
 }
 
-/// The lines are named; events on one do not overlap, and tiles are rendered
-/// while the run says that it renders.
+/// Checks that the timelines are named, that the events of each do not overlap,
+/// and that tiles are rendered during the stage `render`.
 fn check_trace(trace: &Value) {
     let mut names = BTreeMap::new();
     let mut lines: BTreeMap<u64, Vec<[i64; 2]>> = BTreeMap::new();

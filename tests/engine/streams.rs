@@ -1,4 +1,4 @@
-//! Rays in streams see and count what rays do that are traced one by one.
+//! Streams of rays have the hits and the counters of single rays.
 
 use crate::common::scenes::{RandomScene, scenes};
 use crate::common::{film, film_on, lasting, with_cost};
@@ -10,7 +10,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn all_modes_give_the_same_picture_and_the_same_counters(scene in scenes()) {
+    fn all_cost_modes_make_the_same_image_and_the_same_counters(scene in scenes()) {
         let config = scene.config();
         let in_mode = |mode| film(&with_cost(config.clone(), mode), 2);
         let [none, counters, time] =
@@ -21,7 +21,7 @@ proptest! {
     }
 
     #[test]
-    fn all_instruction_sets_give_the_same_streams(scene in scenes()) {
+    fn all_instruction_sets_make_the_same_film(scene in scenes()) {
         let config = with_cost(scene.config(), CostMode::Counters);
         let [first, others @ ..] = &Simd::available()[..] else { unreachable!("portable code runs anywhere") };
         let expected = film_on(&config, 2, *first);
@@ -34,7 +34,7 @@ proptest! {
 }
 
 #[test]
-fn more_samples_than_fit_into_a_wave_are_the_same() {
+fn pixels_with_more_samples_than_a_wave_are_the_same() {
     for samples in [100, 3000] {
         let mut config = RandomScene {
             model: "blinn_phong",

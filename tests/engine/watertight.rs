@@ -1,4 +1,4 @@
-//! No ray leaves a closed mesh between its triangles.
+//! Closed meshes are watertight: no ray escapes between their triangles.
 
 use crate::common::generators::primitives;
 use crate::common::in_repository;
@@ -11,48 +11,48 @@ use raycost::import::read_mesh;
 use raycost::sampling::uniform;
 use rayon::prelude::*;
 
-/// Rays that are traced together.
-const N_TOGETHER: usize = 10_000;
+/// Rays per stream.
+const N_IN_STREAM: usize = 10_000;
 
 #[test]
-fn no_ray_leaves_a_sphere() {
-    Mesh::sphere(Vec3::ZERO, 1.0).keeps(100_000);
+fn no_ray_escapes_from_a_sphere() {
+    Mesh::sphere(Vec3::ZERO, 1.0).assert_watertight(100_000);
 }
 
-/// Where corners are some units in the last place apart.
+/// Here vertices are a few units in the last place apart.
 #[test]
-fn no_ray_leaves_a_small_sphere_far_from_the_origin() {
-    Mesh::sphere(Vec3::new(1000.0, -300.0, 70.0), 0.1).keeps(100_000);
-}
-
-#[test]
-fn no_ray_leaves_spot() {
-    Mesh::spot().keeps(100_000);
+fn no_ray_escapes_from_a_small_sphere_far_from_the_origin() {
+    Mesh::sphere(Vec3::new(1000.0, -300.0, 70.0), 0.1).assert_watertight(100_000);
 }
 
 #[test]
-#[ignore = "takes minutes"]
-fn none_of_ten_million_rays_leaves_a_sphere() {
-    Mesh::sphere(Vec3::ZERO, 1.0).keeps(10_000_000);
+fn no_ray_escapes_from_spot() {
+    Mesh::spot().assert_watertight(100_000);
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn none_of_ten_million_rays_leaves_spot() {
-    Mesh::spot().keeps(10_000_000);
+fn none_of_ten_million_rays_escapes_from_a_sphere() {
+    Mesh::sphere(Vec3::ZERO, 1.0).assert_watertight(10_000_000);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn none_of_ten_million_rays_escapes_from_spot() {
+    Mesh::spot().assert_watertight(10_000_000);
 }
 
 /// A closed mesh around a point.
 struct Mesh {
     triangles: Vec<[Vec3; 3]>,
     center: Vec3,
-    /// Half the side of a cube around the centre, all inside of the mesh.
+    /// Half of the side of a cube around the center that lies inside the mesh.
     inside: f32,
 }
 
 impl Mesh {
-    /// 131,072 triangles: an octahedron whose edges were halved until they were
-    /// short. The middle of an edge is the same point on both of its sides.
+    /// 131,072 triangles: an octahedron with repeatedly bisected edges. The middle
+    /// of an edge is the same point for both of its triangles.
     fn sphere(center: Vec3, radius: f32) -> Self {
         let octant = |signs: u32| {
             let side = |axis: u32| if signs >> axis & 1 == 0 { 1.0 } else { -1.0 };
@@ -76,7 +76,7 @@ impl Mesh {
         }
     }
 
-    /// A cow, whose belly is about the origin.
+    /// A cow whose belly surrounds the origin.
     fn spot() -> Self {
         let mesh = read_mesh(&in_repository("configs/meshes/spot.obj")).unwrap();
         let corners = |&indices| mesh.triangle(indices).vertices;
@@ -87,33 +87,33 @@ impl Mesh {
         }
     }
 
-    /// Every kernel finds a hit of each of so many rays, in hierarchies of each
-    /// quality, one by one and in streams.
-    fn keeps(&self, n_rays: usize) {
+    /// Every kernel finds a hit of each of `n_rays` rays from inside, in hierarchies
+    /// of each quality, for single rays and for streams.
+    fn assert_watertight(&self, n_rays: usize) {
         let shapes = self.triangles.iter().map(|&vertices| Triangle { vertices });
         let primitives = primitives(shapes.map(Shape::Triangle));
         let of_quality = |quality| kernels(&primitives, quality);
         let kernels: Vec<Accel> = QUALITIES.into_iter().flat_map(of_quality).collect();
-        (0..n_rays / N_TOGETHER).into_par_iter().for_each(|part| {
-            let numbers = part * N_TOGETHER..(part + 1) * N_TOGETHER;
-            for n_alike in [1, 16] {
-                let ray = |i| self.ray(i as u64, n_alike);
+        (0..n_rays / N_IN_STREAM).into_par_iter().for_each(|part| {
+            let numbers = part * N_IN_STREAM..(part + 1) * N_IN_STREAM;
+            for n_coherent in [1, 16] {
+                let ray = |i| self.ray(i as u64, n_coherent);
                 let rays: Vec<Ray> = numbers.clone().map(ray).collect();
                 kernels.iter().for_each(|accel| all_hit(accel, &rays));
             }
         });
     }
 
-    /// A ray from inside: in any direction, or at a corner or an edge, but for
-    /// some units in the last place. So many that follow each other start from
-    /// one point, and meet one triangle.
-    fn ray(&self, i: u64, n_alike: u64) -> Ray {
-        let [x, y, z, which] = uniform([1, i / n_alike, 0]);
+    /// A ray from inside: in any direction, or within a unit in the last place of a
+    /// vertex or an edge. Each `n_coherent` consecutive rays start in one point
+    /// and point to one triangle.
+    fn ray(&self, i: u64, n_coherent: u64) -> Ray {
+        let [x, y, z, which] = uniform([1, i / n_coherent, 0]);
         let origin = self.center + self.inside * (2.0 * Vec3::new(x, y, z) - 1.0);
         let [share, x, y, z] = uniform([1, i, 1]);
         let [a, b, _] = self.triangles[(which * self.triangles.len() as f32) as usize];
         let target = match i % 3 {
-            0 if n_alike == 1 => origin + Vec3::new(x, y, z) - 0.5,
+            0 if n_coherent == 1 => origin + Vec3::new(x, y, z) - 0.5,
             1 => a,
             _ => a + share * (b - a),
         };

@@ -7,7 +7,7 @@ use super::binary::{BinaryNode, BinaryNodeKind};
 use super::collapse::{Forests, Roots, is_leaf};
 use super::order;
 use crate::accel::layout::{
-    CacheLine, ID_BIT, LEAF_WINDOW_LINES, LeafKind, MAX_LEAF, NODE_LINES, Node, NodeRef,
+    CacheLine, ID_BIT, LEAF_WINDOW_LINES, LeafKind, MAX_LEAF, NODE_LINES, NodeRef, WideNode,
 };
 use crate::geometry::Shape;
 use crate::scene::Primitive;
@@ -52,7 +52,7 @@ fn write_node(
     children.sort_by(|a, b| area(a).total_cmp(&area(b)));
     let n_lines = lines.len();
     let (own, mut rest) = lines.split_at_mut(NODE_LINES);
-    let mut node = Node::EMPTY;
+    let mut node = WideNode::EMPTY;
     let mut line = first_line + NODE_LINES as u32;
     for (lane, &child) in children.iter().enumerate() {
         let bounds = &nodes[child].bounds;

@@ -1,7 +1,7 @@
 //! Pushes the children that a ray enters.
 
 use super::stack::Stack;
-use crate::accel::layout::Node;
+use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES};
 
@@ -10,7 +10,7 @@ use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES};
 #[inline(always)]
 pub(super) fn push_entered<I: InstructionSet, S: Search>(
     set: I,
-    node: &Node,
+    node: &WideNode,
     enter: I::Lanes,
     exit: I::Lanes,
     order_shift: I::Lanes,

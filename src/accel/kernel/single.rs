@@ -6,7 +6,7 @@ use super::leaf::LeafIntersector;
 use super::slab::Slabs;
 use super::stack::Stack;
 use crate::accel::arena::Arena;
-use crate::accel::layout::{Node, NodeRef};
+use crate::accel::layout::{NodeRef, WideNode};
 use crate::accel::search::Search;
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
 use crate::cost::Probe;
@@ -78,7 +78,7 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
 fn descend<I: InstructionSet, S: Search>(
     set: I,
     slabs: &Slabs<I>,
-    node: &Node,
+    node: &WideNode,
     limit: I::Lanes,
     stack: &mut Stack,
 ) -> Option<NodeRef> {

@@ -1,6 +1,6 @@
 //! The test of a ray against the eight boxes of a node.
 
-use crate::accel::layout::Node;
+use crate::accel::layout::WideNode;
 use crate::accel::simd::{InstructionSet, Lanes};
 use crate::geometry::Ray;
 
@@ -71,7 +71,7 @@ impl<I: InstructionSet> Slabs<I> {
     /// Where the ray enters each box, at least 0, and where it leaves the box or
     /// reaches its `limit`. It misses a box that it leaves before it enters it.
     #[inline(always)]
-    pub(super) fn span(&self, set: I, node: &Node, limit: I::Lanes) -> (I::Lanes, I::Lanes) {
+    pub(super) fn span(&self, set: I, node: &WideNode, limit: I::Lanes) -> (I::Lanes, I::Lanes) {
         let [x, y, z] = &self.axes;
         let (near_x, far_x) = x.planes(set, node);
         let (near_y, far_y) = y.planes(set, node);
@@ -100,7 +100,7 @@ impl<I: InstructionSet> SlabAxis<I> {
 
     /// Where the ray hits the near and the far plane of each box.
     #[inline(always)]
-    fn planes(&self, set: I, node: &Node) -> (I::Lanes, I::Lanes) {
+    fn planes(&self, set: I, node: &WideNode) -> (I::Lanes, I::Lanes) {
         let (near, far) = (node.row(self.near_row), node.row(self.far_row));
         (
             (set.load(near) - self.origin_of_near) * self.inverse_direction,
@@ -127,7 +127,7 @@ mod tests {
 
         #[inline(always)]
         fn run<I: InstructionSet>(self, set: I) -> Option<f32> {
-            let mut node = Node::EMPTY;
+            let mut node = WideNode::EMPTY;
             for axis in 0..3 {
                 (node.min[axis][0], node.max[axis][0]) = (0.0, 1.0);
             }

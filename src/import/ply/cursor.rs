@@ -1,21 +1,21 @@
-//! A file on its way to serde-ply, with the place that was reached.
+//! The file that serde-ply reads, with the current position.
 
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
 
 use crate::import::Input;
 
-/// Where a [`Cursor`] stands.
+/// The position of a [`Cursor`].
 #[derive(Debug, Default)]
 pub(super) struct Position {
-    /// Line ends before the last byte that was read.
+    /// Newlines before the last byte that was read.
     n_lines: Cell<u64>,
-    /// Whether that byte was one more.
+    /// Whether that byte was a newline.
     at_line_end: Cell<bool>,
-    ends_with_a_line: Cell<bool>,
+    ends_with_newline: Cell<bool>,
 }
 
-/// A file that tells its [`Position`].
+/// A file that updates its [`Position`].
 #[derive(Debug)]
 pub(super) struct Cursor<'a> {
     file: Input,
@@ -23,14 +23,14 @@ pub(super) struct Cursor<'a> {
 }
 
 impl Position {
-    /// The line of the last byte that was read, 1 is the first.
+    /// The line of the last byte that was read; the first one is 1.
     pub(super) fn line(&self) -> u64 {
         self.n_lines.get() + 1
     }
 
-    /// Whether to put a line end behind the file's last byte.
-    pub(super) fn end_with_a_line(&self, yes: bool) {
-        self.ends_with_a_line.set(yes);
+    /// Sets whether to append a newline to the file's last byte.
+    pub(super) fn end_with_newline(&self, yes: bool) {
+        self.ends_with_newline.set(yes);
     }
 
     fn advance(&self, bytes: &[u8]) {
@@ -46,7 +46,7 @@ impl<'a> Cursor<'a> {
         Self { file, position }
     }
 
-    /// Whether nothing but blanks and line ends follows.
+    /// Whether only whitespace follows.
     pub(super) fn is_at_end(&mut self) -> io::Result<bool> {
         loop {
             let bytes = self.file.fill_buf()?;
@@ -62,14 +62,15 @@ impl<'a> Cursor<'a> {
 impl BufRead for Cursor<'_> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         let bytes = self.file.fill_buf()?;
-        match bytes.is_empty() && self.position.ends_with_a_line.take() {
-            true => Ok(b"\n"),
-            false => Ok(bytes),
+        if bytes.is_empty() && self.position.ends_with_newline.take() {
+            Ok(b"\n")
+        } else {
+            Ok(bytes)
         }
     }
 
     fn consume(&mut self, n: usize) {
-        // Nothing is left behind the file's end but the line end of ours.
+        // Behind the file's end only the appended newline is left.
         let bytes = self.file.buffer();
         self.position.advance(&bytes[..n.min(bytes.len())]);
         self.file.consume(n);

@@ -1,23 +1,24 @@
-//! What a header has to tell of a mesh.
+//! The header of a mesh, checked.
 
 use serde_ply::{ElementDef, PlyHeader, PropertyType, ScalarType};
 
 use crate::import::mesh::count;
 use crate::import::{FileFault, Result};
 
-/// The names of a face's list of vertices.
+/// The names that a face's list of vertices may have.
 const FACE_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// What is known of a mesh before its first row.
+/// What the header defines of a mesh.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Header {
+pub(super) struct MeshHeader {
     pub(super) n_vertices: u32,
     /// Whether vertices have normals.
     pub(super) has_normals: bool,
 }
 
-impl Header {
-    /// Of a header that tells of vertices and faces, each thing once.
+impl MeshHeader {
+    /// Checks that a header defines vertices and faces, each element and property
+    /// once.
     pub(super) fn new(header: &PlyHeader) -> Result<Self> {
         let mut names: Vec<&str> = Vec::new();
         for element in &header.elem_defs {
@@ -43,30 +44,32 @@ impl Header {
     }
 }
 
-/// Makes sure that reading the element's rows comes to an end, and that no
-/// property stands for another.
+/// Makes sure that the element's rows are not empty, so that reading them ends,
+/// and that its properties have different names.
 fn check(element: &ElementDef) -> Result<()> {
     let mut names: Vec<&str> = Vec::new();
     for property in &element.properties {
         expect_new(&names, &property.name, "property")?;
         names.push(&property.name);
     }
-    match names.is_empty() {
-        true => Err(FileFault::new(
+    if names.is_empty() {
+        Err(FileFault::new(
             format!("element `{}` has no properties", element.name),
             "at least one",
-        )),
-        false => Ok(()),
+        ))
+    } else {
+        Ok(())
     }
 }
 
 fn expect_new(names: &[&str], name: &str, kind: &str) -> Result<()> {
-    match names.contains(&name) {
-        true => Err(FileFault::new(
+    if names.contains(&name) {
+        Err(FileFault::new(
             format!("the header has {kind} `{name}` twice"),
             "different names",
-        )),
-        false => Ok(()),
+        ))
+    } else {
+        Ok(())
     }
 }
 

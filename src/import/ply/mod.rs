@@ -1,9 +1,9 @@
 //! The Stanford polygon format: `vertex` and `face` elements, as text or
 //! binary.
 //!
-//! serde-ply knows the encodings. It tells no place of an error, takes any
-//! header and cannot read a last word without a line end behind it: the
-//! [`Cursor`] below it and the checks of the [`header`] make up for that.
+//! serde-ply decodes the encodings. It reports no position of an error, accepts
+//! any header and cannot read a last word without a newline: the [`Cursor`] below
+//! it and the checks of the [`header`] compensate for that.
 
 mod cursor;
 mod header;
@@ -16,7 +16,7 @@ use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 use super::mesh::{Mesh, Normals, fan, finite};
 use super::{FileFault, Input, Place, Result};
 use cursor::{Cursor, Position};
-use header::Header;
+use header::MeshHeader;
 use rows::Rows;
 
 pub(super) fn read(file: Input) -> Result<Mesh> {
@@ -26,18 +26,19 @@ pub(super) fn read(file: Input) -> Result<Mesh> {
         let problem = format!("the header is damaged: {}", error.0);
         FileFault::new(problem, "a PLY file").at(Place::Line(position.line()))
     })?;
-    let header = Header::new(reader.header())?;
+    let header = MeshHeader::new(reader.header())?;
     let elements = reader.header().elem_defs.clone();
     let is_text = reader.header().format == PlyFormat::Ascii;
-    position.end_with_a_line(is_text);
+    position.end_with_newline(is_text);
     let mut body = Body::new(header);
     for element in &elements {
         let mut n_rows = 0;
         body.read(element, &mut reader, &mut n_rows)
             .map_err(|fault| {
-                fault.at(match is_text {
-                    true => Place::Line(position.line()),
-                    false => Place::Element(element.name.clone(), u64::max(n_rows, 1) - 1),
+                fault.at(if is_text {
+                    Place::Line(position.line())
+                } else {
+                    Place::Element(element.name.clone(), u64::max(n_rows, 1) - 1)
                 })
             })?;
     }
@@ -71,13 +72,13 @@ struct Face {
     vertex_indices: Vec<i64>,
 }
 
-/// A row of an element that says nothing of polygons.
+/// A row of an element that is neither `vertex` nor `face`.
 #[derive(Deserialize)]
 struct Skipped {}
 
-/// What was read so far.
+/// The elements read so far.
 struct Body {
-    header: Header,
+    header: MeshHeader,
     mesh: Mesh,
     normals: Vec<glam::Vec3>,
     /// The corners of one face.
@@ -85,7 +86,7 @@ struct Body {
 }
 
 impl Body {
-    fn new(header: Header) -> Self {
+    fn new(header: MeshHeader) -> Self {
         Self {
             header,
             mesh: Mesh::default(),
@@ -94,7 +95,7 @@ impl Body {
         }
     }
 
-    /// Takes all rows of the next element in; `n_rows` counts those begun.
+    /// Reads all rows of the next element; `n_rows` counts those begun.
     fn read(
         &mut self,
         element: &ElementDef,
@@ -102,7 +103,7 @@ impl Body {
         n_rows: &mut u64,
     ) -> Result<()> {
         let mut fault = None;
-        // The elements of a file are a map to the crate, and its reader the access to it.
+        // serde-ply presents the elements of a file as a map.
         let mut elements = reader;
         let read = match element.name.as_str() {
             "vertex" => {
@@ -153,7 +154,7 @@ impl Body {
     }
 }
 
-/// The fault of a row that the crate could not read.
+/// The fault of a row that serde-ply could not read.
 fn of_row(error: &DeserializeError, element: &ElementDef) -> FileFault {
     let ElementDef { name, count, .. } = element;
     match error.0.kind() {

@@ -8,12 +8,12 @@ use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Visitor};
 
 use crate::import::{FileFault, Result};
 
-/// Shows each row `T` of an element to `each`.
+/// Calls `each` with each row `T` of an element.
 pub(super) struct Rows<'a, T, F> {
     each: F,
-    /// How many rows were begun.
+    /// Number of rows begun.
     n_rows: &'a mut u64,
-    /// What `each` says is wrong.
+    /// The fault that `each` returned.
     fault: &'a mut Option<FileFault>,
     row: PhantomData<T>,
 }
@@ -51,7 +51,7 @@ impl<'de, T: Deserialize<'de>, F: FnMut(T) -> Result<()>> Visitor<'de> for Rows<
                 return Ok(());
             };
             (self.each)(row).map_err(|fault| {
-                // The crate's error cannot carry it.
+                // serde-ply's error cannot carry the fault.
                 *self.fault = Some(fault);
                 A::Error::custom("")
             })?;

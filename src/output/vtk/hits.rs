@@ -19,7 +19,7 @@ const POINTS: Column = Column {
     name: "Points",
     scalar: ScalarType::F32,
     n_components: 3,
-    is_kept: true,
+    is_stored: true,
     bytes: |_, strip, _| bytemuck::cast_slice(&strip.position),
 };
 

@@ -1,7 +1,7 @@
 //! The test of all rays of a packet at once against the eight boxes of a node.
 
 use super::rays::{PacketRays, greatest, least};
-use crate::accel::layout::Node;
+use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
 use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES};
 
@@ -56,7 +56,7 @@ impl<I: InstructionSet> Beam<I> {
     pub(super) fn entered<S: Search>(
         &self,
         set: I,
-        node: &Node,
+        node: &WideNode,
         farthest: f32,
     ) -> (u8, [f32; N_LANES]) {
         let [x, y, z] = &self.axes;
@@ -76,7 +76,7 @@ impl<I: InstructionSet> Beam<I> {
 
     /// The lane of the child at this position of the reverse order of the visits.
     #[inline(always)]
-    pub(super) fn lane<S: Search>(&self, node: &Node, position: usize) -> usize {
+    pub(super) fn lane<S: Search>(&self, node: &WideNode, position: usize) -> usize {
         if S::NEAREST_FIRST {
             (node.order[position] >> self.order_shift) as usize % N_LANES
         } else {
@@ -115,7 +115,7 @@ impl<I: InstructionSet> BeamAxis<I> {
     /// A lower bound for where the rays hit the near plane of each box, and an
     /// upper bound for the far plane.
     #[inline(always)]
-    fn planes(&self, set: I, node: &Node) -> (I::Lanes, I::Lanes) {
+    fn planes(&self, set: I, node: &WideNode) -> (I::Lanes, I::Lanes) {
         let near = set.load(node.row(self.near_row)) - self.origin_of_near;
         let far = set.load(node.row(self.far_row)) - self.origin_of_far;
         (
@@ -137,12 +137,12 @@ mod tests {
     use crate::sampling::uniform;
 
     /// Boxes of any size around the origin, and coherent rays.
-    fn random(i: u64) -> (Node, [Ray; 16]) {
+    fn random(i: u64) -> (WideNode, [Ray; 16]) {
         let vector = |k| {
             let [x, y, z, _] = uniform([5, i, k]);
             2.0 * Vec3::new(x, y, z) - 1.0
         };
-        let mut node = Node::EMPTY;
+        let mut node = WideNode::EMPTY;
         for lane in 0..N_LANES {
             let (center, half) = (vector(lane as u64), 0.5 * vector(8 + lane as u64).abs());
             for axis in 0..3 {
@@ -159,7 +159,7 @@ mod tests {
     }
 
     /// The boxes that the beam hits, and those that one of the rays enters.
-    struct Entered(Node, [Ray; 16]);
+    struct Entered(WideNode, [Ray; 16]);
 
     impl SimdKernel for Entered {
         type Output = [u8; 2];
