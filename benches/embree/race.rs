@@ -55,7 +55,7 @@ impl Course {
 }
 
 /// The median time of each runner, in seconds; they run A B C, A B C, … so that
-/// a drifting machine meets all of them alike.
+/// drifts of the machine's speed affect all of them equally.
 pub fn in_turn<T>(n_rounds: usize, runners: &[T], mut seconds: impl FnMut(&T) -> f64) -> Vec<f64> {
     let mut times = vec![Vec::with_capacity(n_rounds); runners.len()];
     for _ in 0..n_rounds {

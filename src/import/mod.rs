@@ -101,7 +101,7 @@ fn unknown_format(extension: &str) -> FileFault {
         .map(|(known, _)| format!(".{known}"))
         .collect();
     let problem = match extension {
-        "" => "its name does not tell its format".to_owned(),
+        "" => "its name has no extension".to_owned(),
         _ => format!("unknown mesh format `.{extension}`"),
     };
     FileFault::new(

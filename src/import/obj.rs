@@ -1,6 +1,6 @@
 //! Wavefront OBJ: its polygons and their normals.
 //!
-//! The format is told in appendix B1 of the Advanced Visualizer's manual
+//! The format is described in appendix B1 of the Advanced Visualizer's manual
 //! (Wavefront, 1992). Read by hand, because tobj 4 panics on some indices and
 //! knows no line numbers, obj-rs 0.7 panics on statements it does not know,
 //! and both hold every face in memory of its own.
@@ -67,7 +67,7 @@ impl Reader {
             return Ok(());
         };
         match keyword {
-            // What follows the coordinates is a weight or a colour.
+            // A weight or a color may follow the coordinates.
             "v" => {
                 count(self.mesh.vertices.len() + 1)?;
                 self.mesh.vertices.push(vector(words)?);

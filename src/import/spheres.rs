@@ -136,7 +136,7 @@ fn number(word: &str) -> Result<f32> {
 }
 
 fn color(word: &str) -> Result<[u8; 3]> {
-    hex_color(word).ok_or_else(|| FileFault::new(format!("`{word}` is no colour"), "`#rrggbb`"))
+    hex_color(word).ok_or_else(|| FileFault::new(format!("`{word}` is no color"), "`#rrggbb`"))
 }
 
 fn of_table(error: csv::Error) -> FileFault {

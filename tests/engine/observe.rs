@@ -125,15 +125,15 @@ fn a_light_of_no_finite_radiance_keeps_its_index() {
 camera: { look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 20 } }
 materials: { m: { color: 1 } }
 lights:
-  - point: { position: [0, 0, 1.001], color: [0, 1, 1], intensity: 1e38, falloff: inverse_square }
+  - point: { position: [0, 0, 1e-13], color: [0, 1, 1], intensity: 1e15, falloff: inverse_square }
   - point: { position: [0, 3, 5] }
 objects:
-  - sphere: { center: [0, 0, 0], radius: 1 }
+  - plane: { point: [0, 0, 0], normal: [0, 0, 1] }
     material: m
 ",
     );
     let light = &config.lights[0];
-    assert!(light.illuminate(Vec3::Z).radiance.x.is_nan());
+    assert!(light.illuminate(Vec3::ZERO).radiance.x.is_nan());
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let mut tree = RayTree::default();

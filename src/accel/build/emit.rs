@@ -52,16 +52,8 @@ fn write_node(
     children.sort_by(|a, b| area(a).total_cmp(&area(b)));
     let n_lines = lines.len();
     let (own, mut rest) = lines.split_at_mut(NODE_LINES);
-    let mut node = WideNode::EMPTY;
+    let mut node = with_boxes(nodes, children);
     let mut line = first_line + NODE_LINES as u32;
-    for (lane, &child) in children.iter().enumerate() {
-        let bounds = &nodes[child].bounds;
-        for axis in 0..3 {
-            node.min[axis][lane] = bounds.min[axis];
-            node.max[axis][lane] = bounds.max[axis];
-        }
-    }
-    node.order = order::by_octant(&node);
     for (lane, &child) in children.iter().enumerate() {
         if is_leaf(&nodes[child]) {
             let lines = take(&mut rest, &nodes[child]);
@@ -86,6 +78,20 @@ fn write_node(
         subtrees.into_par_iter().flatten().for_each(write);
     }
     own.copy_from_slice(bytemuck::cast_slice(&[node]));
+}
+
+/// A node with the boxes and the order of these children, but no references.
+fn with_boxes(nodes: &[BinaryNode], children: &[usize]) -> WideNode {
+    let mut node = WideNode::EMPTY;
+    for (lane, &child) in children.iter().enumerate() {
+        let bounds = &nodes[child].bounds;
+        for axis in 0..3 {
+            node.min[axis][lane] = bounds.min[axis];
+            node.max[axis][lane] = bounds.max[axis];
+        }
+    }
+    node.order = order::by_octant(&node);
+    node
 }
 
 /// Splits the subtree's lines off the front of `rest`.

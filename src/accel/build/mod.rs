@@ -127,24 +127,7 @@ fn binary_tree(
     quality: Quality,
     report: impl Fn(f64) + Sync,
 ) -> Vec<BinaryNode> {
-    let mut references: Vec<Reference> = indices
-        .into_par_iter()
-        .with_min_len(8192)
-        .map(|index| Reference::new(&primitives[index as usize], index))
-        .collect();
-    let mut whole = Subset::of(&references);
-    match quality {
-        Quality::Fast => {}
-        Quality::Balanced => {
-            references = presplit::presplit(references, primitives, &whole.bounds);
-            whole = Subset::of(&references);
-        }
-        Quality::High => {
-            let n_triangles = references.iter().filter(|r| r.is_triangle()).count();
-            let n_splits = (SPATIAL_SPLITS_PER_TRIANGLE * n_triangles as f64) as usize;
-            references.resize(references.len() + n_splits, Reference::zeroed());
-        }
-    }
+    let (mut references, whole) = prepare(primitives, indices, quality);
     let capacity = references.len();
     let mut nodes = bytemuck::zeroed_vec(2 * capacity - 1);
     let context = BuildContext {
@@ -164,4 +147,32 @@ fn binary_tree(
     };
     root.build(&context);
     nodes
+}
+
+/// The references to these primitives, presplit or with memory for spatial
+/// splits, and the subset of all of them.
+fn prepare(
+    primitives: &[Primitive],
+    indices: Vec<u32>,
+    quality: Quality,
+) -> (Vec<Reference>, Subset) {
+    let mut references: Vec<Reference> = indices
+        .into_par_iter()
+        .with_min_len(8192)
+        .map(|index| Reference::new(&primitives[index as usize], index))
+        .collect();
+    let mut whole = Subset::of(&references);
+    match quality {
+        Quality::Fast => {}
+        Quality::Balanced => {
+            references = presplit::presplit(references, primitives, &whole.bounds);
+            whole = Subset::of(&references);
+        }
+        Quality::High => {
+            let n_triangles = references.iter().filter(|r| r.is_triangle()).count();
+            let n_splits = (SPATIAL_SPLITS_PER_TRIANGLE * n_triangles as f64) as usize;
+            references.resize(references.len() + n_splits, Reference::zeroed());
+        }
+    }
+    (references, whole)
 }

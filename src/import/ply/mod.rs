@@ -45,7 +45,7 @@ pub(super) fn read(file: Input) -> Result<Mesh> {
     match cursor.is_at_end()? {
         true => Ok(body.mesh()),
         false => Err(FileFault::new(
-            "there is more than the header tells of",
+            "there is more data than the header declares",
             "as many numbers in each row as it has properties",
         )),
     }

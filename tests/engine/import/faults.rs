@@ -1,4 +1,4 @@
-//! What is told of each mistake, and where.
+//! The messages about faults in geometry files, and their positions.
 
 use raycost::import::read_spheres;
 
@@ -24,7 +24,7 @@ fn each_mistake_is_told_at_its_place() {
         (
             "mesh",
             "",
-            ": its name does not tell its format, expected a file that ends in .obj or .ply",
+            ": its name has no extension, expected a file that ends in .obj or .ply",
         ),
         ("a.obj", "", ": no triangle in the file, expected faces"),
         (
@@ -145,7 +145,7 @@ fn each_mistake_is_told_at_its_place() {
         (
             "a.ply",
             &triangle(list, &format!("{rows}3 0 1 2\n\n 4\n")),
-            ": there is more than the header tells of, expected as many numbers in each row as it has properties",
+            ": there is more data than the header declares, expected as many numbers in each row as it has properties",
         ),
     ];
     for (name, text, expected) in cases {
@@ -207,7 +207,7 @@ fn a_mistake_in_a_table_is_told_at_its_line() {
         ),
         (
             "x,y,z,r,color\n1,2,3,1,red\n",
-            ", line 2: `red` is no colour, expected `#rrggbb`",
+            ", line 2: `red` is no color, expected `#rrggbb`",
         ),
     ];
     for (text, expected) in cases {
