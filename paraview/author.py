@@ -21,147 +21,166 @@ from paraview import simple as pv
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 from template import Fill, put, reader, save, vector
 
-N_COLOURS = 17  # control points of a colour map: enough for the eye, a fifteenth of the preset
+N_COLORS = 17  # control points of a color map: enough for the eye, a fifteenth of the preset
 BLUE_RED = "BuRd"  # light in the middle, where nothing changes
 INFERNO, VIRIDIS, TURBO = "Inferno (matplotlib)", "Viridis (matplotlib)", "Turbo"
 CRIMSON = ("0.73", "0.21", "0.33")  # the middle of Inferno
-BLACK, WHITE = (0, 0, 0), (1, 1, 1)
+BLACK, WHITE, LIGHT_GRAY, DARK_GRAY = (0, 0, 0), (1, 1, 1), (0.85, 0.85, 0.85), (0.3, 0.3, 0.3)
 BACKDROP = dict(
     UseColorPaletteForBackground=0, Background=WHITE, OrientationAxesVisibility=0, CenterAxesVisibility=0
 )
+UNLIT = dict(Ambient=1, Diffuse=0)  # so that colors are those of the color bar
+SQUARES = """//VTK::Color::Impl
+if (max(abs(offsetVCVSOutput.x), abs(offsetVCVSOutput.y)) > 1.01) { discard; }
+"""
+DISCS = """//VTK::Color::Impl
+float d = dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy);
+if (d > 1.0) { discard; }
+if (d > 0.88) { ambientColor *= 0.4; diffuseColor *= 0.4; }
+"""
 
 
 # ---------------------------------------------------------------------------------------- states
 
 
 def geometry(out):
-    """The hit cloud in its own colours and, in a linked view, coloured by what each hit cost."""
+    """The hit cloud in its own colors and colored by what each hit cost."""
     hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
-    colour, cost = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
-    put(cloud(hits, colour), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
-    caption("True colours", colour)
-    inferno = colour_map(hits, "time_ns", INFERNO, "log", "cost")
-    put(cloud(hits, cost), ColorArrayName=["POINTS", Fill("cost.array", "time_ns")], LookupTable=inferno)
-    colour_bar(inferno, cost, Fill("cost.title", "Time per pixel (ns)"))
-    caption("False colours", cost)
-    pv.AddCameraLink(colour, cost, "geometry")
-    layout("Geometry", beside(colour, cost))
+    cost = in_unit(hits, "POINTS", "cost", "time_ns")
+    color, by_cost = (render_view(scene_camera(2)) for _ in range(2))
+    put(cloud(hits, color), **true_colors())
+    caption("True colors", color)
+    inferno = color_map(cost, "cost", INFERNO, "log", "cost")
+    put(cloud(cost, by_cost), ColorArrayName=["POINTS", "cost"], LookupTable=inferno)
+    color_bar(inferno, by_cost)
+    caption(Fill("cost.title", "Time per pixel"), by_cost)
+    layout("Geometry", beside(color, by_cost))
 
 
 def heatmap(out):
-    """Time and node visits of every pixel as pictures, above the histogram of the time.
+    """Time and node visits of every pixel as pictures, and the histogram of the time.
 
     Where no time was measured, `cost` is the node visits, and `counter` what comes next.
     """
     frame = reader(pv.XMLImageDataReader, out / "frame.vti")
-    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)", key="cost")
-    visits = picture(frame, "node_visits", VIRIDIS, "linear", "BVH nodes visited per pixel", key="counter")
-    pv.AddCameraLink(time, visits, "heatmap")
-    times = histogram(frame, "time_ns", "Time per pixel (ns)", key="cost")
-    layout("Heatmap", above(0.68, beside(time, visits), times))
+    cost = in_unit(frame, "POINTS", "cost", "time_ns")
+    counter = in_unit(frame, "POINTS", "counter", "node_visits")
+    time = picture(cost, "cost", INFERNO, "log", 3)
+    visits = picture(counter, "counter", VIRIDIS, "linear", 3)
+    layout("Heatmap", above(0.67, beside(time, visits), histogram(frame, "time_ns", "cost")))
 
 
 def overview(out):
     """What was rendered and what it cost on one page: the picture above the cloud, the time above its histogram."""
     frame = reader(pv.XMLImageDataReader, out / "frame.vti")
+    cost = in_unit(frame, "POINTS", "cost", "time_ns")
     hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
-    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
-    time = picture(frame, "time_ns", INFERNO, "log", "Time per pixel (ns)", key="cost")
-    pv.AddCameraLink(colour, time, "overview")
-    turned = put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera())
-    inferno = pv.GetColorTransferFunction("time_ns")
-    put(cloud(hits, turned), ColorArrayName=["POINTS", Fill("cost.array", "time_ns")], LookupTable=inferno)
-    times = histogram(frame, "time_ns", "Time per pixel (ns)", key="cost")
-    layout("Overview", above(0.55, beside(colour, time), beside(turned, times)))
+    cost_of_hits = in_unit(hits, "POINTS", "cost", "time_ns")
+    color = true_picture(frame, 4)
+    time = picture(cost, "cost", INFERNO, "log", 4)
+    turned = render_view(scene_camera(4))
+    inferno = pv.GetColorTransferFunction("cost")
+    put(cloud(cost_of_hits, turned), ColorArrayName=["POINTS", "cost"], LookupTable=inferno)
+    color_bar(inferno, turned)
+    caption("The same in space: turn it", turned)
+    layout("Overview", above(0.5, beside(color, time), beside(turned, histogram(frame, "time_ns", "cost"))))
 
 
 def schedule(out):
     """The picture, and its tiles by the time that they took, by thread and by when they were begun."""
     frame = reader(pv.XMLImageDataReader, out / "frame.vti")
     tiles = reader(pv.XMLImageDataReader, out / "tiles.vti")
-    colour = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    put(pv.Show(frame, colour), Representation="Slice", ColorArrayName=["POINTS", "RGB"], MapScalars=0)
-    maps = [
-        tile_map(tiles, frame, "duration_ns", INFERNO, "log", "Time per tile (ns)", "tiles.duration"),
-        tile_map(tiles, frame, "thread", TURBO, "linear", "Thread", "tiles.thread"),
-        tile_map(tiles, frame, "start_ns", VIRIDIS, "linear", "Begun after (ns)", "tiles.start"),
-    ]
-    first, last = (Fill(f"tiles.thread.linear({f})", f) for f in (0, 1))
-    put(pv.GetScalarBar(pv.GetColorTransferFunction("thread"), maps[1]), UseCustomLabels=1, CustomLabels=[first, last])
-    for i, view in enumerate(maps):
-        pv.AddCameraLink(colour, view, f"schedule {i}")
-    duration, thread, start = maps
-    layout("Schedule", above(0.5, beside(colour, duration), beside(thread, start)))
+    duration = in_unit(tiles, "CELLS", "tiles.duration", "duration_ns")
+    start = in_unit(tiles, "CELLS", "tiles.start", "start_ns")
+    color = true_picture(frame, 4)
+    by_duration = tile_map(duration, frame, "tiles.duration", INFERNO, "log")
+    by_start = tile_map(start, frame, "tiles.start", VIRIDIS, "linear")
+    by_thread = tile_map(tiles, frame, "thread", TURBO, "linear", key="tiles.thread")
+    shown = pv.GetRepresentation(tiles, by_thread)
+    put(shown, ColorArrayName=["CELLS", Fill("tiles.thread.array", "thread")])
+    put(shown, AmbientColor=LIGHT_GRAY, DiffuseColor=LIGHT_GRAY)
+    put(pv.GetScalarBar(pv.GetColorTransferFunction("thread"), by_thread), Visibility=Fill("tiles.thread.bar", 1))
+    layout("Schedule", above(0.5, beside(color, by_duration), beside(by_thread, by_start)))
 
 
 def surface(out):
-    """The scene's geometry by what each primitive cost and, in a linked view, by the tests that met nothing."""
-    shapes = reader(pv.XMLUnstructuredGridReader, out / "surface.vtu")
+    """The scene's geometry by what each primitive cost and by the tests that met nothing."""
+    shapes = in_unit(reader(pv.XMLUnstructuredGridReader, out / "surface.vtu"), "CELLS", "surface", "time_ns")
     spheres = pv.CellCenters(Input=shapes)
-    pv.RenameSource("Centres", spheres)
-    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
-    by_time = colour_map(shapes, "time_ns", INFERNO, "log", "surface")
-    by_waste = colour_map(shapes, "wasted_tests", VIRIDIS, "log", "surface.wasted")
-    for view, array, lut in (
-        (time, Fill("surface.array", "time_ns"), by_time),
-        (waste, "wasted_tests", by_waste),
+    pv.RenameSource("Centers", spheres)
+    time, waste = (render_view(scene_camera(2)) for _ in range(2))
+    for view, array, preset, key in (
+        (time, "surface", INFERNO, "surface"),
+        (waste, "wasted_tests", VIRIDIS, "surface.wasted"),
     ):
+        colors = color_map(shapes, array, preset, "log", key)
         put(
             pv.Show(shapes, view),
-            Representation="Surface",
+            Representation=Fill("surface.representation", "Surface With Edges"),
+            EdgeColor=DARK_GRAY,
             ColorArrayName=["CELLS", array],
-            LookupTable=lut,
-            Ambient=0.4,  # lit enough to show the form, too little to change the colours
-            Diffuse=0.6,
+            LookupTable=colors,
+            **UNLIT,
         )
-        balls(spheres, view, array, lut)
-    put(colour_bar(by_time, time, Fill("surface.title", "Time per primitive (ns)")), **few_labels(by_time, "surface"))
-    put(colour_bar(by_waste, waste, "Tests per primitive that met nothing"), **few_labels(by_waste, "surface.wasted"))
-    pv.AddCameraLink(time, waste, "surface")
+        balls(spheres, view, array, colors)
+        color_bar(colors, view)
+        caption(Fill(f"{key}.title", key), view)
     layout("Surface", beside(time, waste))
 
 
 def bvh(out):
-    """The leaves of the hierarchy that cost most, over the hits and, in a linked view, those of most wasted visits."""
+    """The boxes of the hierarchy by their cost over the hits, and by their wasted visits.
+
+    Leaves where they are few enough to be told apart, else the nodes of one depth; few of them as
+    frames, through which the scene is seen.
+    """
     hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
     nodes = reader(pv.XMLUnstructuredGridReader, out / "bvh.vtu")
-    leaves = at_least(nodes, "CELLS", "is_leaf", Fill("bvh.is_leaf", 1), "Leaves")
-    dearest = at_least(
-        leaves, "CELLS", Fill("bvh.array", "time_ns"), Fill("bvh.least", 0), "Dearest"
+    level = Fill("bvh.level", 1)
+    shown = kept(
+        nodes, "CELLS", Fill("bvh.level.array", "is_leaf"), "Level",
+        ThresholdMethod="Between", LowerThreshold=level, UpperThreshold=level,
     )
-    wasteful = at_least(
-        leaves, "CELLS", "wasted_visits", Fill("bvh.wasted.least", 0), "Most wasted"
-    )
-    time, waste = (put(pv.CreateView("RenderView"), **BACKDROP, **scene_camera()) for _ in range(2))
-    by_time = colour_map(dearest, "time_ns", INFERNO, "log", "bvh")
-    by_waste = colour_map(wasteful, "wasted_visits", VIRIDIS, "log", "bvh.wasted")
-    for view in (time, waste):
-        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0)
-    boxes(dearest, time, Fill("bvh.array", "time_ns"), by_time)
-    boxes(wasteful, waste, "wasted_visits", by_waste)
-    put(colour_bar(by_time, time, Fill("bvh.title", "Time per box (ns)")), **few_labels(by_time, "bvh"))
-    put(colour_bar(by_waste, waste, "Visits per box that met nothing"), **few_labels(by_waste, "bvh.wasted"))
-    pv.AddCameraLink(time, waste, "bvh")
+    shown = in_unit(shown, "CELLS", "bvh", "time_ns")
+    time, waste = (render_view(scene_camera(2)) for _ in range(2))
+    for view, array, preset, key in (
+        (time, "bvh", INFERNO, "bvh"),
+        (waste, "wasted_visits", VIRIDIS, "bvh.wasted"),
+    ):
+        put(cloud(hits, view), **true_colors())
+        colors = color_map(shown, array, preset, "log", key)
+        put(
+            pv.Show(shown, view),
+            Representation=Fill("bvh.representation", "Wireframe"),
+            LineWidth=Fill("bvh.line_width", 3),
+            EdgeColor=DARK_GRAY,
+            ColorArrayName=["CELLS", array],
+            LookupTable=colors,
+            **UNLIT,
+        )
+        color_bar(colors, view, Fill(f"{key}.title", key))
+        caption(Fill("bvh.caption", "The hierarchy"), view)
     layout("BVH", beside(time, waste))
 
 
 def rays(out):
-    """The rays of traced pixels in the scene's cloud, seen from their side: by kind and, in a linked view, by cost."""
+    """The rays of traced pixels in the scene's cloud, seen from their side: by kind and by cost."""
     lines = threshold(
         reader(pv.XMLPolyDataReader, out / "rays.vtp"), "CELLS", "length", Fill("rays.max_length", 1e30), "Rays"
     )
+    lines = in_unit(lines, "CELLS", "rays.cost", "time_ns")
+    heads = arrow_heads(lines)
     hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "rays_cloud.vtu"))
-    kind, cost = (put(pv.CreateView("RenderView"), **BACKDROP, **side_camera()) for _ in range(2))
-    for view in (kind, cost):
-        put(cloud(hits, view), ColorArrayName=["POINTS", "RGB"], MapScalars=0, Opacity=0.3)
-    kinds = ray_kinds()
-    put(drawn(lines, kind), ColorArrayName=["CELLS", "kind"], LookupTable=kinds)
-    colour_bar(kinds, kind, "Kind of each ray")
-    inferno = colour_map(lines, "time_ns", INFERNO, "linear", "rays.cost")
-    put(drawn(lines, cost), ColorArrayName=["CELLS", Fill("rays.cost.array", "time_ns")], LookupTable=inferno)
-    colour_bar(inferno, cost, Fill("rays.cost.title", "Time of each ray (ns)"))
-    pv.AddCameraLink(kind, cost, "rays")
+    kind, cost = (render_view(side_camera()) for _ in range(2))
+    inferno = color_map(lines, "rays.cost", INFERNO, "linear", "rays.cost")
+    for view, array, colors in ((kind, "kind", ray_kinds()), (cost, "rays.cost", inferno)):
+        put(cloud(hits, view), **true_colors(), Opacity=0.3)
+        put(drawn(lines, view), ColorArrayName=["CELLS", array], LookupTable=colors)
+        put(pv.Show(heads, view), ColorArrayName=["POINTS", array], LookupTable=colors, **UNLIT)
+    bar(pv.GetScalarBar(pv.GetColorTransferFunction("kind"), kind), "")
+    caption("Kind of each ray", kind)
+    color_bar(inferno, cost)
+    caption(Fill("rays.cost.title", "Time of each ray"), cost)
     layout("Rays", beside(kind, cost))
 
 
@@ -169,23 +188,28 @@ def diff(out):
     """What each pixel's cost changed by between two outputs, as a difference and as a ratio, above
     the histogram of the difference."""
     change = reader(pv.XMLImageDataReader, out / "diff.vti")
-    difference = picture(
-        change, "time_ns_difference", BLUE_RED, "linear", "B - A: time per pixel (ns)", "difference", around_zero
-    )
-    ratio = picture(change, "time_ns_ratio", BLUE_RED, "log", "B / A: time per pixel", "ratio", around_one)
-    lut = pv.GetColorTransferFunction("time_ns_ratio")
-    put(pv.GetScalarBar(lut, ratio), **few_labels(lut, "ratio", "%.3g", (0, 0.25, 0.5, 0.75, 1)))
-    pv.AddCameraLink(difference, ratio, "diff")
-    array, title = Fill("difference.array", "time_ns_difference"), "B - A: time per pixel (ns)"
-    ends = fill_ends("difference.linear", around_zero(change, "time_ns_difference"))
-    differences = bars(change, array, ends, Fill("difference.title", title))
-    layout("Difference", above(0.68, beside(difference, ratio), differences))
+    shown = in_unit(change, "POINTS", "difference", "time_ns_difference")
+    ratio = in_unit(change, "POINTS", "ratio", "time_ns_ratio")
+    by_difference = picture(shown, "difference", BLUE_RED, "linear", 3, around_zero)
+    by_ratio = picture(ratio, "ratio", BLUE_RED, "log", 3, around_one)
+    ends = fill_ends("difference.linear", around_zero(shown, "difference"))
+    view = bars(shown, "difference", ends, Fill("difference.title", "B - A"))
+    labels(view, "difference.labels")
+    layout("Difference", above(0.67, beside(by_difference, by_ratio), view))
 
 
 STATES = (geometry, heatmap, overview, schedule, surface, bvh, rays, diff)
 
 
 # ----------------------------------------------------------------------------------------- parts
+
+
+def render_view(camera):
+    return put(pv.CreateView("RenderView"), **BACKDROP, **camera)
+
+
+def true_colors():
+    return dict(ColorArrayName=["POINTS", "RGB"], MapScalars=0)
 
 
 def without_horizon(hits):
@@ -198,16 +222,25 @@ def threshold(source, where, array, highest, name):
     return kept(source, where, array, name, ThresholdMethod="Below Lower Threshold", LowerThreshold=highest)
 
 
-def at_least(source, where, array, least, name):
-    """The points or cells whose value is not below the least."""
-    return kept(source, where, array, name, ThresholdMethod="Above Upper Threshold", UpperThreshold=least)
-
-
 def kept(source, where, array, name, **ends):
     cells = put(pv.Threshold(Input=source), SelectInputScalars=[where, array], **ends)
     pv.RenameSource(name, cells)
     cells.UpdatePipeline()
     return cells
+
+
+def in_unit(source, where, key, array):
+    """The source with one more array, named as the key: the file's array in a unit that fits its values."""
+    return calculated(source, where, key, Fill(f"{key}.formula", array), f"{key} in its unit")
+
+
+def calculated(source, where, result, formula, name):
+    kind = {"POINTS": "Point Data", "CELLS": "Cell Data"}[where]
+    calculator = pv.Calculator(Input=source)
+    put(calculator, AttributeType=kind, Function=formula, ResultArrayName=result, ResultArrayType="Float")
+    pv.RenameSource(name, calculator)
+    calculator.UpdatePipeline()
+    return calculator
 
 
 def cloud(hits, view):
@@ -223,23 +256,32 @@ def cloud(hits, view):
     )
 
 
-def boxes(source, view, array, lut):
-    """Boxes with their edges, and what is inside shining through."""
+def pixels(frame, view):
+    """One square a pixel, unlit and unblended.
+
+    Not the representation Slice: as a state is loaded, ParaView's window draws views before their
+    data is there, which that alone takes for an error. Surface would blend neighbors.
+    """
     return put(
-        pv.Show(source, view),
-        Representation="Surface With Edges",
-        ColorArrayName=["CELLS", array],
-        LookupTable=lut,
-        Opacity=0.4,
+        pv.Show(frame, view),
+        Representation="Point Gaussian",
+        ShaderPreset="Custom",
+        CustomShader=SQUARES,
+        CustomTriangleScale=2,
+        ScaleByArray=0,
+        UseScaleFunction=0,
+        GaussianRadius=0.5,
     )
 
 
 def balls(source, view, array, lut):
-    """One shaded disc a sphere, with the sphere's radius."""
+    """One flat disc a sphere, with the sphere's radius and a dark edge."""
     return put(
         pv.Show(source, view),
         Representation="Point Gaussian",
-        ShaderPreset="Sphere",
+        ShaderPreset="Custom",
+        CustomShader=DISCS,
+        CustomTriangleScale=2,
         ScaleByArray=1,
         SetScaleArray=["POINTS", "radius"],
         UseScaleFunction=0,
@@ -252,65 +294,90 @@ def balls(source, view, array, lut):
 def drawn(lines, view):
     """Lines of the same width near and far, not lit."""
     width = Fill("rays.line_width", 3)
-    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=width, Ambient=1, Diffuse=0)
+    return put(pv.Show(lines, view), Representation="Wireframe", LineWidth=width, **UNLIT)
+
+
+def arrow_heads(lines):
+    """A cone at the end of each ray, its tip where the ray ends."""
+    middles = pv.CellCenters(Input=lines)
+    pv.RenameSource("Middles", middles)
+    formula = Fill("rays.to_head", "direction*(0.5*length-0.02)")
+    shifts = calculated(middles, "POINTS", "to_head", formula, "From middles to heads")
+    ends = put(pv.WarpByVector(Input=shifts), SelectInputVectors=["POINTS", "to_head"])
+    pv.RenameSource("Ends", ends)
+    heads = pv.Glyph(Input=ends, GlyphType="Cone")
+    put(
+        heads,
+        OrientationArray=["POINTS", "direction"],
+        ScaleArray=["POINTS", "No scale array"],
+        ScaleFactor=Fill("rays.head", 0.04),
+        GlyphMode="All Points",
+    )
+    put(heads.GlyphType, Resolution=12, Radius=0.25, Height=1.0)
+    pv.RenameSource("Arrow heads", heads)
+    return heads
 
 
 def ray_kinds():
-    """The kinds of rays by name, in colours that all eyes can tell apart (Okabe and Ito, 2008)."""
+    """The kinds of rays by name, in colors that all eyes can tell apart (Okabe and Ito, 2008)."""
     kinds = {
         "camera": (0, 0.45, 0.70),
         "shadow": (0.90, 0.62, 0),
         "reflection": (0.84, 0.37, 0),
-        "refraction": (0, 0.62, 0.45),
     }
     return put(
         pv.GetColorTransferFunction("kind"),
         IndexedLookup=1,  # InterpretValuesAsCategories in scripts
-        Annotations=[text for number, name in enumerate(kinds) for text in (str(number), name)],
-        IndexedColors=[channel for colour in kinds.values() for channel in colour],
+        Annotations=Fill("rays.kinds", [text for number, name in enumerate(kinds) for text in (str(number), name)]),
+        IndexedColors=Fill("rays.kind_colors", [channel for color in kinds.values() for channel in color]),
     )
 
 
-def picture(frame, array, preset, scale, title, key, ends=None):
-    """A view of one array as a flat picture: a slice shows each pixel as it is, unlit and unblended."""
-    view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    colours = colour_map(frame, array, preset, scale, key, ends)
-    shown = ["POINTS", Fill(f"{key}.array", array)]
-    put(pv.Show(frame, view), Representation="Slice", ColorArrayName=shown, LookupTable=colours)
-    colour_bar(colours, view, Fill(f"{key}.title", title))
+def true_picture(frame, n_panels):
+    view = render_view(picture_camera(frame, n_panels))
+    put(pixels(frame, view), **true_colors())
+    caption("The picture", view)
     return view
 
 
-def tile_map(tiles, frame, array, preset, scale, title, key):
+def picture(frame, key, preset, scale, n_panels, ends=None):
+    """A view of one array, named as its key, as a flat picture in one of so many panels."""
+    view = render_view(picture_camera(frame, n_panels))
+    colors = color_map(frame, key, preset, scale, key, ends)
+    put(pixels(frame, view), ColorArrayName=["POINTS", key], LookupTable=colors)
+    color_bar(colors, view)
+    caption(Fill(f"{key}.title", key), view)
+    return view
+
+
+def tile_map(tiles, frame, array, preset, scale, key=None):
     """A view of one array of the tiles, flat and unlit, where the picture's pixels would be."""
-    view = put(pv.CreateView("RenderView"), **BACKDROP, **picture_camera(frame))
-    colours = colour_map(tiles, array, preset, scale, key)
+    key = key or array
+    view = render_view(picture_camera(frame, 4))
+    colors = color_map(tiles, array, preset, scale, key)
     put(
         pv.Show(tiles, view),
         Representation="Surface",
         ColorArrayName=["CELLS", array],
-        LookupTable=colours,
-        Ambient=1,
-        Diffuse=0,
+        LookupTable=colors,
+        **UNLIT,
     )
-    colour_bar(colours, view, title)
+    color_bar(colors, view)
+    caption(Fill(f"{key}.{'caption' if array == 'thread' else 'title'}", "Thread of each tile"), view)
     return view
 
 
-def histogram(frame, array, title, key):
-    """A view of how many pixels took which value: bars over log10, labelled with the values."""
-    log10 = pv.Calculator(Input=frame)
-    put(log10, Function=Fill(f"{key}.log10", f"log10({array})"), ResultArrayName="log10", ResultArrayType="Float")
-    pv.RenameSource("log10", log10)
+def histogram(frame, array, key):
+    """A view of how many pixels took which value: bars over log10, labeled with the values."""
+    log10 = calculated(frame, "POINTS", "log10", Fill(f"{key}.log10.formula", f"log10({array})"), "log10")
     ends = fill_ends(f"{key}.log10", [math.log10(end) for end in spread(frame, array)])
-    view = bars(log10, "log10", ends, Fill(f"{key}.log10.title", f"{title}, log scale"))
-    return put(
-        view,
-        BottomAxisUseCustomLabels=1,
-        BottomAxisLabels=[
-            text for k in range(10) for n in (1, 2, 5) for text in (str(k + math.log10(n)), str(n * 10**k))
-        ],
-    )
+    view = bars(log10, "log10", ends, Fill(f"{key}.log10.title", f"{array}, log scale"))
+    return labels(view, f"{key}.log10.labels")
+
+
+def labels(view, key):
+    """Labels of a chart's lower axis where the renderer wants them."""
+    return put(view, BottomAxisUseCustomLabels=1, BottomAxisLabels=Fill(key, ["0", "1"]))
 
 
 def bars(source, array, ends, title):
@@ -325,6 +392,8 @@ def bars(source, array, ends, title):
     pv.RenameSource("Histogram", bins)
     view = put(
         pv.CreateView("XYBarChartView"),
+        ChartTitle="How many pixels have which value",
+        ChartTitleFontSize=16,
         BottomAxisTitle=title,
         BottomAxisTitleFontSize=18,
         BottomAxisLabelFontSize=14,
@@ -384,18 +453,18 @@ def around_one(source, array):
     return float(f"{math.exp(-reach):.3g}"), float(f"{math.exp(reach):.3g}")
 
 
-def colour_map(source, array, preset, scale, key, ends=None):
+def color_map(source, array, preset, scale, key, ends=None):
     """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
     low, high = ends(source, array) if ends else wide(*spread(source, array))
     lut = pv.GetColorTransferFunction(array)
     lut.ApplyPreset(preset)
-    colours = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
+    colors = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
     points = []
-    for step in range(N_COLOURS):
-        f = step / (N_COLOURS - 1)
+    for step in range(N_COLORS):
+        f = step / (N_COLORS - 1)
         at = low * (high / low) ** f if scale == "log" else low + (high - low) * f
-        colour = colours[round(f * (len(colours) - 1))]
-        points += [Fill(f"{key}.{scale}({f:g})", at), *(round(c, 4) for c in colour)]
+        color = colors[round(f * (len(colors) - 1))]
+        points += [Fill(f"{key}.{scale}({f:g})", at), *(round(c, 4) for c in color)]
     return put(
         lut,
         RGBPoints=points,
@@ -404,18 +473,29 @@ def colour_map(source, array, preset, scale, key, ends=None):
         NanColor=(0.5, 0.5, 0.5),
         ScalarRangeInitialized=1,
         AutomaticRescaleRangeMode="Never",
+        # The labels of the color bar: texts, since the formats of numbers differ between versions.
+        Annotations=Fill(f"{key}.labels", [text for end in (low, high) for text in (str(end), f"{end:.2g}")]),
     )
 
 
-def colour_bar(lut, view, title):
+def color_bar(lut, view, title=""):
+    """The color bar, whose title is that of the view if it has none."""
     return put(
-        pv.GetScalarBar(lut, view),
+        bar(pv.GetScalarBar(lut, view), title),
+        DrawTickLabels=0,
+        DrawTickMarks=0,
+        AddRangeLabels=0,
+    )
+
+
+def bar(color_bar, title):
+    return put(
+        color_bar,
         Title=title,
         ComponentTitle="",
         Orientation="Horizontal",
         WindowLocation="Lower Center",
         ScalarBarLength=0.7,
-        AddRangeLabels=0,
         TitleColor=BLACK,
         TitleFontSize=18,
         LabelColor=BLACK,
@@ -425,32 +505,27 @@ def colour_bar(lut, view, title):
     )
 
 
-def few_labels(lut, key, form="%.2g", places=(0.05, 0.35, 0.65, 0.95)):
-    """Some labels for a logarithmic colour bar: ParaView's own overlap where the numbers are long."""
-    low, high = lut.RGBPoints[0], lut.RGBPoints[-4]
-    labels = [Fill(f"{key}.label({f:g})", float(form % (low * (high / low) ** f))) for f in places]
-    return dict(UseCustomLabels=1, CustomLabels=labels, AutomaticLabelFormat=0, LabelFormat=form)
-
-
 def caption(text, view):
     source = put(pv.Text(), Text=text)
-    pv.RenameSource(text, source)
-    put(pv.Show(source, view), WindowLocation="Upper Center", FontSize=20, Color=BLACK)
+    pv.RenameSource(text.value if isinstance(text, Fill) else text, source)
+    put(pv.Show(source, view), WindowLocation="Upper Center", FontSize=18, Color=BLACK)
 
 
-def scene_camera():
-    """The camera of the three spheres, which is left-handed and so shows its world mirrored."""
+def scene_camera(n_panels):
+    """The camera of the three spheres, which is left-handed and so shows its world mirrored, in one
+    of so many panels."""
+    key = f"camera{n_panels}"
     target = (0, 0.05, 2)
     mirror = (-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
     return dict(
-        CameraPosition=vector("camera.position", (0, 0.35, -1)),
-        CameraFocalPoint=vector("camera.focal_point", target),
-        CenterOfRotation=vector("camera.focal_point", target),
-        CameraViewUp=vector("camera.view_up", (0, 1, 0)),
-        CameraViewAngle=Fill("camera.view_angle", 105),
-        CameraParallelProjection=Fill("camera.parallel_projection", 0),
-        CameraParallelScale=Fill("camera.parallel_scale", 3.9),
-        ModelTransformMatrix=vector("camera.mirror", mirror),
+        CameraPosition=vector(f"{key}.position", (0, 0.35, -1)),
+        CameraFocalPoint=vector(f"{key}.focal_point", target),
+        CenterOfRotation=vector(f"{key}.focal_point", target),
+        CameraViewUp=vector(f"{key}.view_up", (0, 1, 0)),
+        CameraViewAngle=Fill(f"{key}.view_angle", 105),
+        CameraParallelProjection=Fill(f"{key}.parallel_projection", 0),
+        CameraParallelScale=Fill(f"{key}.parallel_scale", 3.9),
+        ModelTransformMatrix=vector(f"{key}.mirror", mirror),
     )
 
 
@@ -462,23 +537,24 @@ def side_camera():
         CenterOfRotation=vector("rays.focal_point", (0, 0, 2)),
         CameraViewUp=vector("rays.view_up", (0, 1, 0)),
         CameraViewAngle=30,
-        ModelTransformMatrix=scene_camera()["ModelTransformMatrix"],
+        ModelTransformMatrix=scene_camera(2)["ModelTransformMatrix"],
     )
 
 
-def picture_camera(frame):
-    """Straight at the picture, which fits the view above the colour bar; README.md has the formulas."""
+def picture_camera(frame, n_panels):
+    """Straight at the picture, which fits between caption and color bar; README.md has the formulas."""
+    key = f"image{n_panels}"
     x0, x1, y0, y1, _, _ = frame.GetDataInformation().GetExtent()
     width, height = x1 - x0 + 1, y1 - y0 + 1
     scale = max(height / (2 * 0.79), width / (2 * 0.96 * 1.1))
-    x, y = Fill("image.center.0", (width - 1) / 2), Fill("image.center.1", (height - 1) / 2 - 0.18 * scale)
+    x, y = Fill(f"{key}.center.0", (width - 1) / 2), Fill(f"{key}.center.1", (height - 1) / 2 - 0.18 * scale)
     return dict(
         InteractionMode="2D",
         CameraPosition=[x, y, 10000],
         CameraFocalPoint=[x, y, 0],
         CenterOfRotation=[x, y, 0],
         CameraParallelProjection=1,
-        CameraParallelScale=Fill("image.parallel_scale", scale),
+        CameraParallelScale=Fill(f"{key}.parallel_scale", scale),
     )
 
 
@@ -491,7 +567,7 @@ def above(fraction, upper, lower):
 
 
 def layout(name, tree):
-    """Lays out a view, or a tree of them made with `beside` and `above`."""
+    """Lays out a view, or a tree of them made with `beside` and `above`. The renderer chooses which."""
 
     def place(cell, tree):
         if not isinstance(tree, tuple):

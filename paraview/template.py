@@ -21,7 +21,7 @@ class Fill:
     value: object
 
 
-PUT = {}  # proxy's id -> property -> its values, some of them a Fill
+PUT = {}  # proxy's id -> property -> its values, some of them a Fill, or one Fill for all
 UNUSED = ("RepresentationAnimationHelper", "TimeKeeper")
 UNSAVED = ("ModelTransformMatrix",)  # what ParaView reads from a state, but does not write into one
 
@@ -29,11 +29,13 @@ UNSAVED = ("ModelTransformMatrix",)  # what ParaView reads from a state, but doe
 def put(proxy, **properties):
     """Sets the properties, and has `save` keep them. Gives the proxy back."""
     for name, value in properties.items():
-        many = isinstance(value, (list, tuple))
-        values = list(value) if many else [value]
+        whole = value.value if isinstance(value, Fill) else value
+        many = isinstance(whole, (list, tuple))
+        values = list(whole) if many else [value]
         plain = [v.value if isinstance(v, Fill) else v for v in values]
         proxy.SetPropertyWithName(name, plain if many else plain[0])
-        PUT.setdefault(proxy.GetGlobalIDAsString(), {})[name] = values
+        as_one = many and isinstance(value, Fill)
+        PUT.setdefault(proxy.GetGlobalIDAsString(), {})[name] = value if as_one else values
     return proxy
 
 
@@ -81,16 +83,25 @@ def trim(state):
     for part in state.findall("CustomProxyDefinitions") + state.findall("Settings"):
         state.remove(part)
     links = state.find("Links")
-    for link in links.findall("*"):
-        if link.tag == "CameraLink" and link.find("Proxy").get("id") in proxies:
-            # Since 5.12 the first child, and asked for with a warning; 5.11 warns that it knows none.
-            link.insert(0, ET.Element("Properties", exceptionBehavior="0"))
-        else:  # a colour palette's link, or one that the session keeps of the state before
-            links.remove(link)
+    for link in links.findall("*"):  # a color palette's, or one of the state before
+        links.remove(link)
+
+
+def mark_splits(proxy):
+    """Marks the splits of a layout, which the renderer turns to fit the picture's shape."""
+    items = proxy.findall("Layout/Item")
+    n_panels = sum(item.get("view") != "0" for item in items)
+    names = iter(["outer", "inner", "inner"])
+    for item in items:
+        if item.get("direction") != "0":
+            rest = {name: item.attrib.pop(name) for name in list(item.attrib) if name != "direction"}
+            item.set("fill", f"panels{n_panels}.{next(names)}")
+            item.attrib.update(rest)
 
 
 def trim_proxy(proxy):
     """Keeps the properties that were put or hold other proxies, and marks the values to be filled."""
+    mark_splits(proxy)
     put_here = PUT.get(proxy.get("id"), {})
     for prop in proxy.findall("Property"):
         for domain in prop.findall("Domain"):
@@ -105,6 +116,9 @@ def trim_proxy(proxy):
                 ET.SubElement(prop, "Element", index=str(i), value=str(fill.value))
         prop = proxy.find(f"Property[@name='{name}']")
         assert prop is not None, f"a state knows no property {name}: put the name that it has there"
+        if isinstance(values, Fill):
+            prop.set("fill", values.key)
+            continue
         for element, value in zip(reversed(prop.findall("Element")), reversed(values)):
             if isinstance(value, Fill):
                 element.set("fill", value.key)

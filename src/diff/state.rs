@@ -3,50 +3,41 @@
 use super::{Diff, volume};
 use crate::output::OutputFolder;
 use crate::output::cost_picture::{Range, Scale};
-use crate::output::state::{between, fill, picture_camera};
+use crate::output::state::{Axis, Panels, Spread, fill, value_of_panels};
 
 const TEMPLATE: &str = include_str!("../../paraview/diff.pvsm");
 
 /// The state of a diff in this folder, in ASCII.
 pub(super) fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let change = &diff.change;
+    let size = diff.size.map(f64::from);
+    let n_labels = Panels::of(3, size).n_labels();
     let reach = Range::on(Scale::AroundZero, &change.differences).high;
-    // Labels at the ends lie within only if the ends are rounded, too.
-    let [low, high] = [change.ratio_of_most.recip(), change.ratio_of_most].map(rounded);
-    let ratio_at = |f: f64| low * (high / low).powf(f);
-    let number = |key: &str| -> Option<f64> {
-        if let Some(fraction) = key.strip_prefix("difference.linear(") {
-            return between(fraction, |f| reach * (2.0 * f - 1.0));
+    let axis = |what, spread, ends| {
+        let measure = change.measure;
+        let array = format!("{}_{what}", measure.array);
+        let sign = if what == "ratio" { "B / A" } else { "B - A" };
+        let name = format!("{sign}: {} per pixel", measure.name);
+        let axis = Axis::new(&array, &name, spread, ends).with_labels(n_labels);
+        if measure.unit == "ns" && what == "difference" {
+            axis.of_time()
+        } else {
+            axis
         }
-        if let Some(fraction) = key.strip_prefix("ratio.log(") {
-            return between(fraction, ratio_at);
-        }
-        if let Some(fraction) = key.strip_prefix("ratio.label(") {
-            return between(fraction, |f| rounded(ratio_at(f)));
-        }
-        picture_camera(diff.size.map(f64::from), key.strip_prefix("image.")?)
     };
-    fill(TEMPLATE, |key| match key {
-        volume::FILE => Some(folder.path_of(key).to_string_lossy().into_owned()),
-        "difference.array" => Some(format!("{}_difference", change.measure.array)),
-        "difference.title" => Some(title("B - A", diff)),
-        "ratio.array" => Some(format!("{}_ratio", change.measure.array)),
-        "ratio.title" => Some(title("B / A", diff)),
-        _ => number(key).map(|number| number.to_string()),
+    let difference = axis("difference", Spread::AroundZero, [-reach, reach]);
+    let most = change.ratio_of_most;
+    let ratio = axis("ratio", Spread::Log, [most.recip(), most]);
+    fill(TEMPLATE, |key| {
+        if key == volume::FILE {
+            return Some(folder.path_of(key).to_string_lossy().into_owned().into());
+        }
+        if let Some(key) = key.strip_prefix("difference.") {
+            return difference.value(key);
+        }
+        if let Some(key) = key.strip_prefix("ratio.") {
+            return ratio.value(key);
+        }
+        value_of_panels(size, key)
     })
-}
-
-/// To three digits.
-fn rounded(ratio: f64) -> f64 {
-    format!("{ratio:.2e}").parse().unwrap_or(ratio)
-}
-
-/// "B - A: time per pixel (ns)"
-fn title(what: &str, diff: &Diff) -> String {
-    let measure = diff.change.measure;
-    let unit = match (what, measure.unit) {
-        ("B - A", "ns") => " (ns)",
-        _ => "",
-    };
-    format!("{what}: {} per pixel{unit}", measure.name)
 }

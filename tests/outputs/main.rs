@@ -7,6 +7,7 @@ mod charged_files;
 mod output_folder;
 mod paraview_rays;
 mod paraview_states;
+mod paraview_window;
 mod results;
 mod view;
 mod vtk_files;

@@ -25,7 +25,7 @@ use colours::Colours;
 use layout::Layout;
 pub use range::{Range, Scale};
 use text::Style;
-pub use ticks::{Ticks, ticks};
+pub use ticks::{Ticks, ticks, ticks_around_zero};
 
 /// What the picture shows.
 #[derive(Clone, Copy, Debug)]

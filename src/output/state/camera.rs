@@ -2,19 +2,9 @@
 
 use glam::Vec3;
 
+use super::panels::{Panel, Panels};
+use super::template::Value;
 use crate::camera::{ImagePlane, Projection};
-
-/// ParaView's camera for the picture as a whole, in the middle part of a view
-/// of usual shape, between its caption and its colour bar.
-pub(crate) fn picture_camera([width, height]: [f64; 2], key: &str) -> Option<f64> {
-    let scale = (height / (2.0 * 0.79)).max(width / (2.0 * 0.96 * 1.1));
-    match key {
-        "parallel_scale" => Some(scale),
-        "center.0" => Some(0.5 * (width - 1.0)),
-        "center.1" => Some(0.5 * (height - 1.0) - 0.18 * scale),
-        _ => None,
-    }
-}
 
 /// The scene's camera as ParaView has them: never off-axis, and right-handed.
 pub(super) struct Camera {
@@ -22,17 +12,15 @@ pub(super) struct Camera {
     focal_point: Vec3,
     right: Vec3,
     up: Vec3,
-    /// Tangent of half the view's angle, or half its height if parallel.
-    half_height: f32,
+    /// Tangents of half the picture's angles, or half its width and height if
+    /// parallel.
+    half: [f32; 2],
     is_parallel: bool,
     is_mirrored: bool,
 }
 
-/// Part of a view's height and width that the picture fills.
-const FILLED: [f32; 2] = [0.78, 0.76];
-
 impl Camera {
-    /// The camera of the plane's rays, wide enough for all of it.
+    /// The camera of the plane's rays.
     pub(super) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
         let (position, forward, is_parallel) = match plane.projection {
@@ -67,10 +55,15 @@ impl Camera {
             focal_point: position + distance * forward,
             right,
             up,
-            half_height: (half(right) / FILLED[0]).max(half(up) / FILLED[1]),
+            half: [half(right), half(up)],
             is_parallel,
             is_mirrored,
         }
+    }
+
+    /// Where it is; the middle of the picture's plane if parallel.
+    pub(super) fn position(&self) -> Vec3 {
+        self.position
     }
 
     /// To the right, up and forward as ParaView's view has them, unit vectors.
@@ -81,28 +74,39 @@ impl Camera {
 
     /// The point in the world as the view shows it.
     pub(super) fn mirrored(&self, point: Vec3) -> Vec3 {
-        match self.is_mirrored {
-            true => point - 2.0 * self.right.dot(point - self.position) * self.right,
-            false => point,
+        if self.is_mirrored {
+            point - 2.0 * self.right.dot(point - self.position) * self.right
+        } else {
+            point
         }
     }
 
-    /// The value of a key without its `camera.`.
-    pub(super) fn number(&self, key: &str) -> Option<f64> {
+    /// The value of a key such as `camera2.view_angle`: in one of two panels, for
+    /// a picture of this size.
+    pub(super) fn value(&self, size: [f64; 2], key: &str) -> Option<Value> {
+        let (n, key) = Panels::split_key(key, "camera")?;
+        let number = self.number(key, Panels::of(n, size).panel())?;
+        Some(number.to_string().into())
+    }
+
+    /// The value of a key without its `camera2.`, for a view in which the
+    /// picture fills the panel.
+    fn number(&self, key: &str, panel: Panel) -> Option<f64> {
         let (name, index) = match key.split_once('.') {
             Some((name, index)) => (name, index.parse().ok()?),
             None => (key, 0),
         };
         let distance = self.focal_point.distance(self.position);
+        let half_height = panel.half_height(self.half.map(|half| 2.0 * f64::from(half))) as f32;
         let number = match name {
             "position" => *self.position.as_ref().get(index)?,
             "focal_point" => *self.focal_point.as_ref().get(index)?,
             "view_up" => *self.up.as_ref().get(index)?,
             "view_angle" if self.is_parallel => 30.0,
-            "view_angle" => 2.0 * self.half_height.atan().to_degrees(),
+            "view_angle" => 2.0 * half_height.atan().to_degrees(),
             "parallel_projection" => f32::from(self.is_parallel),
-            "parallel_scale" if self.is_parallel => self.half_height,
-            "parallel_scale" => self.half_height * distance,
+            "parallel_scale" if self.is_parallel => half_height,
+            "parallel_scale" => half_height * distance,
             "mirror" => self.mirror(index),
             _ => return None,
         };
@@ -175,7 +179,8 @@ mod tests {
         let camera = Camera::of(&camera.image_plane(100, 100), Some(4.0));
         assert!(!camera.is_mirrored);
         assert!((camera.focal_point - Vec3::Z).length() < 1e-6);
-        let angle = camera.number("view_angle").unwrap();
+        let panel = Panels::of(2, [1.0, 1.0]).panel();
+        let angle = camera.number("view_angle", panel).unwrap();
         assert!(angle > 90.0 && angle < 120.0, "{angle}");
     }
 }

@@ -1,40 +1,49 @@
 //! What `bvh.pvsm` and `surface.pvsm` show.
 
+use std::iter::zip;
+
+use super::axis::{Axis, Spread};
+use super::template::Value;
+use crate::accel::BvhNode;
 use crate::config::{BvhLimits, CostMode};
 use crate::ledger::{Hierarchy, Visits};
 use crate::output::Rendering;
-use crate::output::cost_picture::Range;
-use crate::scene::Primitive;
 
-use super::between;
-
-/// Of so many leaves one is shown,
-const SHOWN_PART: usize = 20;
-/// but no fewer and no more than so many: what the eye can tell apart.
-const SHOWN: [usize; 2] = [100, 1000];
+/// More boxes than these are too small to be seen: then those of a higher
+/// level are shown.
+const MOST_BOXES: usize = 3000;
+/// Up to so many boxes are drawn as frames, through which the scene is seen.
+const MOST_FRAMES: usize = 40;
+/// Up to so many primitives are drawn with their edges.
+const MOST_EDGES: usize = 2000;
 
 /// The values of the keys that begin with `bvh.` and `surface.`.
 #[derive(Default)]
 pub(super) struct LedgerValues {
     bvh: Option<Boxes>,
-    surface: Option<Scale>,
+    surface: Option<Primitives>,
 }
 
-/// Boxes by their cost, and by what was wasted on them.
+/// What each primitive cost.
+struct Primitives {
+    has_edges: bool,
+    cost: Axis,
+    wasted: Axis,
+}
+
+/// The boxes that are shown, and their cost.
 struct Boxes {
-    /// 1 where leaves alone are shown; else 0.
-    is_leaf: f64,
-    /// Boxes below are not shown.
-    least: [f64; 2],
-    scale: Scale,
+    level: Level,
+    n: usize,
+    cost: Axis,
+    wasted: Axis,
 }
 
-/// The array that tells the cost, and which values the colours span of it and
-/// of what was wasted.
-struct Scale {
-    array: &'static str,
-    title: &'static str,
-    ranges: [[f64; 2]; 2],
+/// Which boxes are shown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Level {
+    Leaves,
+    Depth(u32),
 }
 
 impl LedgerValues {
@@ -44,128 +53,216 @@ impl LedgerValues {
             return Self::default();
         };
         let (cost, limits) = (rendering.film.cost, rendering.config.output.bvh);
-        let primitives = &rendering.scene.primitives;
         let hierarchy = ledger.hierarchy.as_ref();
+        let visits = ledger.primitives.as_ref();
         Self {
-            bvh: hierarchy.map(|hierarchy| boxes(hierarchy, cost, limits)),
-            surface: ledger.primitives.as_ref().map(|visits| Scale {
-                array: if cost.has_time() { "time_ns" } else { "tests" },
-                title: match cost.has_time() {
-                    true => "Time per primitive (ns)",
-                    false => "Tests per primitive",
-                },
-                ranges: amounts(shown(primitives, visits), cost).map(|amounts| {
-                    let range = Range::of(&amounts);
-                    [range.low, range.high]
-                }),
+            bvh: hierarchy.map(|hierarchy| Boxes::of(hierarchy, cost, limits)),
+            surface: visits.map(|visits| {
+                let all = zip(&rendering.scene.primitives, visits);
+                let shown = all.filter(|(primitive, _)| !primitive.is_unbounded());
+                Primitives::of(&shown.map(|(_, visits)| *visits).collect::<Vec<_>>(), cost)
             }),
         }
     }
 
     /// The value of a key.
-    pub(super) fn value(&self, key: &str) -> Option<String> {
+    pub(super) fn value(&self, key: &str) -> Option<Value> {
         let (what, key) = key.split_once('.')?;
-        let scale = match what {
-            "bvh" => &self.bvh.as_ref()?.scale,
-            "surface" => self.surface.as_ref()?,
-            _ => return None,
-        };
-        match key {
-            "array" => return Some(scale.array.to_owned()),
-            "title" => return Some(scale.title.to_owned()),
-            _ => {}
+        match what {
+            "bvh" => self.bvh.as_ref()?.value(key),
+            "surface" => self.surface.as_ref()?.value(key),
+            _ => None,
         }
-        let number = match (key, &self.bvh) {
-            ("is_leaf", Some(boxes)) => boxes.is_leaf,
-            ("least", Some(boxes)) => boxes.least[0],
-            ("wasted.least", Some(boxes)) => boxes.least[1],
+    }
+}
+
+impl Primitives {
+    fn of(visits: &[Visits], cost: CostMode) -> Self {
+        Self {
+            has_edges: visits.len() <= MOST_EDGES,
+            cost: cost_axis(visits, cost, "primitive", "tests"),
+            wasted: wasted_axis(
+                visits,
+                "Tests per primitive that met nothing",
+                "wasted_tests",
+            ),
+        }
+    }
+
+    fn value(&self, key: &str) -> Option<Value> {
+        match (key, key.strip_prefix("wasted.")) {
+            ("representation", _) if self.has_edges => Some("Surface With Edges".into()),
+            ("representation", _) => Some("Surface".into()),
+            (_, Some(key)) => self.wasted.value(key),
+            _ => self.cost.value(key),
+        }
+    }
+}
+
+impl Boxes {
+    fn of(hierarchy: &Hierarchy, cost: CostMode, limits: BvhLimits) -> Self {
+        let is_written = |node: &BvhNode, visits: &Visits| {
+            node.depth <= limits.max_depth && visits.n >= limits.min_visits
+        };
+        let all = zip(&hierarchy.nodes, zip(&hierarchy.visits, hierarchy.costs()));
+        let written: Vec<(&BvhNode, Visits, f32)> = all
+            .filter(|(node, (visits, _))| is_written(node, visits))
+            .map(|(node, (visits, cost))| (node, *visits, cost))
+            .collect();
+        let level = Level::of(written.iter().map(|(node, ..)| *node));
+        let shown = || written.iter().filter(|(node, ..)| level.has(node));
+        let visits: Vec<Visits> = shown().map(|(_, visits, _)| *visits).collect();
+        let below = shown().map(|(_, visits, cost)| (f64::from(*cost), visits.n));
+        let title = "Visits and tests in each box, per ray";
+        Self {
+            level,
+            n: visits.len(),
+            cost: match level {
+                Level::Leaves => cost_axis(&visits, cost, "leaf of the hierarchy", "visits"),
+                Level::Depth(_) => Axis::new("measured_cost", title, Spread::Log, most(below)),
+            },
+            wasted: wasted_axis(&visits, "Visits per box that met nothing", "wasted_visits"),
+        }
+    }
+
+    fn value(&self, key: &str) -> Option<Value> {
+        let is_framed = self.n <= MOST_FRAMES;
+        let text = match key {
+            "representation" if is_framed => "Wireframe".to_owned(),
+            "representation" => "Surface With Edges".to_owned(),
+            "line_width" => if is_framed { "3" } else { "1" }.to_owned(),
+            "level.array" => self.level.array().to_owned(),
+            "level" => self.level.number().to_string(),
+            "caption" => self.level.caption(self.n),
             _ => {
-                let (key, [low, high]) = match key.strip_prefix("wasted.") {
-                    Some(key) => (key, scale.ranges[1]),
-                    None => (key, scale.ranges[0]),
+                return match key.strip_prefix("wasted.") {
+                    Some(key) => self.wasted.value(key),
+                    None => self.cost.value(key),
                 };
-                let at = |f: f64| low * (high / low).powf(f);
-                match key.strip_prefix("label(") {
-                    Some(fraction) => between(fraction, |f| rounded(at(f)))?,
-                    None => between(key.strip_prefix("log(")?, at)?,
-                }
             }
         };
-        Some(number.to_string())
+        Some(text.into())
     }
 }
 
-/// To two digits.
-fn rounded(number: f64) -> f64 {
-    format!("{number:.1e}").parse().unwrap_or(number)
+impl Level {
+    /// The leaves, or the deepest level of which the boxes can be told apart.
+    fn of<'n>(written: impl Iterator<Item = &'n BvhNode>) -> Self {
+        let (mut n_leaves, mut n_at) = (0, Vec::new());
+        for node in written {
+            n_leaves += usize::from(node.is_leaf);
+            let depth = node.depth as usize;
+            n_at.resize(n_at.len().max(depth + 1), 0_usize);
+            n_at[depth] += 1;
+        }
+        if (1..=MOST_BOXES).contains(&n_leaves) {
+            return Self::Leaves;
+        }
+        let is_seen = |n: &usize| (1..=MOST_BOXES).contains(n);
+        Self::Depth(n_at.iter().rposition(is_seen).unwrap_or(0) as u32)
+    }
+
+    fn has(self, node: &BvhNode) -> bool {
+        match self {
+            Self::Leaves => node.is_leaf,
+            Self::Depth(depth) => node.depth == depth,
+        }
+    }
+
+    /// The array whose value [`number`](Self::number) the boxes have.
+    fn array(self) -> &'static str {
+        match self {
+            Self::Leaves => "is_leaf",
+            Self::Depth(_) => "depth",
+        }
+    }
+
+    fn number(self) -> u32 {
+        match self {
+            Self::Leaves => 1,
+            Self::Depth(depth) => depth,
+        }
+    }
+
+    fn caption(self, n: usize) -> String {
+        use crate::output::format::count;
+        match self {
+            Self::Leaves if n == 1 => "The only leaf of the hierarchy".to_owned(),
+            Self::Leaves => format!("The {} leaves of the hierarchy", count(n as u64)),
+            Self::Depth(0) => "The hierarchy's root".to_owned(),
+            Self::Depth(depth) => {
+                let n = count(n as u64);
+                format!("The {n} boxes at depth {depth} of the hierarchy")
+            }
+        }
+    }
 }
 
-/// The visits of the primitives that have a surface to show.
-fn shown<'a>(
-    primitives: &'a [Primitive],
-    visits: &'a [Visits],
-) -> impl Iterator<Item = &'a Visits> {
-    let all = primitives.iter().zip(visits);
-    let shown = all.filter(|(primitive, _)| !primitive.is_unbounded());
-    shown.map(|(_, visits)| visits)
+/// The time of each thing, or how often rays came to it.
+fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axis {
+    if cost.has_time() {
+        let times = visits.iter().map(|of| (f64::from(of.time_ns()), of.n_hits));
+        return Axis::new(
+            "time_ns",
+            &format!("Time per {thing}"),
+            Spread::Log,
+            most(times),
+        )
+        .of_time();
+    }
+    let counts = visits.iter().map(|of| (of.n as f64, of.n_hits));
+    let mut name = format!("{count} per {thing}");
+    name[..1].make_ascii_uppercase();
+    Axis::new(count, &name, Spread::Log, most(counts))
 }
 
-/// The dearest leaves; the dearest boxes where no leaf is written.
-fn boxes(hierarchy: &Hierarchy, cost: CostMode, limits: BvhLimits) -> Boxes {
-    let written = || {
-        let all = hierarchy.nodes.iter().zip(&hierarchy.visits);
-        all.filter(|(node, visits)| node.depth <= limits.max_depth && visits.n >= limits.min_visits)
+fn wasted_axis(visits: &[Visits], name: &str, array: &str) -> Axis {
+    let wasted = visits.iter().map(|of| (of.n_wasted() as f64, of.n));
+    Axis::new(array, name, Spread::Log, most(wasted))
+}
+
+/// The positive values between which most of the weight lies: from the 1 % to
+/// the 99 % quantile. What is behind the scene weighs little, and leaves the
+/// colors to what is seen.
+fn most(weighted: impl Iterator<Item = (f64, u64)>) -> [f64; 2] {
+    let mut values: Vec<(f64, u64)> = weighted.filter(|(value, _)| *value > 0.0).collect();
+    values.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
+    if values.iter().all(|(_, weight)| *weight == 0) {
+        values.iter_mut().for_each(|(_, weight)| *weight = 1);
+    }
+    let total = values.iter().map(|(_, weight)| *weight as f64).sum::<f64>();
+    let quantile = |part: f64| {
+        let mut before = 0.0;
+        let is_reached = |(_, weight): &&(f64, u64)| {
+            before += *weight as f64;
+            before >= part * total
+        };
+        values
+            .iter()
+            .find(is_reached)
+            .map_or(1.0, |(value, _)| *value)
     };
-    let has_leaves = written().any(|(node, _)| node.is_leaf);
-    let candidates = written().filter(|(node, _)| node.is_leaf == has_leaves);
-    let mut amounts = amounts(candidates.map(|(_, visits)| visits), cost);
-    let least = amounts.each_mut().map(|amounts| dearest(amounts));
-    Boxes {
-        is_leaf: if has_leaves { 1.0 } else { 0.0 },
-        least,
-        scale: Scale {
-            array: if cost.has_time() { "time_ns" } else { "visits" },
-            title: match cost.has_time() {
-                true => "Time per box (ns)",
-                false => "Visits per box",
-            },
-            ranges: std::array::from_fn(|i| range(&amounts[i], least[i])),
-        },
+    let [low, high] = [0.01, 0.99].map(quantile);
+    // Ends closer than a factor of 1.5 would make colors of what is the same.
+    if high >= 1.5 * low {
+        [low, high]
+    } else {
+        let middle = (low * high).sqrt();
+        [middle / 1.5, middle * 1.5]
     }
 }
 
-/// From the smallest to the largest of the amounts that are shown.
-fn range(amounts: &[f32], least: f64) -> [f64; 2] {
-    let shown = amounts
-        .iter()
-        .copied()
-        .map(f64::from)
-        .filter(|amount| *amount >= least);
-    let (low, high) = shown.fold((f64::INFINITY, least), |(low, high), amount| {
-        (low.min(amount), high.max(amount))
-    });
-    let low = low.min(high);
-    [low, high.max(1.01 * low)]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The amount that as many boxes reach as are to be shown; at least 1.
-fn dearest(amounts: &mut [f32]) -> f64 {
-    let [fewest, most] = SHOWN;
-    let n_shown = (amounts.len() / SHOWN_PART).clamp(fewest, most);
-    match amounts.len().checked_sub(n_shown) {
-        None | Some(0) => 1.0,
-        Some(rank) => f64::from(*amounts.select_nth_unstable_by(rank, f32::total_cmp).1).max(1.0),
+    #[test]
+    fn what_weighs_little_has_no_part_in_the_range() {
+        let seen = (100..200).map(|value| (f64::from(value), 1000));
+        let hidden = (1..100).map(|value| (f64::from(value), 1));
+        assert_eq!(most(seen.chain(hidden)), [100.0, 198.0]);
+        assert_eq!(most([(0.0, 5)].into_iter()), [1.0 / 1.5, 1.5]);
+        let equal = most([(9.0, 0), (9.0, 0)].into_iter());
+        assert!(equal[0] < 9.0 && equal[1] > 9.0);
     }
-}
-
-/// What tells the cost of each, and what was wasted on it.
-fn amounts<'a>(visits: impl Iterator<Item = &'a Visits>, cost: CostMode) -> [Vec<f32>; 2] {
-    let of = |visits: &Visits| match cost.has_time() {
-        true => visits.time_ns(),
-        false => visits.n as f32,
-    };
-    visits
-        .map(|visits| (of(visits), visits.n_wasted() as f32))
-        .unzip::<_, _, Vec<f32>, Vec<f32>>()
-        .into()
 }

@@ -10,22 +10,27 @@
 //!
 //! Here the values take their places and the keys go.
 
+mod template;
+mod panels;
+mod axis;
 mod camera;
 mod ledger;
+mod tiles;
 mod rays;
-mod template;
 
+pub(crate) use axis::{Axis, Spread};
 use camera::Camera;
-pub(crate) use camera::picture_camera;
 use ledger::LedgerValues;
+pub(crate) use panels::Panels;
 pub(super) use rays::of_rays;
+use template::Value;
 pub(crate) use template::fill;
+use tiles::TileValues;
 
 use super::cost_picture::Range;
 use super::measure::Measure;
 use super::{OutputFolder, Rendering, vtk};
 use crate::film::Film;
-use crate::schedule::Schedule;
 
 const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
@@ -41,14 +46,14 @@ pub(super) struct States {
     tiles: String,
     nodes: String,
     surface: String,
-    /// What tells most of the cost, and what comes next.
-    measures: Option<[Measure; 2]>,
+    /// What tells most of the cost, and what comes next: the distance where no
+    /// cost was measured.
+    cost: Axis,
+    counter: Option<Axis>,
     camera: Camera,
     /// Width and height of the picture.
     size: [f64; 2],
-    cost_range: [f64; 2],
-    counter_range: [f64; 2],
-    schedule_ranges: ScheduleRanges,
+    schedule: TileValues,
     /// Hits farther away are not shown.
     max_distance: f64,
     ledger: LedgerValues,
@@ -58,10 +63,17 @@ impl States {
     /// The states that show this rendering's files in this folder.
     pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
         let film = rendering.film;
+        let size = [film.grid.width, film.grid.height].map(f64::from);
+        let n_labels = Panels::of(3, size).n_labels();
         let measures = Measure::best_two(film);
-        let ((distances, counter_range), cost_range) = rayon::join(
-            || (Distances::of(film), counter_range(film, measures)),
-            || cost_range(film, measures),
+        let ((distances, counter), cost) = rayon::join(
+            || {
+                (
+                    Distances::of(film),
+                    measures.map(|[_, second]| counter_axis(film, second)),
+                )
+            },
+            || cost_axis(film, measures.map(|[first, _]| first)),
         );
         let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
@@ -70,12 +82,11 @@ impl States {
             tiles: path_of(vtk::TILES),
             nodes: path_of(vtk::NODES),
             surface: path_of(vtk::SURFACE),
-            measures,
+            cost: cost.with_labels(n_labels),
+            counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
-            size: [film.grid.width, film.grid.height].map(f64::from),
-            cost_range,
-            counter_range,
-            schedule_ranges: ScheduleRanges::of(rendering.schedule),
+            size,
+            schedule: TileValues::of(rendering.schedule, n_labels),
             max_distance: distances.max_shown,
             ledger: LedgerValues::of(rendering),
         }
@@ -106,64 +117,48 @@ impl States {
         fill(SURFACE, |key| self.value(key))
     }
 
-    /// The dearest boxes of the hierarchy.
+    /// The boxes of the hierarchy by their cost.
     pub(super) fn bvh(&self) -> String {
         fill(BVH, |key| self.value(key))
     }
 
-    fn value(&self, key: &str) -> Option<String> {
-        match key {
-            vtk::NODES => Some(self.nodes.clone()),
-            vtk::SURFACE => Some(self.surface.clone()),
-            vtk::HITS => Some(self.hits.clone()),
-            vtk::FRAME => Some(self.frame.clone()),
-            vtk::TILES => Some(self.tiles.clone()),
-            "cost.array" => Some(self.cost().0.to_owned()),
-            "cost.title" => Some(self.cost().1.to_owned()),
-            "cost.log10" => Some(format!("log10({})", self.cost().0)),
-            "cost.log10.title" => Some(format!("{}, log scale", self.cost().1)),
-            "counter.array" => Some(self.measures?[1].array.to_owned()),
-            "counter.title" => Some(self.measures?[1].axis.to_owned()),
-            _ => self
-                .ledger
-                .value(key)
-                .or_else(|| self.number(key).map(|number| number.to_string())),
-        }
-    }
-
-    /// The array that the cloud is coloured by, and its title: the distance
-    /// where no cost was measured.
-    fn cost(&self) -> (&'static str, &'static str) {
-        match self.measures {
-            Some([cost, _]) => (cost.array, cost.axis),
-            None => ("distance", "Distance from the camera"),
-        }
-    }
-
-    fn number(&self, key: &str) -> Option<f64> {
-        if let Some(fraction) = key.strip_prefix("cost.log(") {
-            let [low, high] = self.cost_range;
-            return between(fraction, |f| low * (high / low).powf(f));
-        }
-        if let Some(fraction) = key.strip_prefix("cost.log10(") {
-            let [low, high] = self.cost_range.map(f64::log10);
-            return between(fraction, |f| low + (high - low) * f);
-        }
-        if let Some(fraction) = key.strip_prefix("counter.linear(") {
-            let [low, high] = self.counter_range;
-            return between(fraction, |f| low + (high - low) * f);
-        }
-        if let Some(rest) = key.strip_prefix("tiles.") {
-            return self.schedule_ranges.number(rest);
-        }
-        if let Some(rest) = key.strip_prefix("image.") {
-            return picture_camera(self.size, rest);
+    fn value(&self, key: &str) -> Option<Value> {
+        let path = match key {
+            vtk::NODES => Some(&self.nodes),
+            vtk::SURFACE => Some(&self.surface),
+            vtk::HITS => Some(&self.hits),
+            vtk::FRAME => Some(&self.frame),
+            vtk::TILES => Some(&self.tiles),
+            _ => None,
+        };
+        if let Some(path) = path {
+            return Some(path.clone().into());
         }
         if key == "hits.max_distance" {
-            return Some(self.max_distance);
+            return Some(self.max_distance.to_string().into());
         }
-        self.camera.number(key.strip_prefix("camera.")?)
+        if let Some(value) = self.camera.value(self.size, key) {
+            return Some(value);
+        }
+        let part = key.split_once('.');
+        match part? {
+            ("cost", key) => self.cost.value(key),
+            ("counter", key) => self.counter.as_ref()?.value(key),
+            ("tiles", key) => self.schedule.value(key),
+            _ => (self.ledger.value(key)).or_else(|| value_of_panels(self.size, key)),
+        }
     }
+}
+
+/// The value of a key of an arrangement of panels, `panels3.outer`, or of the
+/// camera of a picture in one of them, `image3.parallel_scale`.
+pub(crate) fn value_of_panels(size: [f64; 2], key: &str) -> Option<Value> {
+    if let Some((n, split)) = Panels::split_key(key, "panels") {
+        return Some(Panels::of(n, size).direction(split)?.to_string().into());
+    }
+    let (n, key) = Panels::split_key(key, "image")?;
+    let number = Panels::of(n, size).panel().picture_camera(size, key)?;
+    Some(number.to_string().into())
 }
 
 /// The interpolated value for the text behind `log(` or `linear(`: a fraction
@@ -172,58 +167,34 @@ pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Optio
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }
 
-/// The values that the colours of the cost span, without outliers as in
-/// `cost.png`; those of the distance where no cost was measured.
-fn cost_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
-    let range = match measures {
-        Some([cost, _]) => Range::of(&cost.of(film)),
-        None => Range::of(film.rows(|strip| &strip.distance).flatten()),
+/// What tells most of the cost, over the values that its colors span: without
+/// outliers, as in `cost.png`.
+fn cost_axis(film: &Film, measure: Option<Measure>) -> Axis {
+    let axis =
+        |array, name, range: Range| Axis::new(array, name, Spread::Log, [range.low, range.high]);
+    let Some(measure) = measure else {
+        let range = Range::of(film.rows(|strip| &strip.distance).flatten());
+        return axis("distance", "Distance from the camera", range);
     };
-    [range.low, range.high]
-}
-
-/// Least and greatest value of the second measure, at least 1 apart.
-fn counter_range(film: &Film, measures: Option<[Measure; 2]>) -> [f64; 2] {
-    let counts = measures.map_or_else(Vec::new, |[_, counter]| counter.of(film));
-    let least = counts.iter().copied().reduce(f32::min);
-    let low = f64::from(least.unwrap_or(0.0));
-    let high = counts.iter().copied().map(f64::from);
-    [low, high.fold(low + 1.0, f64::max)]
-}
-
-/// The values that the colours of the tiles span.
-struct ScheduleRanges {
-    /// Without outliers: a thread that was interrupted shows no more than that.
-    duration_ns: Range,
-    last_start_ns: f64,
-    last_thread: f64,
-}
-
-impl ScheduleRanges {
-    fn of(schedule: &Schedule) -> Self {
-        let runs = &schedule.runs;
-        let durations: Vec<f32> = runs.iter().map(|run| run.duration_ns() as f32).collect();
-        let last_start = runs.iter().map(|run| run.start_ns).max();
-        Self {
-            duration_ns: Range::of(&durations),
-            last_start_ns: last_start.unwrap_or(0).max(1) as f64,
-            last_thread: f64::from(schedule.n_threads - 1).max(1.0),
-        }
+    let range = Range::of(&measure.of(film));
+    match measure.axis.strip_suffix(" (ns)") {
+        Some(name) => axis(measure.array, name, range).of_time(),
+        None => axis(measure.array, measure.axis, range),
     }
+}
 
-    /// The value of a key without its `tiles.`.
-    fn number(&self, key: &str) -> Option<f64> {
-        let (name, fraction) = key.split_once('(')?;
-        match name {
-            "duration.log" => {
-                let Range { low, high, .. } = self.duration_ns;
-                between(fraction, |f| low * (high / low).powf(f))
-            }
-            "start.linear" => between(fraction, |f| self.last_start_ns * f),
-            "thread.linear" => between(fraction, |f| self.last_thread * f),
-            _ => None,
-        }
-    }
+/// The measure without the one value in 200 that is least and the one that is
+/// greatest; the ends are at least 1 apart.
+fn counter_axis(film: &Film, measure: Measure) -> Axis {
+    let mut counts = measure.of(film);
+    let last = counts.len() - 1;
+    let mut quantile = |part: usize| {
+        let (_, count, _) = counts.select_nth_unstable_by(last * part / 200, f32::total_cmp);
+        f64::from(*count)
+    };
+    let [low, high] = [1, 199].map(&mut quantile);
+    let ends = [low, high.max(low + 1.0)];
+    Axis::new(measure.array, measure.axis, Spread::Linear, ends)
 }
 
 /// How far the hits are along their camera rays.

@@ -1,28 +1,65 @@
 //! Filling in a state that carries keys.
 
-/// The template with every `value="…" fill="KEY"` replaced by
-/// `value="VALUE"`; a key that `value` does not know keeps what the template
-/// has. Values are escaped to ASCII.
-pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
+/// What takes the place of what a key marks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Value {
+    /// An attribute's value.
+    One(String),
+    /// All elements of a property.
+    Many(Vec<String>),
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::One(text)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::One(text.to_owned())
+    }
+}
+
+/// The template with the attribute before each `fill="KEY"` replaced by what
+/// `value` has for the key, and the keys taken out. A key of a `<Property>`
+/// stands for all of its elements. A key that `value` does not know keeps what
+/// the template has. Values are escaped to ASCII.
+pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<Value>) -> String {
     let mut filled = String::with_capacity(template.len());
-    for line in template.split_inclusive('\n') {
-        let Some((element, key, rest)) = marked(line) else {
+    let mut lines = template.split_inclusive('\n');
+    while let Some(line) = lines.next() {
+        let Some((before, old, key, after)) = marked(line) else {
             filled += line;
             continue;
         };
-        let (before, old) = element.rsplit_once(" value=\"").unwrap_or((element, ""));
-        let new = value(key).map_or_else(|| old.to_owned(), |text| escape(&text));
-        filled += &format!("{before} value=\"{new}\"{rest}");
+        match value(key) {
+            None => filled += &format!("{before}=\"{old}\"{after}"),
+            Some(Value::One(new)) => filled += &format!("{before}=\"{}\"{after}", escape(&new)),
+            Some(Value::Many(new)) => {
+                filled += &format!("{before}=\"{}\"{after}", new.len());
+                for (index, value) in new.iter().enumerate() {
+                    let value = escape(value);
+                    filled += &format!("<Element index=\"{index}\" value=\"{value}\"/>\n");
+                }
+                let is_old = |line: &&str| line.trim_start().starts_with("<Element ");
+                filled += lines
+                    .by_ref()
+                    .find(|line| !is_old(line))
+                    .unwrap_or_default();
+            }
+        }
     }
     filled
 }
 
-/// `<Element … value="OLD` and `KEY` and what follows its quote, of a line
-/// that has a key.
-fn marked(line: &str) -> Option<(&str, &str, &str)> {
+/// The line up to the attribute's `=`, the attribute's value, the key and what
+/// follows it, of a line that has a key.
+fn marked(line: &str) -> Option<(&str, &str, &str, &str)> {
     let (element, mark) = line.split_once("\" fill=\"")?;
-    let (key, rest) = mark.split_once('"')?;
-    Some((element, key, rest))
+    let (key, after) = mark.split_once('"')?;
+    let (before, old) = element.rsplit_once("=\"")?;
+    Some((before, old, key, after))
 }
 
 /// XML text in ASCII, other characters by their numbers: a PNG's text chunk
@@ -52,11 +89,21 @@ mod tests {
             "<P>\n <E index=\"0\" value=\"old\" fill=\"a.b(0.5)\"/>\n <E value=\"1\"/>\n</P>";
         let filled = fill(template, |key| {
             assert_eq!(key, "a.b(0.5)");
-            Some("<é & \"ü\">".to_owned())
+            Some("<é & \"ü\">".into())
         });
         let expected = "<P>\n <E index=\"0\" value=\"&lt;&#233; &amp; &quot;&#252;&quot;&gt;\"/>\n <E value=\"1\"/>\n</P>";
         assert_eq!(filled, expected);
         let kept = fill(template, |_| None);
         assert!(kept.contains("value=\"old\"/>"), "{kept}");
+    }
+
+    #[test]
+    fn a_marked_property_gets_as_many_elements_as_there_are_values() {
+        let template = "<Property name=\"a\" number_of_elements=\"1\" fill=\"k\">\n <Element index=\"0\" value=\"old\"/>\n</Property>\n<Other/>\n";
+        let filled = fill(template, |_| {
+            Some(Value::Many(vec!["x".into(), "y".into()]))
+        });
+        let expected = "<Property name=\"a\" number_of_elements=\"2\">\n<Element index=\"0\" value=\"x\"/>\n<Element index=\"1\" value=\"y\"/>\n</Property>\n<Other/>\n";
+        assert_eq!(filled, expected);
     }
 }

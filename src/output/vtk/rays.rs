@@ -87,6 +87,7 @@ impl<'a> Rays<'a> {
             arrays.push(self.array("time_ns", |ray| ray.time_ns));
         }
         arrays.push(self.array("contribution", |ray| ray.contribution.to_array()));
+        arrays.push(self.array("direction", |ray| ray.ray.direction.to_array()));
         arrays
     }
 

@@ -1,0 +1,60 @@
+//! ParaView's own window opens every state without an error or a warning, and
+//! shows it: `pvbatch` is silent where the window is not. Pictures of the screen
+//! stay in `target/paraview/`, to be looked at.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::common::paraview::{render, screenshot, trace};
+use crate::common::{assert_success, in_repository, raycost};
+
+/// What the window says of a state.
+fn open(state: &Path, out: &Path, name: &str) -> Output {
+    Command::new("xvfb-run")
+        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])
+        .arg(in_repository("tests/in-paraview-window"))
+        .args([state, &screenshot(out, name)])
+        .env("RAYCOST_OUT", out)
+        .output()
+        .expect("run tests/with-paraview")
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn every_state_opens_in_the_window_without_a_message() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "window", &["--also=schedule,surface,bvh"]);
+    trace(&scene, "window", &["--pixel=290,190"]);
+    let before = render(&scene, "before the window", &[]);
+    let mut diff = raycost();
+    diff.arg("diff")
+        .args([&before, &out])
+        .arg("--out")
+        .arg(&out);
+    assert_success(&diff.output().unwrap());
+    for state in [
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh", "rays", "diff",
+    ] {
+        let file = out.join(state).with_extension("pvsm");
+        assert_success(&open(&file, &out, state));
+    }
+    let template = in_repository("paraview/heatmap.pvsm");
+    assert_success(&open(&template, &out, "heatmap by variable"));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn a_message_of_the_window_is_noticed() {
+    let scene = in_repository("configs/seed_sphere.yaml");
+    let out = render(&scene, "window with messages", &[]);
+    // As these pictures were shown once.
+    let state = fs::read_to_string(out.join("heatmap.pvsm")).unwrap();
+    let slices = state.replace("\"Point Gaussian\"", "\"Slice\"");
+    let file = out.join("slices.pvsm");
+    fs::write(&file, slices).unwrap();
+    let opened = open(&file, &out, "slices");
+    assert_eq!(opened.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&opened.stdout);
+    assert!(said.contains("Mapper has no vtkImageData input"), "{said}");
+}
