@@ -49,7 +49,7 @@ def geometry(out):
     cost = in_unit(hits, "POINTS", "cost", "time_ns")
     color, by_cost = (render_view(scene_camera(2)) for _ in range(2))
     put(cloud(hits, color), **true_colors())
-    caption("True colors", color)
+    caption(Fill("hits.caption", "True colors"), color)
     inferno = color_map(cost, "cost", INFERNO, "log", "cost")
     put(cloud(cost, by_cost), ColorArrayName=["POINTS", "cost"], LookupTable=inferno)
     color_bar(inferno, by_cost)
@@ -392,13 +392,13 @@ def bars(source, array, ends, title):
     pv.RenameSource("Histogram", bins)
     view = put(
         pv.CreateView("XYBarChartView"),
-        ChartTitle="How many pixels have which value",
+        ChartTitle="Histogram",
         ChartTitleFontSize=16,
         BottomAxisTitle=title,
-        BottomAxisTitleFontSize=18,
+        BottomAxisTitleFontSize=16,
         BottomAxisLabelFontSize=14,
         LeftAxisTitle="Pixels",
-        LeftAxisTitleFontSize=18,
+        LeftAxisTitleFontSize=16,
         LeftAxisLabelFontSize=14,
         ShowLegend=0,
     )
@@ -507,7 +507,7 @@ def bar(color_bar, title):
 
 def caption(text, view):
     source = put(pv.Text(), Text=text)
-    pv.RenameSource(text.value if isinstance(text, Fill) else text, source)
+    pv.RenameSource(f"Title {text.key}" if isinstance(text, Fill) else text, source)
     put(pv.Show(source, view), WindowLocation="Upper Center", FontSize=18, Color=BLACK)
 
 

@@ -4,7 +4,7 @@
 
 Exits with 0 if everything holds, with 1 and one FAIL line a problem if not:
 - each source reads a file of DATADIR, gives points or rows, and every array has a finite range;
-- the required arrays exist, and so does each array that a view colours by;
+- the required arrays exist, and so does each array that a view colors by;
 - VTK reports no error from loading to the last picture;
 - no view is blank: hiding the data changes its pixels.
 
@@ -86,19 +86,19 @@ def check_source(name, source, args):
     for array in arrays(source):
         low, high = array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0)
         print(f"  {array.GetName()}[{array.GetNumberOfComponents()}] {low:.6g} .. {high:.6g}")
-        is_finite = np.isfinite([low, high]).all() or array.GetName().endswith("_ratio")  # 1 / 0, in a diff
+        is_finite = np.isfinite([low, high]).all() or array.GetName().endswith("ratio")  # 1 / 0, in a diff
         if not (args.allow_empty or (is_finite and low <= high)):
             yield f"{name}: {array.GetName()} ranges from {low} to {high}"
 
 
 def check_view(view):
-    """The arrays its representations colour by, and whether hiding them changes the picture."""
+    """The arrays its representations color by, and whether hiding them changes the picture."""
     shown = [r for r in view.Representations if "ColorArrayName" in r.ListProperties() and r.Visibility]
     for representation in shown:
         where, array = (list(representation.ColorArrayName) + [None, None])[:2]
         data = {"POINTS": "PointData", "CELLS": "CellData"}.get(where)
         if array and getattr(representation.Input, data).GetArray(array) is None:
-            yield f"a view colours by {array}, which its source does not have"
+            yield f"a view colors by {array}, which its source does not have"
     kind = view.GetXMLName()
     if kind != "RenderView":
         shown = list(view.Representations)

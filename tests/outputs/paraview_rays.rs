@@ -1,5 +1,5 @@
 //! ParaView loads `rays.pvsm` without a word of complaint, and shows rays in
-//! the colours of their kinds. Screenshots stay in `target/paraview/`.
+//! the colors of their kinds. Screenshots stay in `target/paraview/`.
 
 use std::path::{Path, PathBuf};
 
@@ -22,11 +22,11 @@ fn shown(scene: &str, name: &str, arguments: &[&str], cost: &str) -> (PathBuf, R
     (out, image::open(picture).unwrap().to_rgb8())
 }
 
-/// How many pixels of the left view, without its legend, have this colour.
-fn n_pixels(picture: &RgbImage, colour: [u8; 3]) -> usize {
+/// How many pixels of the left view, without its legend, have this color.
+fn n_pixels(picture: &RgbImage, color: [u8; 3]) -> usize {
     let [width, height] = [picture.width() / 2, picture.height() * 8 / 10];
     let pixels = picture.enumerate_pixels();
-    let like = |pixel: &[u8; 3]| pixel.iter().zip(&colour).all(|(a, b)| a.abs_diff(*b) <= 2);
+    let like = |pixel: &[u8; 3]| pixel.iter().zip(&color).all(|(a, b)| a.abs_diff(*b) <= 2);
     let in_view = pixels.filter(|(x, y, _)| *x < width && *y < height);
     in_view.filter(|(.., pixel)| like(&pixel.0)).count()
 }
@@ -39,10 +39,10 @@ fn read(out: &Path) -> String {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
     let (out, picture) = shown("seed_extended", "rays", &["--pixel=290,190"], "time_ns");
-    for colour in KINDS {
-        assert!(n_pixels(&picture, colour) > 300, "{colour:?}");
+    for color in KINDS {
+        assert!(n_pixels(&picture, color) > 300, "{color:?}");
     }
-    assert!(read(&out).contains("Time of each ray (ns)"));
+    assert!(read(&out).contains("Time of each ray (&#181;s)"));
     // The state of the repository shows any output.
     let file = in_repository("paraview/rays.pvsm");
     let by_variable = screenshot(&out, "rays by variable");
@@ -54,8 +54,8 @@ fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
 fn the_rays_of_a_rectangle_are_shown() {
     let pixels = ["--pixel=380..419,200..229", "--spp=1"];
     let (_, picture) = shown("hall_of_mirrors", "rays of many", &pixels, "time_ns");
-    for colour in KINDS {
-        assert!(n_pixels(&picture, colour) > 1000, "{colour:?}");
+    for color in KINDS {
+        assert!(n_pixels(&picture, color) > 1000, "{color:?}");
     }
 }
 
@@ -64,8 +64,8 @@ fn the_rays_of_a_rectangle_are_shown() {
 fn rays_through_parallel_pixels_and_to_a_light_without_end_are_shown() {
     let pixels = ["--pixel=150..250,200", "--cost=counters"];
     let (out, picture) = shown("orthographic_grid", "parallel rays", &pixels, "node_visits");
-    for colour in &KINDS[..2] {
-        assert!(n_pixels(&picture, *colour) > 300, "{colour:?}");
+    for color in &KINDS[..2] {
+        assert!(n_pixels(&picture, *color) > 300, "{color:?}");
     }
     assert!(read(&out).contains("BVH nodes visited by each ray"));
 }

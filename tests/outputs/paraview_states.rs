@@ -126,7 +126,8 @@ fn what_things_cost_is_shown() {
         ] {
             let file = out.join(state).with_extension("pvsm");
             let text = fs::read_to_string(&file).unwrap();
-            assert_eq!(text.contains("value=\"time_ns\""), cost.is_none());
+            let is_timed = cost.is_none() && !(state == "bvh" && name == "charged root");
+            assert_eq!(text.contains("time_ns*"), is_timed, "{name}, {state}");
             let require = format!("--require={arrays}");
             let flags = ["--from-state", &require];
             assert_success(&load(&file, &out, &screenshot(&out, state), &flags));

@@ -128,6 +128,8 @@ fn compare_rays(traced: &Traced, file: &Path) {
     }
     let contributions = rays.iter().map(|ray| ray.contribution.to_array());
     assert!(found.array("contribution").triples().eq(contributions));
+    let directions = rays.iter().map(|ray| ray.ray.direction.to_array());
+    assert!(found.array("direction").triples().eq(directions));
     assert_eq!(
         found.array("connectivity"),
         &integers("connectivity", 0..2 * n)

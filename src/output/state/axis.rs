@@ -73,9 +73,13 @@ impl Axis {
     }
 
     /// The same for times in nanoseconds, shown in the largest unit in which
-    /// the greatest is at least 1, and in µs if none is.
+    /// the middle of the axis is not small, and in µs if it is in all.
     pub(crate) fn of_time(self) -> Self {
-        let fits = |unit: &&TimeUnit| self.high >= unit.ns;
+        let middle = match self.spread {
+            Spread::Log => (self.low * self.high).sqrt(),
+            Spread::Linear | Spread::AroundZero => 0.5 * self.high,
+        };
+        let fits = |unit: &&TimeUnit| middle >= 0.1 * unit.ns;
         let unit = TIME_UNITS.iter().rfind(fits).unwrap_or(&TIME_UNITS[0]);
         Self {
             unit: Some(*unit),
@@ -217,7 +221,7 @@ mod tests {
             (3e6, "Time (ms)", "time_ns*0.000001"),
             (2e9, "Time (s)", "time_ns*0.000000001"),
         ] {
-            let axis = axis(Spread::Log, [10.0, high]).of_time();
+            let axis = axis(Spread::Log, [0.1 * high, high]).of_time();
             assert_eq!(
                 (axis.title().as_str(), axis.formula().as_str()),
                 (title, formula)

@@ -13,9 +13,9 @@ use crate::output::Rendering;
 /// level are shown.
 const MOST_BOXES: usize = 3000;
 /// Up to so many boxes are drawn as frames, through which the scene is seen.
-const MOST_FRAMES: usize = 40;
+const MOST_FRAMES: usize = 200;
 /// Up to so many primitives are drawn with their edges.
-const MOST_EDGES: usize = 2000;
+const MOST_EDGES: usize = 100;
 
 /// The values of the keys that begin with `bvh.` and `surface.`.
 #[derive(Default)]
@@ -130,7 +130,7 @@ impl Boxes {
         let text = match key {
             "representation" if is_framed => "Wireframe".to_owned(),
             "representation" => "Surface With Edges".to_owned(),
-            "line_width" => if is_framed { "3" } else { "1" }.to_owned(),
+            "line_width" => if self.n <= 40 { "3" } else { "1.5" }.to_owned(),
             "level.array" => self.level.array().to_owned(),
             "level" => self.level.number().to_string(),
             "caption" => self.level.caption(self.n),

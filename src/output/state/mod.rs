@@ -54,6 +54,7 @@ pub(super) struct States {
     /// Width and height of the picture.
     size: [f64; 2],
     schedule: TileValues,
+    has_hits: bool,
     /// Hits farther away are not shown.
     max_distance: f64,
     ledger: LedgerValues,
@@ -87,6 +88,7 @@ impl States {
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
             size,
             schedule: TileValues::of(rendering.schedule, n_labels),
+            has_hits: distances.median.is_some(),
             max_distance: distances.max_shown,
             ledger: LedgerValues::of(rendering),
         }
@@ -134,8 +136,12 @@ impl States {
         if let Some(path) = path {
             return Some(path.clone().into());
         }
-        if key == "hits.max_distance" {
-            return Some(self.max_distance.to_string().into());
+        match key {
+            "hits.max_distance" => return Some(self.max_distance.to_string().into()),
+            "hits.caption" if !self.has_hits => {
+                return Some("True colors: no ray met anything".into());
+            }
+            _ => {}
         }
         if let Some(value) = self.camera.value(self.size, key) {
             return Some(value);

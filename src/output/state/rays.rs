@@ -19,8 +19,9 @@ const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
 /// hits up to its horizon, and ParaView clips all that is 1000 times nearer
 /// than the farthest point.
 const LONGEST: f32 = 50.0;
-/// How far from the middle the points are that the view is to hold, in radii.
-const FRAMED: f32 = 1.5;
+/// How far from the middle the points are that the view is to hold, in radii:
+/// those of rays and those of the scene.
+const FRAMED: [f32; 2] = [1.5, 0.8];
 /// So many rays are drawn as wide lines; more would cover each other.
 const FEW: usize = 300;
 /// The view's vertical angle in degrees.
@@ -133,13 +134,14 @@ impl SideView {
         // Each point's coordinates from the ball's middle along these axes.
         let Reach { center, radius } = rays.reach;
         let center = camera.mirrored(center);
-        let seen: Vec<Vec3> = rays
-            .iter()
-            .flat_map(|ray| rays.line(ray))
-            .chain(hits(rays, max_distance))
-            .map(|point| camera.mirrored(point) - center)
-            .filter(|point| point.length() <= FRAMED * radius)
-            .map(|point| Vec3::from(axes.map(|axis| axis.dot(point))))
+        let ends = rays.iter().flat_map(|ray| rays.line(ray));
+        let ends = ends.map(|point| (point, FRAMED[0]));
+        let hits = hits(rays, max_distance).map(|point| (point, FRAMED[1]));
+        let seen: Vec<Vec3> = ends
+            .chain(hits)
+            .map(|(point, within)| (camera.mirrored(point) - center, within))
+            .filter(|(point, within)| point.length() <= within * radius)
+            .map(|(point, _)| Vec3::from(axes.map(|axis| axis.dot(point))))
             .collect();
         let least = seen.iter().copied().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
         let most = seen.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);

@@ -40,9 +40,7 @@ impl TileValues {
             // Without an array, all tiles have the same light gray.
             ("thread", "array") if is_alone => Some("".into()),
             ("thread", "bar") => Some(if is_alone { "0" } else { "1" }.into()),
-            ("thread", "caption") if is_alone => {
-                Some("Thread of each tile: one thread rendered all of them".into())
-            }
+            ("thread", "caption") if is_alone => Some("Thread: one rendered all tiles".into()),
             ("thread", _) => self.thread.value(rest),
             ("duration", _) => self.duration.value(rest),
             ("start", _) => self.start.value(rest),
