@@ -1,6 +1,6 @@
 //! How long the VTK files of a 4K picture take with each codec, beside a plain
 //! `write()` of the raw bytes, and how long raycost takes to read them again:
-//! `cargo bench --bench vtk_write [-- FOLDER]`.
+//! `cargo bench --bench vtk_write [-- FOLDER] [-- --json FILE]`.
 //!
 //! All take turns in one process, so that a drifting machine meets all alike.
 //! FOLDER is where the files go; a folder in memory (/dev/shm, if there is one,
@@ -13,6 +13,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use clap::Parser;
 use raycost::accel::Accel;
 use raycost::config::{Codec, Config, CostMode};
 use raycost::cost::Meter;
@@ -21,17 +22,37 @@ use raycost::output::{write_frame, write_hits};
 use raycost::render::{Plan, render};
 use raycost::results::{Frame, Hits};
 use raycost::scene::{Geometries, Scene};
+use raycost::statistics::{Ratio, SampleStatistics};
 use raycost::yaml::Source;
+use serde_json::{Value, json};
 
 const N_ROUNDS: usize = 9;
 
+/// Columns and rows of the picture.
+const SIZE: [u32; 2] = [3840, 2160];
+
 const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
+
+/// Time the VTK writer.
+#[derive(Debug, Parser)]
+struct Options {
+    /// Where the files go [default: a folder in memory]
+    folder: Option<PathBuf>,
+    /// Also write the medians, with their intervals, to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Given by `cargo bench`
+    #[arg(long, hide = true)]
+    bench: bool,
+}
 
 type Writer = fn(&Film, Codec, &mut BufWriter<File>) -> std::io::Result<()>;
 
 fn main() {
-    let film = film(3840, 2160);
-    let folder = folder();
+    let options = Options::parse();
+    let [width, height] = SIZE;
+    let film = film(width, height);
+    let folder = options.folder.unwrap_or_else(folder_in_memory);
     println!(
         "{N_ROUNDS} rounds in {}, {} hits, {} threads\n",
         folder.display(),
@@ -41,23 +62,28 @@ fn main() {
     println!("                      MB   write s   of plain   read s");
     let path = |name| folder.join(format!("raycost-bench-{name}"));
     let frame = path("frame.vti");
-    compare("frame.vti", &film, write_frame, &frame, || {
+    let mut rows = compare("frame.vti", &film, write_frame, &frame, || {
         let mut frame = Frame::open(&frame).unwrap();
         for info in frame.arrays().to_vec() {
             black_box(frame.read(&info.name).unwrap());
         }
     });
     let hits = path("hits.vtu");
-    compare("hits.vtu", &film, write_hits, &hits, || {
+    rows.extend(compare("hits.vtu", &film, write_hits, &hits, || {
         let mut hits = Hits::open(&hits).unwrap();
         for info in hits.arrays().to_vec() {
             black_box(hits.read(&info.name).unwrap());
         }
-    });
+    }));
+    if let Some(path) = options.json {
+        let size = json!({ "width": width, "height": height, "rows": rows });
+        std::fs::write(path, format!("{size:#}\n")).unwrap();
+    }
 }
 
-/// Times a file with each codec, and a plain write of its raw bytes, in turn.
-fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()) {
+/// Times a file with each codec, and a plain write of its raw bytes, in turn;
+/// gives a row for each codec.
+fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()) -> Vec<Value> {
     let write = |codec| {
         let mut out = BufWriter::with_capacity(1 << 20, File::create(path).unwrap());
         writer(film, codec, &mut out).unwrap();
@@ -66,7 +92,7 @@ fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()
     write(Codec::None);
     let bytes = std::fs::read(path).unwrap();
     let mut plain = Vec::new();
-    let mut times = CODECS.map(|_| (Vec::new(), Vec::new()));
+    let mut times = CODECS.map(|_| [Vec::new(), Vec::new()]);
     let mut n_bytes = [0; CODECS.len()];
     for _ in 0..N_ROUNDS {
         std::fs::remove_file(path).ok();
@@ -75,39 +101,43 @@ fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()
         }));
         for ((codec, times), n_bytes) in CODECS.iter().zip(&mut times).zip(&mut n_bytes) {
             std::fs::remove_file(path).unwrap();
-            times.0.push(seconds(|| write(*codec)));
-            times.1.push(seconds(&read));
+            times[0].push(seconds(|| write(*codec)));
+            times[1].push(seconds(&read));
             *n_bytes = path.metadata().unwrap().len();
         }
     }
     std::fs::remove_file(path).unwrap();
 
-    let plain = median(plain);
-    let line = |what: &str, n_bytes: u64, write: f64| {
-        let (mb, ratio) = (n_bytes as f64 / 1e6, write / plain);
+    let line = |what: &str, n_bytes: u64, write: &[f64]| {
+        let (mb, write) = (n_bytes as f64 / 1e6, statistics(write).median);
+        let ratio = write / statistics(&plain).median;
         print!("{name:<9}  {what:<5}  {mb:6.1}   {write:7.3}   {ratio:8.2}");
     };
-    line("plain", bytes.len() as u64, plain);
+    line("plain", bytes.len() as u64, &plain);
     println!();
-    for ((codec, (writes, reads)), n_bytes) in CODECS.iter().zip(times).zip(n_bytes) {
-        line(
-            &format!("{codec:?}").to_lowercase(),
-            n_bytes,
-            median(writes),
-        );
-        println!("   {:6.3}", median(reads));
-    }
+    let row = |codec: &Codec, [writes, reads]: &[Vec<f64>; 2], n_bytes: u64| {
+        let codec = format!("{codec:?}").to_lowercase();
+        line(&codec, n_bytes, writes);
+        println!("   {:6.3}", statistics(reads).median);
+        json!({
+            "file": name, "codec": codec, "bytes": n_bytes,
+            "write_s": statistics(writes), "read_s": statistics(reads),
+            "write_over_plain": Ratio::of(&plain, writes),
+        })
+    };
+    let rows = CODECS.iter().zip(&times).zip(n_bytes);
+    rows.map(|((codec, times), n_bytes)| row(codec, times, n_bytes))
+        .collect()
+}
+
+fn statistics(seconds: &[f64]) -> SampleStatistics {
+    SampleStatistics::of(seconds).expect("there are rounds")
 }
 
 fn seconds(work: impl FnOnce()) -> f64 {
     let start = Instant::now();
     work();
     start.elapsed().as_secs_f64()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 fn film(width: u32, height: u32) -> Film {
@@ -123,15 +153,12 @@ fn film(width: u32, height: u32) -> Film {
     render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }
 
-/// The folder that the command line names, or one in memory.
-fn folder() -> PathBuf {
-    let named = std::env::args()
-        .skip(1)
-        .find(|argument| !argument.starts_with('-'));
+/// The system's folder in memory, or its temporary one.
+fn folder_in_memory() -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
-    match named {
-        Some(folder) => folder.into(),
-        None if memory.is_dir() => memory,
-        None => std::env::temp_dir(),
+    if memory.is_dir() {
+        memory
+    } else {
+        std::env::temp_dir()
     }
 }

@@ -152,10 +152,10 @@ impl<'a> Arena<'a> {
         let embree = devices
             .iter()
             .map(|(isa, _)| *isa)
-            .zip(times[1..].iter().copied());
+            .zip(times[1..].iter().map(Vec::as_slice));
         let (isa, theirs) = fastest(embree).ok_or("there is no Embree device")?;
         let n = self.primitives.len();
-        Ok(Outcome::new(Discipline::Build, n, times[0], theirs, isa))
+        Ok(Outcome::new(Discipline::Build, n, &times[0], theirs, isa))
     }
 
     /// Embree's devices for the instruction sets of the CPU.

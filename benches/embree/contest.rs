@@ -6,7 +6,7 @@ use raycost::accel::Accel;
 
 use crate::device::Scene;
 use crate::kernel::{BareStream, CountingStream, Kernel, Single};
-use crate::race::Course;
+use crate::race::{Course, median};
 use crate::rays::{Kind, Rays};
 use crate::report::{Discipline, Outcome};
 use crate::trace::{Packets, Singles};
@@ -63,18 +63,18 @@ pub fn outcomes(
     let (bare_stream, counting_stream) = (BareStream(accel), CountingStream(accel));
     let mut kernels: Vec<&dyn Kernel> = vec![&bare, &counting, &bare_stream, &counting_stream];
     kernels.extend(rivals.iter().map(|rival| rival.kernel.as_ref()));
-    let times = course.medians(&kernels, rays);
-    let [bare, counting, bare_stream, counting_stream] = [0, 1, 2, 3].map(|i| times[i]);
+    let times = course.times(&kernels, rays);
+    let [bare, counting, bare_stream, counting_stream] = [0, 1, 2, 3].map(|i| times[i].as_slice());
     let theirs = &times[4..];
 
     let fastest_of = |packets: bool| {
         let all = rivals.iter().zip(theirs);
         let some = all.filter(|(rival, _)| rival.takes_packets == packets);
-        fastest(some.map(|(rival, &seconds)| (rival.isa, seconds)))
+        fastest(some.map(|(rival, times)| (rival.isa, times.as_slice())))
     };
-    let outcome = |discipline, ours, bare, embree: Option<(&'static str, f64)>| {
+    let outcome = |discipline, ours, bare, embree: Option<(&'static str, &[f64])>| {
         embree.map(|(isa, theirs)| Outcome {
-            counters_cost: Some(ours / bare - 1.0),
+            counters_cost: Some(median(ours) / median(bare) - 1.0),
             ..Outcome::new(discipline, rays.len(), ours, theirs, isa)
         })
     };
@@ -95,7 +95,9 @@ pub fn outcomes(
     .collect()
 }
 
-/// The fastest one, with its time.
-pub fn fastest(times: impl Iterator<Item = (&'static str, f64)>) -> Option<(&'static str, f64)> {
-    times.min_by(|a, b| a.1.total_cmp(&b.1))
+/// The one whose median is the least.
+pub fn fastest<'a>(
+    times: impl Iterator<Item = (&'static str, &'a [f64])>,
+) -> Option<(&'static str, &'a [f64])> {
+    times.min_by(|a, b| median(a.1).total_cmp(&median(b.1)))
 }

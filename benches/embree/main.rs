@@ -116,7 +116,8 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         })?;
     }
     if let Some(path) = &options.json {
-        std::fs::write(path, serde_json::to_string_pretty(&rows)?)?;
+        let race = serde_json::json!({ "embree": version, "rows": rows });
+        std::fs::write(path, serde_json::to_string_pretty(&race)?)?;
     }
     Ok(is_good)
 }

@@ -1,4 +1,4 @@
-//! Runs kernels in turn; medians of their times.
+//! Runs kernels in turn; their times.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -20,8 +20,8 @@ pub struct Course {
 }
 
 impl Course {
-    /// The median time of each kernel for all rays, in seconds.
-    pub fn medians(&self, kernels: &[&dyn Kernel], rays: &Rays) -> Vec<f64> {
+    /// The times of each kernel for all rays, in seconds.
+    pub fn times(&self, kernels: &[&dyn Kernel], rays: &Rays) -> Vec<Vec<f64>> {
         in_turn(self.n_rounds, kernels, |kernel| self.seconds(*kernel, rays))
     }
 
@@ -54,19 +54,25 @@ impl Course {
     }
 }
 
-/// The median time of each runner, in seconds; they run A B C, A B C, … so that
+/// The times of each runner, in seconds; they run A B C, A B C, … so that
 /// drifts of the machine's speed affect all of them equally.
-pub fn in_turn<T>(n_rounds: usize, runners: &[T], mut seconds: impl FnMut(&T) -> f64) -> Vec<f64> {
+pub fn in_turn<T>(
+    n_rounds: usize,
+    runners: &[T],
+    mut seconds: impl FnMut(&T) -> f64,
+) -> Vec<Vec<f64>> {
     let mut times = vec![Vec::with_capacity(n_rounds); runners.len()];
     for _ in 0..n_rounds {
         for (times, runner) in times.iter_mut().zip(runners) {
             times.push(seconds(runner));
         }
     }
-    times.into_iter().map(median).collect()
+    times
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
+/// The middle one.
+pub fn median(times: &[f64]) -> f64 {
+    let mut times = times.to_vec();
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use raycost::statistics::{Ratio, SampleStatistics};
 use serde::Serialize;
 
 use crate::ffi::Quality;
@@ -25,15 +26,36 @@ pub enum Discipline {
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
     pub discipline: Discipline,
-    /// Millions of rays or primitives per second, with counters.
-    pub ours: f64,
-    /// Millions of rays or primitives per second with the faster of Embree's
-    /// instruction sets.
-    pub embree: f64,
+    /// raycost, with counters.
+    pub ours: Speed,
+    /// Embree with the faster of its instruction sets.
+    pub embree: Speed,
+    /// raycost's speed over Embree's.
+    pub ratio: Ratio,
     /// That instruction set.
     pub isa: &'static str,
     /// The overhead of the counters, relative to the time without them.
     pub counters_cost: Option<f64>,
+}
+
+/// Million rays or primitives a second: the median, and the interval that holds
+/// it with 95 % confidence.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Speed {
+    pub median: f64,
+    pub interval: [f64; 2],
+}
+
+impl Speed {
+    /// From the times for `n` rays or primitives, at least one, in seconds.
+    fn of(n: usize, seconds: &[f64]) -> Self {
+        let speed = |seconds: f64| n as f64 / seconds / 1e6;
+        let statistics = SampleStatistics::of(seconds).expect("each kernel runs");
+        Self {
+            median: speed(statistics.median),
+            interval: [speed(statistics.high_95), speed(statistics.low_95)],
+        }
+    }
 }
 
 impl Outcome {
@@ -41,23 +63,18 @@ impl Outcome {
     pub fn new(
         discipline: Discipline,
         n: usize,
-        ours: f64,
-        embree: f64,
+        ours: &[f64],
+        embree: &[f64],
         isa: &'static str,
     ) -> Self {
-        let speed = |seconds: f64| n as f64 / seconds / 1e6;
         Self {
             discipline,
-            ours: speed(ours),
-            embree: speed(embree),
+            ours: Speed::of(n, ours),
+            embree: Speed::of(n, embree),
+            ratio: Ratio::of(ours, embree).expect("each kernel runs"),
             isa,
             counters_cost: None,
         }
-    }
-
-    /// raycost's speed over Embree's.
-    pub fn ratio(&self) -> f64 {
-        self.ours / self.embree
     }
 }
 
@@ -100,11 +117,13 @@ impl fmt::Display for Row {
             discipline,
             ours,
             embree,
+            ratio,
             isa,
             counters_cost,
         } = &self.outcome;
+        let [ours, embree] = [ours.median, embree.median];
         let [scene, our_quality, their_quality] = [&*self.scene, self.quality[0], self.quality[1]];
-        let ratio = self.outcome.ratio();
+        let ratio = ratio.estimate;
         let goal = match self.goal {
             Some(goal) if ratio >= goal => format!("{goal}, reached"),
             Some(goal) => format!("{goal}, missed"),
