@@ -11,6 +11,7 @@ mod cost_law;
 mod diff;
 mod errors;
 mod exit_codes;
+mod figures;
 mod mutations;
 mod roofline;
 mod study;

@@ -1,0 +1,292 @@
+//! `docs/results`, and each figure that is made of them.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use serde_json::Value;
+
+use super::words::{digits, listed, range};
+use crate::common::in_repository;
+
+/// A figure as it stands in a text; `None` without the results that it takes.
+type Figure = fn(&Results) -> Option<String>;
+
+/// What stands in place of a figure whose results are not kept.
+const NOT_MEASURED: &str = "(not measured)";
+
+/// All figures by name.
+pub const FIGURES: &[(&str, Figure)] = &[
+    ("counters-time", |of| of.added_time("counters")),
+    ("clock-time", |of| of.added_time("time")),
+    ("counters-instructions", Results::counters_instructions),
+    ("codec-none", |of| of.codec("none")),
+    ("codec-lz4", |of| of.codec("lz4")),
+    ("codec-zlib", |of| of.codec("zlib")),
+    ("vtk-write", Results::vtk_write),
+    ("embree", Results::embree),
+    ("povray", Results::povray),
+    ("numpy", Results::numpy),
+    ("mirrors-pixels", |of| {
+        of.share("hall_of_mirrors", "mirrors", "primary", "pixels")
+    }),
+    ("mirrors-time", |of| {
+        of.share("hall_of_mirrors", "mirrors", "primary", "time_ns")
+    }),
+    ("nothing-time", |of| {
+        of.share("hall_of_mirrors", "nothing", "hit", "time_ns")
+    }),
+    ("slats-pixels", |of| {
+        of.share("trellis", "trellis", "primary", "pixels")
+    }),
+    ("high-quality", Results::high_quality),
+    ("thread-time", Results::thread_time),
+    ("trace", Results::trace),
+    ("cache", Results::cache),
+];
+
+/// The files of `docs/results` by their stems; texts as JSON strings.
+pub struct Results(BTreeMap<String, Value>);
+
+impl Results {
+    pub fn read() -> Self {
+        let files = fs::read_dir(in_repository("docs/results")).unwrap();
+        let mut all = BTreeMap::new();
+        for file in files.map(|entry| entry.unwrap().path()) {
+            let stem = file.file_stem().unwrap().to_string_lossy().into_owned();
+            let value = match file.extension().and_then(|ending| ending.to_str()) {
+                Some("json") => serde_json::from_slice(&fs::read(&file).unwrap()).unwrap(),
+                Some("txt") => fs::read_to_string(&file).unwrap().into(),
+                _ => continue,
+            };
+            all.insert(stem, value);
+        }
+        Self(all)
+    }
+
+    /// The figure of a name, if there is one.
+    pub fn figure(&self, name: &str) -> Option<String> {
+        let (_, figure) = FIGURES.iter().find(|(known, _)| *known == name)?;
+        Some(figure(self).unwrap_or_else(|| NOT_MEASURED.to_owned()))
+    }
+
+    /// Which commit made each file, where it says so.
+    pub fn programs(&self) -> Vec<(&str, &Value)> {
+        let of = self.0.iter().filter_map(|(name, file)| {
+            let made_by = file.get("made_by")?;
+            let commit = made_by.get("commit").or(made_by.pointer("/build/commit"))?;
+            Some((name.as_str(), commit))
+        });
+        of.collect()
+    }
+
+    /// A list in a file.
+    fn list(&self, file: &str, key: &str) -> Option<&Vec<Value>> {
+        self.0.get(file)?.get(key)?.as_array()
+    }
+
+    /// "3 % [2, 4] in `spot`, …": the CPU time that measuring adds.
+    fn added_time(&self, mode: &str) -> Option<String> {
+        let rows = self.list("instrumentation", "relative")?.iter();
+        let of_mode = rows.filter(|row| row["cost"] == mode);
+        let scene = |row: &Value| {
+            let percent = |key: &str| row[key].as_f64().map(|ratio| 100.0 * (ratio - 1.0));
+            let [median, low, high] = [percent("median")?, percent("low_95")?, percent("high_95")?];
+            let name = row["scene"].as_str()?;
+            Some(format!("{median:.0} % [{low:.0}, {high:.0}] for `{name}`"))
+        };
+        Some(listed(&of_mode.map(scene).collect::<Option<Vec<_>>>()?))
+    }
+
+    fn counters_instructions(&self) -> Option<String> {
+        let rows = self.list("counters", "rows")?.iter();
+        let added = |row: &Value| Some(row["counters"].as_f64()? / row["none"].as_f64()? - 1.0);
+        range(rows.map(added).map(|share| Some(100.0 * share?)), "%")
+    }
+
+    /// The cells of the table of codecs: sizes of both files, and CPU time.
+    fn codec(&self, codec: &str) -> Option<String> {
+        let relative = |metric: &'static str| {
+            let points = self.list("codecs", "points")?;
+            let of = |codec: &str, scene: &Value| {
+                let mut points = points.iter();
+                let is_it = |point: &&Value| {
+                    point["point"]["compress"] == codec && point["point"]["scene"] == *scene
+                };
+                points.find(is_it)?["metrics"][metric][1].as_f64()
+            };
+            let scenes = points
+                .iter()
+                .filter(|point| point["point"]["compress"] == "none");
+            let ratio = |point: &Value| {
+                let scene = &point["point"]["scene"];
+                Some(of(codec, scene)? / of("none", scene)?)
+            };
+            Some(scenes.map(ratio).collect::<Vec<_>>())
+        };
+        let percent = |metric| range(relative(metric)?.into_iter().map(|x| Some(100.0 * x?)), "%");
+        let time = range(relative("write_cpu_ms")?.into_iter(), "");
+        Some(format!(
+            " {} | {} | {} ",
+            percent("frame_vti_bytes")?,
+            percent("hits_vtu_bytes")?,
+            time?
+        ))
+    }
+
+    fn vtk_write(&self) -> Option<String> {
+        let rows = self.list("vtk_write", "rows")?.iter();
+        let plain = rows.filter(|row| row["codec"] == "none");
+        range(
+            plain.map(|row| row["write_over_plain"]["estimate"].as_f64()),
+            "",
+        )
+    }
+
+    /// A table: rays a second on two threads beside Embree's.
+    fn embree(&self) -> Option<String> {
+        let rows = self.list("embree", "rows")?.iter();
+        let shown = rows.filter(|row| row["n_threads"] == 2 && row["quality"][0] == "high");
+        let row = |row: &Value| {
+            let outcome = &row["outcome"];
+            let (race, kind) = race_of(&outcome["discipline"])?;
+            let scene = row["scene"].as_str()?;
+            let [ours, embree] =
+                [&outcome["ours"], &outcome["embree"]].map(|of| of["median"].as_f64());
+            let ratio = outcome["ratio"]["estimate"].as_f64()?;
+            let [low, high] = [0, 1].map(|end| outcome["ratio"]["interval"][end].as_f64());
+            Some(format!(
+                "| {scene} | {kind} | {race} | {} | {} | {ratio:.2} [{:.2}, {:.2}] |",
+                digits(ours?),
+                digits(embree?),
+                low?,
+                high?
+            ))
+        };
+        let rows: Vec<String> = shown.filter_map(row).collect();
+        let head = "| scene | rays | race | raycost, M rays/s | Embree, M rays/s | ratio |\n|---|---|---|--:|--:|--:|";
+        (!rows.is_empty()).then(|| format!("\n{head}\n{}\n", rows.join("\n")))
+    }
+
+    fn povray(&self) -> Option<String> {
+        let race = self.0.get("povray")?;
+        let seconds = |name: &str| {
+            race["ms"][name]["median"]
+                .as_f64()
+                .map(|ms| digits(ms / 1e3))
+        };
+        Some(format!(
+            "POV-Ray {} takes {} s, raycost with all of its files {} s and with the picture alone {} s, \
+             at {} x {} pixels on {} threads",
+            race["povray"].as_str()?,
+            seconds("POV-Ray")?,
+            seconds("raycost")?,
+            seconds("raycost --no-cost")?,
+            race["width"],
+            race["height"],
+            race["threads"],
+        ))
+    }
+
+    fn numpy(&self) -> Option<String> {
+        let races = self.list("validation", "loop")?.iter();
+        let race = |race: &Value| {
+            let ratio = &race["ratios"]["numpy"];
+            let [median, low, high] =
+                ["median", "low_95", "high_95"].map(|key| ratio[key].as_f64());
+            Some(format!(
+                "{} [{}, {}] times as long at {} x {}",
+                digits(median?),
+                digits(low?),
+                digits(high?),
+                race["width"],
+                race["height"]
+            ))
+        };
+        Some(listed(&races.map(race).collect::<Option<Vec<_>>>()?))
+    }
+
+    /// What an object takes of a scene.
+    fn share(&self, scene: &str, name: &str, charge: &str, part: &str) -> Option<String> {
+        let objects = self.0.get("shares")?[scene]["objects"].as_array()?;
+        let is_it = |row: &&Value| {
+            row["name"] == name && row["charge"] == charge && row["ray_kind"] == "all"
+        };
+        let share = objects.iter().find(is_it)?[format!("{part}_share")].as_f64()?;
+        Some(format!("{} %", digits(100.0 * share)))
+    }
+
+    /// What the quality `high` saves of the tests in `trellis`.
+    fn high_quality(&self) -> Option<String> {
+        let points = self.list("prediction", "points")?;
+        let tests = |quality: &str| {
+            let is_it = |point: &&Value| {
+                point["point"]["scene"] == "trellis" && point["point"]["acceleration"] == quality
+            };
+            points.iter().find(is_it)?["metrics"]["primitive_tests_per_ray"][1].as_f64()
+        };
+        Some(format!(
+            "{:.0} %",
+            100.0 * (1.0 - tests("high")? / tests("balanced")?)
+        ))
+    }
+
+    /// The line that `render` prints with `--repeats`.
+    fn thread_time(&self) -> Option<String> {
+        let time = &self.0.get("shares")?["hall_of_mirrors"]["thread_time"];
+        let busy = time["busy_ns"].as_f64()?;
+        let share = |part: &str| Some(100.0 * time[format!("{part}_ns")].as_f64()? / busy);
+        Some(format!(
+            "\n\n    threads {:.2} s at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % unexplained\n\n",
+            busy / 1e9,
+            share("pixels")?,
+            share("film")?,
+            share("clock")?,
+            share("unexplained")?
+        ))
+    }
+
+    fn trace(&self) -> Option<String> {
+        let tree = self.0.get("trace")?.as_str()?.trim_end();
+        Some(format!("\n\n```\n{tree}\n```\n\n"))
+    }
+
+    /// The rows of the table of cachegrind's counts.
+    fn cache(&self) -> Option<String> {
+        let rows = self.list("cache", "rows")?;
+        let row = |single: &Value| {
+            let is_stream =
+                |row: &&Value| row["scene"] == single["scene"] && row["way"] == "stream";
+            let stream = rows.iter().find(is_stream)?;
+            let cell = |key: &str, n_digits: usize| {
+                let [a, b] = [single, stream].map(|row| row[key].as_f64());
+                // Not "-0.0".
+                let text = |x: f64| format!("{:.n_digits$}", x.max(0.0));
+                Some(format!("{} / {}", text(a?), text(b?)))
+            };
+            Some(format!(
+                "| `{}`, {} primitives | {} | {} | {} | {} |",
+                single["scene"].as_str()?,
+                single["n_primitives"],
+                cell("instructions_per_ray", 0)?,
+                cell("d1_misses_per_ray", 1)?,
+                cell("ll_misses_per_ray", 1)?,
+                cell("mispredicts_per_ray", 1)?
+            ))
+        };
+        let single = rows.iter().filter(|row| row["way"] == "single");
+        let rows = single.map(row).collect::<Option<Vec<_>>>()?;
+        let head = "| per ray, single / in a stream | instructions | misses D1 | misses LL | mispredicted branches |\n|---|---|---|---|---|";
+        Some(format!("\n{head}\n{}\n", rows.join("\n")))
+    }
+}
+
+/// "single" and "primary" of `{"single": "primary"}`; none of a build.
+fn race_of(discipline: &Value) -> Option<(&str, &str)> {
+    let (race, kind) = discipline.as_object()?.iter().next()?;
+    let race = match race.as_str() {
+        "single" => "single rays",
+        "stream" => "stream / single rays",
+        _ => "stream / packets of 16",
+    };
+    Some((race, kind.as_str()?))
+}
