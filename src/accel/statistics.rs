@@ -39,29 +39,29 @@ impl BvhStatistics {
     /// The statistics of an arena, which may be empty.
     pub(super) fn of(arena: &Arena) -> Self {
         let lines = arena.lines();
-        let mut tally = Tally::default();
+        let mut sums = NodeSums::default();
         if !lines.is_empty() {
             let root = layout::node(lines, NodeRef::ROOT);
             let area = node_bounds(root).surface_area();
-            tally.node(lines, NodeRef::ROOT, f64::from(area), 0);
-            tally.cost /= f64::from(area).max(f64::MIN_POSITIVE);
+            sums.node(lines, NodeRef::ROOT, f64::from(area), 0);
+            sums.cost /= f64::from(area).max(f64::MIN_POSITIVE);
         }
         Self {
-            n_nodes: tally.n_nodes,
-            n_leaves: tally.n_leaves,
-            n_references: tally.n_references,
-            depth: tally.depth,
-            sah_cost: tally.cost as f32,
+            n_nodes: sums.n_nodes,
+            n_leaves: sums.n_leaves,
+            n_references: sums.n_references,
+            depth: sums.depth,
+            sah_cost: sums.cost as f32,
             bytes: size_of_val(lines),
             bytes_per_visit: size_of::<WideNode>(),
-            bytes_per_test: (tally.n_leaf_lines * size_of::<CacheLine>()) as f32
-                / tally.n_references.max(1) as f32,
+            bytes_per_test: (sums.n_leaf_lines * size_of::<CacheLine>()) as f32
+                / sums.n_references.max(1) as f32,
         }
     }
 }
 
 #[derive(Default)]
-struct Tally {
+struct NodeSums {
     n_nodes: usize,
     n_leaves: usize,
     n_references: usize,
@@ -71,7 +71,7 @@ struct Tally {
     cost: f64,
 }
 
-impl Tally {
+impl NodeSums {
     fn node(&mut self, lines: &[CacheLine], node_ref: NodeRef, area: f64, depth: usize) {
         self.n_nodes += 1;
         self.depth = self.depth.max(depth + 1);

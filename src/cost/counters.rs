@@ -97,7 +97,7 @@ impl Counters {
         present(&mut self.rays[kind as usize], n_pixels)[pixel] += n;
     }
 
-    /// Adds what the way through the hierarchy was of a ray of each pixel.
+    /// Adds the counters of one ray's traversal to each of these pixels.
     #[inline(always)]
     pub(super) fn add_traversals<const N: usize>(
         &mut self,

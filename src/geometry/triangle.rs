@@ -76,7 +76,7 @@ impl Intersectable for Triangle {
 
 /// Reads three points that are not on one line.
 fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<[Vec3; 3], D::Error> {
-    let vertices = <[Vertex; 3]>::deserialize(d)?.map(|Vertex(point)| point);
+    let vertices = <[YamlPoint; 3]>::deserialize(d)?.map(|YamlPoint(point)| point);
     if (Triangle { vertices }).normal().is_none() {
         return Err(D::Error::invalid_value(
             Unexpected::Other("three points on one line"),
@@ -87,7 +87,7 @@ fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<[Vec3; 3], D::Error> {
 }
 
 #[derive(Deserialize)]
-struct Vertex(#[serde(deserialize_with = "yaml::point")] Vec3);
+struct YamlPoint(#[serde(deserialize_with = "yaml::point")] Vec3);
 
 #[cfg(test)]
 mod tests {

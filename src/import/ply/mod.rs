@@ -42,12 +42,13 @@ pub(super) fn read(file: Input) -> Result<Mesh> {
                 })
             })?;
     }
-    match cursor.is_at_end()? {
-        true => Ok(body.mesh()),
-        false => Err(FileFault::new(
+    if cursor.is_at_end()? {
+        Ok(body.mesh())
+    } else {
+        Err(FileFault::new(
             "there is more data than the header declares",
             "as many numbers in each row as it has properties",
-        )),
+        ))
     }
 }
 
