@@ -3,7 +3,7 @@
 use sysinfo::System;
 
 use crate::accel::{Bvh, TooLarge};
-use crate::config::{Acceleration, Codec, Config, Image};
+use crate::config::{Acceleration, Codec, Config, Image, Repeats};
 use crate::film::{self, PackedCounters, RenderedTile};
 use crate::ledger::Ledger;
 use crate::render::repeat_bytes_per_pixel;
@@ -40,14 +40,14 @@ pub struct Memory {
     /// Primitives, the structure over them, and what is told of both.
     pub scene: u64,
     n_primitives: usize,
-    n_repeats: u8,
+    repeats: Repeats,
 }
 
 impl Memory {
     /// What the config and its geometries need; never less than is used in the
     /// end, but for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
-        let of_film = film::bytes_per_pixel(config.cost) + repeat_bytes_per_pixel(config.n_repeats);
+        let of_film = film::bytes_per_pixel(config.cost) + repeat_bytes_per_pixel(config);
         let per_pixel = of_film as u64 + OUTPUT_BYTES_PER_PIXEL;
         let Image { width, height, .. } = config.image;
         let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
@@ -78,7 +78,7 @@ impl Memory {
             // What was read, and its attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,
-            n_repeats: config.n_repeats,
+            repeats: config.repeats,
         }
     }
 
@@ -127,9 +127,9 @@ impl Memory {
     }
 
     fn image_advice(&self) -> &'static str {
-        match self.n_repeats {
-            0 | 1 => "choose a smaller `width` or `height`",
-            _ => "choose a smaller `width` or `height`, or fewer `--repeats`",
+        match self.repeats {
+            Repeats::Auto | Repeats::ONCE => "choose a smaller `width` or `height`",
+            Repeats::Exactly(_) => "choose a smaller `width` or `height`, or fewer `--repeats`",
         }
     }
 }

@@ -38,7 +38,8 @@ def main():
         folder = pathlib.Path(folder)
         numpy_png, out = folder / "numpy.png", folder / "out"
         loop = [sys.executable, HERE / "sphere.py", SIDE, SIDE, numpy_png]
-        render = [raycost, "render", SCENE, "--width", SIDE, "--height", SIDE, "--quiet", "--out", out]
+        render = [raycost, "render", SCENE, "--width", SIDE, "--height", SIDE, "--repeats=1",
+                  "--quiet", "--out", out]
         times = {"NumPy loop": [], "raycost": []}
         for _ in range(n_rounds):
             times["NumPy loop"].append(seconds(loop))

@@ -31,7 +31,7 @@ def render(raycost, scene, width, height, folder):
     """The picture, and the totals of the run."""
     size = ["--width", str(width), "--height", str(height)]
     scene = ROOT / "configs" / f"{scene}.yaml"
-    subprocess.run([raycost, "render", scene, *size, "--quiet", "--out", folder], check=True)
+    subprocess.run([raycost, "render", scene, *size, "--repeats=1", "--quiet", "--out", folder], check=True)
     summary = json.loads((folder / "summary.json").read_text())
     counts = {"hits": summary["n_hits"], **summary["cost"]["totals"]}
     return rendered(folder / "image.png"), counts

@@ -6,10 +6,11 @@ use std::path::Path;
 use super::Failure;
 use super::closing::primitives;
 use super::scene::{Loaded, SceneArguments};
-use crate::config::{Acceleration, Codec, Config, CostMode, Image, TileOrder, Tiling};
+use crate::config::{Acceleration, Codec, Config, CostMode, Image, Repeats, TileOrder, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
+use crate::render::most_repeats;
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
 use crate::yaml::Diagnostic;
@@ -142,13 +143,18 @@ fn tiles(config: &Config) -> String {
 
 /// What would be measured, and how.
 fn cost(config: &Config) -> String {
-    match (config.cost, config.n_repeats) {
+    match (config.cost, config.repeats) {
         (CostMode::None, _) => "none; rays are traced in streams".to_owned(),
         (CostMode::Counters, _) => "counters, no time; rays are traced in streams".to_owned(),
-        (CostMode::Time, 0 | 1) => "counters and time; each ray is traced alone".to_owned(),
-        (CostMode::Time, n) => {
+        (CostMode::Time, Repeats::ONCE) => "counters and time; each ray is traced alone".to_owned(),
+        (CostMode::Time, Repeats::Exactly(n)) => {
             format!("counters and time, the median of {n}; each ray is traced alone")
         }
+        (CostMode::Time, Repeats::Auto) => format!(
+            "counters and time, the median of up to {} within half a second; \
+             each ray is traced alone",
+            most_repeats(config)
+        ),
     }
 }
 

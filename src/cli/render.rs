@@ -14,7 +14,7 @@ use crate::memory;
 use crate::output::{
     self, HardwareCounters, NoProfiler, OutputFolder, Profiler, Rendering, Stages, Threads,
 };
-use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, repeat};
+use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::yaml::Diagnostic;
 
@@ -94,10 +94,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         overhead
     });
 
-    let n_repeats = config.n_repeats;
-    let n_rendered = u64::from(n_repeats) * n_pixels;
+    let n_rendered = u64::from(least_repeats(&config)) * n_pixels;
     let (film, schedule, repeats) = with_bar(n_rendered, arguments.quiet, |report| {
-        pool.install(|| repeat(n_repeats, &scene, &accel, &plan, &meter, report))
+        pool.install(|| repeat(config.repeats, &scene, &accel, &plan, &meter, report))
     });
     stages.end("render");
 
@@ -166,7 +165,7 @@ type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 /// well it compresses.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
-    let per_pixel: usize = columns(config.cost, config.n_repeats)
+    let per_pixel: usize = columns(config.cost, config.repeats)
         .map(Column::stride)
         .sum();
     (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()

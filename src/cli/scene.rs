@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::config::{Codec, Config, CostMode, Extra, MAX_SIDE, Structure, TileOrder, Tiling};
+use crate::config::{
+    Codec, Config, CostMode, Extra, MAX_SIDE, Repeats, Structure, TileOrder, Tiling,
+};
 use crate::memory::{self, Memory};
 use crate::scene::Geometries;
 use crate::yaml::{self, Diagnostic, Fault, Source};
@@ -54,9 +56,10 @@ pub(super) struct SceneArguments {
     #[arg(long, conflicts_with = "cost")]
     no_cost: bool,
 
-    /// Times to render the picture: a pixel's time becomes the median
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    repeats: Option<u8>,
+    /// Times to render the picture, 1 to 255, instead of the file's: a pixel's time
+    /// becomes the median. `auto` is up to 5 within half a second [default: auto]
+    #[arg(long, value_name = "N")]
+    repeats: Option<Repeats>,
 
     /// Pixels along a tile's side, instead of the file's
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(Tiling::MIN_SIZE as i64..=Tiling::MAX_SIZE as i64))]
@@ -108,7 +111,7 @@ impl SceneArguments {
                 .map_err(|fault| source.point_at(fault))?;
         }
         config.cost = self.cost().unwrap_or(config.cost);
-        config.n_repeats = self.n_repeats(&config, &source)?;
+        self.set_repeats(&mut config, &source)?;
         let tiles = &mut config.tiles;
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
@@ -153,25 +156,30 @@ impl SceneArguments {
         }
     }
 
-    /// How often to render.
-    fn n_repeats(&self, config: &Config, source: &Source) -> Result<u8, Diagnostic> {
-        match self.repeats {
-            Some(_) if !config.cost.has_time() => {
-                let message = "`--repeats` needs times, and none are taken";
-                match self.cost() {
-                    Some(_) => Err(Diagnostic::new(message)
-                        .with_help("ask for `--cost time`, or leave out `--repeats`")),
-                    None => Err(source.point_at(
-                        Fault::new(
-                            yaml::Path::default().key("cost"),
-                            message,
-                            "expected `time`",
-                        )
-                        .with_help("add `--cost time`, or leave out `--repeats`"),
-                    )),
-                }
-            }
-            n_repeats => Ok(n_repeats.unwrap_or(1)),
+    /// Makes the config's repeats those of the command line.
+    fn set_repeats(&self, config: &mut Config, source: &Source) -> Result<(), Diagnostic> {
+        let of_file = config.repeats;
+        config.repeats = self.repeats.unwrap_or(of_file);
+        // What the command line alone turns off, it turns off as a whole.
+        if self.repeats.is_none() && self.cost().is_some_and(|cost| !cost.has_time()) {
+            config.repeats = Repeats::Auto;
+        }
+        let Err(fault) = config.check_repeats() else {
+            return Ok(());
+        };
+        let message = "`--repeats` needs times, and none are taken";
+        match (self.repeats, self.cost()) {
+            (None, _) => Err(source.point_at(fault)),
+            (Some(_), Some(_)) => Err(Diagnostic::new(message)
+                .with_help("ask for `--cost time`, or leave out `--repeats`")),
+            (Some(_), None) => Err(source.point_at(
+                Fault::new(
+                    yaml::Path::default().key("cost"),
+                    message,
+                    "expected `time`",
+                )
+                .with_help("add `--cost time`, or leave out `--repeats`"),
+            )),
         }
     }
 

@@ -215,7 +215,13 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metr
         .arg(folder.join(&point.scene))
         .args(["--quiet", "--hardware-counters"]);
     command.arg("--out").arg(out);
-    command.args(&plan.flags).args(&point.flags);
+    let flags = || plan.flags.iter().chain(&point.flags);
+    // The rounds of the study are its repeats: a run whose number of renderings
+    // went by its time could not be held against another.
+    if !flags().any(|flag| flag.starts_with("--repeats")) {
+        command.arg("--repeats=1");
+    }
+    command.args(flags());
     let start = Instant::now();
     let output = command
         .output()

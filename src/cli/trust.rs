@@ -20,11 +20,13 @@ pub(super) fn lines(rendering: &Rendering) -> String {
 fn threads(accounts: &Accounts) -> String {
     let percent = |part_ns| accounts.percent(part_ns);
     format!(
-        "threads {} at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % unexplained\n",
+        "threads {} at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % warm-up, \
+         {:.1} % unexplained\n",
         format::duration(Duration::from_nanos(accounts.busy_ns as u64)),
         percent(accounts.pixels_ns),
         percent(accounts.film_ns),
         percent(accounts.clock_ns),
+        percent(accounts.warm_up_ns),
         percent(accounts.unexplained_ns),
     )
 }

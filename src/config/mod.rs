@@ -13,6 +13,7 @@ mod generator;
 mod image;
 mod object;
 mod outputs;
+mod repeats;
 mod shading;
 mod tiling;
 
@@ -28,6 +29,7 @@ pub use generator::{Generator, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, Extra, Outputs};
+pub use repeats::Repeats;
 pub use shading::{Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
 
@@ -73,10 +75,9 @@ pub struct Config {
     /// What is measured of each pixel.
     #[serde(default)]
     pub cost: CostMode,
-    /// How often the picture is rendered to measure it; once, unless the
-    /// command line says otherwise.
-    #[serde(skip, default = "once")]
-    pub n_repeats: u8,
+    /// How often the picture is rendered to measure it.
+    #[serde(default)]
+    pub repeats: Repeats,
     /// How the picture is dealt out to the threads.
     #[serde(default)]
     pub tiles: Tiling,
@@ -101,6 +102,24 @@ impl Config {
     /// What cannot be, and the fault of the section `output`.
     pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
         self.output.check(self.cost, self.acceleration)
+    }
+
+    /// Makes sure that there are times where several of them are asked for.
+    ///
+    /// # Errors
+    /// The fault of the section `repeats`.
+    pub fn check_repeats(&self) -> Result<(), Fault> {
+        let is_once = matches!(self.repeats, Repeats::Auto | Repeats::ONCE);
+        if is_once || self.cost.has_time() {
+            return Ok(());
+        }
+        let message = "`repeats` needs times, and none are taken";
+        let repeats = Path::default().key("repeats");
+        Err(Fault::new(
+            repeats,
+            message,
+            "expected `auto`, `1`, or `cost: time`",
+        ))
     }
 
     /// Gives each `sphere_cloud` so many spheres, from 1 to a billion; their
@@ -128,8 +147,4 @@ impl Config {
         let message = "there is no `sphere_cloud` whose count could change";
         Err(Fault::new(objects, message, "no cloud among them"))
     }
-}
-
-fn once() -> u8 {
-    1
 }

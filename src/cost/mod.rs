@@ -8,12 +8,14 @@ mod clock;
 mod counter;
 mod counters;
 mod cpu;
+mod interruption;
 mod meter;
 mod probe;
 
 pub use clock::{Clock, Instant};
 pub use counter::Counter;
 pub use counters::Counters;
+pub use interruption::Interruptions;
 pub use meter::Meter;
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe, Traversals};
 

@@ -87,7 +87,7 @@ pub fn ratio([a, b]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::CostMode;
+    use crate::config::{CostMode, Repeats};
     use crate::film::columns;
 
     #[test]
@@ -103,7 +103,7 @@ mod tests {
             "thread",
         ];
         let costs = Measure::ALL.map(|measure| measure.array);
-        for column in columns(CostMode::Time, 1) {
+        for column in columns(CostMode::Time, Repeats::ONCE) {
             let n = costs
                 .iter()
                 .chain(&others)

@@ -29,7 +29,7 @@ const SETTINGS: [&str; 13] = [
     "acceleration/quality",
     "threads/used",
     "cost/mode",
-    "repeats/n",
+    "repeats/asked",
     "schedule/tile_size",
     "schedule/order",
 ];

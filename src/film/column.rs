@@ -3,7 +3,7 @@
 use vtkio::model::ScalarType;
 
 use super::{Film, Strip};
-use crate::config::CostMode;
+use crate::config::{CostMode, Repeats};
 use crate::cost::Counter;
 
 /// An array of the film as in files.
@@ -85,7 +85,7 @@ const TIME: [Column; 1] = [column!("time_ns", time_ns, F32 x 1)];
 const REPEATED: [Column; 2] = [
     // Median absolute deviation of the accepted times.
     column!("time_mad_ns", time_mad_ns, F32 x 1),
-    // Times during which the thread migrated to another CPU.
+    // Times during which the thread lost its CPU, or right after that.
     column!("n_rejected", n_rejected, U8 x 1),
 ];
 
@@ -110,15 +110,15 @@ const COUNTERS: [Column; 9] = [
     computed!("thread", I32, Film::threads),
 ];
 
-/// The arrays of a film with this cost mode that was rendered `n_repeats` times,
+/// The arrays of a film with this cost mode for which so many renderings were asked,
 /// in the order of the files.
-pub fn columns(cost: CostMode, n_repeats: u8) -> impl Iterator<Item = &'static Column> {
+pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = &'static Column> {
     let (time, counters): (&[_], &[_]) = match cost {
         CostMode::None => (&[], &[]),
         CostMode::Counters => (&[], &COUNTERS),
         CostMode::Time => (&TIME, &COUNTERS),
     };
-    let repeated: &[_] = if cost.has_time() && n_repeats > 1 {
+    let repeated: &[_] = if cost.has_time() && repeats.has_spread() {
         &REPEATED
     } else {
         &[]
@@ -148,7 +148,7 @@ mod tests {
         let modes = [CostMode::None, CostMode::Counters, CostMode::Time];
         for (mode, expected) in modes.into_iter().zip([43, 67, 72]) {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);
-            for column in columns(mode, film.n_repeats) {
+            for column in columns(mode, film.repeats) {
                 let mut buffer = Vec::new();
                 let bytes = (column.bytes)(&film, &film.strips[0], &mut buffer);
                 assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);

@@ -22,7 +22,7 @@ pub use strip::Strip;
 pub(crate) use strip::to_rgb8;
 pub use tile::RenderedTile;
 
-use crate::config::CostMode;
+use crate::config::{CostMode, Repeats};
 use crate::cost::Cost;
 use crate::schedule::TileGrid;
 
@@ -40,6 +40,8 @@ pub struct Film {
     pub n_samples: u32,
     /// Which cost arrays it has.
     pub cost: CostMode,
+    /// How often it was to be rendered.
+    pub repeats: Repeats,
     /// Number of times that it was rendered.
     pub n_repeats: u8,
     /// The sum of the counters of all pixels; zero if nothing was counted.
@@ -52,7 +54,7 @@ pub struct Film {
 
 /// Upper bound of a film's bytes per pixel.
 pub fn bytes_per_pixel(cost: CostMode) -> usize {
-    let kept = columns(cost, 1).filter(|column| column.is_stored);
+    let kept = columns(cost, Repeats::ONCE).filter(|column| column.is_stored);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
     size_of::<Vec3>() + rejected + kept.map(Column::stride).sum::<usize>()
 }
@@ -69,6 +71,7 @@ impl Film {
             grid,
             n_samples,
             cost,
+            repeats: Repeats::ONCE,
             n_repeats: 1,
             totals: Cost::default(),
             strips: (0..height)
@@ -90,15 +93,14 @@ impl Film {
         self.values(|strip| &strip.time_ns).map(f64::from).sum()
     }
 
-    /// The sum of `time_mad_ns` over all pixels; 0 unless it was rendered more than
-    /// once.
+    /// The sum of `time_mad_ns` over all pixels; 0 where there are none.
     pub fn total_time_mad_ns(&self) -> f64 {
         let deviations = self.strips.iter().flat_map(|strip| &strip.time_mad_ns);
         deviations.map(|&ns| f64::from(ns)).sum()
     }
 
-    /// Number of rejected times of all pixels: those during which the thread
-    /// migrated to another CPU.
+    /// Number of rejected times of all pixels: those during which the thread lost
+    /// its CPU, or right after that.
     pub fn n_rejected(&self) -> u64 {
         self.values(|strip| &strip.n_rejected).map(u64::from).sum()
     }

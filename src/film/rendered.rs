@@ -14,6 +14,8 @@ pub struct Rendered<'a> {
     pub counters: Option<&'a Counters>,
     /// The times of the pixels; empty if they were not measured.
     pub times: &'a [PixelTime],
+    /// Time in which pixels were rendered that count for nothing, in nanoseconds.
+    pub warm_up_ns: f64,
 }
 
 /// The color and the surface of one pixel.
@@ -32,7 +34,7 @@ pub struct Pixel {
 pub struct PixelTime {
     /// The time in nanoseconds.
     pub ns: f32,
-    /// Whether the thread migrated to another CPU meanwhile: then the time is not
-    /// that of the pixel alone.
+    /// Whether the thread lost its CPU meanwhile or in the pixel before, as far as
+    /// the system reports it: then the time is not that of the pixel alone.
     pub is_rejected: bool,
 }

@@ -26,7 +26,7 @@ pub struct Strip {
     pub object: Vec<i32>,
     pub material: Vec<i32>,
     pub time_ns: Vec<f32>,
-    /// Empty unless the film was rendered more than once.
+    /// Empty where no spread was asked for.
     pub time_mad_ns: Vec<f32>,
     pub n_rejected: Vec<u8>,
 }

@@ -16,6 +16,9 @@ pub struct Accounts {
     pub clock_ns: f64,
     /// Pixels written into the film.
     pub film_ns: f64,
+    /// Pixels rendered before a tile's first one was timed, which count for
+    /// nothing.
+    pub warm_up_ns: f64,
     /// What is left: what no pixel is charged with.
     pub unexplained_ns: f64,
 }
@@ -28,6 +31,7 @@ impl Accounts {
         let pixels_ns = repeats.iter().filter_map(|repeat| repeat.pixels_ns).sum();
         let busy_ns = repeats.iter().map(|repeat| repeat.busy_ns).sum::<u64>() as f64;
         let film_ns = repeats.iter().map(|repeat| repeat.film_ns).sum::<u64>() as f64;
+        let warm_up_ns = repeats.iter().map(|repeat| repeat.warm_up_ns).sum::<u64>() as f64;
         let n_readings = repeats.len() * rendering.config.image.n_pixels();
         let clock_ns = n_readings as f64 * clock.overhead_ns();
         Some(Self {
@@ -35,7 +39,8 @@ impl Accounts {
             pixels_ns,
             clock_ns,
             film_ns,
-            unexplained_ns: busy_ns - pixels_ns - clock_ns - film_ns,
+            warm_up_ns,
+            unexplained_ns: busy_ns - pixels_ns - clock_ns - film_ns - warm_up_ns,
         })
     }
 

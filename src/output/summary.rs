@@ -112,6 +112,7 @@ fn repeats(rendering: &Rendering) -> Value {
     let busy_ns = repeats.iter().filter_map(|repeat| repeat.pixels_ns);
     let wall_ms = repeats.iter().map(|repeat| milliseconds(repeat.wall));
     json!({
+        "asked": rendering.config.repeats,
         "n": repeats.len(),
         "busy_ns": busy_ns.collect::<Vec<_>>(),
         "wall_ms": wall_ms.collect::<Vec<_>>(),

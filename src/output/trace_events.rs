@@ -91,6 +91,7 @@ fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
         "y": tile.rows[0],
         "n_pixels": tile.n_pixels(),
         "film_ns": run.film_ns,
+        "warm_up_ns": run.warm_up_ns,
     });
     if has_counters {
         for (name, count) in run.counted.by_name() {

@@ -12,6 +12,7 @@ mod stream;
 mod timed;
 mod prepass;
 mod plan;
+mod samples;
 mod repeat;
 mod overhead;
 
@@ -30,8 +31,8 @@ pub(crate) use view::View;
 
 pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
 pub use plan::Plan;
-pub(crate) use repeat::repeat_bytes_per_pixel;
 pub use repeat::{Repeat, repeat};
+pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
 
 /// Pixels that are rendered at one go: a larger tile is rendered some rows at a
 /// time, so that all of it stays in the cache on its way into the film.
@@ -145,6 +146,7 @@ fn render_tile(
     };
     for part in tile.parts(MAX_PIXELS) {
         let rendered = renderer.render(&part);
+        run.warm_up_ns += rendered.warm_up_ns as u64;
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
         }

@@ -191,6 +191,7 @@ impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
             pixels: &self.pixels,
             counters: self.probe.counted(),
             times: &[],
+            warm_up_ns: 0.0,
         }
     }
 }

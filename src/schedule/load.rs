@@ -58,6 +58,7 @@ mod tests {
             start_ns,
             end_ns,
             film_ns: 0,
+            warm_up_ns: 0,
             counted: Cost::default(),
         }
     }

@@ -47,6 +47,8 @@ pub struct TileRun {
     /// The part of its duration that the write to the film took, in nanoseconds:
     /// first touches of memory, and contention with other threads for its rows.
     pub film_ns: u64,
+    /// The part of its duration that the warm-up took, in nanoseconds.
+    pub warm_up_ns: u64,
     /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,
 }

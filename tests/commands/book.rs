@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use serde_yaml::{Mapping, Value};
 
 use crate::common::{film, in_repository, parse};
-use raycost::config::Config;
+use raycost::config::{Config, CostMode, Repeats};
+use raycost::film::columns;
 use raycost::study::Plan;
 use raycost::yaml::Source;
 
@@ -239,7 +240,7 @@ fn the_tables_name_every_scene_and_array() {
         assert!(gallery.contains(&format!("| `{name}` |")), "{name}");
     }
     let outputs = fs::read_to_string(in_repository("docs/outputs.md")).unwrap();
-    for column in raycost::film::columns(raycost::config::CostMode::Time, 2) {
+    for column in columns(CostMode::Time, Repeats::Auto) {
         let is_named = outputs.contains(&format!("`{}`", column.name));
         assert!(is_named, "{}", column.name);
     }

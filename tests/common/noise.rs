@@ -1,7 +1,7 @@
 //! Films of noise.
 
 use bytemuck::cast_slice_mut;
-use raycost::config::CostMode;
+use raycost::config::{CostMode, Repeats};
 use raycost::cost::{Cost, Counters};
 use raycost::film::{Film, PackedCounters, RenderedTile};
 use raycost::schedule::TileGrid;
@@ -15,7 +15,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 24) as u8
     };
-    film.n_repeats = 2;
+    film.repeats = Repeats::Auto;
     for strip in &mut film.strips {
         strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
         let arrays: [&mut [u8]; 10] = [

@@ -5,12 +5,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, in_repository, lasting, raycost, scene_of, with_cost};
 use raycost::accel::Accel;
-use raycost::config::{Config, CostMode};
+use raycost::config::{Config, CostMode, Repeats};
 use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::render::{Plan, Repeat, render, repeat};
@@ -29,9 +29,13 @@ fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let pool = threads.build().unwrap();
     let (film, _, repeats) = pool.install(|| {
         let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
-        repeat(n_repeats, &scene, &accel, &plan, &meter, |_| {})
+        repeat(exactly(n_repeats), &scene, &accel, &plan, &meter, |_| {})
     });
     (film, repeats)
+}
+
+fn exactly(n_repeats: u8) -> Repeats {
+    n_repeats.to_string().parse().unwrap()
 }
 
 #[test]
@@ -70,7 +74,7 @@ fn each_repeat_reports_its_pixels() {
     let report = |progress: raycost::render::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
     };
-    repeat(3, &scene, &accel, &plan, &meter, report);
+    repeat(exactly(3), &scene, &accel, &plan, &meter, report);
     assert_eq!(n_pixels.into_inner(), 3 * 53 * 37);
     let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
     assert_eq!(film.n_repeats, 1);
@@ -124,7 +128,7 @@ fn the_files_tell_of_the_repeats() {
     let lines = String::from_utf8(output.stdout).unwrap();
     assert!(lines.contains("\nrepeats 3; MAD "), "{lines}");
     let repeats = &summary(out.path())["repeats"];
-    assert_eq!(repeats["n"], 3);
+    assert_eq!((&repeats["asked"], &repeats["n"]), (&json!(3), &json!(3)));
     assert!(repeats["n_rejected"].is_u64());
     for list in ["busy_ns", "wall_ms"] {
         let list = repeats[list].as_array().unwrap();
@@ -146,16 +150,16 @@ fn the_files_tell_of_the_repeats() {
 #[test]
 fn one_rendering_has_no_spread_but_a_summary() {
     let out = tempfile::tempdir().unwrap();
-    for (arguments, n_times) in [
-        (&[][..], 1),
-        (&["--repeats=1"][..], 1),
-        (&["--cost=counters"][..], 0),
-        (&["--no-cost"][..], 0),
+    for (arguments, asked, n_times) in [
+        (&["--repeats=1"][..], json!(1), 1),
+        (&["--repeats=1", "--cost=counters"][..], json!(1), 0),
+        (&["--cost=counters"][..], json!("auto"), 0),
+        (&["--no-cost"][..], json!("auto"), 0),
     ] {
         assert_success(&command(out.path(), arguments));
         let summary = summary(out.path());
         let repeats = &summary["repeats"];
-        assert_eq!(repeats["n"], 1);
+        assert_eq!((&repeats["asked"], &repeats["n"]), (&asked, &json!(1)));
         assert_eq!(repeats["wall_ms"].as_array().unwrap().len(), 1);
         assert_eq!(repeats["busy_ns"].as_array().unwrap().len(), n_times);
         assert_eq!(summary["thread_time"].is_null(), n_times == 0);
@@ -164,6 +168,94 @@ fn one_rendering_has_no_spread_but_a_summary() {
         let is_new = |name: &str| ["time_mad_ns", "n_rejected"].contains(&name);
         assert!(!frame.arrays.iter().any(|array| is_new(&array.name)));
     }
+}
+
+/// The names of the arrays of a file.
+fn arrays(file: &Path) -> Vec<String> {
+    let arrays = DataSet::read(file).arrays.into_iter();
+    arrays.map(|array| array.name).collect()
+}
+
+#[test]
+fn the_default_has_the_same_arrays_however_often_it_renders() {
+    let out = tempfile::tempdir().unwrap();
+    let mut found = Vec::new();
+    for arguments in [&[][..], &["--repeats=auto"][..], &["--repeats=2"][..]] {
+        let output = command(out.path(), arguments);
+        assert_success(&output);
+        let lines = String::from_utf8(output.stdout).unwrap();
+        assert!(lines.contains("\nrepeats "), "{lines}");
+        let n = summary(out.path())["repeats"]["n"].as_u64().unwrap();
+        assert!((1..=5).contains(&n), "{n}");
+        found.push(["frame.vti", "hits.vtu"].map(|file| arrays(&out.path().join(file))));
+    }
+    assert!(
+        found[0]
+            .iter()
+            .all(|names| names.contains(&"time_mad_ns".to_owned()))
+    );
+    assert!(found.iter().all(|names| *names == found[0]));
+}
+
+#[test]
+fn a_single_rendering_of_auto_has_a_spread_of_zero() {
+    let config = small("seed_sphere");
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    let meter = Meter::new(CostMode::Time);
+    // A rendering that is reported so slowly that no second one is made.
+    let wait = std::time::Duration::from_millis(300);
+    let first = std::sync::Once::new();
+    let slowly = |_| first.call_once(|| std::thread::sleep(wait));
+    let (film, _, repeats) = repeat(Repeats::Auto, &scene, &accel, &plan, &meter, slowly);
+    assert_eq!((film.n_repeats, repeats.len()), (1, 1));
+    let deviations: Vec<f32> = film.values(|strip| &strip.time_mad_ns).collect();
+    assert_eq!(deviations, vec![0.0; 53 * 37]);
+}
+
+#[test]
+fn auto_renders_once_where_nothing_is_timed() {
+    for mode in [CostMode::None, CostMode::Counters] {
+        let config = with_cost(small("seed_sphere"), mode);
+        let scene = scene_of(&config);
+        let accel = Accel::new(&scene.primitives, config.acceleration);
+        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        let meter = Meter::new(mode);
+        let (_, _, repeats) = repeat(Repeats::Auto, &scene, &accel, &plan, &meter, |_| {});
+        assert_eq!(repeats.len(), 1);
+    }
+}
+
+/// A scene file with a section more.
+fn scene_with(folder: &Path, section: &str) -> std::path::PathBuf {
+    let scene = fs::read_to_string(in_repository("configs/seed_sphere.yaml")).unwrap();
+    let file = folder.join("scene.yaml");
+    fs::write(&file, format!("{section}\n{scene}")).unwrap();
+    file
+}
+
+#[test]
+fn a_scene_says_how_often_it_is_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let file = scene_with(folder.path(), "repeats: 2");
+    let render = |arguments: &[&str]| {
+        let mut command = raycost();
+        command.arg("render").arg(&file).arg("--out").arg(&out);
+        command.args(["--width=8", "--height=6"]);
+        assert_success(&command.args(arguments).output().unwrap());
+        summary(&out)["repeats"]["n"].clone()
+    };
+    assert_eq!(render(&[]), 2);
+    assert_eq!(render(&["--repeats=3"]), 3);
+    // Without times there is nothing to repeat.
+    assert_eq!(render(&["--no-cost"]), 1);
+    let file = scene_with(folder.path(), "repeats: 2\ncost: counters");
+    let output = raycost().arg("check").arg(file).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("scene.yaml:1:10\n"), "{message}");
 }
 
 #[test]
@@ -175,10 +267,17 @@ fn the_threads_time_is_the_sum_of_its_parts() {
     assert!(lines.contains(" % unexplained\n"), "{lines}");
     let summary = summary(out.path());
     let part = |name: &str| summary["thread_time"][name].as_f64().unwrap();
-    let parts = ["pixels_ns", "film_ns", "clock_ns", "unexplained_ns"].map(part);
+    let parts = [
+        "pixels_ns",
+        "film_ns",
+        "clock_ns",
+        "warm_up_ns",
+        "unexplained_ns",
+    ]
+    .map(part);
     let busy_ns = part("busy_ns");
     assert!((parts.iter().sum::<f64>() / busy_ns - 1.0).abs() < 1e-9);
-    assert!(parts[..3].iter().all(|&ns| ns > 0.0));
+    assert!(parts[..4].iter().all(|&ns| ns > 0.0));
     let percent = 100.0 * part("unexplained_ns") / busy_ns;
     assert!((part("unexplained_percent") - percent).abs() < 1e-9);
     let repeats = summary["repeats"]["busy_ns"].as_array().unwrap();
@@ -267,6 +366,10 @@ fn check_tells_the_memory_that_repeats_take() {
         film.parse::<f64>().unwrap()
     };
     // Four bytes a sample, and four for the deviation.
-    let more = film_bytes(&["--repeats=10"]) - film_bytes(&[]);
+    let once = film_bytes(&["--repeats=1"]);
+    let more = film_bytes(&["--repeats=10"]) - once;
     assert!((more - 44.0).abs() < 1.0, "{more}");
+    // At most five of a picture of this size.
+    let more = film_bytes(&[]) - once;
+    assert!((more - 24.0).abs() < 1.0, "{more}");
 }

@@ -78,7 +78,7 @@ fn check(film: &Film, codec: Codec) {
     assert_eq!(hits.n_points(), film.n_hits());
     assert_eq!(
         frame.arrays().len(),
-        columns(film.cost, film.n_repeats).count()
+        columns(film.cost, film.repeats).count()
     );
 
     let is_hit: Vec<bool> = film
@@ -86,7 +86,7 @@ fn check(film: &Film, codec: Codec) {
         .iter()
         .flat_map(|strip| strip.object.iter().map(|&object| object >= 0))
         .collect();
-    for column in columns(film.cost, film.n_repeats) {
+    for column in columns(film.cost, film.repeats) {
         let all: Vec<u8> = film
             .strips
             .iter()

@@ -12,7 +12,7 @@ use crate::common::noise::noise;
 use crate::common::{
     assert_success, config, counts, film, in_repository, parse, raycost, rays, with_cost,
 };
-use raycost::config::{Codec, Config, CostMode, TileOrder};
+use raycost::config::{Codec, Config, CostMode, Repeats, TileOrder};
 use raycost::cost::{Cost, Counter};
 use raycost::film::{Film, RenderedTile, STRIP_ROWS, Strip};
 use raycost::output::{write_frame, write_hits, write_tiles};
@@ -204,6 +204,7 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
         start_ns: u64::from(number) << 33,
         end_ns: (u64::from(number) << 33) + 7,
         film_ns: 3,
+        warm_up_ns: 2,
         counted: Cost {
             node_visits: u64::from(number) << 34,
             rays: [1, 2, 3, 4],
@@ -246,6 +247,7 @@ fn expected_tiles(cost: CostMode) -> DataSet {
         f64s("end_ns", |tile| f64::from(tile) * 2_f64.powi(33) + 7.0),
         f64s("duration_ns", |_| 7.0),
         f64s("film_ns", |_| 3.0),
+        f64s("warm_up_ns", |_| 2.0),
         integers("thread", [1, 0, 1, 0, 1, 0].into_iter()),
         integers("position", [2, 1, 0, 5, 4, 3].into_iter()),
         integers("tile", [3, 4, 5, 0, 1, 2].into_iter()),
@@ -366,10 +368,10 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
     let (geometry, cost) = fields.split_at(6);
     let (time, counters) = cost.split_at(3);
-    let (time, counters) = match (film.cost, film.n_repeats) {
+    let (time, counters) = match (film.cost, film.repeats) {
         (CostMode::None, _) => (&[][..], &[][..]),
         (CostMode::Counters, _) => (&[][..], counters),
-        (CostMode::Time, 1) => (&time[..1], counters),
+        (CostMode::Time, Repeats::ONCE) => (&time[..1], counters),
         (CostMode::Time, _) => (time, counters),
     };
     let fields = geometry.iter().chain(time).chain(counters);

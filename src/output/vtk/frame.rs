@@ -24,7 +24,7 @@ pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Re
     };
     let image = DataSet::Image {
         size: [film.grid.width, film.grid.height],
-        point_data: columns(film.cost, film.n_repeats).map(array).collect(),
+        point_data: columns(film.cost, film.repeats).map(array).collect(),
     };
     appended::write(&image, codec, out)
 }

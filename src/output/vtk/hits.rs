@@ -30,9 +30,7 @@ pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Re
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
     let column_array = |column| array(column, n, |out| hits.write_values(column, out));
-    let mut point_data: Vec<Array> = columns(film.cost, film.n_repeats)
-        .map(column_array)
-        .collect();
+    let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(column_array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     let [connectivity, offsets] = separate_cells(1, n);
     let cloud = Mesh {

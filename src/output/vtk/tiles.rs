@@ -46,6 +46,7 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
         array("end_ns", schedule, |_, run| run.end_ns as f64),
         array("duration_ns", schedule, |_, run| run.duration_ns() as f64),
         array("film_ns", schedule, |_, run| run.film_ns as f64),
+        array("warm_up_ns", schedule, |_, run| run.warm_up_ns as f64),
         array("thread", schedule, |_, run| run.thread as i32),
         array("position", schedule, |_, run| run.position as i32),
         array("tile", schedule, |number, _| number as i32),

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::file::{Place, VtkFile};
 use super::header::{DataArray, DataArrays};
 use super::values::{Number, Values};
-use crate::config::CostMode;
+use crate::config::{CostMode, Repeats};
 use crate::film::columns;
 use crate::yaml::Diagnostic;
 
@@ -215,15 +215,14 @@ impl Arrays {
     fn missing(&self, name: &str) -> Diagnostic {
         let path = self.file.path().display();
         let error = Diagnostic::new(format!("`{path}` has no array `{name}`"));
-        let written_with =
-            |mode, n_repeats| columns(mode, n_repeats).any(|column| column.name == name);
-        if written_with(CostMode::Counters, 1) {
+        let written_with = |mode, repeats| columns(mode, repeats).any(|column| column.name == name);
+        if written_with(CostMode::Counters, Repeats::ONCE) {
             return error.with_help("render again without `--no-cost`");
         }
-        if written_with(CostMode::Time, 1) {
+        if written_with(CostMode::Time, Repeats::ONCE) {
             return error.with_help("render again with `--cost time`");
         }
-        if written_with(CostMode::Time, 2) {
+        if written_with(CostMode::Time, Repeats::Auto) {
             return error.with_help("render again with `--repeats 10`");
         }
         let names: Vec<&str> = self.infos.iter().map(|info| info.name.as_str()).collect();
