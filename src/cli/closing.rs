@@ -1,22 +1,24 @@
 //! The last lines of `raycost render`: what was done and what to type next.
 
-use std::path::Path;
-
-use super::{charges, shell_word, trust};
+use super::scene::SceneArguments;
+use super::{charges, hottest, shell_word, trust};
 use crate::config::Extra;
 use crate::output::format::{bytes, count, counted, duration};
 use crate::output::{Rendering, Stages, Written};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
-/// The lines for files that were written to `out`.
+/// The lines for files that were written of a scene.
 pub(super) fn lines(
-    out: &Path,
+    scene: &SceneArguments,
     rendering: &Rendering,
     stages: &Stages,
     written: &[Written],
 ) -> String {
     let image = &rendering.config.image;
+    let out = scene.out();
+    let trace = hottest::trace_command(scene, rendering.film);
+    let trace = trace.map_or(String::new(), |trace| format!("        {trace}\n"));
     let files: Vec<String> = written
         .iter()
         .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
@@ -48,8 +50,10 @@ pub(super) fn lines(
          {tiles}\
          {trust}\
          {}\
+         {}\
          wrote   {}: {}\n\
-         next    paraview --state={}\n",
+         next    paraview --state={}\n\
+         {trace}",
         image.width,
         image.height,
         counted(image.samples_per_pixel.into(), "sample"),
@@ -57,6 +61,7 @@ pub(super) fn lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering),
+        hottest::lines(rendering.film),
         costs,
         out.display(),
         files.join(", "),

@@ -6,6 +6,7 @@ mod closing;
 mod completions;
 mod diff;
 mod failure;
+mod hottest;
 mod progress;
 mod rectangle;
 mod render;
@@ -18,11 +19,11 @@ mod tree;
 mod trust;
 mod view;
 
-use std::path::Path;
-
 use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
+
+use crate::output::format::shell_word;
 
 /// A ray tracer that shows its work
 ///
@@ -79,15 +80,5 @@ impl Cli {
             Command::Check(arguments) => arguments.check_alone(),
             _ => Ok(()),
         }
-    }
-}
-
-/// The path as one word for a shell.
-fn shell_word(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    match text.chars().all(plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }

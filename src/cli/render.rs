@@ -129,7 +129,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let (written, stages) = pool.install(|| output::write(&rendering, &folder, stages))?;
     if !arguments.quiet {
-        let text = closing::lines(&arguments.scene.out(), &rendering, &stages, &written);
+        let text = closing::lines(&arguments.scene, &rendering, &stages, &written);
         io::stdout().write_all(text.as_bytes())?;
     }
     Ok(())
@@ -151,7 +151,7 @@ fn start_profiler() -> Result<Profiler, Failure> {
 }
 
 /// Does work on so many pixels, which tells of its progress, under a bar.
-fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
+pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
     let bar = Bar::new(n_pixels, quiet);
     let done = work(&|progress| bar.advance(progress));
     bar.clear();
@@ -159,7 +159,7 @@ fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T 
 }
 
 /// Hears of progress, from any thread.
-type Report<'a> = &'a (dyn Fn(Progress) + Sync);
+pub(super) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 
 /// The bytes that the files take at least, whatever the camera sees and however
 /// well it compresses.

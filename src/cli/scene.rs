@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+
+use super::shell_word;
 use crate::config::{
     Codec, Config, CostMode, Extra, MAX_SIDE, Repeats, Structure, TileOrder, Tiling,
 };
@@ -181,6 +184,25 @@ impl SceneArguments {
                 .with_help("add `--cost time`, or leave out `--repeats`"),
             )),
         }
+    }
+
+    /// The flags that change the picture or where its files go, each with a blank
+    /// before it: with them, another command sees the same pixels.
+    pub(super) fn flags_of_the_picture(&self) -> Vec<String> {
+        let flag = |name: &str, value: Option<String>| value.map(|v| format!(" --{name} {v}"));
+        let number = |n: Option<u32>| n.map(|n| n.to_string());
+        let structure = self.acceleration.and_then(|s| s.to_possible_value());
+        let flags = [
+            flag("width", number(self.width)),
+            flag("height", number(self.height)),
+            flag("spp", number(self.spp)),
+            flag("seed", self.seed.map(|seed| seed.to_string())),
+            flag("max-depth", self.max_depth.map(|n| n.to_string())),
+            flag("acceleration", structure.map(|s| s.get_name().to_owned())),
+            flag("count", number(self.count)),
+            flag("out", self.out.as_deref().map(shell_word)),
+        ];
+        flags.into_iter().flatten().collect()
     }
 
     /// The folder to write to.

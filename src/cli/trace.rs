@@ -8,16 +8,17 @@ use super::rectangle::Rectangle;
 use super::render::{remove_unfinished_when_stopped, thread_pool};
 use super::scene::{Loaded, SceneArguments};
 use super::tree::Trees;
-use super::{Failure, shell_word};
+use super::{Failure, hottest, shell_word};
 use crate::accel::Accel;
-use crate::config::{Config, CostMode, Image, Tiling};
+use crate::config::{Config, Image, Tiling};
 use crate::cost::Meter;
+use crate::film::{HotPixel, Metric};
 use crate::memory::{self, Memory};
 use crate::observe::{ObservedPixel, Observer, TooManyRays};
 use crate::output::format::{bytes, counted};
 use crate::output::{OutputFolder, Traced, Written, write_traced};
 use crate::render::{Plan, Progress, render};
-use crate::scene::Scene;
+use crate::scene::{Geometries, Scene};
 use crate::yaml::Diagnostic;
 
 /// Show all rays of some pixels and what each costs
@@ -32,15 +33,32 @@ light's part of the ray above it. Times are medians of five.
 
 Examples:
   raycost trace configs/seed_extended.yaml --pixel 120,190
-  raycost trace configs/hall_of_mirrors.yaml --pixel 390..409,240..249 --spp 1")]
+  raycost trace configs/hall_of_mirrors.yaml --pixel 390..409,240..249 --spp 1
+  raycost trace configs/spot.yaml --hottest 3 --by node_visits")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
 
     /// Pixels to trace; 0,0 is on the top left. X and Y are numbers, or ranges
     /// such as 10..19, both ends included. May be given more than once
-    #[arg(long, value_name = "X,Y", required = true)]
+    #[arg(long, value_name = "X,Y", required_unless_present = "hottest")]
     pixel: Vec<Rectangle>,
+
+    /// Trace the N pixels that cost most instead, 1 to 10,000, which are found by
+    /// rendering the picture
+    #[arg(long, value_name = "N", conflicts_with = "pixel")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    hottest: Option<u32>,
+
+    /// What they cost most of [default: time_ns, or node_visits where the scene
+    /// says that no time is taken]
+    #[arg(
+        long,
+        value_name = "METRIC",
+        requires = "hottest",
+        conflicts_with = "pixel"
+    )]
+    by: Option<Metric>,
 
     /// Threads to trace on [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -57,25 +75,22 @@ const CLOUD_SIDE: u32 = 320;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.scene.refuse_also()?;
+    let needed = |config: &Config, geometries: &Geometries| match arguments.metric(config) {
+        // A picture is rendered to find the pixels.
+        Some(metric) => Memory::of(&hottest::searched(config, metric), geometries),
+        None => Memory::of_scene(config, geometries),
+    };
     let Loaded {
         source,
         config,
         geometries,
-    } = arguments.scene.load_for(Memory::of_scene)?;
+    } = arguments.scene.load_for(needed)?;
     let image = config.image;
     for rectangle in &arguments.pixel {
         rectangle.check(&image)?;
     }
     let meter = Meter::new(config.cost);
-    // The scene's own picture becomes the cloud; rays go through the plane of
-    // the picture that was asked for.
-    let plane = config.camera.image_plane(image.width, image.height);
-    let config = Config {
-        image: small(&image),
-        cost: CostMode::None,
-        ..config
-    };
-    let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
+    let mut scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     remove_unfinished_when_stopped(&folder)?;
     let pool = thread_pool(arguments.threads)?;
@@ -84,18 +99,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let accel = pool.install(|| Accel::build(&scene.primitives, config.acceleration, report));
     bar.clear();
     let accel = accel.map_err(|error| source.point_at(memory::too_large(error)))?;
+    let pixels = pool.install(|| Pixels::of(arguments, &config, &scene, &accel))?;
+
+    // The scene's own picture becomes the cloud; rays go through the plane of
+    // the picture that was asked for.
+    let plane = scene.image_plane;
+    let small = small(&image);
+    scene.image_plane = config.camera.image_plane(small.width, small.height);
     let (cloud, _) = pool.install(|| {
-        let plan = Plan::new(&scene, &accel, &config.image, Tiling::default());
+        let plan = Plan::new(&scene, &accel, &small, Tiling::default());
         render(&scene, &accel, &plan, &Meter::Off, |_| {})
     });
-
     let observer = Observer::new(&scene, &accel, &image, meter.clock());
     let observer = observer.through(plane).without_steps();
-    let pixels = pool.install(|| observe(&observer, arguments))?;
+    let observed = pool.install(|| observe(&observer, &pixels, arguments.quiet))?;
     let traced = Traced {
         scene: &scene,
         plane: &plane,
-        pixels: &pixels,
+        pixels: &observed,
         is_timed: meter.clock().is_some(),
         cloud: &cloud,
     };
@@ -103,10 +124,73 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !arguments.quiet {
         let mut out = anstream::stdout().lock();
         Trees::new(&config, &traced).print(&mut out)?;
-        let text = closing_lines(&pixels, &written, &arguments.scene.out());
-        out.write_all(text.as_bytes())?;
+        let text = closing_lines(&observed, &written, &arguments.scene.out());
+        out.write_all((pixels.found() + &text).as_bytes())?;
     }
     Ok(())
+}
+
+/// The pixels to trace.
+enum Pixels<'a> {
+    /// As they were named.
+    Named(&'a [Rectangle]),
+    /// The most expensive ones.
+    Hottest(Metric, Vec<HotPixel>),
+}
+
+impl<'a> Pixels<'a> {
+    /// Those of the arguments; renders the picture where that finds them, on the
+    /// current rayon pool.
+    fn of(
+        arguments: &'a Arguments,
+        config: &Config,
+        scene: &Scene,
+        accel: &Accel,
+    ) -> Result<Self, Failure> {
+        let Some((n, metric)) = arguments.hottest.zip(arguments.metric(config)) else {
+            return Ok(Self::Named(&arguments.pixel));
+        };
+        let config = hottest::searched(config, metric);
+        let film = hottest::search(&config, scene, accel, arguments.quiet);
+        let found = hottest::pixels(&film, metric, n as usize)?;
+        Ok(Self::Hottest(metric, found))
+    }
+
+    /// How many.
+    fn n(&self) -> u64 {
+        match self {
+            Self::Named(rectangles) => rectangles.iter().map(Rectangle::n_pixels).sum(),
+            Self::Hottest(_, pixels) => pixels.len() as u64,
+        }
+    }
+
+    /// Their columns and rows.
+    fn places(&self) -> Box<dyn Iterator<Item = (u32, u32)> + '_> {
+        match self {
+            Self::Named(rectangles) => Box::new(Rectangle::pixels(rectangles)),
+            Self::Hottest(_, pixels) => Box::new(pixels.iter().map(|pixel| pixel.place)),
+        }
+    }
+
+    /// What was found, in words; nothing where the pixels were named.
+    fn found(&self) -> String {
+        match self {
+            Self::Named(_) => String::new(),
+            Self::Hottest(metric, pixels) => hottest::found(pixels, *metric),
+        }
+    }
+}
+
+impl Arguments {
+    /// What the most expensive pixels are to be found by, if they are.
+    fn metric(&self, config: &Config) -> Option<Metric> {
+        self.hottest?;
+        let by_default = match config.cost.has_time() {
+            true => Metric::TimeNs,
+            false => Metric::NodeVisits,
+        };
+        Some(self.by.unwrap_or(by_default))
+    }
 }
 
 /// An image of the same shape, small.
@@ -126,18 +210,20 @@ fn small(image: &Image) -> Image {
 
 /// The rays of all pixels, if half of the memory that is left holds them: the
 /// rest is for what is made of them.
-fn observe(observer: &Observer, arguments: &Arguments) -> Result<Vec<ObservedPixel>, Failure> {
-    let rectangles = &arguments.pixel;
-    let n_pixels = rectangles.iter().map(Rectangle::n_pixels).sum();
-    let bar = Bar::new(n_pixels, arguments.quiet);
+fn observe(
+    observer: &Observer,
+    pixels: &Pixels,
+    quiet: bool,
+) -> Result<Vec<ObservedPixel>, Failure> {
+    let n_pixels = pixels.n();
+    let bar = Bar::new(n_pixels, quiet);
     let report = |n_pixels| {
         bar.advance(Progress {
             n_pixels,
             n_rays: 0,
         })
     };
-    let pixels = Rectangle::pixels(rectangles);
-    let observed = observer.observe_many(pixels, memory::available() / 2, report);
+    let observed = observer.observe_many(pixels.places(), memory::available() / 2, report);
     bar.clear();
     observed.map_err(|error| too_many(error, n_pixels))
 }

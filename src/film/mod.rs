@@ -8,6 +8,7 @@
 //! arrays of the output files, for all writers.
 
 mod column;
+mod hottest;
 mod packed;
 mod rendered;
 mod strip;
@@ -16,6 +17,7 @@ mod tile;
 use glam::Vec3;
 
 pub use column::{Column, columns};
+pub use hottest::{HotPixel, Metric, Times, highest_counts};
 pub use packed::PackedCounters;
 pub use rendered::{Pixel, PixelTime, Rendered};
 pub use strip::Strip;

@@ -1,5 +1,6 @@
 //! Numbers as people read them.
 
+use std::path::Path;
 use std::time::Duration;
 
 /// `1,234,567`
@@ -33,6 +34,16 @@ pub fn duration(elapsed: Duration) -> String {
         return format!("{seconds:.0} s");
     }
     scaled(elapsed.as_nanos() as f64, 1e3, &["ns", "µs", "ms", "s"])
+}
+
+/// The path as one word for a shell.
+pub(crate) fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    match text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
+    }
 }
 
 /// Three digits and the unit that fits.

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::cloud::Cloud;
 use super::frame::Pixels;
+use super::hottest;
 use super::payload::type_name;
 use crate::config::CostMode;
 use crate::output::format::counted;
@@ -18,6 +19,7 @@ pub(super) fn json(
     arrays: &[Array],
     cloud: &Cloud,
     notes: &[String],
+    hottest: Value,
 ) -> String {
     let array = |(i, array): (usize, &Array)| {
         json!({
@@ -34,6 +36,8 @@ pub(super) fn json(
         "size": pixels.shown,
         "full_size": pixels.full,
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
+        "hottest": hottest,
+        "trace": hottest::trace_command(summary),
         "objects": objects(summary),
         "materials": summary.materials,
         "cloud": { "n": cloud.len(), "n_all": cloud.n_all() },

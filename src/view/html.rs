@@ -8,7 +8,7 @@ use super::payload::Payload;
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 /// The parts of the script; each uses only those above it.
-const SCRIPT: [&str; 14] = [
+const SCRIPT: [&str; 15] = [
     include_str!("page/payload.js"),
     include_str!("page/dom.js"),
     include_str!("page/format.js"),
@@ -22,6 +22,7 @@ const SCRIPT: [&str; 14] = [
     include_str!("page/points.js"),
     include_str!("page/cloud.js"),
     include_str!("page/table.js"),
+    include_str!("page/hottest.js"),
     include_str!("page/main.js"),
 ];
 

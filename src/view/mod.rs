@@ -10,6 +10,7 @@ mod about;
 mod budget;
 mod cloud;
 mod frame;
+mod hottest;
 mod html;
 mod payload;
 mod table;
@@ -68,7 +69,8 @@ impl View {
             about::missing(&results.summary),
         ];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
-        let about = about::json(&results.summary, &pixels, &arrays, &cloud, &notes);
+        let hottest = hottest::json(&results.summary, &mut frame, &pixels)?;
+        let about = about::json(&results.summary, &pixels, &arrays, &cloud, &notes, hottest);
         let mut payloads: Vec<Payload> = arrays
             .par_iter()
             .enumerate()

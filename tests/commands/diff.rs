@@ -388,7 +388,7 @@ fn the_gate_is_exact_for_counters() {
 
 #[test]
 fn a_gate_that_cannot_tell_says_so() {
-    let folder = outputs(&[]);
+    let folder = outputs(&["--repeats=1"]);
     let arguments = ["a", "b", "--fail-above", "5%"];
     let advice = "render both with `--repeats 10`, or with `--cost counters`, which are exact";
     for (times, reason) in [
@@ -418,7 +418,7 @@ fn a_gate_that_cannot_tell_says_so() {
 
 #[test]
 fn repeats_and_none_are_told_apart_on_the_terminal() {
-    let folder = outputs(&[]);
+    let folder = outputs(&["--repeats=1"]);
     let noise = || {
         let output = diff(folder.path(), &["a", "b"]);
         assert_success(&output);

@@ -196,6 +196,13 @@ async function start() {
   const first = ["time_ns", "node_visits", "distance"].find((name) => FIELDS.has(name));
   await chooseArray(first ?? byId("array").value);
   placeCursors();
+  createHottest(byId("hottest"), {
+    onMark: (hot) => (hot ? mark(hot, 1, 1, "Most expensive") : mark(null, null, null)),
+    onShow: (x, y) => {
+      moveProbe(x, y, "key");
+      pin(true);
+    },
+  });
   for (const { name } of about.arrays) probe.learn(name, await frameArray(name));
   showProbe();
   await createTable(byId("objects"), { onPick: pick });

@@ -235,12 +235,15 @@ impl Results {
         let time = &self.0.get("shares")?["hall_of_mirrors"]["thread_time"];
         let busy = time["busy_ns"].as_f64()?;
         let share = |part: &str| Some(100.0 * time[format!("{part}_ns")].as_f64()? / busy);
+        // Results of an earlier program have no warm-up.
+        let warm_up = share("warm_up").map(|percent| format!("{percent:.1} % warm-up, "));
         Some(format!(
-            "\n\n    threads {:.2} s at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % unexplained\n\n",
+            "\n\n    threads {:.2} s at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {}{:.1} % unexplained\n\n",
             busy / 1e9,
             share("pixels")?,
             share("film")?,
             share("clock")?,
+            warm_up.unwrap_or_default(),
             share("unexplained")?
         ))
     }

@@ -132,3 +132,57 @@ fn a_page_keeps_to_the_size_that_is_asked_for() {
         assert!(said.contains("expected a number above 0"), "{said}");
     }
 }
+
+/// What the page's script reads.
+fn about(folder: &Path) -> serde_json::Value {
+    let page = fs::read_to_string(viewed(folder)).unwrap();
+    let (_, about) = page.split_once("id=\"about\">").unwrap();
+    serde_json::from_str(about.split_once("</script>").unwrap().0).unwrap()
+}
+
+#[test]
+fn the_most_expensive_pixels_are_those_of_a_trace() {
+    for flags in [
+        &["--cost=counters"][..],
+        &["--repeats=1"],
+        &[],
+        &["--no-cost"],
+    ] {
+        let folder = rendered("seed_extended", flags);
+        let about = about(folder.path());
+        let hottest = about["hottest"].as_array().unwrap();
+        let of = |array: &str| hottest.iter().find(|one| one["array"] == array);
+        assert_eq!(of("node_visits").is_some(), flags != ["--no-cost"]);
+        if flags.contains(&"--cost=counters") {
+            assert!(of("time_ns").is_none());
+        }
+        let Some(visits) = of("node_visits") else {
+            continue;
+        };
+        let output = raycost()
+            .arg("trace")
+            .arg(crate::common::in_repository("configs/seed_extended.yaml"))
+            .args([
+                "--width=40",
+                "--height=30",
+                "--hottest=3",
+                "--by=node_visits",
+            ])
+            .arg("--out")
+            .arg(folder.path())
+            .output()
+            .unwrap();
+        assert_success(&output);
+        let said = String::from_utf8(output.stdout).unwrap();
+        for pixel in visits["pixels"].as_array().unwrap() {
+            let (x, y, value) = (&pixel["x"], &pixel["y"], &pixel["value"]);
+            let named = format!("{x},{y} ({} node visits)", value.as_f64().unwrap());
+            assert!(said.contains(&named), "{named}: {said}");
+        }
+        let trace = about["trace"].as_str().unwrap();
+        assert!(
+            trace.ends_with(" --width 40 --height 30 --spp 1 --seed 0"),
+            "{trace}"
+        );
+    }
+}

@@ -201,3 +201,29 @@ fn the_table_is_sorted_chosen_from_and_marks() {
     assert_eq!(names(&mut browser), ["blue"]);
     browser.assert_calm();
 }
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn the_most_expensive_pixels_are_marked_shown_and_traced() {
+    let folder = rendered("seed_extended", &["--cost=counters"]);
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    let visits = array(&arrays(folder.path()), "node_visits").values.clone();
+    let mut pixels: Vec<usize> = (0..visits.iter().count()).collect();
+    pixels.sort_by(|&a, &b| visits.at(b).total_cmp(&visits.at(a)).then(a.cmp(&b)));
+    let [x, y] = [pixels[0] as u32 % SIZE[0], pixels[0] as u32 / SIZE[0]];
+    browser.value("document.querySelector('#hottest > button').click()");
+    browser.wait_until("document.querySelector('#marked').textContent.includes('3 pixels')");
+    let text = browser.text("#hottest li");
+    assert!(
+        text.starts_with(&format!("{x}, {y} Node visits: ")),
+        "{text}"
+    );
+    assert!(text.contains("raycost trace "), "{text}");
+    assert!(text.ends_with(&format!(" --pixel {x},{y}")), "{text}");
+    browser.value("document.querySelector('#hottest li button').click()");
+    assert_eq!(browser.text("#probe h2"), format!("Pixel {x}, {y}"));
+    browser.screenshot("hottest", true);
+    browser.value("document.querySelector('#hottest > button').click()");
+    browser.wait_until("!document.querySelector('#marked').textContent.includes('3 pixels')");
+    browser.assert_calm();
+}

@@ -1,0 +1,157 @@
+//! The most expensive pixels: named after a rendering, and found for a trace.
+
+use std::time::Duration;
+
+use super::render::with_bar;
+use super::scene::SceneArguments;
+use super::{Failure, shell_word};
+use crate::accel::Accel;
+use crate::config::{Config, CostMode, Repeats};
+use crate::cost::Meter;
+use crate::film::{Film, HotPixel, Metric};
+use crate::output::format::{count, counted, duration};
+use crate::render::{Plan, least_repeats, repeat};
+use crate::scene::Scene;
+use crate::yaml::Diagnostic;
+
+/// A most expensive pixel, and what it is that by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Hottest {
+    metric: Metric,
+    pixel: HotPixel,
+}
+
+/// The lines that name the most expensive pixel of a film: by its time, if that
+/// can be trusted, and by what was counted. None where nothing was measured.
+pub(super) fn lines(film: &Film) -> String {
+    let found = [by_time(film), by_count(film)];
+    let texts: Vec<String> = match found {
+        [Some(time), Some(count)] if time.pixel.place == count.pixel.place => {
+            let by = format!("time and {}", noun(count.metric));
+            vec![line(time.pixel.place, &by, &[time, count].map(value))]
+        }
+        found => found.into_iter().flatten().map(alone).collect(),
+    };
+    let begins = ["hottest ", "        "].into_iter();
+    let numbered = begins.zip(texts);
+    numbered
+        .map(|(begin, text)| format!("{begin}{text}\n"))
+        .collect()
+}
+
+/// The command that shows the rays of the most expensive pixel.
+pub(super) fn trace_command(scene: &SceneArguments, film: &Film) -> Option<String> {
+    let Hottest { pixel, .. } = by_time(film).or_else(|| by_count(film))?;
+    let (x, y) = pixel.place;
+    let scene_word = shell_word(&scene.scene);
+    let flags = scene.flags_of_the_picture().concat();
+    Some(format!("raycost trace {scene_word} --pixel {x},{y}{flags}"))
+}
+
+/// The pixels that a trace was asked for by their cost, in words.
+pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
+    let named = |pixel: &HotPixel| {
+        let ((x, y), value) = (pixel.place, shown(metric, pixel.value));
+        format!("{x},{y} ({value})")
+    };
+    let pixels: Vec<String> = pixels.iter().map(named).collect();
+    format!("hottest by {}: {}\n", metric.name(), pixels.join(", "))
+}
+
+/// The config of the rendering that finds the most expensive pixels: it times them
+/// or counts, and nothing else.
+pub(super) fn searched(config: &Config, metric: Metric) -> Config {
+    let (cost, repeats) = match metric {
+        Metric::TimeNs => (CostMode::Time, config.repeats),
+        _ => (CostMode::Counters, Repeats::ONCE),
+    };
+    Config {
+        cost,
+        repeats,
+        ..config.clone()
+    }
+}
+
+/// Renders the picture on the current rayon pool.
+pub(super) fn search(config: &Config, scene: &Scene, accel: &Accel, quiet: bool) -> Film {
+    let n_rendered = u64::from(least_repeats(config)) * config.image.n_pixels() as u64;
+    let meter = Meter::new(config.cost);
+    with_bar(n_rendered, quiet, |report| {
+        let plan = Plan::new(scene, accel, &config.image, config.tiles);
+        repeat(config.repeats, scene, accel, &plan, &meter, report).0
+    })
+}
+
+/// The `n` most expensive pixels, or fewer.
+///
+/// # Errors
+/// Where no pixel costs anything, or no time can be trusted.
+pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPixel>, Failure> {
+    let pixels = film.hottest(metric, n);
+    match (pixels.is_empty(), metric) {
+        (false, _) => Ok(pixels),
+        (true, Metric::TimeNs) => {
+            let message = "no pixel took the same time twice: the machine is too busy";
+            let help = "ask for `--repeats 10`, or for counters, such as `--by node_visits`";
+            Err(Failure::Machine(Diagnostic::new(message).with_help(help)))
+        }
+        (true, _) => Err(
+            Diagnostic::new(format!("no pixel has any {}", noun(metric)))
+                .with_help("choose another metric, such as `--by primitive_tests`")
+                .into(),
+        ),
+    }
+}
+
+fn by_time(film: &Film) -> Option<Hottest> {
+    film.cost
+        .has_time()
+        .then(|| most_by(film, Metric::TimeNs))?
+}
+
+/// By node visits, or tests where there is no hierarchy.
+fn by_count(film: &Film) -> Option<Hottest> {
+    let mut metrics = [Metric::NodeVisits, Metric::PrimitiveTests].into_iter();
+    let find = || metrics.find_map(|metric| most_by(film, metric));
+    film.cost.has_counters().then(find)?
+}
+
+fn most_by(film: &Film, metric: Metric) -> Option<Hottest> {
+    let pixel = film.hottest(metric, 1).into_iter().next()?;
+    Some(Hottest { metric, pixel })
+}
+
+fn alone(hottest: Hottest) -> String {
+    line(hottest.pixel.place, noun(hottest.metric), &[value(hottest)])
+}
+
+fn line((x, y): (u32, u32), by: &str, values: &[String]) -> String {
+    format!("pixel {x},{y} by {by}: {}", values.join(", "))
+}
+
+fn value(hottest: Hottest) -> String {
+    shown(hottest.metric, hottest.pixel.value)
+}
+
+/// A cost with its unit.
+fn shown(metric: Metric, value: f64) -> String {
+    match metric {
+        Metric::TimeNs => duration(Duration::from_nanos(value as u64)),
+        Metric::Depth => counted(value as u64, "bounce"),
+        counter => format!("{} {}", count(value as u64), noun(counter)),
+    }
+}
+
+/// What is measured, in the plural.
+fn noun(metric: Metric) -> &'static str {
+    match metric {
+        Metric::TimeNs => "time",
+        Metric::NodeVisits => "node visits",
+        Metric::PrimitiveTests => "primitive tests",
+        Metric::Rays => "rays",
+        Metric::ShadowRays => "shadow rays",
+        Metric::ReflectionRays => "reflection rays",
+        Metric::RefractionRays => "refraction rays",
+        Metric::Depth => "bounces",
+    }
+}

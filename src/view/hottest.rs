@@ -1,0 +1,94 @@
+//! The most expensive pixels of a rendering, and the command that traces them.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::frame::Pixels;
+use crate::film::{HotPixel, Times, highest_counts};
+use crate::output::format::shell_word;
+use crate::results::{Frame, Summary, Values};
+use crate::yaml::Diagnostic;
+
+/// How many of each array are named.
+const N_NAMED: usize = 3;
+
+/// What the page's script reads: of the time and of the node visits, as far as they
+/// are there, the most expensive pixels, each with its column, its row, its value
+/// and its place on the page, null where it is not shown.
+///
+/// # Errors
+/// A diagnostic where the frame is damaged.
+pub(super) fn json(
+    summary: &Summary,
+    frame: &mut Frame,
+    pixels: &Pixels,
+) -> Result<Value, Diagnostic> {
+    let found = [
+        ("time_ns", by_time(summary, frame)?),
+        ("node_visits", by_count(frame, "node_visits")?),
+    ];
+    let width = u64::from(frame.width());
+    let pixel = |HotPixel { place, value }: &HotPixel| {
+        let (x, y) = *place;
+        let shown_at = pixels.index(u64::from(y) * width + u64::from(x));
+        json!({ "x": x, "y": y, "value": value, "index": shown_at })
+    };
+    let by_array = |(array, found): &(&str, Vec<HotPixel>)| json!({ "array": array, "pixels": found.iter().map(pixel).collect::<Vec<_>>() });
+    let is_found = |(_, found): &&(&str, Vec<HotPixel>)| !found.is_empty();
+    Ok(found.iter().filter(is_found).map(by_array).collect())
+}
+
+/// The command that traces pixels of this rendering, but for `--pixel`.
+pub(super) fn trace_command(summary: &Summary) -> String {
+    let image = &summary.image;
+    format!(
+        "raycost trace {} --width {} --height {} --spp {} --seed {}",
+        shell_word(Path::new(&summary.scene.file)),
+        image.width,
+        image.height,
+        image.samples_per_pixel,
+        image.seed,
+    )
+}
+
+fn by_time(summary: &Summary, frame: &mut Frame) -> Result<Vec<HotPixel>, Diagnostic> {
+    let width = frame.width() as usize;
+    let mut read = |name: &str| match frame.has(name) {
+        true => frame.read(name).map(|array| Some(array.values)),
+        false => Ok(None),
+    };
+    let [ns, mad_ns, n_rejected] = ["time_ns", "time_mad_ns", "n_rejected"].map(&mut read);
+    let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
+    let n_repeats = summary.repeats.as_ref().map_or(1, |repeats| repeats.n);
+    let times = Times {
+        ns: rows_of_f32(ns.as_ref(), width),
+        mad_ns: rows_of_f32(mad_ns.as_ref(), width),
+        n_rejected: match &n_rejected {
+            Some(Values::U8(all)) => all.chunks_exact(width).collect(),
+            _ => Vec::new(),
+        },
+        n_repeats: n_repeats.try_into().unwrap_or(u8::MAX),
+    };
+    Ok(times.hottest(N_NAMED))
+}
+
+fn rows_of_f32(values: Option<&Values>, width: usize) -> Vec<&[f32]> {
+    match values {
+        Some(Values::F32(all)) => all.chunks_exact(width).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn by_count(frame: &mut Frame, name: &str) -> Result<Vec<HotPixel>, Diagnostic> {
+    if !frame.has(name) {
+        return Ok(Vec::new());
+    }
+    match frame.read(name)?.values {
+        Values::U32(all) => {
+            let rows = all.chunks_exact(frame.width() as usize);
+            Ok(highest_counts(rows, N_NAMED))
+        }
+        _ => Ok(Vec::new()),
+    }
+}
