@@ -100,7 +100,8 @@ fn times_and_their_spread_make_sense() {
     for repeat in &repeats {
         let pixels_ns = repeat.pixels_ns.unwrap();
         assert!(pixels_ns >= 53.0 * 37.0);
-        assert!(repeat.film_ns < repeat.busy_ns);
+        // On a coarse clock both may be 0.
+        assert!(repeat.film_ns <= repeat.busy_ns);
     }
 }
 
@@ -303,9 +304,13 @@ fn what_measuring_costs_is_told_in_every_mode() {
             ("clock_percent", "time_ms", "single_ray_ms"),
             ("time_percent", "time_ms", "none_ms"),
         ] {
-            assert!(number(less) > 0.0);
             let expected = 100.0 * (number(more) / number(less) - 1.0);
-            assert!((number(percent) - expected).abs() < 1e-9);
+            // A coarse clock may have seen no time go by: then there is no ratio.
+            if expected.is_finite() {
+                assert!((number(percent) - expected).abs() < 1e-9);
+            } else {
+                assert_eq!(overhead[percent], Value::Null);
+            }
         }
     }
 }
