@@ -9,6 +9,8 @@ use crate::output::cost_picture::{Ticks, ticks};
 
 /// Share of a logarithmic axis that a label needs.
 const LABEL_GAP: f64 = 0.12;
+/// Share of an axis from one level that is named to the next.
+const LEVEL_GAP: f64 = 0.07;
 
 /// One axis.
 pub(super) struct Axis {
@@ -17,6 +19,8 @@ pub(super) struct Axis {
     scale: Scale,
     /// Names of the places 0, 1, …, if those are no numbers.
     names: Vec<String>,
+    /// Values that are named before all others, ascending.
+    levels: Vec<f64>,
 }
 
 impl Axis {
@@ -37,7 +41,16 @@ impl Axis {
             high,
             scale,
             names: Vec::new(),
+            levels: Vec::new(),
         }
+    }
+
+    /// The same axis with its names at these values, as far as there is room.
+    pub(super) fn with_levels(mut self, mut levels: Vec<f64>) -> Self {
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        self.levels = levels;
+        self
     }
 
     /// An axis of named places.
@@ -47,6 +60,7 @@ impl Axis {
             high: names.len() as f64 - 0.5,
             scale: Scale::Linear,
             names: names.to_vec(),
+            levels: Vec::new(),
         }
     }
 
@@ -59,12 +73,38 @@ impl Axis {
                 minor: Vec::new(),
             };
         }
+        if self.levels.len() > 1 {
+            return self.ticks_at_levels();
+        }
         match self.scale {
             Scale::Log => ticks(self.low, self.high, LABEL_GAP),
             Scale::Linear => Ticks {
                 major: even_steps(self.low, self.high),
                 minor: Vec::new(),
             },
+        }
+    }
+
+    /// A name for each level that is far enough from the one before.
+    fn ticks_at_levels(&self) -> Ticks {
+        let mut major: Vec<f64> = Vec::new();
+        let mut minor = Vec::new();
+        for &level in &self.levels {
+            let is_far = |last: &f64| self.share(level) - self.share(*last) >= LEVEL_GAP;
+            if major.last().is_none_or(is_far) {
+                major.push(level);
+            } else {
+                minor.push(level);
+            }
+        }
+        Ticks { major, minor }
+    }
+
+    /// Where a value lies, from 0 to 1.
+    fn share(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            Scale::Linear => (value - self.low) / (self.high - self.low),
         }
     }
 }
@@ -85,11 +125,7 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (begin, end): (i32, i32)) -> i32 {
-        let share = match self.scale {
-            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
-            Scale::Linear => (value - self.low) / (self.high - self.low),
-        };
-        begin + (share * f64::from(end - begin)).round() as i32
+        begin + (self.share(*value) * f64::from(end - begin)).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
@@ -158,8 +194,17 @@ mod tests {
             high: 10_000.0,
             scale: Scale::Log,
             names: Vec::new(),
+            levels: Vec::new(),
         };
         let places = [1.0, 10.0, 100.0, 1000.0, 10_000.0].map(|value| axis.map(&value, (0, 400)));
         assert_eq!(places, [0, 100, 200, 300, 400]);
+    }
+
+    #[test]
+    fn levels_are_named_where_there_is_room() {
+        let axis = Axis::around([1.0, 1000.0].into_iter(), Scale::Log);
+        let ticks = axis.with_levels(vec![1000.0, 1.0, 1.1, 8.0, 1.0]).ticks();
+        assert_eq!(ticks.major, [1.0, 8.0, 1000.0]);
+        assert_eq!(ticks.minor, [1.1]);
     }
 }

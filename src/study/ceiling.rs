@@ -1,18 +1,21 @@
 //! Limits of a plot: straight lines on logarithmic axes, each with its name at
-//! one end.
+//! one end: right of the axes, or where lines rise, below their left end.
 
 use plotters::coord::Shift;
-use plotters::element::{PathElement, Text};
+use plotters::element::PathElement;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::HPos;
 
 use super::PowerLaw;
 use super::axis::Axis;
 use super::figure::{Ceiling, Figure, Mark};
-use super::plot::{Drawn, FONT};
+use super::ink::{Drawn, draw_text, text_width};
 
 /// Pixels from one name to the next.
 const LINE_HEIGHT: i32 = 19;
+const TEXT_SIZE: i32 = 16;
+/// Pixels between a line's end and its name.
+const NAME_GAP: i32 = 6;
 
 /// What the left axis has to show of the ceilings: their named ends, and the
 /// limits of points below the highest of them.
@@ -32,6 +35,16 @@ pub(super) fn limit_of(figure: &Figure, mark: &Mark) -> Option<f64> {
     (limit <= highest.max(mark.y)).then_some(limit)
 }
 
+/// Pixels that names take on the right of the axes.
+pub(super) fn names_width<DB: DrawingBackend>(
+    ceilings: &[Ceiling],
+    area: &DrawingArea<DB, Shift>,
+) -> i32 {
+    let on_right = ceilings.iter().filter(|ceiling| !is_rising(ceiling));
+    let widths = on_right.map(|ceiling| NAME_GAP + text_width(area, &ceiling.label, TEXT_SIZE));
+    widths.max().unwrap_or(0)
+}
+
 /// Draws lines and names, `to_pixels` being where a point of the axes lies.
 pub(super) fn draw<DB: DrawingBackend>(
     ceilings: &[Ceiling],
@@ -39,31 +52,42 @@ pub(super) fn draw<DB: DrawingBackend>(
     to_pixels: impl Fn(f64, f64) -> (i32, i32),
     area: &DrawingArea<DB, Shift>,
 ) -> Drawn<DB> {
-    let mut names = Vec::new();
+    let (mut on_left, mut on_right) = (Vec::new(), Vec::new());
     for ceiling in ceilings {
         let Some([left, right]) = within(&ceiling.law, x, y) else {
             continue;
         };
         let ends = [left, right].map(|x| to_pixels(x, ceiling.law.at(x)));
         area.draw(&PathElement::new(ends, BLACK.mix(0.6).stroke_width(1)))?;
-        let is_rising = ceiling.law.exponent > 0.0;
-        names.push((if is_rising { ends[0] } else { ends[1] }, ceiling));
+        if is_rising(ceiling) {
+            let (x, y) = ends[0];
+            on_left.push(((x + NAME_GAP, y + 3), ceiling));
+        } else {
+            let (x, y) = ends[1];
+            on_right.push(((x + NAME_GAP, y - LINE_HEIGHT / 2), ceiling));
+        }
     }
-    // From the top: a name that would cover the one above it moves down.
+    draw_names(on_left, area)?;
+    draw_names(on_right, area)
+}
+
+/// Draws names from the top: one that would cover the one above it moves down.
+fn draw_names<DB: DrawingBackend>(
+    mut names: Vec<((i32, i32), &Ceiling)>,
+    area: &DrawingArea<DB, Shift>,
+) -> Drawn<DB> {
     names.sort_by_key(|((_, y), _)| *y);
     let mut lowest = i32::MIN;
-    for ((at_x, at_y), ceiling) in names {
-        let is_flat = ceiling.law.exponent == 0.0;
-        let at_y = (at_y + if is_flat { 3 - LINE_HEIGHT } else { 3 }).max(lowest);
-        lowest = at_y + LINE_HEIGHT;
-        let (side, at_x) = match ceiling.law.exponent > 0.0 {
-            true => (HPos::Left, at_x + 6),
-            false => (HPos::Right, at_x - 4),
-        };
-        let style = TextStyle::from((FONT, 16).into_font()).pos(Pos::new(side, VPos::Top));
-        area.draw(&Text::new(ceiling.label.clone(), (at_x, at_y), style))?;
+    for ((x, y), ceiling) in names {
+        let top = y.max(lowest);
+        lowest = top + LINE_HEIGHT;
+        draw_text(area, &ceiling.label, (x, top), TEXT_SIZE, HPos::Left)?;
     }
     Ok(())
+}
+
+fn is_rising(ceiling: &Ceiling) -> bool {
+    ceiling.law.exponent > 0.0
 }
 
 /// Where the name stands: beyond it the lines lie apart, and none crosses it.

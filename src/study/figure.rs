@@ -7,7 +7,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde_json::Value;
 
-use super::{CostLaw, PowerLaw, Row, Sample};
+use super::{CostLaw, PowerLaw, Row, Sample, apart};
 
 /// A plot, as the study file asks for it.
 ///
@@ -24,8 +24,8 @@ pub struct Plot {
     /// name or several of one unit.
     #[serde(deserialize_with = "names")]
     pub y: Vec<String>,
-    /// The factors that tell series apart; if not given, all but `x`, and the
-    /// scene alone where `x` was measured.
+    /// The factors that tell series apart; if not given, those without which a
+    /// series would have several points at one place.
     #[serde(default)]
     pub by: Option<Vec<String>>,
     /// The axes; logarithmic if not given.
@@ -64,6 +64,9 @@ pub struct Figure {
     pub series: Vec<Series>,
     /// Whether a line joins the points of a series that has no law.
     pub is_joined: bool,
+    /// Whether places along the lower axis are levels of a factor, which are all
+    /// named where there is room.
+    pub has_levels: bool,
     /// Limits that nothing can pass.
     pub ceilings: Vec<Ceiling>,
 }
@@ -118,18 +121,13 @@ impl Mark {
 impl Plot {
     /// "threads 2, cost time, render wall (ms)": what tells a row's series apart,
     /// and what was measured.
-    fn label(&self, row: &Row) -> String {
-        let is_factor = row.point.contains_key(&self.x);
-        let tells = |name: &str| match &self.by {
-            Some(by) => by.iter().any(|by| by == name),
-            None if is_factor => name != self.x,
-            None => name == "scene",
-        };
+    fn label(&self, row: &Row, apart: &[String]) -> String {
         let named = |(name, value): (&String, &Value)| match name.as_str() {
             "scene" => text(value),
             _ => format!("{} {}", name.replace('_', " "), text(value)),
         };
-        let factors = row.point.iter().filter(|(name, _)| tells(name)).map(named);
+        let tells = |(name, _): &(&String, &Value)| apart.contains(name);
+        let factors = row.point.iter().filter(tells).map(named);
         let metric = titled(&row.metric);
         factors.chain([metric]).collect::<Vec<_>>().join(", ")
     }
@@ -151,8 +149,12 @@ impl Figure {
             categories: Vec::new(),
             series: Vec::new(),
             is_joined: false,
+            has_levels: rows.iter().any(|row| row.point.contains_key(&plot.x)),
             ceilings: Vec::new(),
         };
+        let metric = plot.y.first()?;
+        let apart = plot.by.clone();
+        let apart = apart.unwrap_or_else(|| apart::factors(&plot.x, metric, rows));
         for row in rows.iter().filter(|row| plot.y.contains(&row.metric)) {
             let Some(x) = figure.place(plot, row, rows) else {
                 continue;
@@ -166,7 +168,7 @@ impl Figure {
                 limit: None,
                 oversubscribed: row.oversubscribed,
             };
-            figure.series_of(plot.label(row)).points.push(mark);
+            figure.series_of(plot.label(row, &apart)).points.push(mark);
         }
         figure.is_joined = figure.categories.is_empty();
         figure.finish(plot.fit);

@@ -17,10 +17,14 @@ mod fit;
 mod limits;
 mod sweep;
 mod bound;
+mod apart;
 mod figure;
 mod roofline;
+mod ink;
 mod axis;
+mod label;
 mod ceiling;
+mod legend;
 mod plot;
 
 pub use bound::{Bound, Standing, standings, verdict};

@@ -4,36 +4,29 @@ use std::io::{self, Cursor};
 
 use image::{ImageFormat, RgbImage};
 use plotters::coord::Shift;
-use plotters::element::{Circle, Cross, PathElement, Text, TriangleMarker};
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::element::PathElement;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontStyle, register_font};
+use plotters::style::text_anchor::HPos;
 
 use super::axis::Axis;
 use super::ceiling;
-use super::figure::{Figure, Mark, Series};
+use super::figure::{Figure, Mark, Scale, Series};
+use super::ink::{Drawn, FONT, color_of, draw_ring, draw_symbol, draw_text, load_font, text_width};
+use super::label::{Rect, Room};
+use super::legend::Legend;
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (960, 640);
-/// Part of the width for the names of series, where there are some.
-const LEGEND_WIDTH: u32 = 240;
+const MARGIN: i32 = 16;
 /// Steps in which a law is drawn.
 const N_STEPS: u32 = 64;
-/// Radius in pixels of the ring around an oversubscribed point.
-const RING_RADIUS: i32 = 10;
-pub(super) const FONT: &str = "sans-serif";
-
-/// Colours that the colour-blind tell apart: Okabe and Ito, "Color Universal
-/// Design", 2008, without the yellow, which is too light for lines.
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 0, 0),
-];
+/// Ratio of the levels of a factor from which on they lie by their logarithms.
+const WIDE: f64 = 8.0;
+/// Text beside marks.
+const LABEL_SIZE: i32 = 14;
+/// Pixels between the marks of two series over one name.
+const SERIES_GAP: i32 = 14;
 
 impl Figure {
     /// The figure as SVG.
@@ -68,61 +61,23 @@ impl Figure {
     }
 }
 
-/// Nothing, or what the picture could not take.
-pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
-
 fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-    // Only the bytes of a font could be refused, and these are known.
-    let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    load_font();
     area.fill(&WHITE)?;
-    let has_limits = marks(figure).any(|mark| ceiling::limit_of(figure, mark).is_some());
-    let has_names = figure
-        .series
-        .iter()
-        .any(|series| !name_of(series).is_empty());
-    let has_legend = has_names || has_limits;
-    let legend_width = if has_legend { LEGEND_WIDTH } else { 0 };
-    let (chart, legend) = area.split_horizontally(SIZE.0 - legend_width);
+    let legend = Legend::of(figure, area);
+    let (chart, right) = area.split_horizontally(SIZE.0 - legend.width());
     draw_chart(figure, &chart)?;
-    let y_of = |number: usize| 80 + 44 * number as i32;
-    let mut y = y_of(figure.series.len());
-    let mut note = |draw_key: &dyn Fn(i32) -> Drawn<DB>, lines: &[&str]| -> Drawn<DB> {
-        draw_key(y)?;
-        for (line, text) in lines.iter().enumerate() {
-            let at = (22, y - 8 + 18 * line as i32);
-            legend.draw(&Text::new((*text).to_owned(), at, (FONT, 16)))?;
-        }
-        y += 8 + 18 * lines.len() as i32;
-        Ok(())
-    };
-    let bar = |y| legend.draw(&PathElement::new([(0, y), (16, y)], BLACK.stroke_width(2)));
-    if has_limits {
-        note(&bar, &["if all its time were", "waiting for memory"])?;
-    }
-    if figure.series.iter().any(|series| series.law.is_some()) {
-        note(&bar, &["a + b x^k, with the", "interval of 95 % of k"])?;
-    }
-    if marks(figure).any(|mark| mark.oversubscribed) {
-        let ring = |y| legend.draw(&Circle::new((8, y), RING_RADIUS, BLACK.stroke_width(1)));
-        note(&ring, &["more threads than", "processors: not fitted"])?;
-    }
-    for (number, series) in figure.series.iter().enumerate() {
-        let y = y_of(number);
-        draw_symbol(&legend, number, (8, y), false)?;
-        let name = name_of(series);
-        for (line, text) in name.split(": ").enumerate() {
-            let at = (22, y - 8 + 18 * line as i32);
-            legend.draw(&Text::new(text.to_owned(), at, (FONT, 16)))?;
-        }
-    }
-    Ok(())
+    legend.draw(&right)
 }
+
+type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Axis, Axis>>;
 
 fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
     let (x, y) = axes(figure);
     let mut chart = ChartBuilder::on(area)
         .caption(&figure.title, (FONT, 26))
-        .margin(16)
+        .margin(MARGIN)
+        .margin_right(MARGIN + ceiling::names_width(&figure.ceilings, area))
         .x_label_area_size(56)
         .y_label_area_size(84)
         .build_cartesian_2d(x, y)?;
@@ -137,77 +92,119 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
         .draw()?;
     let (x, y) = axes(figure);
     let to_pixels = |x, y| chart.backend_coord(&(x, y));
-    ceiling::draw(
-        &figure.ceilings,
-        (&x, &y),
-        to_pixels,
-        &area.strip_coord_spec(),
-    )?;
+    let plain = area.strip_coord_spec();
+    ceiling::draw(&figure.ceilings, (&x, &y), to_pixels, &plain)?;
     for (number, series) in figure.series.iter().enumerate() {
-        let color = color_of(number);
-        let points = || series.points.iter();
-        if let Some(law) = series.law {
-            let line = places(series).map(|x| (x, law.at(x)));
-            chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
-        } else if figure.is_joined {
-            let line = points().map(|mark| (mark.x, mark.y));
-            chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
+        draw_line(figure, number, &mut chart)?;
+        for mark in &series.points {
+            draw_mark(figure, (number, mark), &chart, &plain)?;
         }
-        for mark in points() {
-            let [low, high] = mark.interval.map(|end| chart.backend_coord(&(mark.x, end)));
-            let interval = PathElement::new([low, high], color.stroke_width(2));
-            area.strip_coord_spec().draw(&interval)?;
-            let cap = |(x, y)| PathElement::new([(x - 5, y), (x + 5, y)], color.stroke_width(2));
-            area.strip_coord_spec().draw(&cap(low))?;
-            area.strip_coord_spec().draw(&cap(high))?;
-            let (x, y) = chart.backend_coord(&(mark.x, mark.y));
-            draw_symbol(area, number, (x, y), mark.oversubscribed)?;
-            draw_label(area, &mark.label, (x, y))?;
-            if let Some(limit) = ceiling::limit_of(figure, mark) {
-                let (x, y) = chart.backend_coord(&(mark.x, limit));
-                area.draw(&PathElement::new(
-                    [(x - 8, y), (x + 8, y)],
-                    color.stroke_width(2),
-                ))?;
-            }
-        }
+    }
+    draw_labels(figure, &chart, &plain)
+}
+
+/// Draws the law of a series, or what joins its points.
+fn draw_line<DB: DrawingBackend>(
+    figure: &Figure,
+    number: usize,
+    chart: &mut Chart<DB>,
+) -> Drawn<DB> {
+    let (series, color) = (&figure.series[number], color_of(number));
+    if let Some(law) = series.law {
+        let line = places(series).map(|x| (x, law.at(x)));
+        chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
+    } else if figure.is_joined {
+        let line = series.points.iter().map(|mark| (mark.x, mark.y));
+        chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
     }
     Ok(())
 }
 
-/// Draws what stands beside a mark: on its left where there is no room on its
-/// right.
-fn draw_label<DB: DrawingBackend>(
+/// Draws a point, its interval and its limit.
+fn draw_mark<DB: DrawingBackend>(
+    figure: &Figure,
+    (number, mark): (usize, &Mark),
+    chart: &Chart<DB>,
     area: &DrawingArea<DB, Shift>,
-    label: &str,
-    (x, y): (i32, i32),
-) -> Drawn<DB> {
-    let width = 8 * label.len() as i32;
-    let (side, x) = match x + 10 + width > area.dim_in_pixel().0 as i32 {
-        true => (HPos::Right, x - 10),
-        false => (HPos::Left, x + 10),
-    };
-    let style = TextStyle::from((FONT, 14).into_font()).pos(Pos::new(side, VPos::Top));
-    area.draw(&Text::new(label.to_owned(), (x, y + 2), style))
-}
-
-/// Draws the symbol of a series: color is not all that tells them apart. That of
-/// an oversubscribed point has a ring around it.
-fn draw_symbol<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    number: usize,
-    at: (i32, i32),
-    oversubscribed: bool,
 ) -> Drawn<DB> {
     let color = color_of(number);
-    if oversubscribed {
-        area.draw(&Circle::new(at, RING_RADIUS, BLACK.stroke_width(1)))?;
+    let at = |y| place(figure, number, (mark.x, y), chart);
+    let bar = |(x, y): (i32, i32), reach| {
+        PathElement::new([(x - reach, y), (x + reach, y)], color.stroke_width(2))
+    };
+    let [low, high] = mark.interval.map(at);
+    area.draw(&PathElement::new([low, high], color.stroke_width(2)))?;
+    area.draw(&bar(low, 5))?;
+    area.draw(&bar(high, 5))?;
+    if mark.oversubscribed {
+        draw_ring(area, at(mark.y))?;
     }
-    match number % 3 {
-        0 => area.draw(&Circle::new(at, 5, color.filled())),
-        1 => area.draw(&TriangleMarker::new(at, 7, color.filled())),
-        _ => area.draw(&Cross::new(at, 5, color.stroke_width(2))),
+    draw_symbol(area, number, at(mark.y))?;
+    match ceiling::limit_of(figure, mark) {
+        Some(limit) => area.draw(&bar(at(limit), 8)),
+        None => Ok(()),
     }
+}
+
+/// Where a point of a series lies in pixels. Series over a name stand side by
+/// side: their intervals would cover each other.
+fn place<DB: DrawingBackend>(
+    figure: &Figure,
+    number: usize,
+    point: (f64, f64),
+    chart: &Chart<DB>,
+) -> (i32, i32) {
+    let (x, y) = chart.backend_coord(&point);
+    if figure.categories.is_empty() {
+        return (x, y);
+    }
+    let from_middle = 2 * number as i32 - (figure.series.len() as i32 - 1);
+    (x + from_middle * SERIES_GAP / 2, y)
+}
+
+/// Draws what stands beside marks, when all of them are there.
+fn draw_labels<DB: DrawingBackend>(
+    figure: &Figure,
+    chart: &Chart<DB>,
+    area: &DrawingArea<DB, Shift>,
+) -> Drawn<DB> {
+    let (x, y) = chart.plotting_area().get_pixel_range();
+    let mut room = Room::new(Rect {
+        left: x.start,
+        top: y.start,
+        right: x.end,
+        bottom: y.end,
+    });
+    let of_all = || {
+        let numbered = figure.series.iter().enumerate();
+        numbered.flat_map(|(number, series)| series.points.iter().map(move |mark| (number, mark)))
+    };
+    for (number, mark) in of_all() {
+        let at = |y| place(figure, number, (mark.x, y), chart);
+        room.take(Rect::around(at(mark.y), 7));
+        let [(left, bottom), (_, top)] = mark.interval.map(at);
+        room.take(Rect {
+            left: left - 5,
+            top,
+            right: left + 5,
+            bottom,
+        });
+        if let Some(limit) = ceiling::limit_of(figure, mark) {
+            room.take(Rect::around(at(limit), 6));
+        }
+    }
+    for (number, mark) in of_all().filter(|(_, mark)| !mark.label.is_empty()) {
+        let size = (text_width(area, &mark.label, LABEL_SIZE), LABEL_SIZE + 2);
+        let name = room.place(place(figure, number, (mark.x, mark.y), chart), size);
+        draw_text(
+            area,
+            &mark.label,
+            (name.left, name.top),
+            LABEL_SIZE,
+            HPos::Left,
+        )?;
+    }
+    Ok(())
 }
 
 /// Where a law is drawn: evenly from the first point of the series to the last
@@ -219,36 +216,99 @@ fn places(series: &Series) -> impl Iterator<Item = f64> {
     (0..=N_STEPS).map(move |i| first * (last / first).powf(f64::from(i) / f64::from(N_STEPS)))
 }
 
-fn color_of(number: usize) -> RGBColor {
-    COLORS[number % COLORS.len()]
-}
-
 fn axes(figure: &Figure) -> (Axis, Axis) {
-    let x = match figure.categories.is_empty() {
-        true => Axis::around(marks(figure).map(|mark| mark.x), figure.scale),
-        false => Axis::of_names(&figure.categories),
+    let x = if figure.categories.is_empty() {
+        lower_axis(figure)
+    } else {
+        Axis::of_names(&figure.categories)
     };
     let heights = marks(figure).flat_map(|mark| mark.interval.into_iter().chain([mark.y]));
     let y = Axis::around(heights.chain(ceiling::heights(figure, &x)), figure.scale);
     (x, y)
 }
 
+/// The lower axis of numbers. Levels of a factor that spread over decades lie by
+/// their logarithms even if the measured values do not.
+fn lower_axis(figure: &Figure) -> Axis {
+    let places = || marks(figure).map(|mark| mark.x);
+    if !figure.has_levels {
+        return Axis::around(places(), figure.scale);
+    }
+    let low = places().fold(f64::INFINITY, f64::min);
+    let high = places().fold(0.0, f64::max);
+    let spreads = low > 0.0 && high >= WIDE * low;
+    let scale = if spreads { Scale::Log } else { figure.scale };
+    Axis::around(places(), scale).with_levels(places().collect())
+}
+
 fn marks(figure: &Figure) -> impl Iterator<Item = &Mark> {
     figure.series.iter().flat_map(|series| &series.points)
 }
 
-/// The series' label and the exponent of its law.
-fn name_of(series: &Series) -> String {
-    let law = series.law.map(|law| {
-        let interval = law.exponent_95.map_or(String::new(), |[low, high]| {
-            format!(" [{low:.2}, {high:.2}]")
-        });
-        format!("k = {:.3}{interval}", law.growing.exponent)
-    });
-    let label = Some(series.label.clone()).filter(|label| !label.is_empty());
-    label.into_iter().chain(law).collect::<Vec<_>>().join(": ")
-}
-
 fn failed(error: impl std::fmt::Display) -> io::Error {
     io::Error::other(format!("cannot draw a plot: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(labels: &[&str]) -> Figure {
+        let mark = |x: f64| Mark {
+            x,
+            y: 2.0 * x,
+            interval: [1.9 * x, 2.1 * x],
+            label: String::new(),
+            limit: None,
+            oversubscribed: false,
+        };
+        let series = |label: &&str| Series {
+            label: (*label).to_owned(),
+            points: [1.0, 10.0, 100.0].map(mark).into(),
+            law: None,
+        };
+        Figure {
+            title: "title".to_owned(),
+            x_title: "x".to_owned(),
+            y_title: "y".to_owned(),
+            scale: Scale::Log,
+            categories: Vec::new(),
+            series: labels.iter().map(series).collect(),
+            is_joined: true,
+            has_levels: true,
+            ceilings: Vec::new(),
+        }
+    }
+
+    /// The values of an attribute of all elements of this name.
+    fn values(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
+        let opening = format!("<{element} ");
+        let of_element = |rest: &str| {
+            let (_, value) = rest
+                .split_once(&format!(" {attribute}=\""))
+                .or_else(|| rest.split_once(&format!("{attribute}=\"")))?;
+            value.split_once('"')?.0.parse().ok()
+        };
+        svg.split(&opening).skip(1).filter_map(of_element).collect()
+    }
+
+    #[test]
+    fn an_only_series_has_no_legend() {
+        let svg = figure(&[""]).to_svg().unwrap();
+        let circles = values(&svg, "circle", "cx");
+        assert_eq!(circles.len(), 3, "{svg}");
+        assert!(circles.iter().all(|x| *x < f64::from(SIZE.0) - 10.0));
+    }
+
+    #[test]
+    fn long_names_of_series_are_broken_into_lines() {
+        let long = "a scene of many words, tile order scanline, image size 7680x4320";
+        let svg = figure(&[long, "short"]).to_svg().unwrap();
+        assert!(!svg.contains(long) && svg.contains("image size"), "{svg}");
+        let left = values(&svg, "text", "x").into_iter().fold(0.0, f64::max);
+        // The legend leaves most of the picture to the plot.
+        assert!(left > 600.0 && left < 760.0, "{left}");
+        let png = figure(&[long, "short"]).to_png().unwrap();
+        assert!(image::load_from_memory(&png).is_ok());
+    }
 }

@@ -41,6 +41,7 @@ impl Figure {
             is_joined: standings
                 .iter()
                 .all(|standing| standing.point[label].is_number()),
+            has_levels: false,
             ceilings: ceilings(standings, limits, peak),
         };
         for standing in standings {
