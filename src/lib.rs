@@ -20,6 +20,8 @@
 //!
 //! The modules stand in the order of the data; each uses only those above it.
 
+pub mod host;
+pub mod terminal;
 pub mod yaml;
 pub mod sampling;
 pub mod geometry;

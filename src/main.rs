@@ -1,19 +1,19 @@
-//! Arguments → [`Cli::run`] → the one error message and the exit code.
+//! Arguments → [`cli::run`] → the one error message and the exit code.
 
-use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
-use raycost::cli::Cli;
+use raycost::host::Allocator;
+use raycost::{cli, terminal};
+
+#[global_allocator]
+static ALLOCATOR: Allocator = Allocator;
 
 fn main() -> ExitCode {
-    match Cli::parse().run() {
+    match cli::run(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            if let Some(diagnostic) = failure.diagnostic() {
-                // anstream removes the colours where this is no terminal. With
-                // nobody to hear the message, the exit code has to do.
-                let _ = writeln!(anstream::stderr(), "{}", diagnostic.render(true));
+            if let Some(message) = failure.message() {
+                terminal::print_error(&message);
             }
             ExitCode::from(failure.exit_code())
         }

@@ -1,7 +1,5 @@
 //! How much memory a scene takes, told before it is taken.
 
-use sysinfo::System;
-
 use crate::accel::{Bvh, TooLarge};
 use crate::config::{Acceleration, Codec, Config, Image, Repeats};
 use crate::film::{self, PackedCounters, RenderedTile};
@@ -10,6 +8,8 @@ use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::schedule::{TileGrid, TileRun};
 use crate::yaml::{Fault, Path};
+
+pub use crate::host::available_memory as available;
 
 /// What the pictures and files take for each pixel while they are made: a copy
 /// of the times or counts, another to find their median, the cost map and its
@@ -139,16 +139,4 @@ pub fn too_large(error: TooLarge) -> Fault {
     let objects = Path::default().key("objects");
     Fault::of_key(objects, error.to_string(), "makes too large a hierarchy")
         .with_help("ask the generators for fewer spheres, or for `acceleration: { quality: fast }`")
-}
-
-/// Memory that a new program may take, in bytes; all there could be where the
-/// system does not tell.
-pub fn available() -> u64 {
-    let mut system = System::new();
-    system.refresh_memory();
-    let of_group = system.cgroup_limits().map(|limits| limits.free_memory);
-    match system.available_memory() {
-        0 => u64::MAX,
-        of_machine => of_machine.min(of_group.unwrap_or(u64::MAX)),
-    }
 }

@@ -2,6 +2,7 @@
 
 use crate::ledger::{Account, Charge, Ledger, Work};
 use crate::output::{Group, Rendering};
+use crate::terminal::one_line;
 
 /// Rows of a table before the rest is told in one.
 const N_ROWS: usize = 10;
@@ -87,14 +88,9 @@ fn sum_up_the_rest(rows: &mut Vec<Row>, kind: &str) {
 
 /// The name, or its beginning, on one line.
 fn cut(name: &str) -> String {
-    let shown = |c: char| if c.is_control() { ' ' } else { c };
+    let name = one_line(name);
     match name.char_indices().nth(MAX_NAME) {
-        None => name.chars().map(shown).collect(),
-        Some(_) => name
-            .chars()
-            .take(MAX_NAME - 1)
-            .map(shown)
-            .chain(['…'])
-            .collect(),
+        None => name.into_owned(),
+        Some(_) => name.chars().take(MAX_NAME - 1).chain(['…']).collect(),
     }
 }

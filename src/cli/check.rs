@@ -1,11 +1,10 @@
 //! `raycost check`.
 
-use std::io::{self, Write};
 use std::path::Path;
 
-use super::Failure;
 use super::closing::primitives;
 use super::scene::{Loaded, SceneArguments};
+use super::{Failure, shown};
 use crate::config::{Acceleration, Codec, Config, CostMode, Image, Repeats, TileOrder, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::Artifact;
@@ -13,6 +12,7 @@ use crate::output::format::{bytes, count, counted};
 use crate::render::most_repeats;
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
+use crate::terminal;
 use crate::yaml::Diagnostic;
 
 /// Tell what rendering a scene would do, and render nothing
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let memory = Memory::of(&config, &geometries);
     let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let report = report(&arguments.scene, &config, &scene, &memory);
-    Ok(io::stdout().write_all(report.as_bytes())?)
+    Ok(terminal::print(&report)?)
 }
 
 fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &Memory) -> String {
@@ -58,7 +58,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
         Acceleration::BruteForce => "brute force".to_owned(),
     };
     let lines = [
-        ("scene", format!("{} is fine", arguments.scene.display())),
+        ("scene", format!("{} is fine", shown(&arguments.scene))),
         (
             "image",
             format!(
@@ -123,7 +123,7 @@ fn files(config: &Config, out: &Path) -> String {
         Codec::Lz4 => ", VTK files compressed by LZ4",
         Codec::Zlib => ", VTK files compressed by zlib",
     };
-    let (names, out) = (names.join(", "), out.display());
+    let (names, out) = (names.join(", "), shown(out));
     format!("{names}, summary.json in {out}{codec}")
 }
 

@@ -1,7 +1,7 @@
 //! The last lines of `raycost render`: what was done and what to type next.
 
 use super::scene::SceneArguments;
-use super::{charges, hottest, shell_word, trust};
+use super::{charges, hottest, shell_word, shown, trust};
 use crate::config::Extra;
 use crate::output::format::{bytes, count, counted, duration};
 use crate::output::{Rendering, Stages, Written};
@@ -63,7 +63,7 @@ pub(super) fn lines(
         speed(rendering),
         hottest::lines(rendering.film),
         costs,
-        out.display(),
+        shown(out),
         files.join(", "),
         shell_word(&out.join(state)),
     )

@@ -1,11 +1,10 @@
 //! `raycost completions`.
 
-use std::io::{self, Write};
-
 use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::{Cli, Failure};
+use crate::terminal;
 
 /// Print a completion script for a shell
 #[derive(Debug, clap::Args)]
@@ -21,5 +20,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut script = Vec::new();
     let mut command = Cli::command();
     clap_complete::generate(arguments.shell, &mut command, "raycost", &mut script);
-    Ok(io::stdout().write_all(&script)?)
+    Ok(terminal::print(&String::from_utf8_lossy(&script))?)
 }

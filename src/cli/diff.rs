@@ -1,13 +1,13 @@
 //! `raycost diff`.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::render::remove_unfinished_when_stopped;
-use super::{Failure, shell_word};
+use super::{Failure, shell_word, shown};
 use crate::diff::{self, Diff, Gate, Limit, Side};
 use crate::output::format::bytes;
 use crate::output::{OutputFolder, Written};
+use crate::terminal;
 use crate::yaml::Diagnostic;
 
 /// Compare the costs of two outputs
@@ -50,14 +50,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = OutputFolder::create(&out, 0)?;
     remove_unfinished_when_stopped(&folder)?;
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
-    let text = match arguments.json {
-        true => format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref())),
-        false => {
-            let report = diff::report(&diff, &sides, gate.as_ref());
-            report + &closing_lines(&out, &written)
-        }
+    let text = if arguments.json {
+        let json = format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref()));
+        terminal::visible_json(&json)
+    } else {
+        let report = diff::report(&diff, &sides, gate.as_ref());
+        report + &closing_lines(&out, &written)
     };
-    io::stdout().write_all(text.as_bytes())?;
+    terminal::print(&text)?;
     match gate.filter(|gate| !gate.passed) {
         Some(gate) => Err(Failure::Gate(Diagnostic::new(gate.sentence()))),
         None => Ok(()),
@@ -82,7 +82,7 @@ fn closing_lines(out: &Path, written: &[Written]) -> String {
         .collect();
     format!(
         "wrote     {}: {}\nnext      paraview --state={}\n",
-        out.display(),
+        shown(out),
         files.join(", "),
         shell_word(&out.join("diff.pvsm")),
     )

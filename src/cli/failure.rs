@@ -12,6 +12,8 @@ pub enum Failure {
     Gate(Diagnostic),
     /// The machine could not do it: exit code 1.
     Machine(Diagnostic),
+    /// The command line is wrong, as this styled text says: exit code 2.
+    Usage(String),
     /// Whoever read the output has gone, as `| head` does: end in silence.
     ClosedOutput,
 }
@@ -45,18 +47,19 @@ impl Failure {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Gate(_) => 3,
-            Self::Input(_) => 2,
+            Self::Input(_) | Self::Usage(_) => 2,
             Self::Machine(_) => 1,
             Self::ClosedOutput => 0,
         }
     }
 
-    /// What to tell the user, if anything.
-    pub fn diagnostic(&self) -> Option<&Diagnostic> {
+    /// What to print for the user, with styles, if anything.
+    pub fn message(&self) -> Option<String> {
         match self {
             Self::Input(diagnostic) | Self::Gate(diagnostic) | Self::Machine(diagnostic) => {
-                Some(diagnostic)
+                Some(diagnostic.render(true))
             }
+            Self::Usage(text) => Some(text.trim_end().to_owned()),
             Self::ClosedOutput => None,
         }
     }

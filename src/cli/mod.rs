@@ -19,11 +19,15 @@ mod tree;
 mod trust;
 mod view;
 
+use std::ffi::OsString;
+use std::path::Path;
+
 use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
 
 use crate::output::format::shell_word;
+use crate::terminal::{self, one_line};
 
 /// A ray tracer that shows its work
 ///
@@ -55,17 +59,38 @@ enum Command {
     Completions(completions::Arguments),
 }
 
+/// Does what the arguments of the command line say; the first one is the
+/// program's name.
+///
+/// # Errors
+/// The one message and the exit code to end with.
+pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
+    let arguments: Vec<OsString> = arguments.collect();
+    match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli.run(),
+        Err(usage) if usage.use_stderr() => Err(Failure::Usage(text_of(&usage, &arguments))),
+        Err(help) => Ok(terminal::print_styled(&text_of(&help, &arguments))?),
+    }
+}
+
+/// clap's text with its styles. It repeats arguments as they are: an error of
+/// those that hold what cannot be seen is that of the same arguments as text.
+fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
+    let visible = arguments
+        .iter()
+        .map(|argument| one_line(&argument.to_string_lossy()).into_owned());
+    let again = Cli::try_parse_from(visible).err();
+    let text = again.as_ref().unwrap_or(found).render();
+    text.ansi().to_string().trim_end().to_owned() + "\n"
+}
+
 impl Cli {
-    /// Does what the arguments say.
-    ///
-    /// # Errors
-    /// The one message and the exit code to end with.
-    pub fn run(self) -> Result<(), Failure> {
+    fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
-            Command::Check(arguments) => check::run(&arguments),
-            Command::View(arguments) => view::run(&arguments),
-            Command::Diff(arguments) => diff::run(&arguments),
+            Command::Check(arguments) => on_threads(|| check::run(&arguments)),
+            Command::View(arguments) => on_threads(|| view::run(&arguments)),
+            Command::Diff(arguments) => on_threads(|| diff::run(&arguments)),
             Command::Trace(arguments) => trace::run(&arguments),
             Command::Study(arguments) => study::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
@@ -81,4 +106,15 @@ impl Cli {
             _ => Ok(()),
         }
     }
+}
+
+/// Does work on threads of its own: rayon's would panic where the system
+/// refuses them.
+fn on_threads(work: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
+    render::thread_pool(None)?.install(work)
+}
+
+/// The path as it is shown on a terminal.
+fn shown(path: &Path) -> String {
+    one_line(&path.to_string_lossy()).into_owned()
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::render::Progress;
+use crate::terminal::one_line;
 
 /// How long a build goes on before it shows a bar.
 const SHORT: Duration = Duration::from_secs(1);
@@ -105,7 +106,7 @@ impl StudyBar {
 
     /// Tells which run is on.
     pub(super) fn begin(&self, label: &str) {
-        self.bar.set_message(label.to_owned());
+        self.bar.set_message(one_line(label).into_owned());
     }
 
     /// Moves the bar on by a run.

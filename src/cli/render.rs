@@ -1,7 +1,5 @@
 //! `raycost render`.
 
-use std::io::{self, Write};
-
 use super::progress::{Bar, BuildBar};
 use super::scene::{Loaded, SceneArguments};
 use super::{Failure, closing};
@@ -16,6 +14,7 @@ use crate::output::{
 };
 use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, least_repeats, repeat};
 use crate::scene::Scene;
+use crate::terminal;
 use crate::yaml::Diagnostic;
 
 /// Render a scene and write its files
@@ -130,7 +129,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (written, stages) = pool.install(|| output::write(&rendering, &folder, stages))?;
     if !arguments.quiet {
         let text = closing::lines(&arguments.scene, &rendering, &stages, &written);
-        io::stdout().write_all(text.as_bytes())?;
+        terminal::print(&text)?;
     }
     Ok(())
 }

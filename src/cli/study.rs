@@ -1,7 +1,7 @@
 //! `raycost study`.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -13,11 +13,12 @@ use super::progress::StudyBar;
 use super::studies;
 use super::tables::{closing_lines, last_lines, write_figure, write_tables};
 use super::{Cli, Failure};
-use crate::output::{self, HardwareCounters, write_file};
+use crate::output::{self, HardwareCounters, format, write_file};
 use crate::study::{
     Figure, Limits, Metrics, Plan, Point, Results, Row, Run, Standing, Turn, rows, standings,
 };
-use crate::yaml::{Diagnostic, Source};
+use crate::terminal;
+use crate::yaml::{self, Diagnostic, Fault, Source};
 
 /// Measure how the cost of scenes depends on what you vary
 #[derive(Debug, clap::Args)]
@@ -86,11 +87,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )?;
         if !arguments.quiet {
             let lines = closing_lines(&study.plan, &rows, standings.as_deref(), &study.out);
-            io::stdout().write_all(lines.as_bytes())?;
+            terminal::print(&lines)?;
         }
     }
     if !arguments.quiet {
-        io::stdout().write_all(last_lines(&made_by, n_left).as_bytes())?;
+        terminal::print(&last_lines(&made_by, n_left))?;
     }
     Ok(())
 }
@@ -102,6 +103,13 @@ impl Study {
         let mut plan: Plan = source.parse()?;
         if quick {
             plan = plan.quickened();
+        }
+        if plan.n_runs() > Plan::MAX_RUNS {
+            let message = format!("the study has {} runs", format::count(plan.n_runs()));
+            let expected = format!("expected at most {}", format::count(Plan::MAX_RUNS));
+            let fault = Fault::new(yaml::Path::default(), message, expected)
+                .with_help("vary less at once, or lower `repeats`");
+            return Err(source.point_at(fault).into());
         }
         let study = Self {
             points: plan.points(),
@@ -229,7 +237,8 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metr
     let process_ms = start.elapsed().as_secs_f64() * 1e3;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
-        return Err(failed(format!("a run of {} failed\n{said}", point.label())));
+        let message = format!("a run of {} failed", point.label());
+        return Err(Failure::Machine(Diagnostic::new(message).with_note(said)));
     }
     let text = fs::read_to_string(out.join("summary.json"));
     let text = text.map_err(|error| failed(format!("a run left no summary: {error}")))?;

@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::Failure;
+use super::{Failure, shown};
 use crate::output::{format::duration, write_file};
 use crate::study::{Figure, Plan, Plot, Row, Series, Standing, verdict, write_csv};
+use crate::terminal::one_line;
 
 /// Writes the tables and plots of a study.
 pub(super) fn write_tables(
@@ -64,17 +65,20 @@ pub(super) fn closing_lines(
     standings: Option<&[Standing]>,
     out: &Path,
 ) -> String {
-    let mut text = format!("{}\n\n", plan.title);
+    let mut text = format!("{}\n\n", one_line(&plan.title));
     let values = |row: &Row| {
         let values = row.point.iter().map(|(name, value)| match value {
             Value::String(text) => format!("{name} {text}"),
             number => format!("{name} {number}"),
         });
-        values.collect::<Vec<_>>().join(", ")
+        one_line(&values.collect::<Vec<_>>().join(", ")).into_owned()
     };
-    let shown = || rows.iter().filter(|row| row.metric == "render_wall_ms");
-    let width = shown().map(|row| values(row).len()).max().unwrap_or(0);
-    for row in shown() {
+    let walls = || rows.iter().filter(|row| row.metric == "render_wall_ms");
+    let width = walls()
+        .map(|row| values(row).chars().count())
+        .max()
+        .unwrap_or(0);
+    for row in walls() {
         let statistics = &row.statistics;
         let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
         text += &format!(
@@ -86,12 +90,12 @@ pub(super) fn closing_lines(
             statistics.n,
         );
     }
-    text += &remedies(shown());
+    text += &remedies(walls());
     if let Some(standings) = standings {
         let nothing = || "no run had counters and a hierarchy: nothing to hold up".to_owned();
         text += &format!("\nbound   {}\n", verdict(standings).unwrap_or_else(nothing));
     }
-    text + &format!("\nwrote   {}/\n\n", out.display())
+    text + &format!("\nwrote   {}/\n\n", shown(out))
 }
 
 /// Which runs stand apart and what to do about them; nothing if none does.

@@ -1,6 +1,5 @@
 //! `raycost trace`.
 
-use std::io::Write;
 use std::path::Path;
 
 use super::progress::{Bar, BuildBar};
@@ -8,7 +7,7 @@ use super::rectangle::Rectangle;
 use super::render::{remove_unfinished_when_stopped, thread_pool};
 use super::scene::{Loaded, SceneArguments};
 use super::tree::Trees;
-use super::{Failure, hottest, shell_word};
+use super::{Failure, hottest, shell_word, shown};
 use crate::accel::Accel;
 use crate::config::{Config, Image, Tiling};
 use crate::cost::Meter;
@@ -19,6 +18,7 @@ use crate::output::format::{bytes, counted};
 use crate::output::{OutputFolder, Traced, Written, write_traced};
 use crate::render::{Plan, Progress, render};
 use crate::scene::{Geometries, Scene};
+use crate::terminal;
 use crate::yaml::Diagnostic;
 
 /// Show all rays of some pixels and what each costs
@@ -122,10 +122,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let written = write_traced(&traced, config.compress, &folder)?;
     if !arguments.quiet {
-        let mut out = anstream::stdout().lock();
-        Trees::new(&config, &traced).print(&mut out)?;
-        let text = closing_lines(&observed, &written, &arguments.scene.out());
-        out.write_all((pixels.found() + &text).as_bytes())?;
+        let trees = Trees::new(&config, &traced).text();
+        let closing = closing_lines(&observed, &written, &arguments.scene.out());
+        terminal::print_styled(&(trees + &pixels.found() + &closing))?;
     }
     Ok(())
 }
@@ -249,7 +248,7 @@ fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> S
          next    paraview --state={}\n",
         counted(n_rays as u64, "ray"),
         counted(pixels.len() as u64, "pixel"),
-        out.display(),
+        shown(out),
         files.join(", "),
         shell_word(&out.join("rays.pvsm")),
     )

@@ -1,6 +1,5 @@
 //! The rays of a pixel as a tree on the terminal.
 
-use std::io::{self, Write};
 use std::time::Duration;
 
 use clap::builder::styling::{AnsiColor, Style};
@@ -12,6 +11,7 @@ use crate::film::to_rgb8;
 use crate::observe::{ObservedPixel, RayTree, TracedRay};
 use crate::output::Traced;
 use crate::output::format::{count, counted, duration};
+use crate::terminal::one_line;
 
 /// Pixels that are shown.
 const MOST_PIXELS: usize = 3;
@@ -43,24 +43,21 @@ impl<'a> Trees<'a> {
         Self { config, traced }
     }
 
-    /// Prints the first pixels.
-    ///
-    /// # Errors
-    /// What the terminal says.
-    pub(super) fn print(&self, out: &mut impl Write) -> io::Result<()> {
+    /// The trees of the first pixels, with styles.
+    pub(super) fn text(&self) -> String {
         let (shown, others) = {
             let n = MOST_PIXELS.min(self.traced.pixels.len());
             self.traced.pixels.split_at(n)
         };
-        for pixel in shown {
-            print(&self.table(pixel), out)?;
-            writeln!(out)?;
-        }
+        let tables = shown
+            .iter()
+            .map(|pixel| in_columns(&self.table(pixel)) + "\n");
+        let mut text: String = tables.collect();
         if !others.is_empty() {
             let n = counted(others.len() as u64, "more pixel");
-            writeln!(out, "and {n} in rays.vtp\n")?;
+            text += &format!("and {n} in rays.vtp\n\n");
         }
-        Ok(())
+        text
     }
 
     /// A header, the rays, and their sums.
@@ -239,10 +236,7 @@ fn significant(number: f32) -> String {
 
 /// The beginning of a name, on one line.
 fn short(name: &str) -> String {
-    let mut short: String = name
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let mut short = one_line(name).into_owned();
     if let Some((end, _)) = short.char_indices().nth(MOST_CHARACTERS) {
         short.truncate(end);
         short.push('…');
@@ -250,16 +244,16 @@ fn short(name: &str) -> String {
     short
 }
 
-/// Prints rows in columns, the first two from the left and the numbers from
-/// the right.
-fn print(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
+/// Rows in columns, the first two from the left and the numbers from the right.
+fn in_columns(rows: &[Row]) -> String {
     let cell = |row: &Row, i: usize| row.cells.get(i).map_or(0, |cell| cell.chars().count());
     let n_columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..n_columns)
         .map(|i| rows.iter().map(|row| cell(row, i)).max().unwrap_or(0))
         .collect();
-    let in_columns = rows.iter().filter(|row| !row.cells.is_empty());
-    let first = in_columns.map(Row::first_width).max().unwrap_or(0);
+    let with_cells = rows.iter().filter(|row| !row.cells.is_empty());
+    let first = with_cells.map(Row::first_width).max().unwrap_or(0);
+    let mut lines = String::new();
     for row in rows {
         let (text, style) = &row.first;
         let mut line = String::new();
@@ -274,9 +268,9 @@ fn print(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
             false => first - row.first_width(),
         };
         let line = format!("{:blanks$}{}", "", line.trim_end());
-        writeln!(out, "{}{style}{text}{style:#}{line}", row.branches)?;
+        lines += &format!("{}{style}{text}{style:#}{line}\n", row.branches);
     }
-    Ok(())
+    lines
 }
 
 impl Row {

@@ -1,11 +1,11 @@
 //! `raycost view`.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
-use super::Failure;
+use super::{Failure, shown};
 use crate::output::{format::bytes, write_file};
 use crate::results::Results;
+use crate::terminal;
 use crate::view::{self, View};
 
 /// Write a page that shows an output folder in a browser
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for note in view.notes() {
         text += &format!("note    {note}\n");
     }
-    text += &format!("wrote   {} ({})\n", path.display(), bytes(n_bytes));
+    text += &format!("wrote   {} ({})\n", shown(&path), bytes(n_bytes));
     text += "next    open it in a browser\n";
-    Ok(io::stdout().write_all(text.as_bytes())?)
+    Ok(terminal::print(&text)?)
 }

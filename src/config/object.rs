@@ -9,6 +9,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 use super::file::GeometryFile;
 use super::generator::Generator;
 use crate::geometry::{Shape, TransformStep};
+use crate::yaml;
 
 /// One of the scene file's `objects`: a geometry under its own key, and what
 /// else there is to say of it.
@@ -92,7 +93,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
         let (mut name, mut geometry, mut material, mut transform) = (None, None, None, Vec::new());
         while let Some(Key(key)) = map.next_key()? {
             match key {
-                "name" => name = Some(map.next_value()?),
+                "name" => name = Some(map.next_value::<Name>()?.0),
                 "material" => material = Some(map.next_value()?),
                 "transform" => transform = map.next_value()?,
                 _ if geometry.is_some() => map.next_value::<SecondShape>().map(drop)?,
@@ -112,6 +113,10 @@ impl<'de> Visitor<'de> for ObjectVisitor {
         })
     }
 }
+
+/// An object's name.
+#[derive(serde::Deserialize)]
+struct Name(#[serde(deserialize_with = "yaml::name")] String);
 
 /// What is no value: its error stands at the value's place.
 struct SecondShape;

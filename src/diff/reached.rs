@@ -1,100 +1,74 @@
 //! `objects.csv`: what any ray meets.
 
-use std::fs::File;
-use std::io;
-use std::path::Path;
+use indexmap::IndexMap;
 
 use super::{Group, Measure, Side, Total, Totals};
 use crate::yaml::Diagnostic;
 
-/// The file's name.
-const FILE: &str = "objects.csv";
+/// What the rays cost that met something.
+type Costs = Vec<(Measure, f64)>;
 
 /// The objects of both tables; none unless both are there.
 ///
 /// # Errors
 /// A table that cannot be read.
-pub(super) fn groups(sides: &[Side; 2]) -> Result<Vec<Group>, Diagnostic> {
-    let [a, b] = sides.each_ref().map(|side| side.path_of(FILE));
-    let (Some(a), Some(b)) = (rows(&a)?, rows(&b)?) else {
+pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<Group>, Diagnostic> {
+    let (Some(a), Some(b)) = (costs(a)?, costs(b)?) else {
         return Ok(Vec::new());
     };
-    let mut names: Vec<&String> = a.iter().map(|row| &row.name).collect();
-    for row in &b {
-        if !names.contains(&&row.name) {
-            names.push(&row.name);
-        }
-    }
+    let sides = [&a, &b];
+    let has = |costs: &IndexMap<String, Costs>, measure| {
+        let mut all = costs.values().flatten();
+        all.any(|(other, _)| *other == measure)
+    };
+    let is_common = |measure: &Measure| sides.iter().all(|costs| has(costs, *measure));
+    let measures: Vec<Measure> = Measure::ALL.into_iter().filter(is_common).collect();
     let group = |name: &String| {
-        let cost = |rows: &[Row], measure| {
-            let of_name = rows.iter().filter(|row| row.name == *name);
-            of_name.filter_map(|row| row.cost(measure)).sum::<f64>()
-        };
         let total = |&measure: &Measure| Total {
             measure,
-            cost: [cost(&a, measure), cost(&b, measure)],
-        };
-        let is_common = |measure: &&Measure| {
-            let has = |rows: &[Row]| rows.iter().any(|row| row.cost(**measure).is_some());
-            has(&a) && has(&b)
+            cost: sides.map(|costs| costs.get(name).map_or(0.0, |costs| sum(costs, measure))),
         };
         Group {
             name: name.clone(),
             bounds: None,
-            totals: Totals(Measure::ALL.iter().filter(is_common).map(total).collect()),
+            totals: Totals(measures.iter().map(total).collect()),
         }
     };
-    Ok(names.into_iter().map(group).collect())
+    let of_b_alone = b.keys().filter(|name| !a.contains_key(*name));
+    Ok(a.keys().chain(of_b_alone).map(group).collect())
 }
 
-/// An object and what the rays cost that met it.
-struct Row {
-    name: String,
-    costs: Vec<(Measure, f64)>,
+fn sum(costs: &Costs, measure: Measure) -> f64 {
+    let of_measure = costs.iter().filter(|(other, _)| *other == measure);
+    of_measure.map(|(_, cost)| cost).sum()
 }
 
-impl Row {
-    fn cost(&self, measure: Measure) -> Option<f64> {
-        let (_, cost) = self.costs.iter().find(|(other, _)| *other == measure)?;
-        Some(*cost)
-    }
-}
-
-/// The objects by all rays that met them; `None` without a table.
-fn rows(path: &Path) -> Result<Option<Vec<Row>>, Diagnostic> {
-    let fail = |reason: String| {
-        let message = format!("cannot read `{}`: {reason}", path.display());
-        Diagnostic::new(message).with_help("render again with `--also objects`")
+/// What all rays cost that met an object, by the object's name, those of one
+/// name together; `None` without a table.
+fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
+    let Some(table) = side.objects()? else {
+        return Ok(None);
     };
-    let file = match File::open(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        file => file.map_err(|error| fail(error.to_string()))?,
+    let needed = |name: &str| {
+        let missing = || side.no_table(&format!("it has no column `{name}`"));
+        table.column(name).ok_or_else(missing)
     };
-    let mut table = csv::Reader::from_reader(file);
-    let headers = table
-        .headers()
-        .map_err(|error| fail(error.to_string()))?
-        .clone();
-    let column = |name: &str| headers.iter().position(|header| header == name);
-    let needed = |name| column(name).ok_or_else(|| fail(format!("it has no column `{name}`")));
-    let [kind, charge, ray_kind, name] = ["kind", "charge", "ray_kind", "name"].map(needed);
-    let [kind, charge, ray_kind, name] = [kind?, charge?, ray_kind?, name?];
-    let costs: Vec<(Measure, usize)> = Measure::ALL
+    let kinds = [needed("kind")?, needed("charge")?, needed("ray_kind")?];
+    let name = needed("name")?;
+    let columns: Vec<(Measure, usize)> = Measure::ALL
         .into_iter()
-        .filter_map(|measure| Some((measure, column(measure.array)?)))
+        .filter_map(|measure| Some((measure, table.column(measure.array)?)))
         .collect();
-    let mut rows = Vec::new();
-    for record in table.records() {
-        let record = record.map_err(|error| fail(error.to_string()))?;
-        let cell = |column: usize| record.get(column).unwrap_or_default();
-        if [kind, charge, ray_kind].map(cell) == ["object", "hit", "all"] {
-            let cost =
-                |&(measure, column): &(Measure, usize)| Some((measure, cell(column).parse().ok()?));
-            rows.push(Row {
-                name: cell(name).to_owned(),
-                costs: costs.iter().filter_map(cost).collect(),
-            });
+    let mut costs: IndexMap<String, Costs> = IndexMap::new();
+    for row in &table.rows {
+        if kinds.map(|column| row[column].as_str()) == ["object", "hit", "all"] {
+            let cost = |&(measure, column): &(Measure, usize)| {
+                let cost = row[column].parse().ok()?;
+                Some((measure, cost))
+            };
+            let of_name = costs.entry(row[name].clone()).or_default();
+            of_name.extend(columns.iter().filter_map(cost));
         }
     }
-    Ok(Some(rows))
+    Ok(Some(costs))
 }

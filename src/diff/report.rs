@@ -8,6 +8,7 @@ use super::settings::Setting;
 use super::{Diff, Group, Side, Total};
 use crate::output::format::{count, counted};
 use crate::statistics::CONFIDENCE;
+use crate::terminal::one_line;
 
 /// Rows that are shown of a table of objects or tiles.
 const MAX_ROWS: usize = 5;
@@ -18,7 +19,7 @@ const MAX_SETTINGS: usize = 12;
 pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     let mut text = String::new();
     for (letter, side) in ["A", "B"].into_iter().zip(sides) {
-        text += &entry(letter, &[side.sentence()]);
+        text += &entry(letter, &[one_line(&side.sentence()).into_owned()]);
     }
     text += &totals_table(diff);
     text += &entry("noise", &noise_lines(diff));
@@ -105,7 +106,7 @@ fn groups_table(title: &str, groups: &[Group]) -> String {
 
 fn name_and_place(group: &Group) -> String {
     match group.bounds {
-        None => group.name.clone(),
+        None => one_line(&group.name).into_owned(),
         Some(Rectangle { x, y }) => {
             format!("{}, x {}..{}, y {}..{}", group.name, x[0], x[1], y[0], y[1])
         }
@@ -217,7 +218,10 @@ fn setting_lines(settings: &[Setting]) -> Vec<String> {
     if settings.is_empty() {
         return vec!["the same".to_owned()];
     }
-    let line = |setting: &Setting| format!("{}: {} → {}", setting.name, setting.a, setting.b);
+    let line = |setting: &Setting| {
+        let Setting { name, a, b } = setting;
+        one_line(&format!("{name}: {a} → {b}")).into_owned()
+    };
     let mut lines: Vec<String> = settings.iter().take(MAX_SETTINGS).map(line).collect();
     if settings.len() > MAX_SETTINGS {
         lines.push(format!("and {} more", settings.len() - MAX_SETTINGS));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Measure;
-use crate::results::{Number, Results};
+use crate::results::{Number, ObjectsTable, Results};
 use crate::yaml::Diagnostic;
 
 /// An output folder that is compared with another.
@@ -61,6 +61,16 @@ impl Side {
     /// All of `summary.json`.
     pub fn summary(&self) -> &Value {
         &self.summary
+    }
+
+    /// What each object and each material cost; `None` without a table.
+    pub(super) fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
+        self.results.objects()
+    }
+
+    /// The table of objects and materials cannot be used.
+    pub(super) fn no_table(&self, why: &str) -> Diagnostic {
+        self.results.no_table(why)
     }
 
     /// The path of a file in the folder.

@@ -9,6 +9,7 @@ use tempfile::NamedTempFile;
 
 use super::stages::milliseconds;
 use super::{Written, format};
+use crate::host::advice;
 
 /// Bytes that go to the system at one go: many rows, and yet within the cache.
 const BUFFER: usize = 1 << 16;
@@ -45,10 +46,10 @@ impl WriteError {
 
     /// What to do about it.
     pub fn help(&self) -> &'static str {
+        if let Some(advice) = advice(&self.error) {
+            return advice;
+        }
         match self.error.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                "free some space, or choose another folder with `--out`"
-            }
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
                 "choose a folder that you may write to with `--out`"
             }

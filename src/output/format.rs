@@ -38,7 +38,7 @@ pub fn duration(elapsed: Duration) -> String {
 
 /// The path as one word for a shell.
 pub(crate) fn shell_word(path: &Path) -> String {
-    let text = path.display().to_string();
+    let text = crate::terminal::one_line(&path.to_string_lossy()).into_owned();
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
     match text.chars().all(plain) {
         true => text,

@@ -6,6 +6,7 @@
 
 pub(crate) mod cost_picture;
 mod accounts;
+mod cell;
 mod folder;
 pub mod format;
 mod hardware;
@@ -28,10 +29,12 @@ use std::io::{self, Seek, Write};
 use std::time::Duration;
 
 pub use accounts::Accounts;
+pub(crate) use cell::{text_cell, text_of_cell};
 pub use folder::{OutputFolder, WriteError};
 pub(crate) use folder::{StagedFile, write_file};
 pub use hardware::{Counts, HardwareCounters};
 pub use objects::Group;
+pub(crate) use objects::{FILE as OBJECTS, rows_per_thing};
 pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;
 pub use stages::{Stage, Stages};

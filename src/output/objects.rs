@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 
 use super::Rendering;
+use super::cell::text_cell;
 use crate::cost::RayKind;
 use crate::ledger::{Account, Charge, Ledger, Work};
 
 /// The file's name.
-pub(super) const FILE: &str = "objects.csv";
+pub(crate) const FILE: &str = "objects.csv";
 
 /// What the accounts behind those of all things are called.
 const NOTHING: &str = "nothing";
@@ -20,6 +21,11 @@ const RAY_KINDS: [(&str, Option<RayKind>); 5] = [
     ("reflection", Some(RayKind::Reflection)),
     ("refraction", Some(RayKind::Refraction)),
 ];
+
+/// Rows of each object and each material.
+pub(crate) fn rows_per_thing() -> usize {
+    Charge::ALL.len() * RAY_KINDS.len()
+}
 
 /// Numbers of a row, each followed by its share of the whole picture's at the
 /// end of the row.
@@ -92,7 +98,7 @@ pub(super) fn write(
                 true => "-1".to_owned(),
                 false => id.to_string(),
             };
-            table.write_thing([group.kind, &id, name], account, &whole)?;
+            table.write_thing([group.kind, &id, &text_cell(name)], account, &whole)?;
         }
     }
     table.rows.flush()

@@ -6,6 +6,7 @@
 //! behind an XML header, raw or in compressed blocks. A real VTK reads more, and
 //! costs an installation.
 
+mod objects;
 mod summary;
 mod vtk;
 
@@ -13,13 +14,15 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+pub use objects::ObjectsTable;
 pub use summary::{
     Acceleration, Camera, Clock, Cost, Image, Machine, Object, Repeats, SceneName, Stage, Summary,
     Threads,
 };
 pub use vtk::{Array, ArrayInfo, Frame, Hits, Number, Values};
 
-use crate::output::format::counted;
+use crate::host::{advice, available_memory};
+use crate::output::format::{self, counted};
 use crate::yaml::Diagnostic;
 
 /// An output folder whose summary has been read.
@@ -40,7 +43,8 @@ impl Results {
         let shown = folder.display();
         let hint = "give a folder that `raycost render` wrote, such as out/seed_sphere";
         let metadata = folder.metadata().map_err(|error| {
-            Diagnostic::new(format!("cannot read the folder `{shown}`: {error}")).with_help(hint)
+            Diagnostic::new(format!("cannot read the folder `{shown}`: {error}"))
+                .with_help(advice(&error).unwrap_or(hint))
         })?;
         if !metadata.is_dir() {
             let message = format!("`{shown}` is a file, not an output folder");
@@ -125,14 +129,25 @@ impl Results {
     }
 }
 
-/// The whole text of a file of at most `max_bytes`.
-fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
-    let mut text = String::new();
-    let n_read = File::open(path)?
-        .take(max_bytes + 1)
-        .read_to_string(&mut text)?;
-    match n_read as u64 > max_bytes {
-        true => Err(io::ErrorKind::FileTooLarge.into()),
-        false => Ok(text),
+/// Bytes of memory that a byte of JSON may become: a value for every other one.
+const MEMORY_PER_BYTE: u64 = 40;
+
+/// The whole text of a JSON file of at most `max_bytes`, whose values fit into
+/// the free memory.
+pub(crate) fn read_json(path: &Path, max_bytes: u64) -> io::Result<String> {
+    let too_long = |n_bytes: u64| {
+        let message = format!("it is longer than {}", format::bytes(n_bytes));
+        Err(io::Error::new(io::ErrorKind::InvalidData, message))
+    };
+    let max_bytes = max_bytes.min(available_memory() / MEMORY_PER_BYTE);
+    let file = File::open(path)?;
+    if file.metadata()?.len() > max_bytes {
+        return too_long(max_bytes);
     }
+    let mut text = String::new();
+    let n_read = file.take(max_bytes + 1).read_to_string(&mut text)?;
+    if n_read as u64 > max_bytes {
+        return too_long(max_bytes);
+    }
+    Ok(text)
 }

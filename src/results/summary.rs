@@ -6,12 +6,12 @@ use std::path::Path;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::read_text;
+use super::read_json;
 use crate::config::CostMode;
 pub(super) use crate::output::SUMMARY as FILE;
 use crate::yaml::{Diagnostic, Fault, Source};
 
-/// Longest summary that is read, in bytes: a name for each of a million
+/// Longest summary that is read, in bytes: a short name for each of a million
 /// objects fits.
 const MAX_BYTES: u64 = 256 << 20;
 
@@ -175,7 +175,7 @@ impl Summary {
     /// A diagnostic that points at the line where it is none.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         let name = path.display().to_string();
-        let text = read_text(path, MAX_BYTES)
+        let text = read_json(path, MAX_BYTES)
             .map_err(|error| Diagnostic::new(format!("cannot read `{name}`: {error}")))?;
         serde_json::from_str(&text).map_err(|error| {
             let message = format!("`{name}` is no summary of a rendering: {error}");

@@ -27,6 +27,7 @@ use crate::yaml;
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// What the study is about, in a few words.
+    #[serde(deserialize_with = "yaml::name")]
     pub title: String,
     /// Scene files, relative to the study's folder, at least one.
     #[serde(deserialize_with = "scenes")]
@@ -98,6 +99,9 @@ pub struct Turn {
 }
 
 impl Plan {
+    /// Most runs of a study: at a second each they take a day.
+    pub const MAX_RUNS: u64 = 100_000;
+
     /// The plan with what `quick` says.
     pub fn quickened(mut self) -> Self {
         let quick = self.quick.take();
@@ -109,6 +113,17 @@ impl Plan {
             self.flags = quick.flags.unwrap_or(self.flags);
         }
         self
+    }
+
+    /// How many runs the plan makes in all, warm-up included; `u64::MAX` for
+    /// more than that.
+    pub fn n_runs(&self) -> u64 {
+        let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
+        let counts = [self.scenes.len(), self.cases.len().max(1)].into_iter();
+        let rounds = u64::from(self.warm_up) + u64::from(self.repeats);
+        counts
+            .chain(levels)
+            .fold(rounds, |n, count| n.saturating_mul(count as u64))
     }
 
     /// All combinations, scene by scene and case by case.

@@ -5,7 +5,7 @@
 //! study goes on.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,8 @@ use crate::yaml::Diagnostic;
 
 /// The format's number: files of others are refused.
 const FORMAT: u32 = 1;
+/// Longest line that is read, in bytes; a run has a few thousand.
+const MAX_LINE: u64 = 1 << 20;
 
 /// A results file, open to be added to.
 #[derive(Debug)]
@@ -118,7 +120,11 @@ impl Lines {
     /// The next line, without what ends it; one that does not end is none.
     fn next(&mut self) -> io::Result<Option<String>> {
         let mut line = String::new();
-        let n = self.reader.read_line(&mut line)?;
+        let n = (&mut self.reader).take(MAX_LINE).read_line(&mut line)?;
+        if n as u64 == MAX_LINE {
+            let message = "a line of it is longer than 1 MiB";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
         if !line.ends_with('\n') {
             return Ok(None);
         }

@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{Plan, Results, Run};
+use crate::output::text_cell;
 use crate::statistics::SampleStatistics;
 
 /// One number of one point.
@@ -97,7 +98,7 @@ fn columns(row: &Row) -> [(&'static str, String); 13] {
 
 fn text(value: &Value) -> String {
     match value {
-        Value::String(text) => text.clone(),
+        Value::String(text) => text_cell(text).into_owned(),
         other => other.to_string(),
     }
 }

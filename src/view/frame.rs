@@ -1,7 +1,7 @@
 //! The frame's arrays, thinned out where they are too many for a page.
 
 use crate::output::format::count;
-use crate::results::{Array, Frame, Values};
+use crate::results::{Array, Frame};
 use crate::yaml::Diagnostic;
 
 /// Most pixels of a page: full HD stays whole.
@@ -72,49 +72,21 @@ impl Pixels {
             .iter()
             .map(|info| info.name.clone())
             .collect();
-        let read = |name: &String| Ok(self.thin(frame.read(name)?));
+        let [columns, rows] = [0, 1].map(|axis| self.all_shown(axis));
+        let read = |name: &String| {
+            if self.is_whole() {
+                frame.read(name)
+            } else {
+                frame.read_picked(name, &columns, &rows)
+            }
+        };
         names.iter().map(read).collect()
     }
 
-    fn thin(self, array: Array) -> Array {
-        let Array {
-            name,
-            n_components,
-            values,
-        } = array;
-        let values = match values {
-            all if self.is_whole() => all,
-            Values::U8(all) => Values::U8(self.pick(&all, n_components)),
-            Values::I32(all) => Values::I32(self.pick(&all, n_components)),
-            Values::U32(all) => Values::U32(self.pick(&all, n_components)),
-            Values::I64(all) => Values::I64(self.pick(&all, n_components)),
-            Values::U64(all) => Values::U64(self.pick(&all, n_components)),
-            Values::F32(all) => Values::F32(self.pick(&all, n_components)),
-            Values::F64(all) => Values::F64(self.pick(&all, n_components)),
-        };
-        Array {
-            name,
-            n_components,
-            values,
-        }
-    }
-
-    fn pick<T: Copy>(self, all: &[T], n_components: usize) -> Vec<T> {
-        let [n_columns, n_rows] = self.shown;
-        let row_length = self.full[0] as usize * n_components;
-        let row = |j| {
-            let begin = self.shown_at(j, 1) as usize * row_length;
-            &all[begin..begin + row_length]
-        };
-        let pixel = |i| {
-            let begin = self.shown_at(i, 0) as usize * n_components;
-            begin..begin + n_components
-        };
-        (0..n_rows)
-            .map(row)
-            .flat_map(|row| (0..n_columns).flat_map(move |i| &row[pixel(i)]))
-            .copied()
-            .collect()
+    /// The columns or rows that are shown.
+    fn all_shown(self, axis: usize) -> Vec<u32> {
+        let n = self.shown[axis];
+        (0..n).map(|i| self.shown_at(i, axis)).collect()
     }
 
     /// What is left out, if anything.
@@ -159,7 +131,9 @@ mod tests {
         ] {
             let pixels = Pixels::at_most(n_pixels, full);
             let all: Vec<u32> = (0..full[0] * full[1]).collect();
-            let picked = pixels.pick(&all, 1);
+            let [columns, rows] = [0, 1].map(|axis| pixels.all_shown(axis));
+            let in_row = |&y: &u32| columns.iter().map(move |&x| y * full[0] + x);
+            let picked: Vec<u32> = rows.iter().flat_map(in_row).collect();
             assert_eq!(picked.len() as u64, pixels.n_shown());
             assert!(pixels.n_shown() <= n_pixels && 2 * pixels.n_shown() >= n_pixels);
             for (index, &pixel) in picked.iter().enumerate() {
@@ -167,9 +141,6 @@ mod tests {
             }
             let shown = all.iter().filter_map(|&pixel| pixels.index(pixel.into()));
             assert_eq!(shown.count(), picked.len());
-            let pairs: Vec<u32> = all.iter().flat_map(|&n| [n, n + 100]).collect();
-            let expected: Vec<u32> = picked.iter().flat_map(|&n| [n, n + 100]).collect();
-            assert_eq!(pixels.pick(&pairs, 2), expected);
         }
     }
 }

@@ -25,7 +25,6 @@ use crate::yaml::Diagnostic;
 use cloud::Cloud;
 use frame::{MAX_PIXELS, Pixels};
 use payload::Payload;
-use table::Table;
 
 /// The page's name in the output folder.
 pub const FILE: &str = "view.html";
@@ -62,7 +61,7 @@ impl View {
         }
         let arrays = pixels.read(&mut frame)?;
         let cloud = Cloud::read(&mut results.hits()?, &pixels)?;
-        let table = Table::read(results)?;
+        let table = results.objects()?;
         let notes = [
             pixels.note(),
             cloud.note(),
@@ -78,7 +77,7 @@ impl View {
             .collect();
         payloads.extend(cloud.payloads());
         let n_pixel_bytes = payloads.iter().map(Payload::n_bytes).sum();
-        payloads.extend(table.map(|table| table.payload()));
+        payloads.extend(table.as_ref().map(table::payload));
         Ok(Self {
             title: results.summary.scene.name.clone(),
             about,

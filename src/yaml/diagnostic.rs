@@ -9,6 +9,7 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use super::position::Path;
 use super::source::Source;
 use super::syntax::line_start;
+use crate::terminal::{one_line, visible};
 
 /// Most characters that are shown of a message, and of what stands beside the
 /// caret: a value may be as long as its author likes.
@@ -81,6 +82,7 @@ impl Fault {
 pub struct Diagnostic {
     message: String,
     place: Option<Place>,
+    note: Option<String>,
     help: Option<String>,
 }
 
@@ -100,8 +102,9 @@ impl Diagnostic {
     /// A diagnostic without a place in a text.
     pub fn new(message: impl Into<String>) -> Self {
         Self {
-            message: message.into(),
+            message: one_line(&message.into()).into_owned(),
             place: None,
+            note: None,
             help: None,
         }
     }
@@ -109,15 +112,20 @@ impl Diagnostic {
     /// The fault of something that stands in no text: on the command line.
     pub fn without_place(fault: Fault) -> Self {
         Self {
-            message: fault.message,
-            place: None,
-            help: fault.help,
+            help: fault.help.map(|help| one_line(&help).into_owned()),
+            ..Self::new(fault.message)
         }
     }
 
     /// The same, with a hint what to do.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(one_line(&help.into()).into_owned());
+        self
+    }
+
+    /// The same, with what another program said, which may be several lines.
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.note = Some(visible(note.into().trim_end()).into_owned());
         self
     }
 
@@ -133,15 +141,16 @@ impl Diagnostic {
         let shown = marked.char_indices().nth(MAX_UNDERLINED);
         let n_shown = shown.map_or(marked.len(), |(byte, _)| byte);
         Self {
-            message: one_line(&fault.message, MAX_MESSAGE),
+            message: cut(&fault.message),
             place: Some(Place {
-                file: source.name().to_owned(),
+                file: one_line(source.name()).into_owned(),
                 line: 1 + text[..line_start].matches('\n').count(),
                 text: line_text.to_owned(),
                 span: begin..begin + n_shown,
-                label: one_line(&fault.expected, MAX_MESSAGE),
+                label: cut(&fault.expected),
             }),
-            help: fault.help.map(|help| one_line(&help, MAX_MESSAGE)),
+            note: None,
+            help: fault.help.map(|help| cut(&help)),
         }
     }
 
@@ -160,6 +169,9 @@ impl Diagnostic {
                                 .label(place.label.as_str()),
                         )
                 }));
+        if let Some(note) = &self.note {
+            group = group.element(Level::NOTE.message(note.as_str()));
+        }
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(help.as_str()));
         }
@@ -180,18 +192,10 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
-/// The text on one line, control characters as escape sequences, cut to `n`
-/// characters.
-fn one_line(text: &str, n: usize) -> String {
-    let mut line = String::new();
-    for c in text.chars().take(n) {
-        match c.is_control() {
-            true => line.extend(c.escape_default()),
-            false => line.push(c),
-        }
+/// The text on one line, cut to [`MAX_MESSAGE`] characters.
+fn cut(text: &str) -> String {
+    match text.char_indices().nth(MAX_MESSAGE) {
+        None => one_line(text).into_owned(),
+        Some((end, _)) => one_line(&text[..end]).into_owned() + "…",
     }
-    if text.chars().nth(n).is_some() {
-        line.push('…');
-    }
-    line
 }

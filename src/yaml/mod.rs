@@ -7,6 +7,8 @@
 
 mod color;
 mod diagnostic;
+mod expansion;
+mod name;
 mod number;
 mod position;
 mod source;
@@ -17,6 +19,7 @@ mod walk;
 
 pub use color::{ColorOr, color, hex_color, radiance};
 pub use diagnostic::{Diagnostic, Fault, Spot};
+pub use name::{MAX_NAME, name};
 pub use number::{
     Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
     positive_range, range, scale, seed, vector, whole,

@@ -99,8 +99,9 @@ pub(super) fn check(text: &str) -> Result<(), Fault> {
     })?;
     match is_empty {
         false => Ok(()),
-        true => Err(Fault::new(
-            Path::default(),
+        // Behind all comments: none of them is what is wrong.
+        true => Err(Fault::of_bytes(
+            text.len()..text.len(),
             "the scene is empty",
             "expected sections such as `image: …`",
         )

@@ -10,9 +10,13 @@ use serde::de::DeserializeOwned;
 use super::diagnostic::{Diagnostic, Fault, Spot};
 use super::position::{self, Place};
 use super::translate;
+use crate::host::{advice, available_memory};
 
 /// Longest scene file that is read, in bytes: longer ones are data, not text.
-const MAX_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 64 << 20;
+/// Bytes of memory that reading takes for each byte of the text, at most:
+/// `[[],[],…` makes an event of every other byte.
+const MEMORY_PER_BYTE: u64 = 80;
 
 /// A YAML text and the name to call it in messages.
 #[derive(Debug, Clone)]
@@ -35,22 +39,28 @@ impl Source {
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// A diagnostic when the file cannot be read, is longer than 256 MiB or is
-    /// not UTF-8.
+    /// A diagnostic when the file cannot be read, is longer than 64 MiB or than
+    /// the free memory allows, or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         let name = path.display().to_string();
         let mut bytes = Vec::new();
         File::open(path)
             .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
             .map_err(|error| {
+                let another = "give the path of a YAML file, such as configs/seed_sphere.yaml";
                 Diagnostic::new(format!("cannot read the scene `{name}`: {error}"))
-                    .with_help("give the path of a YAML file, such as configs/seed_sphere.yaml")
+                    .with_help(advice(&error).unwrap_or(another))
             })?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(
-                Diagnostic::new(format!("the scene `{name}` is longer than 256 MiB"))
+                Diagnostic::new(format!("the scene `{name}` is longer than 64 MiB"))
                     .with_help("describe many objects by a generator such as `sphere_cloud`"),
             );
+        }
+        if bytes.len() as u64 * MEMORY_PER_BYTE > available_memory() {
+            let message = format!("the scene `{name}` is too long for the memory that is free");
+            return Err(Diagnostic::new(message)
+                .with_help("describe many objects by a generator such as `sphere_cloud`"));
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self::new(

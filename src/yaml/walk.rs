@@ -5,6 +5,8 @@ use std::collections::HashSet;
 use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
 
 use super::diagnostic::Fault;
+use super::expansion::Expansion;
+use super::name::{MAX_NAME, is_long};
 use super::position::{Path, Step};
 use super::syntax::{self, bytes};
 
@@ -33,6 +35,7 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
         path: Vec::new(),
         has_document: false,
     };
+    let mut expansion = Expansion::default();
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|error| {
             let opened = walk
@@ -42,6 +45,12 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
             syntax::fault(text, &error, opened)
         })?;
         walk.refuse(&event, span)?;
+        if !expansion.take(&event) {
+            let alias = bytes(text, span);
+            let message = "the aliases (`*name`) stand for too many values";
+            return Err(Fault::of_bytes(alias, message, "with this one")
+                .with_help("write some of the values out, or describe them by a generator"));
+        }
         walk.follow(event, span);
     }
     Ok(())
@@ -100,6 +109,10 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             (Event::Scalar(word, ..), Some(_)) if word == "<<" => fault(
                 "merge keys (`<<`) are not read",
                 "expected the keys themselves",
+            ),
+            (Event::Scalar(word, ..), Some(_)) if is_long(word) => fault(
+                "a key is too long",
+                &format!("expected at most {MAX_NAME} characters"),
             ),
             (Event::Scalar(word, ..), Some(seen)) if seen.contains(&**word) => {
                 let path = Path(self.path.clone()).key(&**word);

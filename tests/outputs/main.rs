@@ -4,6 +4,7 @@
 mod common;
 
 mod charged_files;
+mod hostile;
 mod output_folder;
 mod paraview_rays;
 mod paraview_states;

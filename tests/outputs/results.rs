@@ -309,7 +309,8 @@ fn a_foreign_file_is_refused() {
             "no file is as long",
         ),
         ("offset=\"0\"", "offset=\"99999999\"", "cut short"),
-        ("offset=\"0\"", "offset=\"4\"", "bytes instead of 12"),
+        ("offset=\"0\"", "offset=\"4\"", "share bytes of it"),
+        ("_\u{c}\0\0\0", "_\u{b}\0\0\0", "has 11 bytes instead of 12"),
         (
             " Extent=\"0 1 0 1",
             " Extent=\"0 1 0 -1",
@@ -317,8 +318,8 @@ fn a_foreign_file_is_refused() {
         ),
         (
             " Extent=\"0 1 0 1",
-            " Extent=\"0 4294967294 0 4294967294",
-            "no file is as long",
+            " Extent=\"0 65535 0 1",
+            "no extent of a picture",
         ),
         ("</Piece>", "</Peace>", "its header is damaged"),
     ] {

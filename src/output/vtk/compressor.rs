@@ -47,6 +47,14 @@ impl Compressor {
         all.into_iter().find(|each| each.vtk_class() == name)
     }
 
+    /// How many bytes one byte of a packed block stands for at most.
+    pub(crate) fn max_ratio(self) -> u64 {
+        match self {
+            Self::Lz4 => Codec::Lz4.max_ratio(),
+            Self::Zlib => Codec::Zlib.max_ratio(),
+        }
+    }
+
     /// Packs a block.
     pub(super) fn pack(self, block: &[u8]) -> Vec<u8> {
         match self {

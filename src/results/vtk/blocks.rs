@@ -5,6 +5,8 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 use crate::output::vtk::compressor::{BLOCK, Compressor, table_head};
 
+/// Most bytes of a packed block: noise takes a little more than before.
+const MAX_PACKED: u64 = (BLOCK + BLOCK / 64) as u64;
 /// Bytes of a number of a table.
 const NUMBER_BYTES: u64 = size_of::<u64>() as u64;
 
@@ -24,7 +26,8 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Reads the table at `begin` of an array of `n_bytes`; `None` if there is
-    /// none of such an array.
+    /// none of such an array: its blocks are too few, or so short or long that
+    /// no packing makes such of so many bytes.
     ///
     /// # Errors
     /// If the file ends before it does, or what the system says.
@@ -46,13 +49,17 @@ impl Blocks {
         let lengths = (0..head[0]).map(|_| read_number(&mut from));
         let lengths = lengths.collect::<io::Result<Vec<u64>>>()?;
         let begin = begin + NUMBER_BYTES * (head.len() + lengths.len()) as u64;
-        let end = lengths.iter().try_fold(begin, |end, &n| end.checked_add(n));
-        Ok(end.map(|end| Self {
+        let n_packed: u64 = lengths.iter().map(|&n| n.min(MAX_PACKED + 1)).sum();
+        let is_too_long = lengths.iter().any(|&n| n > MAX_PACKED);
+        if is_too_long || n_packed.saturating_mul(compressor.max_ratio()) < n_bytes {
+            return Ok(None);
+        }
+        Ok(Some(Self {
             compressor,
             n_bytes,
             begin,
             lengths,
-            end,
+            end: begin + n_packed,
         }))
     }
 

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 
 use super::blocks::Blocks;
 use super::header::{DataArray, Header};
-use super::values::{Values, n_bytes};
-use crate::output::format::count;
+use super::values::{Pick, Values, n_bytes};
+use crate::host::{available_memory, may_fail};
+use crate::output::format::{self, count};
 use crate::output::vtk::compressor::Compressor;
 use crate::yaml::Diagnostic;
 
 /// Longest header that is read, in bytes; raycost's have a few thousand.
-const MAX_HEADER: u64 = 1 << 20;
+const MAX_HEADER: u64 = 1 << 16;
 /// The element that holds the arrays.
 const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
 /// What stands before each raw array: its length.
@@ -38,6 +39,8 @@ pub(super) struct Place {
     n_numbers: u64,
     n_bytes: u64,
     content: Content,
+    /// Where it begins and ends in the file.
+    span: [u64; 2],
 }
 
 /// How an array's bytes are there.
@@ -89,9 +92,7 @@ impl VtkFile {
             Some(_) => return Err(self.foreign("no `_` stands before its arrays")),
             None => return Err(self.cut_short("its header")),
         }
-        let xml = String::from_utf8_lossy(xml) + "</VTKFile>";
-        let header: Header = quick_xml::de::from_str(&xml)
-            .map_err(|error| self.foreign(&format!("its header is damaged: {error}")))?;
+        let header = Header::read(xml).map_err(|why| self.foreign(&why))?;
         let native = match cfg!(target_endian = "little") {
             true => "LittleEndian",
             false => "BigEndian",
@@ -147,8 +148,27 @@ impl VtkFile {
                 n_numbers,
                 n_bytes,
                 content,
+                span: [begin, end],
             }),
             false => Err(self.cut_short(&format!("`{name}`, which ends at byte {},", count(end)))),
+        }
+    }
+
+    /// Makes sure that no byte of the file stands for two arrays: with that, a
+    /// few bytes could stand for any number of them.
+    pub(super) fn check_overlap(&self, places: &[Place]) -> Result<(), Diagnostic> {
+        let mut spans: Vec<(&[u64; 2], &str)> = places
+            .iter()
+            .map(|place| (&place.span, place.name.as_str()))
+            .collect();
+        spans.sort();
+        let overlap = spans.windows(2).find(|pair| pair[0].0[1] > pair[1].0[0]);
+        match overlap {
+            None => Ok(()),
+            Some(pair) => {
+                let why = format!("`{}` and `{}` share bytes of it", pair[0].1, pair[1].1);
+                Err(self.foreign(&why))
+            }
         }
     }
 
@@ -171,52 +191,77 @@ impl VtkFile {
     }
 
     /// Reads an array that stands there in `n_rows` equal rows, last row first.
-    pub(super) fn read(&mut self, place: &Place, n_rows: usize) -> Result<Values, Diagnostic> {
-        let name = &place.name;
-        let no_memory = || {
-            let n_bytes = crate::output::format::bytes(place.n_bytes);
-            let shown = self.path.display();
-            Diagnostic::new(format!(
-                "the array `{name}` of `{shown}` takes {n_bytes}: memory does not suffice"
-            ))
-        };
-        let n_numbers = usize::try_from(place.n_numbers).map_err(|_| no_memory())?;
-        let values = Values::zeros(&place.vtk_type, n_numbers).map_err(|_| no_memory())?;
-        let Some(mut values) = values else {
-            return Err(self.foreign(&format!("`{name}` has numbers of an unknown type")));
-        };
-        match &place.content {
-            Content::Raw(begin) => {
-                let read = self.read_raw(*begin, n_rows, &mut values);
-                let length = read.map_err(|error| cannot_read(&self.path, &error))?;
-                if length != place.n_bytes {
-                    return Err(self.foreign(&format!(
-                        "`{name}` has {} bytes instead of {}",
-                        count(length),
-                        count(place.n_bytes)
-                    )));
-                }
-            }
-            Content::Compressed(blocks) => {
-                let from = blocks.unpack(&self.file);
-                let read = from.and_then(|mut from| values.read_rows(n_rows, &mut from));
-                read.map_err(|error| match error.kind() {
-                    io::ErrorKind::InvalidData => self.damaged(name),
-                    _ => cannot_read(&self.path, &error),
-                })?;
-            }
-        }
-        Ok(values)
+    pub(super) fn read(&self, place: &Place, n_rows: usize) -> Result<Values, Diagnostic> {
+        let fill = |values: &mut Values, from: &mut dyn Read| values.read_rows(n_rows, from);
+        self.read_by(place, place.n_numbers, fill)
     }
 
-    /// Reads the length that stands at `begin`, and the numbers behind it.
-    fn read_raw(&self, begin: u64, n_rows: usize, values: &mut Values) -> io::Result<u64> {
+    /// Reads some numbers of an array that stands there as `read` has it.
+    pub(super) fn read_picked(&self, place: &Place, pick: &Pick) -> Result<Values, Diagnostic> {
+        let fill = |values: &mut Values, from: &mut dyn Read| values.read_picked(pick, from);
+        self.read_by(place, pick.n_numbers(), fill)
+    }
+
+    /// Makes `n_numbers` zeros, and has them filled from the array's bytes.
+    fn read_by(
+        &self,
+        place: &Place,
+        n_numbers: u64,
+        fill: impl FnOnce(&mut Values, &mut dyn Read) -> io::Result<()>,
+    ) -> Result<Values, Diagnostic> {
+        let name = &place.name;
+        let mut values = self.zeros(place, n_numbers)?;
+        let filled = match &place.content {
+            Content::Raw(begin) => self.raw(*begin).and_then(|(length, mut from)| {
+                if length != place.n_bytes {
+                    return Ok(Some(length));
+                }
+                fill(&mut values, &mut from).map(|()| None)
+            }),
+            Content::Compressed(blocks) => blocks
+                .unpack(&self.file)
+                .and_then(|mut from| fill(&mut values, &mut from).map(|()| None)),
+        };
+        match filled {
+            Ok(None) => Ok(values),
+            Ok(Some(length)) => {
+                let [length, n_bytes] = [length, place.n_bytes].map(count);
+                Err(self.foreign(&format!("`{name}` has {length} bytes instead of {n_bytes}")))
+            }
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(self.damaged(name)),
+            Err(error) => Err(cannot_read(&self.path, &error)),
+        }
+    }
+
+    /// So many zeros for an array, if they fit into memory.
+    fn zeros(&self, place: &Place, n_numbers: u64) -> Result<Values, Diagnostic> {
+        let name = &place.name;
+        let n_bytes = n_numbers.saturating_mul(place.n_bytes / place.n_numbers.max(1));
+        // Half of what is free: something is made of what is read.
+        let n = usize::try_from(n_numbers).ok();
+        let n = n.filter(|_| n_bytes <= available_memory() / 2);
+        let values = n.map(|n| may_fail(|| Values::zeros(&place.vtk_type, n)));
+        match values {
+            Some(Ok(Some(values))) => Ok(values),
+            Some(Ok(None)) => {
+                Err(self.foreign(&format!("`{name}` has numbers of an unknown type")))
+            }
+            Some(Err(_)) | None => {
+                let (shown, n_bytes) = (self.path.display(), format::bytes(n_bytes));
+                Err(Diagnostic::new(format!(
+                    "the array `{name}` of `{shown}` takes {n_bytes}: memory does not suffice"
+                )))
+            }
+        }
+    }
+
+    /// The length that stands at `begin`, and the bytes behind it.
+    fn raw(&self, begin: u64) -> io::Result<(u64, BufReader<&File>)> {
         (&self.file).seek(SeekFrom::Start(begin))?;
         let mut from = BufReader::new(&self.file);
         let mut length = [0; LENGTH_BYTES as usize];
         from.read_exact(&mut length)?;
-        values.read_rows(n_rows, &mut from)?;
-        Ok(u64::from_ne_bytes(length))
+        Ok((u64::from_ne_bytes(length), from))
     }
 
     /// The file is none of raycost's.

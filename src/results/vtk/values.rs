@@ -88,6 +88,24 @@ values! {
     F64(f64) is "Float64",
 }
 
+/// Some pixels of an image.
+pub(super) struct Pick<'a> {
+    /// Columns and rows of the image.
+    pub(super) size: [usize; 2],
+    /// How many numbers a pixel.
+    pub(super) n_components: usize,
+    /// Which columns of which rows, both ascending.
+    pub(super) columns: &'a [u32],
+    pub(super) rows: &'a [u32],
+}
+
+impl Pick<'_> {
+    /// How many numbers are picked.
+    pub(super) fn n_numbers(&self) -> u64 {
+        self.columns.len() as u64 * self.rows.len() as u64 * self.n_components as u64
+    }
+}
+
 impl Values {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
@@ -106,11 +124,34 @@ impl Values {
 
     /// Fills them from a file that has them in `n_rows` equal rows, the last
     /// one first.
-    pub(super) fn read_rows(&mut self, n_rows: usize, from: &mut impl Read) -> io::Result<()> {
+    pub(super) fn read_rows(&mut self, n_rows: usize, from: &mut dyn Read) -> io::Result<()> {
         let bytes = self.bytes_mut();
         let row_bytes = (bytes.len() / n_rows.max(1)).max(1);
         let mut rows = bytes.chunks_exact_mut(row_bytes).rev();
         rows.try_for_each(|row| from.read_exact(row))
+    }
+
+    /// Fills them with the pixels that are picked, from a file that has all of
+    /// them, the last row first; one row is in memory at a time.
+    pub(super) fn read_picked(&mut self, pick: &Pick, from: &mut dyn Read) -> io::Result<()> {
+        let [n_columns, n_rows] = pick.size;
+        let n_picked = pick.columns.len() * pick.rows.len();
+        let bytes = self.bytes_mut();
+        let pixel_bytes = bytes.len() / n_picked.max(1);
+        let mut row = vec![0; n_columns * pixel_bytes];
+        let picked_row_bytes = (pick.columns.len() * pixel_bytes).max(1);
+        let picked = bytes.chunks_exact_mut(picked_row_bytes).zip(pick.rows);
+        let mut picked = picked.rev().peekable();
+        for y in (0..n_rows).rev() {
+            from.read_exact(&mut row)?;
+            if let Some((into, _)) = picked.next_if(|(_, wanted)| **wanted as usize == y) {
+                for (into, &x) in into.chunks_exact_mut(pixel_bytes).zip(pick.columns) {
+                    let begin = x as usize * pixel_bytes;
+                    into.copy_from_slice(&row[begin..begin + pixel_bytes]);
+                }
+            }
+        }
+        Ok(())
     }
 }
 

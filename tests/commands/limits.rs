@@ -1,0 +1,197 @@
+//! Input that would take more time or memory than there is is refused with a
+//! message; memory that the system refuses all the same is a failure in plain
+//! words, never a crash.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::common::{in_repository, raycost};
+
+/// What checking a scene of this text says.
+fn check(text: &str) -> Output {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.yaml");
+    fs::write(&file, text).unwrap();
+    raycost().arg("check").arg(&file).output().unwrap()
+}
+
+fn refusal(text: &str) -> String {
+    let output = check(text);
+    assert_eq!(output.status.code(), Some(2));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// The parts of a scene before its objects.
+const HEAD: &str = "
+image: { width: 8, height: 6 }
+camera: { look_at: { eye: [0, 1, 5], target: [0, 0, 0], fov_y_deg: 40 } }
+materials: { blue: { color: 1 } }
+lights: []
+";
+
+#[test]
+fn aliases_of_a_long_name_are_refused_before_they_are_copied() {
+    let name = "x".repeat(1 << 20);
+    let first = format!(
+        "- {{ name: &n {name}, sphere: {{ center: [0, 0, 0], radius: 1 }}, material: blue }}\n"
+    );
+    let others = "- { name: *n, sphere: { center: [0, 0, 0], radius: 1 }, material: blue }\n";
+    let text = format!("{HEAD}objects:\n{first}{}", others.repeat(5000));
+    let error = refusal(&text);
+    assert!(error.contains("stand for too many values"), "{error}");
+    assert!(error.contains("with this one"), "{error}");
+}
+
+#[test]
+fn aliases_of_aliases_are_refused_before_they_are_written_out() {
+    let mut text = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n".to_owned();
+    for n in 1..9 {
+        let aliases = format!("*a{}, ", n - 1).repeat(10);
+        text += &format!("a{n}: &a{n} [{aliases}]\n");
+    }
+    let error = refusal(&text);
+    assert!(error.contains("stand for too many values"), "{error}");
+}
+
+#[test]
+fn an_alias_that_a_scene_may_have_is_read() {
+    let transform = "&t [{ translate: [1, 2, 3] }]";
+    let object = "sphere: { center: [0, 0, 0], radius: 1 }, material: blue";
+    let first = format!("- {{ {object}, transform: {transform} }}\n");
+    let others = format!("- {{ {object}, transform: *t }}\n").repeat(5000);
+    let output = check(&format!("{HEAD}objects:\n{first}{others}"));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn names_and_keys_have_a_length() {
+    let object = |name: &str| {
+        format!(
+            "{HEAD}objects: [{{ name: {name}, sphere: {{ center: [0, 0, 0], radius: 1 }}, material: blue }}]\n"
+        )
+    };
+    assert!(check(&object(&"é".repeat(256))).status.success());
+    let error = refusal(&object(&"é".repeat(257)));
+    assert!(error.contains("at most 256 characters"), "{error}");
+    let key = "k".repeat(257);
+    let error = refusal(&format!("{HEAD}{key}: 1\n"));
+    assert!(error.contains("a key is too long"), "{error}");
+}
+
+#[test]
+fn a_study_has_a_number_of_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = (1..=256)
+        .map(|n| n.to_string())
+        .collect::<Vec<_>>()
+        .join(", ");
+    let scene = in_repository("configs/seed_sphere.yaml");
+    let study = format!(
+        "title: T\nscenes: [{}]\nvary: {{ threads: [{list}], samples_per_pixel: [{list}], max_depth: [1, 2, 3] }}\n",
+        scene.display()
+    );
+    let file = folder.path().join("study.yaml");
+    fs::write(&file, study).unwrap();
+    let output = raycost().arg("study").arg(&file).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("the study has 2,162,688 runs"), "{error}");
+}
+
+#[test]
+fn an_empty_scene_is_told_behind_its_comments() {
+    let error = refusal("# nothing\n# but comments\n");
+    assert!(error.contains("scene.yaml:3:1"), "{error}");
+    assert!(!error.contains("comments"), "{error}");
+}
+
+/// The program under limits of the shell.
+#[cfg(target_os = "linux")]
+fn limited(limit: &str, words: &str) -> Output {
+    let program = env!("CARGO_BIN_EXE_raycost");
+    let command = format!("ulimit -c 0; {limit} && exec '{program}' {words}");
+    Command::new("sh").args(["-c", &command]).output().unwrap()
+}
+
+/// The words of a run of a small picture.
+#[cfg(target_os = "linux")]
+fn small(out: &Path) -> String {
+    let scene = in_repository("configs/seed_sphere.yaml");
+    let (scene, out) = (scene.display(), out.display());
+    format!("render '{scene}' --width 64 --height 48 --threads 2 --out '{out}'")
+}
+
+/// Whatever the limit, the program ends by itself, and says why.
+#[cfg(target_os = "linux")]
+#[test]
+fn too_little_memory_is_a_failure_and_no_crash() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut n_refused = 0;
+    let whole = folder.path().join("whole");
+    assert!(limited("true", &small(&whole)).status.success());
+    let whole = whole.display();
+    let commands = [
+        small(&folder.path().join("out")),
+        format!("view '{whole}' --out '{whole}.html'"),
+        format!("diff '{whole}' '{whole}' --out '{whole}-diff'"),
+    ];
+    for (mib, words) in (8..64).flat_map(|mib| commands.iter().map(move |words| (mib, words))) {
+        let limit = format!("ulimit -v {}", mib << 10);
+        if !limited(&limit, "--version").status.success() {
+            // The system cannot start a program in so little.
+            continue;
+        }
+        let output = limited(&limit, words);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        let code = output.status.code();
+        let status = output.status;
+        assert!(
+            matches!(code, Some(0..=2)),
+            "{mib} MiB, {words}: {status}, {error}"
+        );
+        assert!(
+            code == Some(0) || error.contains("error"),
+            "{mib} MiB: {error}"
+        );
+        n_refused += usize::from(code != Some(0));
+    }
+    assert!(n_refused > 0, "no limit was felt");
+}
+
+/// The bound of a scene is held against the limit of the process.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_limit_of_the_process_is_free_memory() {
+    let scene = in_repository("configs/million_spheres.yaml");
+    let command = format!(
+        "ulimit -v {} && exec '{}' check '{}'",
+        350 << 10,
+        env!("CARGO_BIN_EXE_raycost"),
+        scene.display()
+    );
+    let output = Command::new("sh").args(["-c", &command]).output().unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("GiB of memory are needed"), "{error}");
+}
+
+/// Another folder does not help where no file can be opened.
+#[cfg(target_os = "linux")]
+#[test]
+fn advice_fits_a_lack_of_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for n in 4..16 {
+        let output = limited(&format!("ulimit -n {n}"), &small(folder.path()));
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(!error.contains("another folder"), "{n} files: {error}");
+        if error.contains("Too many open files") {
+            return;
+        }
+    }
+    panic!("no limit was felt");
+}
