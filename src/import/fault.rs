@@ -1,5 +1,6 @@
 //! The faults of geometry files, with their positions.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io;
 use std::path::Path;
@@ -24,6 +25,18 @@ pub enum Place {
     Line(u64),
     /// An element of a binary file: its kind and its number; the first one is 0.
     Element(String, u64),
+}
+
+/// Most characters of a file's own that a message quotes: enough to find them,
+/// and no line of a file that is none of geometry.
+const MAX_QUOTED: usize = 24;
+
+/// A word of a file, or its beginning.
+pub(super) fn cut(word: &str) -> Cow<'_, str> {
+    match word.char_indices().nth(MAX_QUOTED) {
+        None => Cow::Borrowed(word),
+        Some((end, _)) => Cow::Owned(format!("{}…", &word[..end])),
+    }
 }
 
 impl FileFault {

@@ -2,8 +2,14 @@
 
 use std::borrow::Cow;
 use std::io::BufRead;
+use std::mem::take;
+
+use memchr::memchr2;
 
 use super::Result;
+
+/// What some editors put before a text of UTF-8.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Reads a text line by line into one buffer.
 #[derive(Debug)]
@@ -11,6 +17,9 @@ pub(super) struct Lines<R> {
     text: R,
     line: Vec<u8>,
     number: u64,
+    /// Whether the last line ended with a carriage return: a line feed behind
+    /// it belongs to that line's end.
+    after_return: bool,
 }
 
 impl<R: BufRead> Lines<R> {
@@ -20,16 +29,21 @@ impl<R: BufRead> Lines<R> {
             text,
             line: Vec::new(),
             number: 0,
+            after_return: false,
         }
     }
 
     /// The next line without its end, together with those that backslashes at
-    /// the end of a line join to it; `None` at the end of the text. Bytes that
-    /// are no UTF-8 (in an old comment, say) become U+FFFD.
+    /// the end of a line join to it; `None` at the end of the text. A line ends
+    /// with a line feed, a carriage return or both. Bytes that are no UTF-8 (in
+    /// an old comment, say) become U+FFFD.
     pub(super) fn next(&mut self) -> Result<Option<Cow<'_, str>>> {
         self.line.clear();
-        while self.text.read_until(b'\n', &mut self.line)? > 0 {
+        while self.append_line()? {
             self.number += 1;
+            if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
+                self.line.drain(..BYTE_ORDER_MARK.len());
+            }
             let n = self.line.trim_ascii_end().len();
             self.line.truncate(n);
             match self.line.pop_if(|byte| *byte == b'\\') {
@@ -41,8 +55,79 @@ impl<R: BufRead> Lines<R> {
         Ok(joined_to_the_end.then(|| String::from_utf8_lossy(&self.line)))
     }
 
+    /// Reads up to the end of a line, which is left out; gives whether there
+    /// was one more line.
+    fn append_line(&mut self) -> Result<bool> {
+        let mut has_begun = false;
+        loop {
+            let mut bytes = self.text.fill_buf()?;
+            if bytes.is_empty() {
+                return Ok(has_begun);
+            }
+            let n_skipped = usize::from(take(&mut self.after_return) && bytes[0] == b'\n');
+            bytes = &bytes[n_skipped..];
+            let end = memchr2(b'\n', b'\r', bytes);
+            self.line
+                .extend_from_slice(&bytes[..end.unwrap_or(bytes.len())]);
+            has_begun |= !bytes.is_empty();
+            let n_read = match end {
+                Some(end) => {
+                    self.after_return = bytes[end] == b'\r';
+                    end + 1
+                }
+                None => bytes.len(),
+            };
+            self.text.consume(n_skipped + n_read);
+            if end.is_some() {
+                return Ok(true);
+            }
+        }
+    }
+
     /// The number of the last line that was read, 1 is the first.
     pub(super) fn number(&self) -> u64 {
         self.number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::BufReader;
+
+    use super::*;
+
+    fn lines(text: &[u8], capacity: usize) -> Vec<(u64, String)> {
+        let mut lines = Lines::new(BufReader::with_capacity(capacity, text));
+        let mut found = Vec::new();
+        while let Some(line) = lines.next().unwrap() {
+            let line = line.into_owned();
+            found.push((lines.number(), line));
+        }
+        found
+    }
+
+    #[test]
+    fn lines_end_as_on_any_system() {
+        let expected = [(1, "a"), (2, ""), (3, "b c"), (5, "d  e"), (6, "f")];
+        let expected = expected.map(|(number, line)| (number, line.to_owned()));
+        for end in ["\n", "\r\n", "\r"] {
+            let text = ["a", "", "b c ", "d \\", "e", "f"].join(end);
+            for mark in ["", "\u{feff}"] {
+                let text = format!("{mark}{text}");
+                // Whatever of the text comes at once.
+                for capacity in [1, 2, 3, 100] {
+                    assert_eq!(lines(text.as_bytes(), capacity), expected, "{text:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_text_is_no_line() {
+        for text in ["a\n", "a\r", "a\r\n", "a"] {
+            assert_eq!(lines(text.as_bytes(), 1).len(), 1, "{text:?}");
+        }
+        assert_eq!(lines(b"", 1), []);
+        assert_eq!(lines(b"a\\", 1), [(1, "a ".to_owned())]);
     }
 }

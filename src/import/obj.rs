@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 
+use super::fault::cut;
 use super::lines::Lines;
 use super::mesh::{Mesh, Normals, count, fan, finite};
 use super::{FileFault, Input, Place, Result};
@@ -33,6 +34,9 @@ const IGNORED: &[&str] = &[
     "shadow_obj",
     "trace_obj",
 ];
+
+/// What a corner of a face looks like.
+const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
 
 /// The normals of a triangle whose corners have none, until the end.
 const MISSING: [u32; 3] = [u32::MAX; 3];
@@ -62,22 +66,27 @@ struct Reader {
 impl Reader {
     /// Takes one line in.
     fn statement(&mut self, line: &str) -> Result<()> {
-        let mut words = line.split_ascii_whitespace();
+        let words = line.split_ascii_whitespace();
+        let mut words = words.take_while(|word| !word.starts_with('#'));
         let Some(keyword) = words.next() else {
             return Ok(());
         };
         match keyword {
-            // A weight or a color may follow the coordinates.
             "v" => {
                 count(self.mesh.vertices.len() + 1)?;
-                self.mesh.vertices.push(vector(words)?);
+                self.mesh.vertices.push(vector(&mut words)?);
+                weight_or_color(words)?;
             }
             "vn" => {
                 count(self.normals.vectors.len() + 1)?;
-                self.normals.vectors.push(vector(words)?);
+                self.normals.vectors.push(vector(&mut words)?);
+                if let Some(word) = words.next() {
+                    let problem = format!("`{}` follows a normal", cut(word));
+                    return Err(FileFault::new(problem, "three coordinates alone"));
+                }
             }
             "f" | "fo" => return self.face(words),
-            _ if keyword.starts_with('#') || IGNORED.contains(&keyword) => {}
+            _ if IGNORED.contains(&keyword) => {}
             _ => return Err(unknown_statement(keyword)),
         }
         Ok(())
@@ -86,12 +95,17 @@ impl Reader {
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<()> {
         self.face.clear();
         self.face_normals.clear();
-        for word in words.take_while(|word| !word.starts_with('#')) {
+        for word in words {
             let mut indices = word.split('/');
-            let vertex = indices.next().unwrap_or_default();
+            let mut next = || indices.next().unwrap_or_default();
+            let (vertex, texture, normal) = (next(), next(), next());
+            let is_texture = texture.is_empty() || texture.parse::<i64>().is_ok();
+            if indices.next().is_some() || !is_texture {
+                return Err(no_corner(word));
+            }
             self.face
                 .push(index(vertex, "vertex", self.mesh.vertices.len())?);
-            if let Some(normal) = indices.nth(1).filter(|word| !word.is_empty()) {
+            if !normal.is_empty() {
                 let n = self.normals.vectors.len();
                 self.face_normals.push(index(normal, "normal", n)?);
             }
@@ -132,8 +146,24 @@ impl Reader {
     }
 }
 
+/// What may follow a vertex: a weight, or a color of three numbers with a
+/// weight or an opacity beside it. None of it says where the surface is.
+fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<()> {
+    const EXPECTED: &str = "three coordinates, then a weight or a color of three or four numbers";
+    let mut n = 0;
+    for word in words {
+        n += 1;
+        let number = word.parse::<f32>().ok();
+        if n > 4 || !number.is_some_and(f32::is_finite) {
+            let problem = format!("`{}` follows a vertex", cut(word));
+            return Err(FileFault::new(problem, EXPECTED));
+        }
+    }
+    Ok(())
+}
+
 /// The first three words as numbers.
-fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Vec3> {
+fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
     let mut numbers = [0.0; 3];
     for (i, number) in numbers.iter_mut().enumerate() {
         let word = words
@@ -141,7 +171,7 @@ fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Vec3> {
             .ok_or_else(|| FileFault::new(format!("{i} coordinates"), "three: x, y and z"))?;
         *number = word
             .parse()
-            .map_err(|_| FileFault::new(format!("`{word}` is no number"), "a coordinate"))?;
+            .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a coordinate"))?;
     }
     finite(numbers)
 }
@@ -155,19 +185,23 @@ fn index(word: &str, kind: &str, n: usize) -> Result<u32> {
     match index {
         Some(index) if (0..n).contains(&index) => Ok(index as u32),
         Some(_) => Err(FileFault::new(
-            format!("there is no {kind} {word}"),
+            format!("there is no {kind} {}", cut(word)),
             format!("one of the {n} above"),
         )),
         None => Err(FileFault::new(
-            format!("`{word}` is no {kind}"),
-            "a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
+            format!("`{}` is no {kind}", cut(word)),
+            CORNER,
         )),
     }
 }
 
+fn no_corner(word: &str) -> FileFault {
+    FileFault::new(format!("`{}` is no corner", cut(word)), CORNER)
+}
+
 fn unknown_statement(keyword: &str) -> FileFault {
     FileFault::new(
-        format!("unknown statement `{keyword}`"),
+        format!("unknown statement `{}`", cut(keyword)),
         "an OBJ file of polygons: `v`, `vn` and `f`",
     )
 }

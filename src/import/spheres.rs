@@ -2,6 +2,7 @@
 
 use csv::{ByteRecord, ErrorKind, Position, ReaderBuilder, Trim};
 
+use super::fault::cut;
 use super::mesh::finite;
 use super::{FileFault, Input, Place, Result};
 use crate::geometry::Sphere;
@@ -77,7 +78,7 @@ impl SphereColumns {
             let known = Self::NAMES.iter().position(|known| *known == name);
             let column = &mut columns[known.ok_or_else(|| unknown_column(&name))?];
             if column.replace(i).is_some() {
-                let problem = format!("two columns are named `{name}`");
+                let problem = format!("two columns are named `{}`", cut(&name));
                 return Err(FileFault::new(problem, "different names"));
             }
         }
@@ -120,7 +121,7 @@ impl SphereColumns {
 fn unknown_column(name: &str) -> FileFault {
     let problem = match did_you_mean(name, SphereColumns::NAMES) {
         Some(suggestion) => format!("unknown column `{name}`, {suggestion}"),
-        None => format!("unknown column `{name}`"),
+        None => format!("unknown column `{}`", cut(name)),
     };
     FileFault::new(problem, "a first line of `x`, `y`, `z`, `r` and `color`")
 }
@@ -132,11 +133,12 @@ fn word(row: &ByteRecord, column: usize) -> &str {
 
 fn number(word: &str) -> Result<f32> {
     word.parse()
-        .map_err(|_| FileFault::new(format!("`{word}` is no number"), "a number"))
+        .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
 }
 
 fn color(word: &str) -> Result<[u8; 3]> {
-    hex_color(word).ok_or_else(|| FileFault::new(format!("`{word}` is no color"), "`#rrggbb`"))
+    hex_color(word)
+        .ok_or_else(|| FileFault::new(format!("`{}` is no color", cut(word)), "`#rrggbb`"))
 }
 
 fn of_table(error: csv::Error) -> FileFault {

@@ -2,6 +2,7 @@
 
 use serde_ply::{ElementDef, PlyHeader, PropertyType, ScalarType};
 
+use crate::import::fault::cut;
 use crate::import::mesh::count;
 use crate::import::{FileFault, Result};
 
@@ -54,7 +55,7 @@ fn check(element: &ElementDef) -> Result<()> {
     }
     if names.is_empty() {
         Err(FileFault::new(
-            format!("element `{}` has no properties", element.name),
+            format!("element `{}` has no properties", cut(&element.name)),
             "at least one",
         ))
     } else {
@@ -65,7 +66,7 @@ fn check(element: &ElementDef) -> Result<()> {
 fn expect_new(names: &[&str], name: &str, kind: &str) -> Result<()> {
     if names.contains(&name) {
         Err(FileFault::new(
-            format!("the header has {kind} `{name}` twice"),
+            format!("the header has {kind} `{}` twice", cut(name)),
             "different names",
         ))
     } else {

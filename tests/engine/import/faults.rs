@@ -49,6 +49,41 @@ fn each_mistake_is_told_at_its_place() {
         ),
         (
             "a.obj",
+            "v 1 2 3 four\n",
+            ", line 1: `four` follows a vertex, expected three coordinates, \
+             then a weight or a color of three or four numbers",
+        ),
+        (
+            "a.obj",
+            "v 1 2 3 4 5 6 7 8\n",
+            ", line 1: `8` follows a vertex, expected three coordinates, \
+             then a weight or a color of three or four numbers",
+        ),
+        (
+            "a.obj",
+            "vn 0 0 1 0\n",
+            ", line 1: `0` follows a normal, expected three coordinates alone",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\rf 1/x/1 1 1\r",
+            ", line 2: `1/x/1` is no corner, \
+             expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
+        ),
+        (
+            "a.obj",
+            "v 0 0 0\r\nf 1/1/1/1 1 1\r\n",
+            ", line 2: `1/1/1/1` is no corner, \
+             expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
+        ),
+        (
+            "a.obj",
+            "root:x:0:0:root:/root:/bin/bash\n",
+            ", line 1: unknown statement `root:x:0:0:root:/root:/b…`, \
+             expected an OBJ file of polygons: `v`, `vn` and `f`",
+        ),
+        (
+            "a.obj",
             "v 0 0 0\nf 1 1\n",
             ", line 2: a face has 2 corners, expected at least 3",
         ),

@@ -182,6 +182,32 @@ fn what_is_no_file_is_refused() {
     );
 }
 
+/// Files of old and of careful editors, and what may follow a vertex.
+#[test]
+fn a_text_is_read_whatever_wrote_it() {
+    let lines = [
+        "# a triangle",
+        "v 0 0 0 1",
+        "v 1 0 0 0.5 0.5 0.5 # gray",
+        "v 0 1 0 1 0.5 0.5 0.5",
+        "vn 0 0 1",
+        "f 1//1 2/7/1 \\",
+        "3//1",
+    ];
+    let plain = mesh_of("a.obj", lines.join("\n").as_bytes()).unwrap();
+    assert_eq!(plain.triangles, [[0, 1, 2]]);
+    for end in ["\n", "\r\n", "\r"] {
+        for mark in ["", "\u{feff}"] {
+            let text = format!("{mark}{}{end}", lines.join(end));
+            assert_eq!(
+                mesh_of("a.obj", text.as_bytes()).as_ref(),
+                Ok(&plain),
+                "{text:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_table_gives_its_spheres() {
     let read = |text: &str, radius| {
