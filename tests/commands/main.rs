@@ -12,6 +12,7 @@ mod diff;
 mod errors;
 mod exit_codes;
 mod figures;
+mod fuzz;
 mod limits;
 mod mutations;
 mod roofline;

@@ -1,0 +1,4 @@
+//! Summaries and tables of outputs.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|input: &[u8]| raycost_fuzz::targets::output(input));

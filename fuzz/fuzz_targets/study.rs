@@ -1,0 +1,4 @@
+//! Studies and their runs.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|input: &[u8]| raycost_fuzz::targets::study(input));
