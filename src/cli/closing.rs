@@ -63,7 +63,7 @@ pub(super) fn lines(
         speed(rendering),
         hottest::lines(rendering.film),
         costs,
-        shown(out),
+        shown(&out),
         files.join(", "),
         shell_word(&out.join(state)),
     )
