@@ -20,6 +20,7 @@
 //!
 //! The modules stand in the order of the data; each uses only those above it.
 
+pub mod stop;
 pub mod host;
 pub mod terminal;
 pub mod yaml;

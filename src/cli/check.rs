@@ -7,19 +7,24 @@ use super::scene::{Loaded, SceneArguments};
 use super::{Failure, shown};
 use crate::config::{Acceleration, Codec, Config, CostMode, Image, Repeats, TileOrder, Tiling};
 use crate::memory::{self, Memory};
-use crate::output::Artifact;
 use crate::output::format::{bytes, count, counted};
+use crate::output::{Artifact, SUMMARY};
+use crate::results::{read_unchanged, verify};
 use crate::render::most_repeats;
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
 use crate::terminal;
 use crate::yaml::Diagnostic;
 
-/// Tell what rendering a scene would do, and render nothing
+/// Say what rendering a scene would do, and render nothing; or verify an output
+/// folder
+///
+/// Of a folder that `raycost render` wrote, every file is compared with its
+/// length and checksum in summary.json.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  raycost check configs/seed_extended.yaml --width 3840 --height 2160"
-)]
+#[command(after_help = "Examples:
+  raycost check configs/seed_extended.yaml --width 3840 --height 2160
+  raycost check out/seed_extended")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
@@ -39,6 +44,9 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.scene.scene.join(SUMMARY).exists() {
+        return verified(&arguments.scene.scene);
+    }
     let Loaded {
         source,
         config,
@@ -48,6 +56,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let report = report(&arguments.scene, &config, &scene, &memory);
     Ok(terminal::print(&report)?)
+}
+
+/// Compares the files of an output folder with its summary.
+fn verified(folder: &Path) -> Result<(), Failure> {
+    let verdicts = read_unchanged(&[folder], || verify(folder))?;
+    let broken: Vec<String> = verdicts
+        .iter()
+        .filter_map(|verdict| Some(format!("{}: {}", verdict.name, verdict.fault.as_ref()?)))
+        .collect();
+    let (n, shown) = (verdicts.len() as u64, shown(folder));
+    if broken.is_empty() {
+        let text = format!("output  {shown} is whole: {}\n", counted(n, "file"));
+        return Ok(terminal::print(&text)?);
+    }
+    let message = format!(
+        "`{shown}` is damaged, {} of {}:\n{}",
+        broken.len(),
+        counted(n, "file"),
+        broken.join("\n")
+    );
+    Err(Diagnostic::new(message)
+        .with_help("render the scene again, or copy the folder again")
+        .into())
 }
 
 fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &Memory) -> String {

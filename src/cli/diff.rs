@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::render::remove_unfinished_when_stopped;
 use super::{Failure, shell_word, shown};
 use crate::diff::{self, Diff, Gate, Limit, Side};
 use crate::output::format::bytes;
 use crate::output::{OutputFolder, Written};
+use crate::results::read_unchanged;
 use crate::terminal;
 use crate::yaml::Diagnostic;
 
@@ -40,15 +40,19 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let sides = Side::open([&arguments.a, &arguments.b])?;
-    let diff = Diff::of(&sides)?;
+    let folders: [&Path; 2] = [&arguments.a, &arguments.b];
+    let (sides, diff) = read_unchanged(&folders, || {
+        let sides = Side::open(folders)?;
+        let diff = Diff::of(&sides)?;
+        Ok((sides, diff))
+    })?;
     let gate = match arguments.fail_above {
         Some(limit) => Some(Gate::of(&diff, limit)?),
         None => None,
     };
     let out = out(arguments, &sides);
     let folder = OutputFolder::create(&out, 0)?;
-    remove_unfinished_when_stopped(&folder)?;
+    diff::refuse_foreign(&folder)?;
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
     let text = if arguments.json {
         let json = format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref()));

@@ -1,6 +1,7 @@
 //! Why a command ended without success.
 
 use crate::output::WriteError;
+use crate::stop::Stopped;
 use crate::yaml::Diagnostic;
 
 /// One message and an exit code.
@@ -14,6 +15,8 @@ pub enum Failure {
     Machine(Diagnostic),
     /// The command line is wrong, as this styled text says: exit code 2.
     Usage(String),
+    /// A signal asked the program to end: exit code 128 and its number.
+    Stopped(Stopped),
     /// Whoever read the output has gone, as `| head` does: end in silence.
     ClosedOutput,
 }
@@ -21,6 +24,12 @@ pub enum Failure {
 impl From<Diagnostic> for Failure {
     fn from(diagnostic: Diagnostic) -> Self {
         Self::Input(diagnostic)
+    }
+}
+
+impl From<Stopped> for Failure {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
     }
 }
 
@@ -49,6 +58,7 @@ impl Failure {
             Self::Gate(_) => 3,
             Self::Input(_) | Self::Usage(_) => 2,
             Self::Machine(_) => 1,
+            Self::Stopped(stopped) => stopped.exit_code(),
             Self::ClosedOutput => 0,
         }
     }
@@ -60,7 +70,7 @@ impl Failure {
                 Some(diagnostic.render(true))
             }
             Self::Usage(text) => Some(text.trim_end().to_owned()),
-            Self::ClosedOutput => None,
+            Self::Stopped(_) | Self::ClosedOutput => None,
         }
     }
 }

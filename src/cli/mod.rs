@@ -27,6 +27,8 @@ use clap::{Parser, Subcommand};
 pub use failure::Failure;
 
 use crate::output::format::shell_word;
+use crate::stop;
+use crate::yaml::Diagnostic;
 use crate::terminal::{self, one_line};
 
 /// A ray tracer that shows its work
@@ -45,7 +47,7 @@ pub struct Cli {
 enum Command {
     /// Render a scene and write its files
     Render(render::Arguments),
-    /// Tell what rendering a scene would do, and render nothing
+    /// Say what rendering a scene would do, and render nothing; or verify an output folder
     Check(check::Arguments),
     /// Write a page that shows an output folder in a browser
     View(view::Arguments),
@@ -86,6 +88,19 @@ fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
 
 impl Cli {
     fn run(self) -> Result<(), Failure> {
+        stop::listen().map_err(|error| {
+            Failure::Machine(Diagnostic::new(format!(
+                "cannot listen for signals: {error}"
+            )))
+        })?;
+        match (self.run_command(), stop::check()) {
+            // Whatever failed, failed since it had to end.
+            (Err(_), Err(stopped)) => Err(stopped.into()),
+            (ended, _) => ended,
+        }
+    }
+
+    fn run_command(self) -> Result<(), Failure> {
         match self.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Check(arguments) => on_threads(|| check::run(&arguments)),
@@ -100,7 +115,7 @@ impl Cli {
 
 impl Cli {
     /// Finds what is wrong with the scene of a `check`, and prints nothing.
-    fn check_alone(&self) -> Result<(), crate::yaml::Diagnostic> {
+    fn check_alone(&self) -> Result<(), Diagnostic> {
         match &self.command {
             Command::Check(arguments) => arguments.check_alone(),
             _ => Ok(()),

@@ -1,5 +1,7 @@
 //! `raycost render`.
 
+use std::io;
+
 use super::progress::{Bar, BuildBar};
 use super::scene::{Loaded, SceneArguments};
 use super::{Failure, closing};
@@ -14,6 +16,7 @@ use crate::output::{
 };
 use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, least_repeats, repeat};
 use crate::scene::Scene;
+use crate::stop;
 use crate::terminal;
 use crate::yaml::Diagnostic;
 
@@ -44,12 +47,27 @@ pub(super) struct Arguments {
     #[arg(long)]
     profile: bool,
 
+    /// Force the files onto the disk before they take their places: they survive
+    /// a power cut right after
+    #[arg(long)]
+    sync: bool,
+
+    /// End as soon as standard input does: with whoever holds its other end
+    #[arg(long, hide = true)]
+    while_input_is_open: bool,
+
     /// Print nothing but errors
     #[arg(long, short)]
     quiet: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.while_input_is_open {
+        std::thread::spawn(|| {
+            let _ = io::copy(&mut io::stdin(), &mut io::sink());
+            stop::request();
+        });
+    }
     let profiler = arguments.profile.then(start_profiler).transpose()?;
     let mut stages = Stages::start(match arguments.hardware_counters {
         true => HardwareCounters::start(),
@@ -62,9 +80,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     } = arguments.scene.load()?;
     let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), least_bytes(&config))?;
-    remove_unfinished_when_stopped(&folder)?;
+    let folder = folder.synced(arguments.sync);
+    output::refuse_foreign(&folder)?;
     let pool = thread_pool(arguments.threads)?;
     stages.end("read");
+    stop::check()?;
 
     let bar = BuildBar::new(arguments.quiet);
     let report = |part| bar.advance(part);
@@ -72,6 +92,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.clear();
     let accel = accel.map_err(|error| source.point_at(memory::too_large(error)))?;
     stages.end("build");
+    stop::check()?;
     let meter = Meter::new(config.cost);
     if meter.clock().is_some() {
         stages.end("calibrate");
@@ -98,6 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         pool.install(|| repeat(config.repeats, &scene, &accel, &plan, &meter, report))
     });
     stages.end("render");
+    stop::check()?;
 
     let ledger = Ledger::is_wanted(&config.output).then(|| {
         let world = (&scene, &accel, &config.image);
@@ -108,6 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ledger
     });
 
+    stop::check()?;
     let rendering = Rendering {
         scene_file: source.name(),
         name: &arguments.scene.name(),
@@ -168,20 +191,6 @@ fn least_bytes(config: &Config) -> u64 {
         .map(Column::stride)
         .sum();
     (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
-}
-
-/// Lets Ctrl-C, or a request to end, leave no half-written file behind.
-pub(super) fn remove_unfinished_when_stopped(folder: &OutputFolder) -> Result<(), Failure> {
-    let folder = folder.clone();
-    let stop = move || {
-        folder.remove_unfinished();
-        // 128 and the number of SIGINT, as shells have it.
-        std::process::exit(130);
-    };
-    ctrlc::set_handler(stop).map_err(|error| {
-        let message = format!("cannot listen for Ctrl-C: {error}");
-        Failure::Machine(Diagnostic::new(message))
-    })
 }
 
 pub(super) fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::{Failure, shown};
-use crate::output::{format::duration, write_file};
+use crate::output::{Replace, format::duration, write_file};
 use crate::study::{Figure, Plan, Plot, Row, Series, Standing, verdict, write_csv};
 use crate::terminal::one_line;
 
@@ -19,7 +19,9 @@ pub(super) fn write_tables(
     standings: Option<&[Standing]>,
     made_by: &Value,
 ) -> Result<(), Failure> {
-    write_file(&out.join("statistics.csv"), |file| write_csv(rows, file))?;
+    write_file(&out.join("statistics.csv"), Replace::Known, |file| {
+        write_csv(rows, file)
+    })?;
     let mut fits = Vec::new();
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
@@ -33,7 +35,7 @@ pub(super) fn write_tables(
     if let Some(standings) = standings {
         all["roofline"] = json!(standings);
     }
-    write_file(&out.join("statistics.json"), |file| {
+    write_file(&out.join("statistics.json"), Replace::Known, |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
     Ok(())
@@ -51,10 +53,12 @@ fn fits_of(plot: &Plot, figure: &Figure) -> impl Iterator<Item = Value> {
 /// Writes a plot as SVG and as PNG.
 pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<(), Failure> {
     let path_of = |ending| out.join(format!("{name}.{ending}"));
-    write_file(&path_of("svg"), |file| {
+    write_file(&path_of("svg"), Replace::Known, |file| {
         file.write_all(figure.to_svg()?.as_bytes())
     })?;
-    write_file(&path_of("png"), |file| file.write_all(&figure.to_png()?))?;
+    write_file(&path_of("png"), Replace::Known, |file| {
+        file.write_all(&figure.to_png()?)
+    })?;
     Ok(())
 }
 

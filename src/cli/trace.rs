@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::progress::{Bar, BuildBar};
 use super::rectangle::Rectangle;
-use super::render::{remove_unfinished_when_stopped, thread_pool};
+use super::render::thread_pool;
 use super::scene::{Loaded, SceneArguments};
 use super::tree::Trees;
 use super::{Failure, hottest, shell_word, shown};
@@ -15,9 +15,10 @@ use crate::film::{HotPixel, Metric};
 use crate::memory::{self, Memory};
 use crate::observe::{ObservedPixel, Observer, TooManyRays};
 use crate::output::format::{bytes, counted};
-use crate::output::{OutputFolder, Traced, Written, write_traced};
+use crate::output::{OutputFolder, Traced, Written, refuse_foreign_traced, write_traced};
 use crate::render::{Plan, Progress, render};
 use crate::scene::{Geometries, Scene};
+use crate::stop;
 use crate::terminal;
 use crate::yaml::Diagnostic;
 
@@ -92,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let meter = Meter::new(config.cost);
     let mut scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
-    remove_unfinished_when_stopped(&folder)?;
+    refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;
     let bar = BuildBar::new(arguments.quiet);
     let report = |part| bar.advance(part);
@@ -110,9 +111,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let plan = Plan::new(&scene, &accel, &small, Tiling::default());
         render(&scene, &accel, &plan, &Meter::Off, |_| {})
     });
+    stop::check()?;
     let observer = Observer::new(&scene, &accel, &image, meter.clock());
     let observer = observer.through(plane).without_steps();
     let observed = pool.install(|| observe(&observer, &pixels, arguments.quiet))?;
+    stop::check()?;
     let traced = Traced {
         scene: &scene,
         plane: &plane,

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::{Failure, shown};
-use crate::output::{format::bytes, write_file};
-use crate::results::Results;
+use crate::output::{Replace, format::bytes, target, write_file};
+use crate::results::{Results, read_unchanged};
 use crate::terminal;
 use crate::view::{self, View};
 
@@ -42,21 +42,25 @@ fn megabytes(text: &str) -> Result<u64, String> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let results = Results::open(&arguments.folder)?;
-    let view = match arguments.max_mb {
-        Some(max_bytes) => View::within(max_bytes, &results)?,
-        None => View::of(&results)?,
-    };
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),
     };
-    let n_bytes = write_file(&path, |out| view.write(out))?;
+    target(&path, Replace::Marked)?;
+    let folder = &arguments.folder;
+    let view = read_unchanged(&[folder], || {
+        let results = Results::open(folder)?;
+        match arguments.max_mb {
+            Some(max_bytes) => View::within(max_bytes, &results),
+            None => View::of(&results),
+        }
+    })?;
+    let written = write_file(&path, Replace::Marked, |out| view.write(out))?;
     let mut text = String::new();
     for note in view.notes() {
         text += &format!("note    {note}\n");
     }
-    text += &format!("wrote   {} ({})\n", shown(&path), bytes(n_bytes));
+    text += &format!("wrote   {} ({})\n", shown(&path), bytes(written.bytes));
     text += "next    open it in a browser\n";
     Ok(terminal::print(&text)?)
 }

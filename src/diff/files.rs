@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::gate::Gate;
 use super::{Diff, Side, map, state, to_json, volume};
-use crate::output::{OutputFolder, StagedFile, WriteError, Written};
+use crate::output::run::{self, RunId, checksum, stamped};
+use crate::output::{OutputFolder, Own, StagedFile, WriteError, Written};
 
 /// The files, in the order of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,19 +50,36 @@ pub fn write(
     gate: Option<&Gate>,
     folder: &OutputFolder,
 ) -> Result<Vec<Written>, WriteError> {
+    let mut json = to_json(diff, sides, gate);
+    let run: RunId = checksum(json.to_string().as_bytes()).into();
+    json[run::KEY] = serde_json::json!(run);
+    let staging = folder.stage_files()?;
     let stage = |artifact: &Artifact| {
-        folder.stage(artifact.file_name(), |out| match artifact {
-            Artifact::Png => map::write(diff, sides, out),
-            Artifact::Vti => volume::write(diff, sides, out),
-            Artifact::State => out.write_all(state::text(diff, folder).as_bytes()),
+        staging.stage(artifact.file_name(), |out| match artifact {
+            Artifact::Png => map::write(diff, sides, run, out),
+            Artifact::Vti => volume::write(diff, sides, run, out),
+            Artifact::State => out.write_all(stamped(&state::text(diff, folder), run).as_bytes()),
             Artifact::Json => {
-                serde_json::to_writer_pretty(&mut *out, &to_json(diff, sides, gate))?;
+                serde_json::to_writer_pretty(&mut *out, &json)?;
                 writeln!(out)
             }
         })
     };
     let files: Vec<StagedFile> = ALL.par_iter().map(stage).collect::<Result<_, _>>()?;
     let written = files.iter().map(StagedFile::written).collect();
-    folder.commit(files, std::iter::empty())?;
+    staging.commit(&files, &own())?;
     Ok(written)
+}
+
+/// Makes sure that no file in the folder is someone else's of a name that
+/// [`write`] writes.
+///
+/// # Errors
+/// Such a file.
+pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
+    folder.refuse_foreign(&own())
+}
+
+fn own() -> Own {
+    Own::Marked(ALL.into_iter().map(Artifact::file_name).collect())
 }

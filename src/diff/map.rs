@@ -6,9 +6,15 @@ use super::report::ratio_label;
 use super::{Diff, Noise, Side};
 use crate::output::cost_picture::{CostMap, Scale, draw};
 use crate::output::rgb_png;
+use crate::output::run::{self, RunId};
 
 /// Writes the map of the change that tells most.
-pub(super) fn write(diff: &Diff, [a, b]: &[Side; 2], out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write(
+    diff: &Diff,
+    [a, b]: &[Side; 2],
+    run: RunId,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let change = &diff.change;
     let [width, height] = diff.size;
     let picture = draw(&CostMap {
@@ -27,7 +33,8 @@ pub(super) fn write(diff: &Diff, [a, b]: &[Side; 2], out: &mut impl Write) -> io
     });
     let (width, height) = picture.dimensions();
     let rows = picture.chunks_exact(3 * width as usize);
-    rgb_png::write([width, height], rows, None, out)
+    let texts = [(run::KEY, &*run.to_string())];
+    rgb_png::write([width, height], rows, &texts, out)
 }
 
 fn subtitle(diff: &Diff) -> String {

@@ -23,7 +23,7 @@ mod state;
 mod files;
 
 pub use change::Change;
-pub use files::write;
+pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
 pub use group::Rectangle;
 pub use json::to_json;

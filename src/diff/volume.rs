@@ -7,6 +7,8 @@ use vtkio::model::ScalarType;
 use super::measure::{Measure, ratio};
 use super::{Diff, Side, picture};
 use crate::config::Codec;
+use crate::output::run::RunId;
+use crate::output::vtk::Encoding;
 use crate::output::vtk::appended;
 use crate::output::vtk::array::Array;
 use crate::output::vtk::header::DataSet;
@@ -20,6 +22,7 @@ pub(super) const FILE: &str = "diff.vti";
 pub(super) fn write(
     diff: &Diff,
     sides: &[Side; 2],
+    run: RunId,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let [width, height] = diff.size;
@@ -64,7 +67,11 @@ pub(super) fn write(
         size: diff.size,
         point_data: arrays,
     };
-    appended::write(&image, Codec::None, out)
+    let encoding = Encoding {
+        codec: Codec::None,
+        run: Some(run),
+    };
+    appended::write(&image, encoding, out)
 }
 
 /// Exact: of times as 32-bit floats, as the times are; of counts as integers

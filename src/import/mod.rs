@@ -13,8 +13,10 @@ mod ply;
 mod spheres;
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader, Read};
 use std::path::Path;
+
+use crate::stop;
 
 pub use fault::{FileFault, Place};
 pub use mesh::{Mesh, Normals};
@@ -24,7 +26,18 @@ pub use spheres::Spheres;
 pub type Result<T> = std::result::Result<T, FileFault>;
 
 /// An open file to be read.
-type Input = BufReader<File>;
+type Input = BufReader<Stoppable>;
+
+/// A file that cannot be read on once the program is asked to end.
+#[derive(Debug)]
+struct Stoppable(File);
+
+impl Read for Stoppable {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        stop::check().map_err(io::Error::other)?;
+        self.0.read(bytes)
+    }
+}
 
 /// Upper bound of the memory of a reader, in bytes per byte of its file. Each
 /// corner of a polygon adds a triangle, and takes two bytes in a text file and one
@@ -86,7 +99,8 @@ pub fn n_bytes(path: &Path) -> Result<u64> {
 }
 
 fn open(path: &Path) -> Result<Input> {
-    Ok(BufReader::with_capacity(1 << 18, File::open(path)?))
+    let file = Stoppable(File::open(path)?);
+    Ok(BufReader::with_capacity(1 << 18, file))
 }
 
 /// The file name's extension in lower case; empty for none.

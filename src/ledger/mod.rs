@@ -20,6 +20,7 @@ use crate::cost::Meter;
 use crate::film::Film;
 use crate::render::Progress;
 use crate::scene::Scene;
+use crate::stop;
 
 pub use account::{Account, Charge, Hierarchy, Visits, Work};
 use keeper::{Keeper, Tallies};
@@ -81,6 +82,7 @@ impl Ledger {
             .into_par_iter()
             .for_each_init(keeper, |keeper, y| {
                 let n_rays = (0..film.grid.width)
+                    .take_while(|_| !stop::is_requested())
                     .map(|x| {
                         let time_ns = times.get(y as usize).map(|row| row[x as usize]);
                         keeper.pixel((x, y), time_ns)

@@ -5,6 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::{Observer, RayTree, TracedRay};
+use crate::stop;
 
 /// Number of observations of a timed pixel. In the first one the caches are cold,
 /// unlike in a rendering, where the neighboring pixels have warmed them.
@@ -61,7 +62,7 @@ impl Observer<'_> {
         let batch_len = N_SAMPLES.div_ceil(self.n_samples()) as usize;
         let mut places = places.peekable();
         let (mut pixels, mut n_rays) = (Vec::new(), 0);
-        while places.peek().is_some() {
+        while places.peek().is_some() && !stop::is_requested() {
             let batch: Vec<_> = places.by_ref().take(batch_len).collect();
             let n_new = batch.len();
             pixels.par_extend(

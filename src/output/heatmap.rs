@@ -4,10 +4,11 @@ use std::io::{self, Write};
 
 use super::cost_picture::{CostMap, Scale, draw};
 use super::measure::Measure;
+use super::run::{self, RunId};
 use super::{Rendering, format, rgb_png};
 
 /// Writes the map of the film's best measure; nothing for a film without cost.
-pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<()> {
     let film = rendering.film;
     let Some([measure, _]) = Measure::best_two(film) else {
         return Ok(());
@@ -24,7 +25,8 @@ pub(super) fn write(rendering: &Rendering, out: &mut impl Write) -> io::Result<(
     });
     let (width, height) = picture.dimensions();
     let rows = picture.chunks_exact(3 * width as usize);
-    rgb_png::write([width, height], rows, None, out)
+    let texts = [(run::KEY, &*run.to_string())];
+    rgb_png::write([width, height], rows, &texts, out)
 }
 
 fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {

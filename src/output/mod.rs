@@ -1,10 +1,12 @@
 //! A rendering → files, one writer a file.
 //!
 //! Takes the film and all that led to it; gives the files of [`Artifact`] in
-//! one folder. All are written beside their final names first and take them
-//! together at the end: a run that fails or is killed leaves the old files.
+//! one folder. All are written into a folder of their own first and take their
+//! places together at the end: a run that fails or is killed leaves the old
+//! files.
 
 pub(crate) mod cost_picture;
+mod artifact;
 mod accounts;
 mod cell;
 mod folder;
@@ -17,6 +19,7 @@ mod picture;
 mod profile;
 mod reach;
 mod resources;
+pub(crate) mod run;
 pub(crate) mod rgb_png;
 pub(crate) mod state;
 mod stages;
@@ -25,22 +28,27 @@ mod trace_events;
 mod traced;
 pub(crate) mod vtk;
 
-use std::io::{self, Seek, Write};
 use std::time::Duration;
 
 pub use accounts::Accounts;
+pub use artifact::Artifact;
 pub(crate) use cell::{text_cell, text_of_cell};
 pub use folder::{OutputFolder, WriteError};
-pub(crate) use folder::{StagedFile, write_file};
+pub(crate) use folder::{
+    Own, Replace, Scratch, StagedFile, checksum_of, lock_folder, refuse_file, settle, target,
+    write_file,
+};
 pub use hardware::{Counts, HardwareCounters};
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS, rows_per_thing};
 pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;
+pub use run::{Checksum, RunId};
 pub use stages::{Stage, Stages};
-pub(crate) use summary::FILE as SUMMARY;
+pub(crate) use summary::{FILE as SUMMARY, is_whole};
 pub use summary::{Threads, build, machine};
-pub use traced::{Traced, write_rays, write_traced};
+pub use traced::{Traced, refuse_foreign_traced, write_rays, write_traced};
+pub use vtk::Encoding;
 pub(crate) use vtk::{FRAME, HITS};
 pub use vtk::{write_frame, write_hits, write_nodes, write_surface, write_tiles};
 
@@ -49,7 +57,7 @@ use rayon::prelude::*;
 use state::States;
 
 use crate::accel::BvhStatistics;
-use crate::config::{Config, Extra};
+use crate::config::Config;
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::ledger::Ledger;
@@ -98,41 +106,6 @@ impl Rendering<'_> {
     }
 }
 
-/// A file of the output folder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Artifact {
-    /// `image.png`: the picture.
-    Image,
-    /// `cost.png`: what each pixel cost as a picture with a colour bar.
-    Cost,
-    /// `hits.vtu`: the hit points as a cloud.
-    Hits,
-    /// `frame.vti`: all pixels as an image of many arrays.
-    Frame,
-    /// `geometry.pvsm`: a ParaView state that shows the cloud.
-    GeometryState,
-    /// `heatmap.pvsm`: a ParaView state that shows the cost.
-    HeatmapState,
-    /// `overview.pvsm`: a ParaView state that shows picture, cost and cloud.
-    OverviewState,
-    /// `tiles.vti`: when each tile was rendered, and by which thread.
-    Tiles,
-    /// `trace.json`: the same on a line of time, for Perfetto.
-    Trace,
-    /// `schedule.pvsm`: a ParaView state that shows the tiles.
-    ScheduleState,
-    /// `objects.csv`: what each object and each material cost.
-    Objects,
-    /// `surface.vtu`: what each primitive cost, on the scene's geometry.
-    Surface,
-    /// `surface.pvsm`: a ParaView state that shows it.
-    SurfaceState,
-    /// `bvh.vtu`: the boxes of the hierarchy and what each cost.
-    Bvh,
-    /// `bvh.pvsm`: a ParaView state that shows the dearest of them.
-    BvhState,
-}
-
 /// A file that was written.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Written {
@@ -140,113 +113,11 @@ pub struct Written {
     pub file: &'static str,
     /// Its length.
     pub bytes: u64,
+    /// Its checksum.
+    pub checksum: Checksum,
     /// Time on the wall from the first byte to the last, in milliseconds, while
     /// other files were written, too.
     pub write_ms: f64,
-}
-
-impl Artifact {
-    /// All files but `profile.svg`, which shows the making of them, and
-    /// `summary.json`, which tells of them.
-    pub const ALL: [Self; 15] = [
-        Self::Image,
-        Self::Cost,
-        Self::Hits,
-        Self::Frame,
-        Self::GeometryState,
-        Self::HeatmapState,
-        Self::OverviewState,
-        Self::Tiles,
-        Self::Trace,
-        Self::ScheduleState,
-        Self::Objects,
-        Self::Surface,
-        Self::SurfaceState,
-        Self::Bvh,
-        Self::BvhState,
-    ];
-
-    /// Its name in the folder.
-    pub fn file_name(self) -> &'static str {
-        match self {
-            Self::Image => "image.png",
-            Self::Cost => "cost.png",
-            Self::Hits => vtk::HITS,
-            Self::Frame => vtk::FRAME,
-            Self::GeometryState => "geometry.pvsm",
-            Self::HeatmapState => "heatmap.pvsm",
-            Self::OverviewState => "overview.pvsm",
-            Self::Tiles => vtk::TILES,
-            Self::Trace => trace_events::FILE,
-            Self::ScheduleState => "schedule.pvsm",
-            Self::Objects => objects::FILE,
-            Self::Surface => vtk::SURFACE,
-            Self::SurfaceState => "surface.pvsm",
-            Self::Bvh => vtk::NODES,
-            Self::BvhState => "bvh.pvsm",
-        }
-    }
-
-    /// Whether it is written for a scene: there is something to write, and it
-    /// is asked for if it is not a file of every run.
-    pub fn is_wanted(self, config: &Config) -> bool {
-        match self {
-            Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
-            Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
-            Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
-            Self::Objects => config.output.has(Extra::Objects),
-            Self::Surface | Self::SurfaceState => config.output.has(Extra::Surface),
-            Self::Bvh | Self::BvhState => config.output.has(Extra::Bvh),
-        }
-    }
-
-    fn write(
-        self,
-        rendering: &Rendering,
-        stages: &Stages,
-        states: &States,
-        out: &mut (impl Write + Seek),
-    ) -> io::Result<()> {
-        let codec = rendering.config.compress;
-        match self {
-            Self::Image => picture::write(rendering.film, states, out),
-            Self::Cost => heatmap::write(rendering, out),
-            Self::Hits => vtk::write_hits(rendering.film, codec, out),
-            Self::Frame => vtk::write_frame(rendering.film, codec, out),
-            Self::GeometryState => out.write_all(states.geometry().as_bytes()),
-            Self::HeatmapState => out.write_all(states.heatmap().as_bytes()),
-            Self::OverviewState => out.write_all(states.overview().as_bytes()),
-            Self::Tiles => vtk::write_tiles(rendering.schedule, rendering.film.cost, codec, out),
-            Self::Trace => trace_events::write(rendering, stages, out),
-            Self::ScheduleState => out.write_all(states.schedule().as_bytes()),
-            Self::SurfaceState => out.write_all(states.surface().as_bytes()),
-            Self::BvhState => out.write_all(states.bvh().as_bytes()),
-            Self::Objects | Self::Surface | Self::Bvh => match rendering.ledger {
-                Some(ledger) => self.write_of(ledger, rendering, out),
-                None => Ok(()),
-            },
-        }
-    }
-
-    /// Writes what is told of a ledger.
-    fn write_of(
-        self,
-        ledger: &Ledger,
-        rendering: &Rendering,
-        out: &mut (impl Write + Seek),
-    ) -> io::Result<()> {
-        let (cost, codec) = (rendering.film.cost, rendering.config.compress);
-        match (self, &ledger.primitives, &ledger.hierarchy) {
-            (Self::Objects, ..) => objects::write(rendering, ledger, out),
-            (Self::Surface, Some(visits), _) => {
-                vtk::write_surface(rendering.scene, visits, cost, codec, out)
-            }
-            (Self::Bvh, _, Some(hierarchy)) => {
-                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, codec, out)
-            }
-            _ => Ok(()),
-        }
-    }
 }
 
 /// Writes every file of the rendering on the current rayon pool; gives them in
@@ -261,33 +132,49 @@ pub fn write(
     mut stages: Stages,
 ) -> Result<(Vec<Written>, Stages), WriteError> {
     let states = States::new(rendering, folder);
-    let (wanted, stale): (Vec<_>, Vec<_>) = Artifact::ALL
+    let run = RunId::of(rendering);
+    let staging = folder.stage_files()?;
+    let wanted: Vec<Artifact> = Artifact::ALL
         .into_iter()
-        .partition(|artifact| artifact.is_wanted(rendering.config));
+        .filter(|artifact| artifact.is_wanted(rendering.config))
+        .collect();
     let stage = |artifact: &Artifact| {
-        folder.stage(artifact.file_name(), |out| {
-            artifact.write(rendering, &stages, &states, out)
+        staging.stage(artifact.file_name(), |out| {
+            artifact.write(rendering, &stages, &states, run, out)
         })
     };
     let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
     stages.end("write");
-    // Last but one, since it tells of the writing of the others.
-    let mut stale: Vec<&str> = stale.into_iter().map(Artifact::file_name).collect();
-    match rendering.profiler {
-        Some(profiler) => {
-            let file = folder.stage(profile::FILE, |out| profiler.write(rendering.name, out))?;
-            files.push(file);
-            stages.end("profile");
-        }
-        None => stale.push(profile::FILE),
+    // Last but one, since it shows the writing of the others.
+    if let Some(profiler) = rendering.profiler {
+        let file = staging.stage(profile::FILE, |out| {
+            profiler.write(rendering.name, run, out)
+        })?;
+        files.push(file);
+        stages.end("profile");
     }
 
     let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
-    let summary = folder.stage(summary::FILE, |out| {
-        summary::write(rendering, &stages, &written, out)
+    let summary = staging.stage(summary::FILE, |out| {
+        summary::write(rendering, &stages, &written, run, out)
     })?;
     written.push(summary.written());
     files.push(summary);
-    folder.commit(files, stale.into_iter())?;
+    staging.commit(&files, &own())?;
     Ok((written, stages))
+}
+
+/// Makes sure that no file in the folder is someone else's of a name that
+/// [`write()`] writes or removes: only files that the `summary.json` of an
+/// earlier run lists are raycost's.
+///
+/// # Errors
+/// Such a file.
+pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
+    folder.refuse_foreign(&own())
+}
+
+fn own() -> Own {
+    let names = Artifact::ALL.into_iter().map(Artifact::file_name);
+    Own::Listed(names.chain([profile::FILE, summary::FILE]).collect())
 }

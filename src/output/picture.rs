@@ -6,12 +6,21 @@
 use std::io::{self, Write};
 
 use super::rgb_png;
+use super::run::{self, RunId};
 use super::state::States;
 use crate::film::Film;
 
 /// Writes the film's colours, 8 bits a channel.
-pub(super) fn write(film: &Film, states: &States, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write(
+    film: &Film,
+    run: RunId,
+    states: &States,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
-    let state = ("ParaViewState", states.geometry());
-    rgb_png::write([film.grid.width, film.grid.height], rows, Some(state), out)
+    let texts = [
+        (run::KEY, &*run.to_string()),
+        ("ParaViewState", &*states.geometry()),
+    ];
+    rgb_png::write([film.grid.width, film.grid.height], rows, &texts, out)
 }

@@ -5,6 +5,8 @@ use std::io::{self, Write};
 
 use sampler::Sampler;
 
+use super::run::RunId;
+
 /// The file's name.
 pub(super) const FILE: &str = "profile.svg";
 
@@ -35,9 +37,10 @@ impl Profiler {
         Sampler::start().map(|sampler| Self { sampler })
     }
 
-    /// Writes what was seen so far as an SVG.
-    pub(super) fn write(&self, scene: &str, out: &mut impl Write) -> io::Result<()> {
-        out.write_all(&self.sampler.flame_graph(scene)?)
+    /// Writes what was seen so far as an SVG, the run's ID behind it.
+    pub(super) fn write(&self, scene: &str, run: RunId, out: &mut impl Write) -> io::Result<()> {
+        out.write_all(&self.sampler.flame_graph(scene)?)?;
+        out.write_all(run.comment().as_bytes())
     }
 }
 

@@ -3,12 +3,11 @@
 use std::io::{self, Write};
 
 /// Writes a picture of `size`, width and height, from its rows, 8 bits a
-/// channel and row 0 on top, with a text chunk of keyword and ASCII text if
-/// there is one.
+/// channel and row 0 on top, with text chunks of keyword and ASCII text.
 pub(crate) fn write<'a>(
     [width, height]: [u32; 2],
     rows: impl Iterator<Item = &'a [u8]>,
-    text: Option<(&str, String)>,
+    texts: &[(&str, &str)],
     out: &mut impl Write,
 ) -> io::Result<()> {
     let mut encoder = png::Encoder::new(out, width, height);
@@ -19,8 +18,8 @@ pub(crate) fn write<'a>(
     // nothing of the rows that repeat in a magnified picture.
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Up);
-    if let Some((keyword, text)) = text {
-        encoder.add_text_chunk(keyword.to_owned(), text)?;
+    for (keyword, text) in texts {
+        encoder.add_text_chunk((*keyword).to_owned(), (*text).to_owned())?;
     }
     let mut writer = encoder.write_header()?;
     let mut pixels = writer.stream_writer()?;

@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
+use super::run::{KEY, RunId, checksum};
 use super::stages::milliseconds;
 use super::{Accounts, Rendering, Stages, Written, resources};
 use crate::camera::{ImagePlane, Projection};
@@ -17,6 +18,8 @@ use crate::schedule::Schedule;
 
 /// The file's name.
 pub(crate) const FILE: &str = "summary.json";
+/// The key of its own checksum.
+const SEAL: &str = "checksum";
 
 /// How many threads rendered.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -32,12 +35,14 @@ pub(super) fn write(
     rendering: &Rendering,
     stages: &Stages,
     files: &[Written],
+    run: RunId,
     out: &mut impl Write,
 ) -> io::Result<()> {
     let config = rendering.config;
     let image = &config.image;
     let summary = json!({
         "raycost": env!("CARGO_PKG_VERSION"),
+        KEY: run,
         "scene": { "name": rendering.name, "file": rendering.scene_file },
         "image": {
             "width": image.width,
@@ -67,8 +72,24 @@ pub(super) fn write(
         "compress": config.compress,
         "files": files,
     });
-    serde_json::to_writer_pretty(&mut *out, &summary)?;
-    writeln!(out)
+    let text = serde_json::to_string_pretty(&summary)?;
+    out.write_all(sealed(&text).as_bytes())
+}
+
+/// The text of an object with a last key of its own: the checksum of all bytes
+/// before the key.
+fn sealed(object: &str) -> String {
+    let begin = object.trim_end_matches(['\n', '}']);
+    let checksum = checksum(format!("{begin},\n").as_bytes());
+    format!("{begin},\n  \"{SEAL}\": \"{checksum}\"\n}}\n")
+}
+
+/// Whether the text of a summary is as it was written; `None` where it has no
+/// checksum.
+pub(crate) fn is_whole(text: &str) -> Option<bool> {
+    let (begin, seal) = text.rsplit_once(&format!("  \"{SEAL}\": \""))?;
+    let seal = seal.strip_suffix("\"\n}\n");
+    Some(seal == Some(&checksum(begin.as_bytes()).to_string()))
 }
 
 /// Where the pixels lie in the world: the sample point of the one on top left,

@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::run::{KEY, RunId};
 use super::{Rendering, Stages};
 use crate::schedule::{Tile, TileRun};
 
@@ -23,6 +24,7 @@ const STAGES: u32 = 0;
 pub(super) fn write(
     rendering: &Rendering,
     stages: &Stages,
+    run: RunId,
     out: &mut impl Write,
 ) -> io::Result<()> {
     let schedule = rendering.schedule;
@@ -50,7 +52,10 @@ pub(super) fn write(
         event(&format!("tile {number}"), line_of(run.thread), span, args)
     });
     let events = names.into_iter().chain(threads);
-    writeln!(out, "{{\"displayTimeUnit\":\"ns\",\"traceEvents\":[")?;
+    writeln!(
+        out,
+        "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"{KEY}\":\"{run}\"}},\"traceEvents\":["
+    )?;
     for (i, event) in events.chain(of_stages).chain(of_tiles).enumerate() {
         if i > 0 {
             writeln!(out, ",")?;

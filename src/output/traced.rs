@@ -2,9 +2,10 @@
 
 use std::io::{self, Seek, Write};
 
-use super::folder::StagedFile;
+use super::folder::{Own, StagedFile};
+use super::run::{RunId, Summer, stamped};
 use super::state;
-use super::vtk::{self, Rays};
+use super::vtk::{self, Encoding, Rays};
 use super::{OutputFolder, WriteError, Written};
 use crate::camera::ImagePlane;
 use crate::config::Codec;
@@ -36,7 +37,7 @@ pub struct Traced<'a> {
 /// # Errors
 /// What the system says.
 pub fn write_rays(traced: &Traced, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
-    Rays::of(traced).write(codec, out)
+    Rays::of(traced).write(codec.into(), out)
 }
 
 /// Writes all files of traced pixels; gives them in their order.
@@ -49,14 +50,52 @@ pub fn write_traced(
     folder: &OutputFolder,
 ) -> Result<Vec<Written>, WriteError> {
     let rays = Rays::of(traced);
-    let files = vec![
-        folder.stage(vtk::RAYS, |out| rays.write(codec, out))?,
-        folder.stage(CLOUD, |out| vtk::write_hits(traced.cloud, codec, out))?,
-        folder.stage(STATE, |out| {
-            out.write_all(state::of_rays(&rays, folder).as_bytes())
+    let run = run_id(traced);
+    let encoding = Encoding {
+        codec,
+        run: Some(run),
+    };
+    let staging = folder.stage_files()?;
+    let files = [
+        staging.stage(vtk::RAYS, |out| rays.write(encoding, out))?,
+        staging.stage(CLOUD, |out| vtk::write_hits(traced.cloud, encoding, out))?,
+        staging.stage(STATE, |out| {
+            let state = stamped(&state::of_rays(&rays, folder), run);
+            out.write_all(state.as_bytes())
         })?,
     ];
     let written = files.iter().map(StagedFile::written).collect();
-    folder.commit(files, [].into_iter())?;
+    staging.commit(&files, &own())?;
     Ok(written)
+}
+
+/// Makes sure that no file in the folder is someone else's of a name that
+/// [`write_traced`] writes.
+///
+/// # Errors
+/// Such a file.
+pub fn refuse_foreign_traced(folder: &OutputFolder) -> Result<(), WriteError> {
+    folder.refuse_foreign(&own())
+}
+
+fn own() -> Own {
+    Own::Marked(vec![vtk::RAYS, CLOUD, STATE])
+}
+
+/// A hash of the rays, of their times and of the cloud around them.
+fn run_id(traced: &Traced) -> RunId {
+    let mut summer = Summer::new();
+    for pixel in traced.pixels {
+        for ray in &pixel.tree.rays {
+            let counts = [ray.node_visits, ray.primitive_tests];
+            summer.add(bytemuck::cast_slice(&counts));
+            let numbers = [ray.ray.origin, ray.ray.direction, ray.contribution];
+            summer.add(bytemuck::cast_slice(&numbers));
+            summer.add(&ray.time_ns.to_ne_bytes());
+        }
+    }
+    for strip in &traced.cloud.strips {
+        summer.add(bytemuck::cast_slice(&strip.position));
+    }
+    summer.checksum().into()
 }

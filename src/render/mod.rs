@@ -24,6 +24,7 @@ use crate::cost::{Counters, Meter, NoProbe};
 use crate::film::{Film, Rendered};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, Tile, TileRun};
+use crate::stop;
 use canvas::Canvas;
 use stream::StreamRenderer;
 use timed::SingleRayRenderer;
@@ -49,7 +50,8 @@ pub struct Progress {
 
 /// Renders the plan on all threads of the current rayon pool and measures
 /// every pixel with the `meter`. `report` hears of each tile, from any thread.
-/// The schedule tells when each tile was rendered.
+/// The schedule tells when each tile was rendered. If the program is asked to
+/// end ([`stop`]), tiles are left out.
 pub fn render(
     scene: &Scene,
     accel: &Accel,
@@ -105,7 +107,8 @@ fn render_tiles<R: TileRenderer>(
         let mut runs = Vec::new();
         loop {
             let position = n_taken.fetch_add(1, Ordering::Relaxed);
-            let Some(tile) = plan.tile(position) else {
+            let tile = plan.tile(position).filter(|_| !stop::is_requested());
+            let Some(tile) = tile else {
                 return runs;
             };
             let run = TileRun {

@@ -15,6 +15,7 @@ use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
 use crate::schedule::{Schedule, TileRun};
+use crate::stop;
 
 /// How long all renderings of [`Repeats::Auto`] take together, but for a first one
 /// that takes longer.
@@ -98,7 +99,7 @@ pub fn repeat(
         if let Some(samples) = &mut samples {
             samples.take(&film);
         }
-        if goes_on(repeats, &film, &done, begin.elapsed()) {
+        if goes_on(repeats, &film, &done, begin.elapsed()) && !stop::is_requested() {
             continue;
         }
         film.n_repeats = done.len() as u8;

@@ -16,6 +16,7 @@ use crate::cost::{ByPixel, PixelProbe, RayKind};
 use crate::film::{Pixel, Rendered};
 use crate::schedule::Tile;
 use crate::shade::Path;
+use crate::stop;
 use crate::trace::SurfacePoint;
 
 /// Paths that are followed at the same time, at most, if a tile's pixels are no
@@ -82,6 +83,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.probe.reset(n_pixels, n_samples);
         let n_together = (WAVE_LEN / n_pixels).max(1);
         for first in (0..n_samples).step_by(n_together) {
+            if stop::is_requested() {
+                break;
+            }
             self.render_samples(first..n_samples.min(first + n_together as u32));
         }
     }

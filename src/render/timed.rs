@@ -11,6 +11,7 @@ use crate::film::{Pixel, PixelTime, Rendered};
 use crate::geometry::Ray;
 use crate::schedule::Tile;
 use crate::shade::Path;
+use crate::stop;
 use crate::trace::SurfacePoint;
 
 /// Pixels that are rendered once more before a tile's first pixel is timed. The
@@ -66,6 +67,9 @@ impl TileRenderer for SingleRayRenderer<'_> {
         }
         // One loop for both: the branch predictor shall not know them apart.
         for place in tile.pixels().take(n_left).chain(tile.pixels()) {
+            if stop::is_requested() {
+                break;
+            }
             let i = tile.index(place) as usize;
             render_pixel(&self.view, place, &mut self.pixels[i], &mut self.costs[i]);
             if let Some(stopwatch) = &mut self.stopwatch {

@@ -8,6 +8,7 @@
 
 mod objects;
 mod summary;
+mod verify;
 mod vtk;
 
 use std::fs::File;
@@ -16,13 +17,16 @@ use std::path::{Path, PathBuf};
 
 pub use objects::ObjectsTable;
 pub use summary::{
-    Acceleration, Camera, Clock, Cost, Image, Machine, Object, Repeats, SceneName, Stage, Summary,
-    Threads,
+    Acceleration, Camera, Clock, Cost, Image, ListedFile, Machine, Object, Repeats, SceneName,
+    Stage, Summary, Threads,
 };
+pub use verify::{Verdict, verify};
 pub use vtk::{Array, ArrayInfo, Frame, Hits, Number, Values};
 
 use crate::host::{advice, available_memory};
-use crate::output::format::{self, counted};
+use crate::output::format::{self, count, counted};
+use crate::output::run::checksum;
+use crate::output::settle;
 use crate::yaml::Diagnostic;
 
 /// An output folder whose summary has been read.
@@ -50,6 +54,9 @@ impl Results {
             let message = format!("`{shown}` is a file, not an output folder");
             return Err(Diagnostic::new(message).with_help(hint));
         }
+        settle(folder).map_err(|error| {
+            Diagnostic::new(error.to_string()).with_help("try again, as a user who may write there")
+        })?;
         let path = folder.join(summary::FILE);
         if !path.exists() {
             let message = format!("`{shown}` holds no output: it has no summary.json");
@@ -75,13 +82,14 @@ impl Results {
         let frame = Frame::open(&self.file(crate::output::FRAME)?)?;
         let Image { width, height, .. } = self.summary.image;
         let found = (frame.width(), frame.height());
-        match found == (width, height) {
-            true => Ok(frame),
-            false => Err(self.mixed(format!(
+        if found != (width, height) {
+            return Err(self.mixed(format!(
                 "frame.vti has {} x {} pixels, summary.json tells of {width} x {height}",
                 found.0, found.1
-            ))),
+            )));
         }
+        self.check_run(crate::output::FRAME, frame.run())?;
+        Ok(frame)
     }
 
     /// Opens `hits.vtu`.
@@ -91,14 +99,15 @@ impl Results {
     /// another number of points than the summary tells.
     pub fn hits(&self) -> Result<Hits, Diagnostic> {
         let hits = Hits::open(&self.file(crate::output::HITS)?)?;
-        match hits.n_points() as u64 == self.summary.n_hits {
-            true => Ok(hits),
-            false => Err(self.mixed(format!(
+        if hits.n_points() as u64 != self.summary.n_hits {
+            return Err(self.mixed(format!(
                 "hits.vtu has {}, summary.json tells of {}",
                 counted(hits.n_points() as u64, "point"),
                 counted(self.summary.n_hits, "hit")
-            ))),
+            )));
         }
+        self.check_run(crate::output::HITS, hits.run())?;
+        Ok(hits)
     }
 
     /// The path of a file that has to be there.
@@ -112,6 +121,38 @@ impl Results {
             false => Err(Diagnostic::new(format!("`{}` is missing", path.display()))
                 .with_help(self.advice())),
         }
+    }
+
+    /// Makes sure that a file was written by the run of the summary.
+    fn check_run(&self, name: &str, run: Option<&str>) -> Result<(), Diagnostic> {
+        let expected = self.summary.run.map(|run| run.to_string());
+        if run != expected.as_deref() {
+            return Err(self.mixed(format!("{name} is not of the run of summary.json")));
+        }
+        self.check_length(name)
+    }
+
+    /// Makes sure that a file is as long as the summary says.
+    fn check_length(&self, name: &str) -> Result<(), Diagnostic> {
+        let path = self.folder.join(name);
+        let shown = path.display();
+        let Some(listed) = self.listed(name) else {
+            return Err(self.mixed(format!("summary.json does not list {name}")));
+        };
+        let n_bytes = path.metadata().map_or(0, |at| at.len());
+        if n_bytes == listed.bytes {
+            return Ok(());
+        }
+        let message = format!(
+            "`{shown}` is not as it was written: it has {} bytes instead of {}",
+            count(n_bytes),
+            count(listed.bytes)
+        );
+        Err(Diagnostic::new(message).with_help(self.advice()))
+    }
+
+    fn listed(&self, name: &str) -> Option<&ListedFile> {
+        self.summary.files.iter().find(|file| file.name == name)
     }
 
     fn mixed(&self, what: String) -> Diagnostic {
@@ -128,6 +169,32 @@ impl Results {
         format!("render it again: raycost render {scene} --out {folder}")
     }
 }
+
+/// Reads folders, anew if a run has changed one of them meanwhile.
+///
+/// # Errors
+/// What `read` says of folders that stay as they are.
+pub fn read_unchanged<T>(
+    folders: &[&Path],
+    read: impl Fn() -> Result<T, Diagnostic>,
+) -> Result<T, Diagnostic> {
+    let states = || -> Vec<_> {
+        let text = |folder: &&Path| std::fs::read(folder.join(summary::FILE)).ok();
+        let texts = folders.iter().map(text);
+        texts.map(|text| text.map(|text| checksum(&text))).collect()
+    };
+    for _ in 0..N_TRIES {
+        let before = states();
+        let done = read();
+        if states() == before {
+            return done;
+        }
+    }
+    read()
+}
+
+/// How often folders may change while they are read.
+const N_TRIES: usize = 5;
 
 /// Bytes of memory that a byte of JSON may become: a value for every other one.
 const MEMORY_PER_BYTE: u64 = 40;

@@ -60,6 +60,7 @@ impl Results {
             }
             rows.push(row);
         }
+        self.check_length(OBJECTS)?;
         Ok(Some(ObjectsTable { columns, rows }))
     }
 

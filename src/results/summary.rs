@@ -9,17 +9,24 @@ use serde::{Deserialize, Serialize};
 use super::read_json;
 use crate::config::CostMode;
 pub(super) use crate::output::SUMMARY as FILE;
+use crate::output::{Checksum, RunId};
 use crate::yaml::{Diagnostic, Fault, Source};
 
 /// Longest summary that is read, in bytes: a short name for each of a million
 /// objects fits.
-const MAX_BYTES: u64 = 256 << 20;
+pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 /// What was done, on what, and what it cost in all.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Summary {
     /// The version of raycost that rendered.
     pub raycost: String,
+    /// The run, as its files name it; `None` of versions that gave none.
+    #[serde(rename = "raycost_run")]
+    pub run: Option<RunId>,
+    /// The files that it wrote, but for the summary itself.
+    #[serde(default)]
+    pub files: Vec<ListedFile>,
     /// The scene.
     pub scene: SceneName,
     /// The picture's size and sampling.
@@ -46,6 +53,18 @@ pub struct Summary {
     pub n_hits: u64,
     /// What was measured.
     pub cost: Cost,
+}
+
+/// A file of the run.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ListedFile {
+    /// Its name in the folder.
+    #[serde(rename = "file")]
+    pub name: String,
+    /// Its length.
+    pub bytes: u64,
+    /// Its checksum; `None` of versions that gave none.
+    pub checksum: Option<Checksum>,
 }
 
 /// A scene's names.

@@ -8,6 +8,7 @@ use super::primitive::{MaterialId, ObjectId, Primitive};
 use crate::config::Object;
 use crate::geometry::{Shape, Transform};
 use crate::import::{Mesh, Spheres};
+use crate::stop;
 use crate::yaml::{Fault, Path};
 
 /// The id, the materials and the transform of an object.
@@ -59,6 +60,10 @@ impl<'a> Placement<'a> {
             ObjectGeometry::Shape(shape) => self.add(shape, 0, primitives)?,
             ObjectGeometry::Generator(generator) => {
                 for i in 0..generator.n_spheres() {
+                    // Whoever asked for it throws away what is half done.
+                    if stop::is_requested() {
+                        break;
+                    }
                     let (sphere, material) = generator.sphere(i, self.materials.len());
                     self.add(Shape::Sphere(sphere), material, primitives)?;
                 }

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::payload::Payload;
+use crate::output::RunId;
 
 /// Marks like `{{about}}` are filled in.
 const TEMPLATE: &str = include_str!("page/page.html");
@@ -29,6 +30,7 @@ const SCRIPT: [&str; 15] = [
 /// Writes the page; `about` is JSON.
 pub(super) fn write(
     title: &str,
+    run: RunId,
     about: &str,
     payloads: &[Payload],
     out: &mut impl Write,
@@ -40,6 +42,7 @@ pub(super) fn write(
         };
         match mark {
             "title" => out.write_all(escaped(title).as_bytes())?,
+            "run" => write!(out, "{run}")?,
             "about" => out.write_all(inert(about).as_bytes())?,
             "style" => out.write_all(STYLE.as_bytes())?,
             "script" => out.write_all(SCRIPT.join("\n").as_bytes())?,
@@ -64,13 +67,14 @@ fn inert(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::run::checksum;
 
     #[test]
     fn names_cannot_leave_their_places() {
         let evil = "</script><img src=x onerror=alert(1)>&amp;";
         let about = serde_json::json!({ "name": evil }).to_string();
         let mut page = Vec::new();
-        write(evil, &about, &[], &mut page).unwrap();
+        write(evil, checksum(b"").into(), &about, &[], &mut page).unwrap();
         let page = String::from_utf8(page).unwrap();
         assert!(!page.contains("<img"));
         let (_, json) = page.split_once("id=\"about\">").unwrap();

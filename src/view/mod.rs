@@ -19,6 +19,8 @@ use std::io::{self, Write};
 
 use rayon::prelude::*;
 
+use crate::output::RunId;
+use crate::output::run::checksum;
 use crate::results::Results;
 use crate::yaml::Diagnostic;
 
@@ -33,6 +35,8 @@ pub const FILE: &str = "view.html";
 #[derive(Debug)]
 pub struct View {
     title: String,
+    /// The run that it shows.
+    run: RunId,
     /// What the script reads, as JSON.
     about: String,
     payloads: Vec<Payload>,
@@ -80,6 +84,8 @@ impl View {
         payloads.extend(table.as_ref().map(table::payload));
         Ok(Self {
             title: results.summary.scene.name.clone(),
+            // Outputs of older versions have no ID: the page needs one.
+            run: (results.summary.run).unwrap_or_else(|| checksum(about.as_bytes()).into()),
             about,
             payloads,
             notes,
@@ -93,7 +99,7 @@ impl View {
     /// # Errors
     /// What `out` says.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        html::write(&self.title, &self.about, &self.payloads, out)
+        html::write(&self.title, self.run, &self.about, &self.payloads, out)
     }
 
     /// What the page does not show, and why; one sentence or two each.

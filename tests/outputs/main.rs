@@ -5,6 +5,7 @@ mod common;
 
 mod charged_files;
 mod hostile;
+mod interrupted;
 mod output_folder;
 mod paraview_rays;
 mod paraview_states;

@@ -5,8 +5,9 @@ use std::io::{self, Seek, SeekFrom, Write};
 use super::array::Array;
 use super::compressed;
 use super::compressor::Compressor;
+use super::encoding::Encoding;
 use super::header::{DataSet, Offsets};
-use crate::config::Codec;
+use crate::output::run::RunId;
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
 /// last one up to the opening tag of the arrays. With expat 2.6, or an older one
@@ -18,18 +19,18 @@ const N_BLANKS: usize = 2 * 4096;
 /// Writes the whole file; `out` is empty.
 pub(crate) fn write(
     data_set: &DataSet,
-    codec: Codec,
+    Encoding { codec, run }: Encoding,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     match Compressor::of(codec) {
-        None => write_raw(data_set, out),
-        Some(compressor) => write_compressed(data_set, compressor, out),
+        None => write_raw(data_set, run, out),
+        Some(compressor) => write_compressed(data_set, run, compressor, out),
     }
 }
 
-fn write_raw(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
+fn write_raw(data_set: &DataSet, run: Option<RunId>, out: &mut impl Write) -> io::Result<()> {
     let arrays = data_set.arrays();
-    write_head(&data_set.xml(&Offsets::OfRaw(offsets(&arrays)))?, out)?;
+    write_head(&data_set.xml(run, &Offsets::OfRaw(offsets(&arrays)))?, out)?;
     for array in arrays {
         out.write_all(&array.n_bytes.to_ne_bytes())?;
         write_bytes(array, out)?;
@@ -41,11 +42,12 @@ fn write_raw(data_set: &DataSet, out: &mut impl Write) -> io::Result<()> {
 /// is written once more at the end, as long as before.
 fn write_compressed(
     data_set: &DataSet,
+    run: Option<RunId>,
     compressor: Compressor,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let arrays = data_set.arrays();
-    let head = |offsets| data_set.xml(&Offsets::OfCompressed(compressor, offsets));
+    let head = |offsets| data_set.xml(run, &Offsets::OfCompressed(compressor, offsets));
     write_head(&head(vec![0; arrays.len()])?, out)?;
     let begin = out.stream_position()?;
     let mut offsets = Vec::with_capacity(arrays.len());
@@ -143,7 +145,7 @@ mod tests {
     fn offsets_count_beyond_4_gib() {
         let data_set = image(&[5 << 30, 4, 4]);
         let offsets = Offsets::OfRaw(offsets(&data_set.arrays()));
-        let xml = data_set.xml(&offsets).unwrap();
+        let xml = data_set.xml(None, &offsets).unwrap();
         assert!(
             xml.contains("offset=\"0\"") && xml.contains("offset=\"5368709128\""),
             "{xml}"
@@ -154,7 +156,7 @@ mod tests {
     #[test]
     fn the_block_that_vtk_may_read_too_many_is_blank() {
         let mut file = Vec::new();
-        write_raw(&image(&[4]), &mut file).unwrap();
+        write_raw(&image(&[4]), None, &mut file).unwrap();
         let tag = b"<AppendedData encoding=\"raw\">";
         let begin = file.windows(tag.len()).position(|bytes| bytes == tag);
         let end = begin.unwrap() + tag.len();
@@ -164,7 +166,7 @@ mod tests {
 
     #[test]
     fn an_array_of_the_wrong_length_is_an_error() {
-        let error = write_raw(&image(&[8]), &mut Vec::new()).unwrap_err();
+        let error = write_raw(&image(&[8]), None, &mut Vec::new()).unwrap_err();
         assert!(
             error.to_string().contains("4 bytes instead of 8"),
             "{error}"

@@ -4,8 +4,8 @@ use std::io::{self, Seek, Write};
 
 use super::appended;
 use super::array::Array;
+use super::encoding::Encoding;
 use super::header::DataSet;
-use crate::config::Codec;
 use crate::film::{Column, Film, columns};
 
 /// The file's name.
@@ -13,7 +13,11 @@ pub const FILE: &str = "frame.vti";
 
 /// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
 /// film's go down: its last row is written first.
-pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
+pub fn write(
+    film: &Film,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
     let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
     let array = |column: &'static Column| Array {
         name: column.name,
@@ -26,7 +30,7 @@ pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Re
         size: [film.grid.width, film.grid.height],
         point_data: columns(film.cost, film.repeats).map(array).collect(),
     };
-    appended::write(&image, codec, out)
+    appended::write(&image, encoding.into(), out)
 }
 
 fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {

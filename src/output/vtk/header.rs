@@ -8,6 +8,7 @@ use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarT
 
 use super::array::Array;
 use super::compressor::Compressor;
+use crate::output::run::RunId;
 
 /// What a file holds.
 pub(crate) enum DataSet<'a> {
@@ -63,8 +64,8 @@ impl<'a> DataSet<'a> {
         }
     }
 
-    /// The file's text up to the closing tag of the root.
-    pub(crate) fn xml(&self, offsets: &Offsets) -> io::Result<String> {
+    /// The file's text up to the closing tag of the root, which names the run.
+    pub(crate) fn xml(&self, run: Option<RunId>, offsets: &Offsets) -> io::Result<String> {
         let (data_set_type, content) = match self {
             Self::Image { size, point_data } => {
                 (DataSetType::ImageData, image_element(*size, point_data))
@@ -87,6 +88,7 @@ impl<'a> DataSet<'a> {
             byte_order: native_byte_order(),
             header_type: ScalarType::UInt64,
             compressor: offsets.compressor().map(Compressor::vtk_class),
+            run,
             content,
         };
         let xml = se::to_string(&file).map_err(io::Error::other)?;
@@ -148,6 +150,9 @@ struct VtkFile {
     header_type: ScalarType,
     #[serde(rename = "@compressor", skip_serializing_if = "Option::is_none")]
     compressor: Option<&'static str>,
+    /// VTK passes it over, as do meshio and vtkio.
+    #[serde(rename = "@raycost_run", skip_serializing_if = "Option::is_none")]
+    run: Option<RunId>,
     #[serde(rename = "$value")]
     content: Content,
 }

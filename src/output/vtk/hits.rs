@@ -7,8 +7,8 @@ use vtkio::model::{CellType, ScalarType};
 
 use super::appended;
 use super::array::{Array, Integers, separate_cells, types_of};
+use super::encoding::Encoding;
 use super::header::{DataSet, Mesh};
-use crate::config::Codec;
 use crate::film::{Column, Film, Strip, columns};
 
 /// The file's name.
@@ -25,7 +25,11 @@ const POINTS: Column = Column {
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
 /// order of the pixels, row 0 on top.
-pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
+pub fn write(
+    film: &Film,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
     let hits = Hits::of(film);
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
@@ -41,7 +45,7 @@ pub fn write(film: &Film, codec: Codec, out: &mut (impl Write + Seek)) -> io::Re
         cell_data: Vec::new(),
         cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
     };
-    appended::write(&DataSet::Grid(cloud), codec, out)
+    appended::write(&DataSet::Grid(cloud), encoding.into(), out)
 }
 
 /// Where a film's hits are. Found once: every array of the file walks them.

@@ -5,6 +5,7 @@
 //! they are, so that no second copy is ever in memory. (vtkio's own writer would hold the whole file as base64
 //! text, and cuts what is longer than 2 GiB.)
 
+pub(crate) mod encoding;
 pub(crate) mod array;
 pub(crate) mod appended;
 pub(crate) mod compressor;
@@ -17,6 +18,7 @@ mod surface;
 mod rays;
 mod tiles;
 
+pub use encoding::Encoding;
 pub use frame::FILE as FRAME;
 pub use frame::write as write_frame;
 pub use hits::FILE as HITS;

@@ -6,9 +6,10 @@ use vtkio::model::CellType;
 
 use super::appended;
 use super::array::{Array, Entry, separate_cells, types_of};
+use super::encoding::Encoding;
 use super::header::{DataSet, Mesh};
 use crate::accel::BvhNode;
-use crate::config::{BvhLimits, Codec, CostMode};
+use crate::config::{BvhLimits, CostMode};
 use crate::ledger::{Hierarchy, Visits};
 
 /// The file's name.
@@ -27,7 +28,7 @@ pub fn write(
     hierarchy: &Hierarchy,
     limits: BvhLimits,
     cost: CostMode,
-    codec: Codec,
+    encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let shown = shown(hierarchy, limits);
@@ -41,7 +42,7 @@ pub fn write(
         points: Array::of("Points", 8 * n, || shown.iter().flat_map(corners)),
         cells: vec![connectivity, offsets, types_of(CellType::Voxel, n)],
     };
-    appended::write(&DataSet::Grid(boxes), codec, out)
+    appended::write(&DataSet::Grid(boxes), encoding.into(), out)
 }
 
 fn shown(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {

@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use super::appended;
 use super::array::{Array, Entry, separate_cells};
+use super::encoding::Encoding;
 use super::header::{DataSet, Mesh};
 use crate::camera::ImagePlane;
-use crate::config::Codec;
 use crate::film::Film;
 use crate::observe::TracedRay;
 use crate::output::Traced;
@@ -50,7 +50,7 @@ impl<'a> Rays<'a> {
     /// Writes them as PolyData: one line a ray.
     pub(in crate::output) fn write(
         &self,
-        codec: Codec,
+        encoding: Encoding,
         out: &mut (impl Write + Seek),
     ) -> io::Result<()> {
         let [connectivity, offsets] = separate_cells(2, self.n);
@@ -62,7 +62,7 @@ impl<'a> Rays<'a> {
             points: Array::of("Points", 2 * self.n, || self.points()),
             cells: vec![connectivity, offsets],
         };
-        appended::write(&DataSet::Lines(lines), codec, out)
+        appended::write(&DataSet::Lines(lines), encoding, out)
     }
 
     fn cell_data(&self) -> Vec<Array<'_>> {

@@ -6,8 +6,9 @@ use vtkio::model::{CellType, ScalarType};
 
 use super::appended;
 use super::array::{Array, Entry, Integers};
+use super::encoding::Encoding;
 use super::header::{DataSet, Mesh};
-use crate::config::{Codec, CostMode};
+use crate::config::CostMode;
 use crate::geometry::Patch;
 use crate::ledger::Visits;
 use crate::scene::{Primitive, Scene};
@@ -32,7 +33,7 @@ pub fn write(
     scene: &Scene,
     visits: &[Visits],
     cost: CostMode,
-    codec: Codec,
+    encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let primitives = &scene.primitives;
@@ -60,7 +61,7 @@ pub fn write(
             }),
         ],
     };
-    appended::write(&DataSet::Grid(mesh), codec, out)
+    appended::write(&DataSet::Grid(mesh), encoding.into(), out)
 }
 
 impl<'a> Surface<'a> {

@@ -4,8 +4,9 @@ use std::io::{self, Seek, Write};
 
 use super::appended;
 use super::array::{Array, Entry};
+use super::encoding::Encoding;
 use super::header::DataSet;
-use crate::config::{Codec, CostMode};
+use crate::config::CostMode;
 use crate::cost::Cost;
 use crate::schedule::{Schedule, TileRun};
 
@@ -20,7 +21,7 @@ pub const FILE: &str = "tiles.vti";
 pub fn write(
     schedule: &Schedule,
     cost: CostMode,
-    codec: Codec,
+    encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let grid = &schedule.grid;
@@ -36,7 +37,7 @@ pub fn write(
         spacing,
         cell_data,
     };
-    appended::write(&cells, codec, out)
+    appended::write(&cells, encoding.into(), out)
 }
 
 /// When the tiles were rendered, and by whom.

@@ -178,7 +178,7 @@ mod tests {
             cells: Vec::new(),
         };
         let mut file = tempfile::NamedTempFile::new().unwrap();
-        appended::write(&DataSet::Grid(cloud), codec, &mut file).unwrap();
+        appended::write(&DataSet::Grid(cloud), codec.into(), &mut file).unwrap();
         file.flush().unwrap();
         let mut hits = Hits::open(file.path()).unwrap();
         assert_eq!(hits.n_points(), n);

@@ -78,6 +78,11 @@ impl Frame {
         })
     }
 
+    /// The run that wrote it, where it says so.
+    pub fn run(&self) -> Option<&str> {
+        self.arrays.file.run.as_deref()
+    }
+
     /// Columns.
     pub fn width(&self) -> u32 {
         self.width
@@ -170,6 +175,11 @@ impl Hits {
             arrays,
             points,
         })
+    }
+
+    /// The run that wrote it, where it says so.
+    pub fn run(&self) -> Option<&str> {
+        self.arrays.file.run.as_deref()
     }
 
     /// How many pixels see something.

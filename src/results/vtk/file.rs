@@ -27,6 +27,8 @@ pub(super) struct VtkFile {
     n_bytes: u64,
     /// Where the offsets count from.
     begin: u64,
+    /// The run that wrote it, where it says so.
+    pub(super) run: Option<String>,
     /// What its arrays are compressed by; raw ones by nothing.
     compressor: Option<Compressor>,
 }
@@ -67,9 +69,11 @@ impl VtkFile {
             file,
             n_bytes,
             begin: 0,
+            run: None,
             compressor: None,
         };
         let header = this.header(&head)?;
+        this.run.clone_from(&header.run);
         Ok((this, header))
     }
 

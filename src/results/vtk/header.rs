@@ -22,6 +22,9 @@ pub(super) struct Header {
     pub(super) header_type: Option<String>,
     #[serde(rename = "@compressor")]
     pub(super) compressor: Option<String>,
+    /// The run that wrote it.
+    #[serde(rename = "@raycost_run")]
+    pub(super) run: Option<String>,
     #[serde(rename = "ImageData")]
     pub(super) image: Option<Image>,
     #[serde(rename = "UnstructuredGrid")]

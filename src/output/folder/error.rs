@@ -1,0 +1,59 @@
+//! Why a file or folder was not written.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use crate::host::advice;
+
+/// A file or folder that could not be written.
+#[derive(Debug)]
+pub struct WriteError {
+    path: PathBuf,
+    error: io::Error,
+    help: Option<&'static str>,
+}
+
+impl WriteError {
+    pub(super) fn new(path: impl Into<PathBuf>, error: io::Error) -> Self {
+        Self {
+            path: path.into(),
+            error,
+            help: None,
+        }
+    }
+
+    /// Something is in the way that raycost did not write, or may not replace.
+    pub(super) fn refused(path: impl Into<PathBuf>, why: &'static str, help: &'static str) -> Self {
+        Self {
+            path: path.into(),
+            error: io::Error::other(why),
+            help: Some(help),
+        }
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> &'static str {
+        if let Some(help) = self.help {
+            return help;
+        }
+        match self.error.kind() {
+            io::ErrorKind::FileTooLarge => {
+                "raise the limit on a file's size (`ulimit -f`), or choose another folder with \
+                 `--out`"
+            }
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                "choose a folder that you may write to with `--out`"
+            }
+            _ => advice(&self.error).unwrap_or("choose another folder with `--out`"),
+        }
+    }
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "cannot write `{}`: {}", self.path.display(), self.error)
+    }
+}
+
+impl std::error::Error for WriteError {}

@@ -1,0 +1,114 @@
+//! The commit file by file, which can be taken back at any time.
+//!
+//! The workspace becomes the folder `.raycost-journal` in the output folder.
+//! Then each old file gets a name in its `old/`, and each new one its final
+//! name. When the journal gets its workspace's name back, the commit is done. A
+//! journal that is found in a folder that no run has locked was left by one
+//! that was killed: its old files go back to where they were, which can be begun
+//! anew as often as it is broken off.
+
+use std::io;
+use std::path::Path;
+
+use super::disk;
+use super::error::WriteError;
+use super::workspace::{self, Plan, Workspace};
+
+/// The folder's name while a commit is on its way.
+const NAME: &str = ".raycost-journal";
+/// And when it was taken back.
+const TAKEN_BACK: &str = ".raycost-taken-back";
+
+/// Puts all new files of the workspace into the folder, and removes old ones
+/// that have no new one of their name.
+///
+/// # Errors
+/// What the system says; then the folder is as it was.
+pub(super) fn commit(
+    folder: &Path,
+    workspace: &Workspace,
+    plan: &Plan,
+    sync: bool,
+) -> io::Result<()> {
+    let journal = folder.join(NAME);
+    workspace.write_plan(plan)?;
+    workspace.create_old()?;
+    if sync {
+        disk::sync(&workspace.path)?;
+    }
+    disk::rename(&workspace.path, &journal)?;
+    let moved = move_files(folder, &journal, plan, sync)
+        .and_then(|()| disk::rename(&journal, &workspace.path));
+    if let Err(error) = moved {
+        // If this fails, too, the next command does it.
+        let _ = roll_back(folder);
+        return Err(error);
+    }
+    Ok(())
+}
+
+fn move_files(folder: &Path, journal: &Path, plan: &Plan, sync: bool) -> io::Result<()> {
+    let (new, old) = (workspace::new_files(journal), workspace::old_files(journal));
+    for name in &plan.new {
+        let (at, saved) = (folder.join(name), old.join(name));
+        if plan.old.contains(name) && disk::hard_link(&at, &saved).is_err() {
+            disk::rename(&at, &saved)?;
+        }
+        disk::rename(&new.join(name), &at)?;
+    }
+    for name in plan.old.iter().filter(|name| !plan.new.contains(name)) {
+        disk::rename(&folder.join(name), &old.join(name))?;
+    }
+    if sync {
+        disk::sync(folder)?;
+    }
+    Ok(())
+}
+
+/// Whether a commit is on its way, or was broken off.
+pub(super) fn is_in(folder: &Path) -> bool {
+    folder.join(NAME).symlink_metadata().is_ok()
+}
+
+/// Takes a commit back that was broken off; does nothing without one. The
+/// folder is locked.
+///
+/// # Errors
+/// What the system says, or a journal that cannot be read.
+pub(super) fn roll_back(folder: &Path) -> Result<(), WriteError> {
+    let journal = folder.join(NAME);
+    if !is_in(folder) {
+        return Ok(());
+    }
+    let Some(plan) = workspace::plan(&journal) else {
+        return Err(WriteError::refused(
+            journal,
+            "a commit was broken off, and its plan is damaged",
+            "old files are in its folder `old`, new ones in `new`: save what you need, and \
+             remove it",
+        ));
+    };
+    put_back(folder, &journal, &plan).map_err(|error| WriteError::new(&journal, error))
+}
+
+fn put_back(folder: &Path, journal: &Path, plan: &Plan) -> io::Result<()> {
+    let (new, old) = (workspace::new_files(journal), workspace::old_files(journal));
+    for name in &plan.old {
+        if old.join(name).symlink_metadata().is_ok() {
+            disk::rename(&old.join(name), &folder.join(name))?;
+        }
+    }
+    for name in plan.new.iter().filter(|name| !plan.old.contains(name)) {
+        let at = folder.join(name);
+        let was_moved = new.join(name).symlink_metadata().is_err();
+        if was_moved && at.symlink_metadata().is_ok() {
+            disk::remove_file(&at)?;
+        }
+    }
+    let taken_back = folder.join(TAKEN_BACK);
+    workspace::remove(&taken_back)?;
+    disk::rename(journal, &taken_back)?;
+    // The folder is as it was: the next run removes what stays here.
+    let _ = workspace::remove(&taken_back);
+    Ok(())
+}

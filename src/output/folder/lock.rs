@@ -1,0 +1,85 @@
+//! One run a folder.
+//!
+//! The lock is an advisory lock (`flock`) on the folder itself: it leaves no
+//! file behind, and goes with the process that holds it, however that ends. A
+//! commit may give the folder's name to another folder, which the same run has
+//! locked before: a lock counts only if the name still leads to what is locked.
+
+use std::fs::{self, File, Metadata, TryLockError};
+use std::io;
+use std::path::Path;
+
+/// How often a folder may change under the hands of who would lock it.
+const N_TRIES: usize = 100;
+
+/// Locks a folder; `None` if another run has locked it.
+///
+/// # Errors
+/// What the system says.
+pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
+    for _ in 0..N_TRIES {
+        let file = open(folder)?;
+        match file.try_lock() {
+            Ok(()) if is_same(&file.metadata()?, &fs::metadata(folder)?) => return Ok(Some(file)),
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Ok(None),
+            // File systems without locks: a run that was not locked out is
+            // better than none.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
+                return Ok(Some(file));
+            }
+            Err(TryLockError::Error(error)) => return Err(error),
+        }
+    }
+    Ok(None)
+}
+
+#[cfg(unix)]
+fn open(folder: &Path) -> io::Result<File> {
+    File::open(folder)
+}
+
+/// Where folders cannot be opened, a file in them stands for them.
+#[cfg(not(unix))]
+fn open(folder: &Path) -> io::Result<File> {
+    File::create(folder.join(".raycost-lock"))
+}
+
+/// Whether both are of one file or folder.
+#[cfg(unix)]
+pub(super) fn is_same(one: &Metadata, other: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+#[cfg(not(unix))]
+pub(super) fn is_same(_: &Metadata, _: &Metadata) -> bool {
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_locked_until_its_holder_ends() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = lock(folder.path()).unwrap();
+        assert!(first.is_some());
+        assert!(lock(folder.path()).unwrap().is_none());
+        drop(first);
+        assert!(lock(folder.path()).unwrap().is_some());
+    }
+
+    #[test]
+    fn a_lock_on_what_lost_its_name_does_not_count() {
+        let temporary = tempfile::tempdir().unwrap();
+        let (folder, away) = (temporary.path().join("a"), temporary.path().join("b"));
+        fs::create_dir(&folder).unwrap();
+        let first = lock(&folder).unwrap();
+        assert!(first.is_some());
+        fs::rename(&folder, &away).unwrap();
+        fs::create_dir(&folder).unwrap();
+        assert!(lock(&folder).unwrap().is_some());
+    }
+}

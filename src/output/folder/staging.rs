@@ -1,0 +1,99 @@
+//! Files on their way into a folder: written, then committed.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+
+use super::error::WriteError;
+use super::own::{self, Own};
+use super::staged::{StagedFile, SummedFile};
+use super::workspace::{self, Plan, Workspace};
+use super::{OutputFolder, disk, exchange, journal};
+
+/// Files on their way into a folder; without a commit, they go.
+#[derive(Debug)]
+pub(crate) struct Staging<'a> {
+    pub(super) folder: &'a OutputFolder,
+    pub(super) workspace: Workspace,
+    /// On the folder of new files, which may become the output folder.
+    pub(super) lock: Option<File>,
+}
+
+impl Staging<'_> {
+    /// Writes a file that will be called `name`.
+    ///
+    /// # Errors
+    /// What `write` or the system says.
+    pub(crate) fn stage(
+        &self,
+        name: &'static str,
+        write: impl FnOnce(&mut BufWriter<SummedFile>) -> io::Result<()>,
+    ) -> Result<StagedFile, WriteError> {
+        let staged = StagedFile::write(&self.workspace.new_files(), name, write);
+        staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
+    }
+
+    /// Puts all files into the folder, and removes those of `own` that are not
+    /// among them.
+    ///
+    /// # Errors
+    /// What is in the way, or what the system says; then the folder is as it
+    /// was.
+    pub(crate) fn commit(self, files: &[StagedFile], own: &Own) -> Result<(), WriteError> {
+        let OutputFolder {
+            path, place, sync, ..
+        } = self.folder;
+        let old = own.find(place)?;
+        let new: Vec<String> = files.iter().map(|file| file.name().to_owned()).collect();
+        let in_the_way =
+            |name: &&String| !old.contains(name) && place.join(name).symlink_metadata().is_ok();
+        if let Some(name) = new.iter().find(in_the_way) {
+            return Err(own::foreign(&path.join(name)));
+        }
+        let fail = |error| WriteError::new(path, error);
+        let plan = Plan {
+            raycost: env!("CARGO_PKG_VERSION").to_owned(),
+            staged: workspace::number_of(&self.workspace.new_files()).map_err(fail)?,
+            new,
+            old,
+            kept: Vec::new(),
+        };
+        self.prepare(&plan).map_err(fail)?;
+        let exchanged = exchange::commit(place, &self.workspace, plan.clone(), *sync);
+        if !matches!(exchanged, Ok(true)) && !self.workspace.was_exchanged() {
+            journal::commit(place, &self.workspace, &plan, *sync).map_err(fail)?;
+        }
+        let synced = match place.parent().filter(|_| *sync) {
+            Some(parent) => disk::sync(parent).and_then(|()| disk::sync(place)),
+            None => Ok(()),
+        };
+        if self.workspace.was_exchanged()
+            && let Ok(mut lock) = self.folder.lock.lock()
+        {
+            *lock = self.lock;
+        }
+        self.workspace.settle(place);
+        synced.map_err(|_| {
+            let why = "the new files are in their places, but may not survive a power cut";
+            WriteError::refused(path, why, "look after the disk, and render again")
+        })
+    }
+
+    /// Gives each new file the permissions of the old one, and forces it onto
+    /// the disk if that is asked for.
+    fn prepare(&self, plan: &Plan) -> io::Result<()> {
+        let new_files = self.workspace.new_files();
+        for name in &plan.new {
+            let (old, new) = (self.folder.place.join(name), new_files.join(name));
+            if plan.old.contains(name) {
+                let permissions = old.metadata()?.permissions();
+                if permissions != new.metadata()?.permissions() {
+                    disk::set_permissions(&new, permissions)?;
+                }
+            }
+            if self.folder.sync {
+                disk::sync(&new)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,157 @@
+//! What belongs to others stays, and is not written over.
+
+use std::io::Write;
+
+use super::*;
+
+#[test]
+fn a_second_run_is_refused_until_the_first_one_ends() {
+    let scenario = Scenario::new(Way::Exchange);
+    let first = OutputFolder::create(&scenario.folder(), 0).unwrap();
+    let refused = OutputFolder::create(&scenario.folder(), 0).unwrap_err();
+    assert!(refused.to_string().contains("another run"), "{refused}");
+    drop(first);
+    let folder = OutputFolder::create(&scenario.folder(), 0).unwrap();
+    let staging = folder.stage_files().unwrap();
+    let stage = |name| {
+        let text = content(name, "new", &NEW);
+        let staged = staging.stage(name, |out| out.write_all(text.as_bytes()));
+        staged.unwrap()
+    };
+    let files = NEW.map(stage);
+    staging.commit(&files, &own()).unwrap();
+    // The name leads to another folder now, which is locked, too.
+    let refused = OutputFolder::create(&scenario.folder(), 0).unwrap_err();
+    assert!(refused.to_string().contains("another run"), "{refused}");
+    drop(folder);
+    scenario.run(false).unwrap();
+}
+
+#[test]
+fn files_of_others_by_our_names_are_refused() {
+    for name in ["a.png", "d.json", "summary.json"] {
+        let temporary = tempfile::tempdir().unwrap();
+        let path = temporary.path().join(name);
+        fs::write(&path, "{}").unwrap();
+        let folder = OutputFolder::create(temporary.path(), 0).unwrap();
+        let error = folder.refuse_foreign(&own()).unwrap_err();
+        assert!(error.to_string().contains(name), "{error}");
+        let staging = folder.stage_files().unwrap();
+        let file = staging.stage("b.vti", |out| out.write_all(b"x")).unwrap();
+        assert!(staging.commit(&[file], &own()).is_err());
+        assert_eq!(names(temporary.path()), [name]);
+        assert_eq!(fs::read(&path).unwrap(), b"{}");
+    }
+}
+
+#[test]
+fn marked_files_are_replaced_and_no_others() {
+    let temporary = tempfile::tempdir().unwrap();
+    let own = Own::Marked(vec!["rays.vtp"]);
+    let path = temporary.path().join("rays.vtp");
+    let write = |text: &'static [u8]| {
+        let folder = OutputFolder::create(temporary.path(), 0)?;
+        let staging = folder.stage_files()?;
+        let file = staging.stage("rays.vtp", |out| out.write_all(text))?;
+        staging.commit(&[file], &own)
+    };
+    write(b"raycost_run first").unwrap();
+    write(b"unmarked").unwrap();
+    assert!(write(b"raycost_run third").is_err());
+    assert_eq!(fs::read(&path).unwrap(), b"unmarked");
+}
+
+#[test]
+#[cfg(unix)]
+fn permissions_stay() {
+    use std::os::unix::fs::PermissionsExt;
+    for way in [Way::Exchange, Way::Journal] {
+        let scenario = Scenario::new(way);
+        let folder = scenario.folder();
+        let set = |path: &Path, mode| {
+            fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+        };
+        set(&folder, 0o2751);
+        set(&folder.join("a.png"), 0o604);
+        scenario.run(false).unwrap();
+        let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o7777;
+        assert_eq!(mode(&folder), 0o2751);
+        assert_eq!(mode(&folder.join("a.png")), 0o604);
+    }
+}
+
+#[test]
+fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+    let scenario = Scenario::new(Way::Exchange);
+    let folder = OutputFolder::create(&scenario.folder(), 0).unwrap();
+    let staging = folder.stage_files().unwrap();
+    let full = || io::Error::from(io::ErrorKind::StorageFull);
+    let error = staging
+        .stage("a.png", |out| out.write_all(b"half").and(Err(full())))
+        .unwrap_err();
+    assert!(error.to_string().contains("a.png"), "{error}");
+    assert!(error.help().contains("free some space"));
+    drop(staging);
+    assert!(!scenario.is_new("failed write"));
+    scenario.assert_clean("failed write");
+}
+
+#[test]
+fn a_full_disk_is_seen_before_anything_is_written() {
+    let temporary = tempfile::tempdir().unwrap();
+    let error = OutputFolder::create(temporary.path(), u64::MAX).unwrap_err();
+    assert!(error.to_string().contains("are needed"), "{error}");
+}
+
+#[test]
+fn paths_that_states_cannot_hold_are_refused() {
+    let temporary = tempfile::tempdir().unwrap();
+    for name in ["a\u{1}b", "a\nb", "a\u{7f}b", "a\u{85}b"] {
+        let path = temporary.path().join(name);
+        let error = OutputFolder::create(&path, 0).unwrap_err();
+        assert!(error.to_string().contains("control character"), "{error}");
+        assert!(!path.exists());
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        let path = temporary.path().join(std::ffi::OsStr::from_bytes(b"a\xff"));
+        let error = OutputFolder::create(&path, 0).unwrap_err();
+        assert!(error.to_string().contains("UTF-8"), "{error}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_single_file_keeps_links_and_permissions_and_spares_what_is_not_ours() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let temporary = tempfile::tempdir().unwrap();
+    let path = |name: &str| temporary.path().join(name);
+    let write = |name: &str, text: &'static [u8]| {
+        write_file(&path(name), Replace::Marked, |out| out.write_all(text))
+    };
+    symlink("page.html", path("link.html")).unwrap();
+    write("link.html", b"raycost_run 1").unwrap();
+    fs::set_permissions(path("page.html"), fs::Permissions::from_mode(0o600)).unwrap();
+    write("link.html", b"raycost_run 2").unwrap();
+    assert!(path("link.html").symlink_metadata().unwrap().is_symlink());
+    assert_eq!(fs::read(path("page.html")).unwrap(), b"raycost_run 2");
+    let mode = path("page.html").metadata().unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o600);
+
+    fs::write(path("mine.html"), "mine").unwrap();
+    fs::create_dir(path("folder")).unwrap();
+    symlink("round", path("round")).unwrap();
+    let socket = std::os::unix::net::UnixListener::bind(path("socket")).unwrap();
+    for name in ["mine.html", "folder", "round", "socket"] {
+        assert!(write(name, b"raycost_run 3").is_err(), "{name}");
+    }
+    assert!(write_file(Path::new("/dev/null"), Replace::Known, |_| Ok(())).is_err());
+    drop(socket);
+    assert_eq!(fs::read(path("mine.html")).unwrap(), b"mine");
+    let hidden = names(temporary.path());
+    assert!(
+        hidden.iter().all(|name| !name.starts_with('.')),
+        "{hidden:?}"
+    );
+}

@@ -1,0 +1,71 @@
+//! An output folder against its summary, byte by byte.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::{ListedFile, Results, read_json, summary};
+use crate::output::format::count;
+use crate::output::{checksum_of, is_whole};
+use crate::yaml::Diagnostic;
+
+/// What became of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// Its name in the folder.
+    pub name: String,
+    /// What is wrong with it; `None` if it is as it was written.
+    pub fault: Option<String>,
+}
+
+/// Compares every file that the folder's summary lists, and the summary itself,
+/// with their lengths and checksums.
+///
+/// # Errors
+/// A folder that holds no output, or a summary that cannot be read.
+pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
+    let results = Results::open(folder)?;
+    let files = results.summary.files.par_iter();
+    let verdict = |file: &ListedFile| Verdict {
+        name: file.name.clone(),
+        fault: fault(folder, file).err(),
+    };
+    let mut verdicts: Vec<Verdict> = files.map(verdict).collect();
+    verdicts.push(Verdict {
+        name: summary::FILE.to_owned(),
+        fault: fault_of_summary(folder),
+    });
+    Ok(verdicts)
+}
+
+fn fault(folder: &Path, listed: &ListedFile) -> Result<(), String> {
+    let is_name = Path::new(&listed.name).file_name() == Some(listed.name.as_ref());
+    if !is_name {
+        return Err("this is no name of a file".to_owned());
+    }
+    let path = folder.join(&listed.name);
+    let at = path.symlink_metadata().map_err(|_| "it is missing")?;
+    if !at.is_file() {
+        return Err("it is no regular file".to_owned());
+    }
+    if at.len() != listed.bytes {
+        let (found, expected) = (count(at.len()), count(listed.bytes));
+        return Err(format!("it has {found} bytes instead of {expected}"));
+    }
+    let Some(expected) = listed.checksum else {
+        return Ok(());
+    };
+    match checksum_of(&path) {
+        Ok(found) if found == expected => Ok(()),
+        Ok(found) => Err(format!("its checksum is {found} instead of {expected}")),
+        Err(error) => Err(format!("it cannot be read: {error}")),
+    }
+}
+
+fn fault_of_summary(folder: &Path) -> Option<String> {
+    match read_json(&folder.join(summary::FILE), summary::MAX_BYTES) {
+        Err(error) => Some(format!("it cannot be read: {error}")),
+        // Older versions gave it no checksum.
+        Ok(text) => (is_whole(&text) == Some(false)).then(|| "it was changed".to_owned()),
+    }
+}
