@@ -9,8 +9,8 @@ use crate::config::{Acceleration, Codec, Config, CostMode, Image, Repeats, TileO
 use crate::memory::{self, Memory};
 use crate::output::format::{bytes, count, counted};
 use crate::output::{Artifact, SUMMARY};
-use crate::results::{read_unchanged, verify};
 use crate::render::most_repeats;
+use crate::results::{read_unchanged, verify};
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
 use crate::terminal;

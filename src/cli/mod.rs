@@ -28,8 +28,8 @@ pub use failure::Failure;
 
 use crate::output::format::shell_word;
 use crate::stop;
-use crate::yaml::Diagnostic;
 use crate::terminal::{self, one_line};
+use crate::yaml::Diagnostic;
 
 /// A ray tracer that shows its work
 ///

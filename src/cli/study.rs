@@ -1,9 +1,10 @@
 //! `raycost study`.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
@@ -13,7 +14,10 @@ use super::progress::StudyBar;
 use super::studies;
 use super::tables::{closing_lines, last_lines, write_figure, write_tables};
 use super::{Cli, Failure};
-use crate::output::{self, HardwareCounters, format, write_file};
+use crate::output::{
+    self, HardwareCounters, Replace, Scratch, format, lock_folder, refuse_file, write_file,
+};
+use crate::stop;
 use crate::study::{
     Figure, Limits, Metrics, Plan, Point, Results, Row, Run, Standing, Turn, rows, standings,
 };
@@ -48,6 +52,9 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
+/// The runs of a study in its folder.
+const RUNS: &str = "runs.jsonl";
+
 /// A study file that was read and can be run.
 struct Study {
     plan: Plan,
@@ -69,6 +76,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let studies = read.collect::<Result<Vec<_>, Failure>>()?;
     let made_by = made_by();
     // All are opened before anything is measured: a file of others stops all.
+    let locks = studies.iter().map(|study| study.lock());
+    let _locks = locks.collect::<Result<Vec<File>, Failure>>()?;
     let opened = studies.iter().map(|study| study.open(&made_by));
     let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
     let mut n_left = 0;
@@ -123,14 +132,30 @@ impl Study {
         Ok(study)
     }
 
+    /// Locks its folder; makes sure that no table or plot in it is someone
+    /// else's: a folder with runs is a study's.
+    fn lock(&self) -> Result<File, Failure> {
+        let lock = lock_folder(&self.out)?;
+        if !self.out.join(RUNS).exists() {
+            let failed = |error| cannot_write(&self.out, &error);
+            for entry in fs::read_dir(&self.out).map_err(failed)?.flatten() {
+                let name = entry.file_name();
+                let name = name.to_str().unwrap_or_default();
+                let is_ours = |own: &&str| name.starts_with(*own);
+                if ["statistics.", "plot-", "roofline."].iter().any(is_ours) {
+                    return Err(refuse_file(&entry.path()).into());
+                }
+            }
+        }
+        Ok(lock)
+    }
+
     /// Its results so far.
     fn open(&self, made_by: &Value) -> Result<Results, Failure> {
-        let failed = |error| cannot_write(&self.out, &error);
-        fs::create_dir_all(&self.out).map_err(failed)?;
         if self.plan.roofline {
             Limits::read_from(&self.limits_path(), made_by)?;
         }
-        Ok(Results::open(&self.out.join("runs.jsonl"), made_by)?)
+        Ok(Results::open(&self.out.join(RUNS), made_by)?)
     }
 
     /// Makes the runs that are left; gives how many are still left in the end.
@@ -148,7 +173,8 @@ impl Study {
             }
             let point = &self.points[turn.point];
             bar.begin(&point.label());
-            let metrics = one_run(&self.plan, point, &self.folder, &self.out.join("run"))?;
+            stop::check()?;
+            let metrics = one_run(&self.plan, point, &self.folder, &self.out)?;
             let run = Run {
                 point: point.values.clone(),
                 round: turn.round,
@@ -173,7 +199,7 @@ impl Study {
             Some(limits) => limits,
             None => {
                 let limits = Limits::measure();
-                write_file(&path, |file| {
+                write_file(&path, Replace::Known, |file| {
                     Ok(serde_json::to_writer_pretty(
                         file,
                         &limits.to_file(made_by),
@@ -213,7 +239,8 @@ fn check(plan: &Plan, point: &Point, folder: &Path) -> Result<(), Failure> {
     Ok(cli.check_alone()?)
 }
 
-/// Renders a point in a process of its own, into a folder that goes again.
+/// Renders a point in a process of its own, into a folder that goes again. The
+/// process ends when this one does, however that happens.
 fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metrics, Failure> {
     let failed = |what: String| Failure::Machine(Diagnostic::new(what));
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
@@ -222,7 +249,9 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metr
         .arg("render")
         .arg(folder.join(&point.scene))
         .args(["--quiet", "--hardware-counters"]);
-    command.arg("--out").arg(out);
+    let scratch = Scratch::create(out)?;
+    let out = scratch.path();
+    command.arg("--out").arg(&out).arg("--while-input-is-open");
     let flags = || plan.flags.iter().chain(&point.flags);
     // The rounds of the study are its repeats: a run whose number of renderings
     // went by its time could not be held against another.
@@ -231,9 +260,7 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metr
     }
     command.args(flags());
     let start = Instant::now();
-    let output = command
-        .output()
-        .map_err(|error| failed(error.to_string()))?;
+    let output = output_of(&mut command).map_err(|error| failed(error.to_string()))?;
     let process_ms = start.elapsed().as_secs_f64() * 1e3;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
@@ -244,8 +271,23 @@ fn one_run(plan: &Plan, point: &Point, folder: &Path, out: &Path) -> Result<Metr
     let text = text.map_err(|error| failed(format!("a run left no summary: {error}")))?;
     let summary: Value = serde_json::from_str(&text)
         .map_err(|error| failed(format!("a run left a broken summary: {error}")))?;
-    fs::remove_dir_all(out).map_err(|error| cannot_write(out, &error))?;
     Ok(Metrics::of(&summary, process_ms))
+}
+
+/// What a process says that watches its standard input: it closes when this
+/// process ends, and as soon as this one is asked to.
+fn output_of(command: &mut Command) -> io::Result<Output> {
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.stderr(Stdio::piped()).spawn()?;
+    let input = child.stdin.take();
+    // Lives on in this thread until the process has ended.
+    let input = Mutex::new(input);
+    let close = || {
+        if let Ok(mut input) = input.lock() {
+            input.take();
+        }
+    };
+    stop::watching(close, || child.wait_with_output())?
 }
 
 /// What the runs have in common: those of others are not theirs.

@@ -38,6 +38,13 @@ pub struct Run {
     pub metrics: Metrics,
 }
 
+impl Run {
+    /// Whether the other one is the same run of the same point.
+    fn is_again(&self, other: &Self) -> bool {
+        (self.round, &self.point) == (other.round, &other.point)
+    }
+}
+
 /// The first line.
 #[derive(Serialize, Deserialize)]
 struct Header {
@@ -75,7 +82,11 @@ impl Results {
         let mut runs = Vec::new();
         while let Some(line) = lines.next().map_err(failed)? {
             let run = serde_json::from_str(&line);
-            runs.push(run.map_err(|error| not_a_run(path, runs.len() + 2, &error))?);
+            let run: Run = run.map_err(|error| not_a_run(path, runs.len() + 2, &error))?;
+            if let Some(first) = runs.iter().position(|other| run.is_again(other)) {
+                return Err(made_twice(path, [first + 2, runs.len() + 2]));
+            }
+            runs.push(run);
         }
         let whole = lines.n_bytes;
         file.set_len(whole).map_err(failed)?;
@@ -172,6 +183,14 @@ pub(super) fn differing<'a>(before: &'a Value, now: &'a Value) -> Option<&'a str
 fn cannot_open(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(format!("cannot use `{}`: {error}", path.display()))
         .with_help("give a folder that can be written to by `--out`")
+}
+
+fn made_twice(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {
+    Diagnostic::new(format!(
+        "line {again} of `{}` is the same run as line {first}: it would count twice",
+        path.display()
+    ))
+    .with_help("remove one of the two lines")
 }
 
 fn not_a_run(path: &Path, line: usize, error: &serde_json::Error) -> Diagnostic {

@@ -419,3 +419,129 @@ fn the_ready_studies_can_be_run() {
         }
     }
 }
+
+/// A study whose one run takes hours, and whether a process renders for it.
+#[cfg(target_os = "linux")]
+mod stopped {
+    use std::path::{Path, PathBuf};
+    use std::process::{Child, Command, Stdio};
+    use std::time::Duration;
+
+    use super::*;
+
+    const ENDLESS: &str = "
+title: A study without end
+scenes: [scene.yaml]
+vary: { threads: [1] }
+flags: [--spp=60000]
+repeats: 1
+";
+
+    fn begin(folder: &Path) -> Child {
+        let mut command = raycost();
+        command.current_dir(folder).args(["study", "study.yaml"]);
+        command.args(["--out", "out", "--quiet"]);
+        let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+        while renderers(folder).is_empty() {
+            assert!(child.try_wait().unwrap().is_none(), "it has ended");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        child
+    }
+
+    /// The processes that render into this folder.
+    fn renderers(folder: &Path) -> Vec<PathBuf> {
+        let processes = fs::read_dir("/proc").unwrap().flatten();
+        let is_one = |process: &PathBuf| {
+            let words = fs::read(process.join("cmdline")).unwrap_or_default();
+            let words = String::from_utf8_lossy(&words).into_owned();
+            words.contains("\0render\0")
+                && fs::read_link(process.join("cwd")).is_ok_and(|cwd| cwd == folder)
+        };
+        let processes = processes.map(|process| process.path());
+        processes.filter(is_one).collect()
+    }
+
+    fn signal(child: &Child, name: &str) {
+        let id = child.id().to_string();
+        let mut kill = Command::new("kill");
+        kill.args([&format!("-{name}"), &id]);
+        assert!(kill.status().unwrap().success());
+    }
+
+    #[test]
+    fn a_study_takes_its_run_with_it() {
+        for (name, code) in [("INT", Some(130)), ("TERM", Some(143)), ("KILL", None)] {
+            let folder = folder(ENDLESS);
+            let path = folder.path().canonicalize().unwrap();
+            let mut study = begin(&path);
+            let second = run(&path, &[]);
+            assert_eq!(second.status.code(), Some(1));
+            assert!(said(&second).contains("another run"), "{}", said(&second));
+            signal(&study, name);
+            assert_eq!(study.wait().unwrap().code(), code);
+            // It ends by itself: without that, this would not.
+            while !renderers(&path).is_empty() {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            assert_eq!(lines(&path).len(), 1);
+            let names = fs::read_dir(path.join("out")).unwrap();
+            let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+            if name != "KILL" {
+                assert_eq!(names, ["runs.jsonl"]);
+            }
+            // The next one removes what a killed one has left.
+            fs::write(path.join("study.yaml"), ENDLESS.replace("60000", "1")).unwrap();
+            assert_success(&run(&path, &["--quiet"]));
+            let hidden = fs::read_dir(path.join("out")).unwrap();
+            let mut hidden = hidden.map(|entry| entry.unwrap().file_name());
+            assert!(hidden.all(|name| !name.to_string_lossy().starts_with('.')));
+        }
+    }
+}
+
+#[test]
+fn what_is_not_the_studys_is_left_alone() {
+    let folder = folder(STUDY);
+    let out = folder.path().join("out");
+    fs::create_dir_all(out.join("run")).unwrap();
+    fs::write(out.join("run/mine.txt"), "mine").unwrap();
+    assert_success(&run(folder.path(), &[]));
+    assert_eq!(fs::read(out.join("run/mine.txt")).unwrap(), b"mine");
+
+    fs::remove_file(out.join("runs.jsonl")).unwrap();
+    fs::write(out.join("statistics.csv"), "mine").unwrap();
+    fs::remove_file(out.join("statistics.json")).unwrap();
+    for entry in fs::read_dir(&out).unwrap().flatten() {
+        if entry.file_name().to_string_lossy().starts_with("plot-") {
+            fs::remove_file(entry.path()).unwrap();
+        }
+    }
+    let refused = run(folder.path(), &[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        said(&refused).contains("statistics.csv"),
+        "{}",
+        said(&refused)
+    );
+    assert_eq!(fs::read(out.join("statistics.csv")).unwrap(), b"mine");
+}
+
+#[test]
+fn a_run_that_is_there_twice_is_noticed() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let file = folder.path().join("out/runs.jsonl");
+    let text = fs::read_to_string(&file).unwrap();
+    let third = text.lines().nth(2).unwrap();
+    fs::write(&file, format!("{text}{third}\n")).unwrap();
+    let refused = run(folder.path(), &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = said(&refused);
+    assert!(said.contains("is the same run as line 3"), "{said}");
+    assert!(
+        fs::read_to_string(&file)
+            .unwrap()
+            .ends_with(&format!("{third}\n"))
+    );
+}
