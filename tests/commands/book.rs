@@ -163,6 +163,7 @@ fn stand_ins(folder: &Path) -> PathBuf {
     for script in scripts() {
         write_program(&folder.join(script), "");
     }
+    write_program(&folder.join("docs/measure"), "mkdir -p out/results");
     programs
 }
 
