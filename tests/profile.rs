@@ -77,14 +77,32 @@ mod built {
     /// What the boxes of a flame graph say: the function, and its samples.
     fn boxes(svg: &str) -> Vec<String> {
         let mut reader = quick_xml::Reader::from_str(svg);
-        let (mut titles, mut is_title) = (Vec::new(), false);
+        let mut titles: Vec<String> = Vec::new();
+        let mut is_title = false;
         loop {
-            match reader.read_event().unwrap() {
-                Event::Start(tag) => is_title = tag.name().as_ref() == b"title",
-                Event::End(_) => is_title = false,
-                Event::Text(text) if is_title => titles.push(text.unescape().unwrap().into()),
+            let text = match reader.read_event().unwrap() {
+                Event::Start(tag) => {
+                    is_title = tag.name().as_ref() == b"title";
+                    if is_title {
+                        titles.push(String::new());
+                    }
+                    continue;
+                }
+                Event::End(_) => {
+                    is_title = false;
+                    continue;
+                }
+                Event::Text(text) => text.decode().unwrap().into_owned(),
+                Event::GeneralRef(name) => match name.as_ref() {
+                    b"lt" => "<".to_owned(),
+                    b"gt" => ">".to_owned(),
+                    _ => "&".to_owned(),
+                },
                 Event::Eof => return titles,
-                _ => {}
+                _ => continue,
+            };
+            if is_title {
+                titles.last_mut().unwrap().push_str(&text);
             }
         }
     }
