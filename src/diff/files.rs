@@ -72,7 +72,7 @@ pub fn write(
 }
 
 /// Makes sure that no file in the folder is someone else's of a name that
-/// [`write`] writes.
+/// [`write()`] writes.
 ///
 /// # Errors
 /// Such a file.

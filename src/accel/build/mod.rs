@@ -98,7 +98,7 @@ pub(super) fn arena(
     Ok(Arena::new(lines, nodes[0].bounds))
 }
 
-/// A hierarchy has more cache lines than a [`NodeRef`] can address.
+/// A hierarchy has more cache lines than a node reference can address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooLarge {
     /// The memory that it would take.
