@@ -40,7 +40,7 @@ fn repeats(rendering: &Rendering) -> Option<String> {
         .map(|repeat| repeat.n_rejected)
         .sum();
     let moved = format!(
-        "{} of a thread that changed its CPU",
+        "{} of a thread that lost its CPU",
         format::counted(n_rejected, "time")
     );
     match (film.n_repeats, n_rejected) {

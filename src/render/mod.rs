@@ -79,7 +79,7 @@ fn render_onto(
             render_tiles(film, plan, || StreamRenderer::<Counters>::new(view), report)
         }
         Meter::Time(clock) => {
-            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.max_pixels());
+            let renderer = || SingleRayRenderer::new(view, Some(clock), plan);
             render_tiles(film, plan, renderer, report)
         }
     }

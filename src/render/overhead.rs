@@ -124,7 +124,7 @@ impl Way {
             Self::SingleRay => {
                 let view = View::new(scene, accel, &plan.image);
                 let film = plan.film(CostMode::Counters);
-                let renderer = || SingleRayRenderer::new(view, None, plan.max_pixels());
+                let renderer = || SingleRayRenderer::new(view, None, plan);
                 render_tiles(film, plan, renderer, report).0
             }
         }
