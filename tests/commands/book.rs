@@ -144,7 +144,7 @@ fn stand_ins(folder: &Path) -> PathBuf {
     let cargo = "case \"$*\" in
         'run --release -- '*) shift 3; exec raycost \"$@\" ;;
         'run --release --features profile -- '*' --profile') shift 5; exec raycost \"${@:1:$#-1}\" ;;
-        'install --path .' | test* | bench*) ;;
+        install* | test* | bench* | fuzz*) ;;
         *) echo \"cargo $*: unknown\" >&2; exit 1 ;;
         esac";
     for (name, script) in [
