@@ -175,6 +175,7 @@ fn scripts() -> Vec<PathBuf> {
     let folders = [
         "tests",
         "docs",
+        "fuzz",
         "benches/numpy",
         "benches/povray",
         "benches/instructions",
