@@ -105,13 +105,14 @@ impl Memory {
         if self.total() <= available {
             return Ok(());
         }
-        let (section, what, advice) = match self.film > self.scene {
-            true => ("image", "the image", self.image_advice()),
-            false => (
+        let (section, what, advice) = if self.film > self.scene {
+            ("image", "the image", self.image_advice())
+        } else {
+            (
                 "objects",
                 "the scene",
                 "ask the generators for fewer spheres, or take smaller files",
-            ),
+            )
         };
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         Err(Fault::of_key(

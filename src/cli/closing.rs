@@ -34,14 +34,16 @@ pub(super) fn lines(
         }
         _ => String::new(),
     };
-    let state = match rendering.film.cost.has_counters() {
-        true => "heatmap.pvsm",
-        false => "geometry.pvsm",
+    let state = if rendering.film.cost.has_counters() {
+        "heatmap.pvsm"
+    } else {
+        "geometry.pvsm"
     };
     let trust = trust::lines(rendering);
-    let tiles = match rendering.config.output.has(Extra::Schedule) {
-        true => tiles(rendering.schedule),
-        false => String::new(),
+    let tiles = if rendering.config.output.has(Extra::Schedule) {
+        tiles(rendering.schedule)
+    } else {
+        String::new()
     };
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
@@ -96,18 +98,15 @@ fn tiles(schedule: &Schedule) -> String {
 fn speed(rendering: &Rendering) -> String {
     let seconds = rendering.median_wall().as_secs_f64();
     let millions = |n: u64| n as f64 / seconds / 1e6;
-    match rendering.film.cost.has_counters() {
-        true => {
-            let n_rays = rendering.film.totals.n_rays();
-            format!("{:.1} Mrays/s, {} rays", millions(n_rays), count(n_rays))
-        }
-        false => {
-            let image = &rendering.config.image;
-            let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
-            format!(
-                "{:.1} million samples/s; rays were not counted",
-                millions(n_samples)
-            )
-        }
+    if rendering.film.cost.has_counters() {
+        let n_rays = rendering.film.totals.n_rays();
+        format!("{:.1} Mrays/s, {} rays", millions(n_rays), count(n_rays))
+    } else {
+        let image = &rendering.config.image;
+        let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
+        format!(
+            "{:.1} million samples/s; rays were not counted",
+            millions(n_samples)
+        )
     }
 }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
-/// How the nearest hit of a ray is found.
+/// The structure that finds the nearest hit of a ray.
 ///
 /// ```
 /// # use raycost::config::{Acceleration, Quality};
@@ -19,26 +19,26 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 pub enum Acceleration {
     /// A bounding volume hierarchy over all shapes but planes.
     Bvh(Quality),
-    /// Every shape against every ray: the truth to compare with.
+    /// Tests every ray against every shape: the reference for the others.
     BruteForce,
 }
 
-/// What a hierarchy may take to build. All find the same hits.
+/// The effort spent on building a hierarchy. All of them find the same hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`fast`, `balanced` or `high`")]
 pub enum Quality {
-    /// Boxes around whole primitives: least time and memory to build.
+    /// Object splits only: the least build time and memory.
     Fast,
-    /// The triangles that fill their boxes worst are cut beforehand: up to
-    /// twice the time of `fast`.
+    /// Splits the triangles that fill their boxes worst before the build: up to
+    /// twice the build time of `fast`.
     #[default]
     Balanced,
-    /// Triangles are cut wherever that saves tests: some fifteen times the time
-    /// of `fast`, and half more memory.
+    /// Spatial splits wherever they lower the SAH cost: about fifteen times the
+    /// build time of `fast`, and 1.5 times its memory.
     High,
 }
 
-/// The word of the scene file.
+/// Its name in scene files.
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -49,7 +49,7 @@ impl fmt::Display for Quality {
     }
 }
 
-/// An [`Acceleration`] by one word.
+/// An [`Acceleration`] as one word, for the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, serde::Serialize, clap::ValueEnum)]
 #[serde(
     rename_all = "snake_case",
@@ -119,7 +119,7 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
     }
 }
 
-/// The mapping that stands for a hierarchy.
+/// The YAML mapping of a hierarchy.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Bvh {

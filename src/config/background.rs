@@ -5,15 +5,15 @@ use serde::Deserialize;
 
 use crate::yaml::{self, ColorOr};
 
-/// What a ray sees that hits nothing.
+/// The color of rays that hit nothing.
 ///
 /// ```
 /// # use raycost::config::Background;
 /// let sky: Background = raycost::yaml::from_str("
 /// gradient: { bottom: [0.9, 0.9, 1], top: [0.3, 0.5, 0.9] }
 /// ").unwrap();
-/// let grey: Background = raycost::yaml::from_str("0.2").unwrap();
-/// # assert_eq!(grey.color(glam::Vec3::Y), glam::Vec3::splat(0.2));
+/// let gray: Background = raycost::yaml::from_str("0.2").unwrap();
+/// # assert_eq!(gray.color(glam::Vec3::Y), glam::Vec3::splat(0.2));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(from = "ColorOr<Pattern>")]
@@ -29,7 +29,7 @@ enum Pattern {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "two colours: { bottom: …, top: … }")]
+#[serde(deny_unknown_fields, expecting = "two colors: { bottom: …, top: … }")]
 struct Gradient {
     #[serde(deserialize_with = "yaml::color")]
     bottom: Vec3,
@@ -55,8 +55,8 @@ impl From<ColorOr<Pattern>> for Background {
 }
 
 impl Background {
-    /// The colour that a ray in `direction`, a unit vector, sees: `bottom`
-    /// straight down (-y), `top` straight up.
+    /// Returns the color of a ray in `direction`, a unit vector: `bottom`
+    /// straight down (-y), `top` straight up, linear in between.
     pub fn color(&self, direction: Vec3) -> Vec3 {
         self.bottom.lerp(self.top, 0.5 * (direction.y + 1.0))
     }

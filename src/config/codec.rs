@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How the arrays of VTK files are compressed. What they hold is the same with
-/// each.
+/// The compression of the arrays in VTK files. All of them are lossless.
 ///
 /// ```
 /// # use raycost::config::Codec;
@@ -13,18 +12,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case", expecting = "`none`, `lz4` or `zlib`")]
 pub enum Codec {
-    /// Not at all: every reader of VTK files reads them
+    /// No compression: supported by every reader of VTK files
     #[default]
     None,
-    /// Fast; for ParaView and what is made of VTK alone
+    /// Fast; supported by ParaView and other programs built on VTK
     Lz4,
-    /// Smaller; for these, meshio and vtk.js, too
+    /// Smaller; also supported by meshio and vtk.js
     Zlib,
 }
 
 impl Codec {
-    /// How many bytes one byte of a compressed array can stand for at most, by
-    /// its format.
+    /// Returns the largest compression ratio that the format permits.
     pub fn max_ratio(self) -> u64 {
         match self {
             Self::None => 1,

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What is measured of each pixel while it is rendered. The picture is the same
-/// in all modes, and the counters in both that have them.
+/// The cost measured for each pixel. All modes give the same picture, and the
+/// two modes with counters the same counters.
 ///
 /// ```
 /// # use raycost::config::CostMode;
@@ -13,29 +13,28 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case", expecting = "`none`, `counters` or `time`")]
 pub enum CostMode {
-    /// Nothing; rays are traced in streams
+    /// Nothing; traces rays in streams
     None,
-    /// Nodes, tests and rays; rays are traced in streams
+    /// Node visits, primitive tests and rays; traces rays in streams
     Counters,
-    /// Counters and nanoseconds; each ray is traced alone
+    /// Counters and nanoseconds; traces rays one by one
     #[default]
     Time,
 }
 
 impl CostMode {
-    /// Whether nodes, tests and rays are counted.
+    /// Whether node visits, primitive tests and rays are counted.
     pub fn has_counters(self) -> bool {
         self != Self::None
     }
 
-    /// Whether every pixel has a time of its own. Rays of a stream have none:
-    /// they wait for one another.
+    /// Whether each pixel is timed. This excludes streams, which process the
+    /// rays of many pixels together.
     pub fn has_time(self) -> bool {
         self == Self::Time
     }
 
-    /// How rays are traced: many at once, or, where each pixel is timed, one
-    /// after the other.
+    /// The name of the kernel: `stream`, or `single_ray` if pixels are timed.
     pub fn kernel(self) -> &'static str {
         match self {
             Self::None | Self::Counters => "stream",

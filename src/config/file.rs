@@ -1,4 +1,4 @@
-//! Objects of many shapes, from a file.
+//! Objects of many shapes that are read from files.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::yaml;
 
-/// A file that holds many shapes.
+/// A file of shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GeometryFile {
     /// A triangle mesh.
@@ -21,8 +21,8 @@ impl GeometryFile {
     /// The YAML keys of all kinds.
     pub const KEYS: &[&str] = &["mesh", "spheres"];
 
-    /// Reads the value behind `key`, one of [`Self::KEYS`], from `map`; `None`
-    /// for another key.
+    /// Reads the value of `key` from `map`; returns `None` if `key` is not one of
+    /// [`Self::KEYS`].
     pub fn next_value<'de, A: MapAccess<'de>>(
         key: &str,
         map: &mut A,
@@ -53,7 +53,7 @@ impl fmt::Display for GeometryFile {
     }
 }
 
-/// A triangle mesh in a file of OBJ or PLY.
+/// A triangle mesh in an OBJ or PLY file.
 ///
 /// ```
 /// # use raycost::config::MeshFile;
@@ -69,27 +69,27 @@ impl fmt::Display for GeometryFile {
 pub struct MeshFile {
     /// The file, relative to the scene file's folder.
     pub file: PathBuf,
-    /// The normals that it is shaded with.
+    /// The shading normals.
     #[serde(default)]
     pub normals: MeshNormals,
 }
 
-/// The normals that a mesh is shaded with.
+/// The shading normals of a mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`file`, `smooth` or `flat`")]
 pub enum MeshNormals {
-    /// Those of the file, or flat ones where it has none.
+    /// Those of the file, or flat normals if it has none.
     #[default]
     File,
-    /// Means of the triangles around each vertex.
+    /// At each vertex the mean of the adjacent triangles' normals.
     Smooth,
-    /// Those of the triangles.
+    /// The geometric normals of the triangles.
     Flat,
 }
 
-/// A table of spheres: comma-separated values below a line of names, `x`, `y`
-/// and `z`, and where wanted `r` (radius) and `color` (`#rrggbb`, instead of
-/// the material's).
+/// A table of spheres: comma-separated values below a header with the columns
+/// `x`, `y` and `z`, and optionally `r` (radius) and `color` (`#rrggbb`,
+/// replaces the material's).
 ///
 /// ```
 /// # use raycost::config::SpheresFile;
@@ -105,7 +105,7 @@ pub enum MeshNormals {
 pub struct SpheresFile {
     /// The file, relative to the scene file's folder.
     pub file: PathBuf,
-    /// The radius of all, greater than 0, where the table has no column `r`.
+    /// The radius of all spheres, greater than 0, if the table has no column `r`.
     #[serde(deserialize_with = "some_positive", default)]
     pub radius: Option<f32>,
 }

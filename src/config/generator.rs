@@ -1,4 +1,4 @@
-//! Objects of many shapes, from a rule of one line.
+//! Generators: objects of many shapes, described by a few parameters.
 
 use std::fmt;
 
@@ -10,24 +10,24 @@ use crate::geometry::Sphere;
 use crate::sampling::uniform;
 use crate::yaml;
 
-/// Most shapes that one generator makes.
+/// Most shapes of one generator.
 const MAX_SHAPES: u32 = 1_000_000_000;
 
-/// A rule that makes many spheres.
+/// A procedural set of spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Generator {
-    /// Spheres at random places in a box.
+    /// Spheres at random positions in a box.
     SphereCloud(SphereCloud),
-    /// Spheres in rows.
+    /// Spheres on a regular grid.
     SphereGrid(SphereGrid),
 }
 
 impl Generator {
-    /// The YAML keys of all rules.
+    /// The YAML keys of all generators.
     pub const KEYS: &[&str] = &["sphere_cloud", "sphere_grid"];
 
-    /// Reads the value behind `key`, one of [`Self::KEYS`], from `map`; `None`
-    /// for another key.
+    /// Reads the value of `key` from `map`; returns `None` if `key` is not one of
+    /// [`Self::KEYS`].
     pub fn next_value<'de, A: MapAccess<'de>>(
         key: &str,
         map: &mut A,
@@ -39,7 +39,7 @@ impl Generator {
         }
     }
 
-    /// How many spheres it makes.
+    /// The number of spheres.
     pub fn n_spheres(&self) -> usize {
         match self {
             Self::SphereCloud(cloud) => cloud.count as usize,
@@ -47,8 +47,8 @@ impl Generator {
         }
     }
 
-    /// Sphere `i`, from 0 to [`n_spheres`](Self::n_spheres) - 1, and which of
-    /// `n_materials` materials it gets.
+    /// Returns sphere `i`, from 0 to [`n_spheres`](Self::n_spheres) - 1, and the
+    /// index of its material among `n_materials`.
     pub fn sphere(&self, i: usize, n_materials: usize) -> (Sphere, usize) {
         match self {
             Self::SphereCloud(cloud) => cloud.sphere(i, n_materials),
@@ -67,8 +67,8 @@ impl fmt::Display for Generator {
     }
 }
 
-/// Spheres with centres uniform in a box, radii uniform in a range and
-/// materials dealt out at random: the same ones for the same seed.
+/// Spheres with random centers in a box, random radii in a range and random
+/// materials, all uniformly distributed. The same seed gives the same spheres.
 ///
 /// ```
 /// # use raycost::config::SphereCloud;
@@ -79,25 +79,26 @@ impl fmt::Display for Generator {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereCloud {
-    /// How many spheres, at least 1.
+    /// The number of spheres, at least 1.
     #[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")]
     pub count: u32,
-    /// One corner of the box of the centres.
+    /// One corner of the box of the centers.
     #[serde(deserialize_with = "yaml::point")]
     pub min: Vec3,
-    /// The other corner.
+    /// The opposite corner.
     #[serde(deserialize_with = "yaml::point")]
     pub max: Vec3,
     /// Least and greatest radius, or one for all.
     #[serde(deserialize_with = "yaml::positive_range")]
     pub radius: [f32; 2],
-    /// Seed of places, radii and materials; 0 if not given.
+    /// The seed of centers, radii and materials; 0 if not given.
     #[serde(deserialize_with = "yaml::seed", default)]
     pub seed: u64,
 }
 
 impl SphereCloud {
-    /// Makes so many spheres, at least 1, that fill the same share of space.
+    /// Sets the number of spheres, at least 1, and scales their radii so that
+    /// they fill the same share of the box.
     pub(super) fn set_count(&mut self, count: u32) {
         let scale = (f64::from(self.count) / f64::from(count)).cbrt() as f32;
         self.radius = self.radius.map(|radius| radius * scale);
@@ -116,7 +117,7 @@ impl SphereCloud {
     }
 }
 
-/// Spheres in a rectangular grid, x fastest, materials in turn.
+/// Spheres on a rectangular grid, x fastest; materials alternate.
 ///
 /// ```
 /// # use raycost::config::SphereGrid;
@@ -127,16 +128,16 @@ impl SphereCloud {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereGrid {
-    /// How many spheres along x, y and z, each at least 1.
+    /// The number of spheres along x, y and z, each at least 1.
     #[serde(deserialize_with = "counts")]
     pub counts: UVec3,
-    /// The first sphere's centre.
+    /// The center of the first sphere.
     #[serde(deserialize_with = "yaml::point")]
     pub min: Vec3,
-    /// The last sphere's centre.
+    /// The center of the last sphere.
     #[serde(deserialize_with = "yaml::point")]
     pub max: Vec3,
-    /// The radius of all, greater than 0.
+    /// The radius of all spheres, greater than 0.
     #[serde(deserialize_with = "yaml::positive")]
     pub radius: f32,
 }
@@ -154,7 +155,7 @@ impl SphereGrid {
     }
 }
 
-/// `[nx, ny, nz]`, their product at most [`MAX_SHAPES`].
+/// Reads `[nx, ny, nz]`, with a product of at most [`MAX_SHAPES`].
 fn counts<'de, D: Deserializer<'de>>(d: D) -> Result<UVec3, D::Error> {
     #[derive(Deserialize)]
     struct Count(#[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")] u32);
@@ -177,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cloud_stays_in_its_box_and_deals_out_all_materials() {
+    fn a_cloud_stays_in_its_box_and_uses_all_materials_equally() {
         let cloud = SphereCloud {
             count: 1000,
             min: Vec3::new(-1.0, 2.0, 5.0),
@@ -185,14 +186,15 @@ mod tests {
             radius: [0.1, 0.2],
             seed: 4,
         };
-        let mut dealt = [0; 3];
+        let mut n_of_material = [0; 3];
         for i in 0..1000 {
             let (sphere, material) = cloud.sphere(i, 3);
             assert!(sphere.center.cmpge(cloud.min).all() && sphere.center.cmple(cloud.max).all());
             assert!((0.1..=0.2).contains(&sphere.radius));
-            dealt[material] += 1;
+            n_of_material[material] += 1;
         }
-        assert!(dealt.iter().all(|n| (250..420).contains(n)), "{dealt:?}");
+        let is_even = n_of_material.iter().all(|n| (250..420).contains(n));
+        assert!(is_even, "{n_of_material:?}");
     }
 
     #[test]

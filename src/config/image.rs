@@ -28,7 +28,7 @@ pub struct Image {
     /// Rows, 1 to 65,535.
     #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
     pub height: u32,
-    /// Rays from the camera through each pixel, 1 to 65,536; 1 if not given.
+    /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
     #[serde(deserialize_with = "yaml::count::<_, 65_536>", default = "one")]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
@@ -37,7 +37,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// How many pixels.
+    /// The number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }

@@ -1,8 +1,8 @@
 //! The scene file as serde types: text → [`Config`].
 //!
-//! Takes a [`Source`](crate::yaml::Source), gives every section with its
-//! defaults, each value in its range. What hangs on two places of the file (a
-//! material's name, say) is resolved in [`scene`](crate::scene).
+//! [`Source::parse`](crate::yaml::Source::parse) returns every section with its
+//! defaults and checks the range of each value. [`scene`](crate::scene) resolves
+//! references between sections, such as the names of materials.
 
 mod acceleration;
 mod background;
@@ -61,50 +61,50 @@ use crate::yaml::{Fault, Path};
 pub struct Config {
     /// Size and sampling of the picture.
     pub image: Image,
-    /// Where it is seen from.
+    /// The camera.
     pub camera: Camera,
-    /// What rays see that hit nothing; black if not given.
+    /// The color of rays that hit nothing; black if not given.
     #[serde(default)]
     pub background: Background,
-    /// How light is computed.
+    /// The shading model and its parameters.
     #[serde(default)]
     pub shading: Shading,
-    /// How hits are found.
+    /// The acceleration structure.
     #[serde(default)]
     pub acceleration: Acceleration,
-    /// What is measured of each pixel.
+    /// The cost measured for each pixel.
     #[serde(default)]
     pub cost: CostMode,
-    /// How often the picture is rendered to measure it.
+    /// How many times the picture is rendered to time its pixels.
     #[serde(default)]
     pub repeats: Repeats,
-    /// How the picture is dealt out to the threads.
+    /// How the picture is divided among threads.
     #[serde(default)]
     pub tiles: Tiling,
-    /// What is written beside the files of every run.
+    /// The optional outputs, in addition to the files of every run.
     #[serde(default)]
     pub output: Outputs,
-    /// How the arrays of VTK files are compressed.
+    /// The compression of the arrays in VTK files.
     #[serde(default)]
     pub compress: Codec,
-    /// Materials by name; their ids count from 0 in this order.
+    /// Materials by name; the index in this order is the material's id.
     pub materials: IndexMap<String, Material>,
     /// The lights; `[]` for none but the ambient light.
     pub lights: Vec<Light>,
-    /// The objects, at least one; their ids count from 0 in this order.
+    /// The objects, at least one; the index in this order is the object's id.
     pub objects: Vec<Object>,
 }
 
 impl Config {
-    /// Makes sure that all files that are asked for can be written.
+    /// Checks that the other settings allow all requested outputs.
     ///
     /// # Errors
-    /// What cannot be, and the fault of the section `output`.
+    /// The output that is impossible, and the fault of the section `output`.
     pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
         self.output.check(self.cost, self.acceleration)
     }
 
-    /// Makes sure that there are times where several of them are asked for.
+    /// Checks that pixels are timed if several repeats are requested.
     ///
     /// # Errors
     /// The fault of the section `repeats`.
@@ -113,7 +113,7 @@ impl Config {
         if is_once || self.cost.has_time() {
             return Ok(());
         }
-        let message = "`repeats` needs times, and none are taken";
+        let message = "`repeats` requires times, and none are measured";
         let repeats = Path::default().key("repeats");
         Err(Fault::new(
             repeats,
@@ -122,11 +122,11 @@ impl Config {
         ))
     }
 
-    /// Gives each `sphere_cloud` so many spheres, from 1 to a billion; their
-    /// radii change so that they fill the same share of space.
+    /// Sets the number of spheres of each `sphere_cloud`, from 1 to a billion,
+    /// and scales their radii so that they fill the same share of space.
     ///
     /// # Errors
-    /// If there is no such cloud.
+    /// The scene has no `sphere_cloud`.
     pub fn set_count(&mut self, count: u32) -> Result<(), Fault> {
         let clouds = self
             .objects
@@ -144,7 +144,7 @@ impl Config {
             return Ok(());
         }
         let objects = Path::default().key("objects");
-        let message = "there is no `sphere_cloud` whose count could change";
-        Err(Fault::new(objects, message, "no cloud among them"))
+        let message = "the scene has no `sphere_cloud`, whose count could change";
+        Err(Fault::new(objects, message, "no `sphere_cloud` here"))
     }
 }

@@ -11,16 +11,16 @@ use super::generator::Generator;
 use crate::geometry::{Shape, TransformStep};
 use crate::yaml;
 
-/// One of the scene file's `objects`: a geometry under its own key, and what
-/// else there is to say of it.
+/// One of the scene file's `objects`: a geometry under its own key, a material,
+/// and optionally a name and a transform.
 ///
 /// ```
 /// # use raycost::config::Object;
 /// let object: Object = raycost::yaml::from_str("
 /// box: { min: [-1, -1, -1], max: [1, 1, 1] }
 /// material: red
-/// name: tilted box                       # for reports, may be left out
-/// transform:                             # steps, the first one first
+/// name: tilted box                       # for reports, optional
+/// transform:                             # steps, applied in this order
 ///   - rotate: { axis: [0, 1, 0], angle_deg: 30 }
 ///   - translate: [0, 1, 4]
 /// ").unwrap();
@@ -28,22 +28,22 @@ use crate::yaml;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
-    /// The name to call it, if the file gives one.
+    /// Its name, if the file gives one.
     pub name: Option<String>,
-    /// What it is made of.
+    /// Its geometry.
     pub geometry: Geometry,
-    /// The key of its material; several for many spheres to deal out.
+    /// The name of its material; an object of many spheres may have several.
     pub material: MaterialNames,
-    /// Its placement; none for an object that is given in world space.
+    /// Its transform to world space; empty for the identity.
     pub transform: Vec<TransformStep>,
 }
 
-/// What an object is made of.
+/// The geometry of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
     /// One shape.
     Shape(Shape),
-    /// Many shapes from a rule.
+    /// Many shapes from a generator.
     Generator(Generator),
     /// Many shapes from a file.
     File(GeometryFile),
@@ -64,10 +64,10 @@ impl fmt::Display for Geometry {
     }
 }
 
-/// The keys that are not a geometry's.
+/// The keys of all objects.
 const COMMON: [&str; 3] = ["material", "name", "transform"];
 
-/// The keys that are a geometry's.
+/// The keys of geometries.
 static GEOMETRIES: LazyLock<Vec<&str>> =
     LazyLock::new(|| [Shape::KEYS, Generator::KEYS, GeometryFile::KEYS].concat());
 
@@ -104,9 +104,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
             name,
             geometry: geometry.ok_or_else(|| {
                 let keys = GEOMETRIES.join("`, `");
-                A::Error::custom(format!(
-                    "cannot be without a shape, expected one of `{keys}`"
-                ))
+                A::Error::custom(format!("cannot lack a shape, expected one of `{keys}`"))
             })?,
             material: material.ok_or_else(|| A::Error::missing_field("material"))?,
             transform,
@@ -118,7 +116,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
 #[derive(serde::Deserialize)]
 struct Name(#[serde(deserialize_with = "yaml::name")] String);
 
-/// What is no value: its error stands at the value's place.
+/// Deserializing it always fails, at the position of the second shape.
 struct SecondShape;
 
 impl<'de> Deserialize<'de> for SecondShape {
@@ -176,9 +174,10 @@ impl<'de> Visitor<'de> for MaterialNamesVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<MaterialNames, A::Error> {
         let names: Vec<String> = Vec::deserialize(SeqAccessDeserializer::new(list))?;
-        match names.is_empty() {
-            true => Err(A::Error::invalid_length(0, &"at least one material name")),
-            false => Ok(MaterialNames(names)),
+        if names.is_empty() {
+            Err(A::Error::invalid_length(0, &"at least one material name"))
+        } else {
+            Ok(MaterialNames(names))
         }
     }
 }

@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use super::{Acceleration, CostMode};
 use crate::yaml::{self, Fault, Path};
 
-/// What is written beside the files of every run.
+/// The optional outputs of a run.
 ///
 /// ```
 /// # use raycost::config::{Extra, Outputs};
@@ -23,32 +23,32 @@ use crate::yaml::{self, Fault, Path};
 #[serde(from = "Vec<Entry>")]
 pub struct Outputs {
     extras: Vec<Extra>,
-    /// Which nodes of the hierarchy are shown.
+    /// The nodes of the hierarchy that are written.
     pub bvh: BvhLimits,
 }
 
-/// A group of files that is written where it is asked for.
+/// A group of files that is written on request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Extra {
-    /// When each tile was rendered, and by which thread
+    /// The time span and the thread of each tile
     Schedule,
-    /// What each object and each material costs
+    /// The cost of each object and each material
     Objects,
-    /// What each primitive costs, on the scene's geometry
+    /// The cost of each primitive, on the scene's geometry
     Surface,
-    /// The boxes of the hierarchy and what each costs
+    /// The boxes of the hierarchy and the cost of each
     Bvh,
 }
 
-/// Which nodes of the hierarchy are shown: all, if not given.
+/// The nodes of the hierarchy that are written; all, if not given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BvhLimits {
-    /// Edges from the root to the deepest node.
+    /// Greatest depth of a node; the root has depth 0.
     #[serde(deserialize_with = "depth")]
     pub max_depth: u32,
-    /// Rays that have come to the node.
+    /// Least number of rays that visited a node.
     #[serde(deserialize_with = "visits")]
     pub min_visits: u64,
 }
@@ -62,7 +62,7 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 }
 
 impl Extra {
-    /// What it is called in scene files and on the command line.
+    /// Its name in scene files and on the command line.
     fn name(self) -> &'static str {
         match self {
             Self::Schedule => "schedule",
@@ -72,7 +72,7 @@ impl Extra {
         }
     }
 
-    /// Whether it is made of counters.
+    /// Whether it requires counters.
     fn needs_counters(self) -> bool {
         self != Self::Schedule
     }
@@ -88,22 +88,22 @@ impl Default for BvhLimits {
 }
 
 impl Outputs {
-    /// Whether these files are asked for.
+    /// Whether the output is requested.
     pub fn has(&self, extra: Extra) -> bool {
         self.extras.contains(&extra)
     }
 
-    /// Asks for these files, too.
+    /// Requests the output.
     pub fn add(&mut self, extra: Extra) {
         if !self.has(extra) {
             self.extras.push(extra);
         }
     }
 
-    /// Makes sure that all of it can be written of what is measured and built.
+    /// Checks that all requested outputs are possible with these settings.
     ///
     /// # Errors
-    /// What cannot be, and the fault of the section.
+    /// The output that is impossible, and the fault of the section.
     pub(super) fn check(
         &self,
         cost: CostMode,
@@ -113,28 +113,28 @@ impl Outputs {
             let name = extra.name();
             let fault = |message: String, help: &str| {
                 let output = Path::default().key("output");
-                let fault = Fault::of_key(output, message, format!("asks for `{name}`"));
+                let fault = Fault::of_key(output, message, format!("requests `{name}`"));
                 Err((extra, fault.with_help(help)))
             };
             if extra.needs_counters() && !cost.has_counters() {
-                let message = format!("`{name}` is made of counters, and the cost is `none`");
-                return fault(message, "take `--cost counters`, or do not ask for it");
+                let message = format!("`{name}` requires counters, and `cost` is `none`");
+                return fault(message, "use `--cost counters`, or do not request it");
             }
             if extra == Extra::Bvh && acceleration == Acceleration::BruteForce {
-                let message = format!("`{name}` shows the hierarchy, and `brute_force` has none");
-                return fault(message, "take `acceleration: bvh`, or do not ask for it");
+                let message = format!("`{name}` requires a hierarchy, and `brute_force` has none");
+                return fault(message, "use `acceleration: bvh`, or do not request it");
             }
         }
         Ok(())
     }
 
-    /// Whether nothing is asked for.
+    /// Whether no output is requested.
     pub fn is_empty(&self) -> bool {
         self.extras.is_empty()
     }
 }
 
-/// A name, or a name with its settings.
+/// An entry of the list: a name, or a name with settings.
 enum Entry {
     Plain(Extra),
     Bvh(BvhLimits),
@@ -181,7 +181,7 @@ impl<'de> Visitor<'de> for EntryVisitor {
     }
 }
 
-/// The mapping that carries settings.
+/// The YAML mapping of an entry with settings.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {

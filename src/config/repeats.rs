@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-/// How often a picture is rendered to time its pixels.
+/// How many times the picture is rendered to time its pixels.
 ///
 /// ```
 /// # use raycost::config::Repeats;
@@ -18,39 +18,39 @@ use serde::{Deserialize, Serialize, Serializer};
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Repeats {
-    /// Where pixels are timed, up to [`Repeats::MOST_OF_AUTO`] times, as long as
-    /// that takes no more than half a second and its samples no more than 64 MiB.
+    /// If pixels are timed, up to [`Repeats::MAX_OF_AUTO`] times, within half a
+    /// second and with at most 64 MiB of samples. Otherwise once.
     #[default]
     Auto,
-    /// So many times.
+    /// Exactly this many times.
     Exactly(NonZeroU8),
 }
 
-/// Bytes of memory that the samples of [`Repeats::Auto`] take at most.
-const SAMPLE_BYTES_OF_AUTO: usize = 64 << 20;
+/// Most bytes of samples of [`Repeats::Auto`].
+const MAX_SAMPLE_BYTES_OF_AUTO: usize = 64 << 20;
 
 impl Repeats {
-    /// A single rendering, whose times are taken as they are.
+    /// A single rendering, whose times are not checked.
     pub const ONCE: Self = Self::Exactly(NonZeroU8::MIN);
 
     /// The most renderings of [`Repeats::Auto`].
-    pub const MOST_OF_AUTO: u8 = 5;
+    pub const MAX_OF_AUTO: u8 = 5;
 
-    /// Whether pixels that are timed have a spread and a number of rejected
-    /// samples. With [`Repeats::Auto`] they have, however often the picture was
-    /// rendered, so that the files have the same arrays each time.
+    /// Whether timed pixels have a spread and a number of rejected samples. True
+    /// for [`Repeats::Auto`] after any number of renderings, so that the files of
+    /// a scene always have the same arrays.
     pub fn has_spread(self) -> bool {
         self != Self::ONCE
     }
 
-    /// The most renderings of a picture of so many pixels, each of which takes
-    /// `sample_bytes` for each of them.
+    /// Returns the largest number of renderings of a picture of `n_pixels`
+    /// pixels, whose samples take `sample_bytes` each.
     pub fn most(self, n_pixels: usize, sample_bytes: usize) -> u8 {
         match self {
             Self::Exactly(n) => n.get(),
             Self::Auto => {
-                let fitting = SAMPLE_BYTES_OF_AUTO / (n_pixels * sample_bytes).max(1);
-                fitting.clamp(1, Self::MOST_OF_AUTO.into()) as u8
+                let fitting = MAX_SAMPLE_BYTES_OF_AUTO / (n_pixels * sample_bytes).max(1);
+                fitting.clamp(1, Self::MAX_OF_AUTO.into()) as u8
             }
         }
     }
@@ -65,7 +65,7 @@ impl fmt::Display for Repeats {
     }
 }
 
-/// What scene files and the command line accept.
+/// The values that scene files and the command line accept.
 const EXPECTED: &str = "`auto` or a whole number from 1 to 255";
 
 impl FromStr for Repeats {
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_read_as_they_are_shown() {
+    fn parsing_inverts_formatting() {
         for text in ["auto", "1", "10", "255"] {
             let repeats: Repeats = text.parse().unwrap();
             assert_eq!(repeats.to_string(), text);
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_picture_is_not_repeated_for_want_of_memory() {
+    fn large_pictures_are_repeated_less_to_save_memory() {
         let most = |n_pixels| Repeats::Auto.most(n_pixels, 4);
         assert_eq!([1, 3_000_000].map(most), [5, 5]);
         assert_eq!([8_294_400, 100_000_000].map(most), [2, 1]);

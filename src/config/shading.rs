@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::yaml;
 
-/// How light is computed.
+/// The shading model and its parameters.
 ///
 /// ```
 /// # use raycost::config::Shading;
@@ -19,10 +19,10 @@ use crate::yaml;
 pub struct Shading {
     /// The model.
     pub model: ShadingModel,
-    /// Light that comes from everywhere, a colour or a grey; 0.05 if not given.
+    /// The ambient light, a color or a gray; 0.05 if not given.
     #[serde(deserialize_with = "yaml::radiance")]
     pub ambient: Vec3,
-    /// Longest path in bounces, 0 to 255; 0 reflects nothing; 8 if not given.
+    /// Most reflections along a path, 0 to 255; 8 if not given.
     #[serde(deserialize_with = "depth")]
     pub max_depth: u8,
 }
@@ -31,10 +31,10 @@ pub struct Shading {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`blinn_phong` or `seed`")]
 pub enum ShadingModel {
-    /// Blinn and Phong with shadows, and mirrored rays as Whitted has them.
+    /// Blinn-Phong with shadows and Whitted's recursive reflection.
     #[default]
     BlinnPhong,
-    /// The course's NumPy model with its quirks, for comparison with it.
+    /// The model of the course's NumPy code, for comparison with it.
     Seed,
 }
 

@@ -4,8 +4,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::yaml;
 
-/// How the picture is dealt out to the threads. The picture and its counters
-/// are the same however that is done.
+/// How the picture is divided among threads. It changes neither the picture nor
+/// its counters.
 ///
 /// ```
 /// # use raycost::config::{TileOrder, Tiling};
@@ -21,10 +21,10 @@ use crate::yaml;
     expecting = "tiles such as { size: 32, order: hilbert }"
 )]
 pub struct Tiling {
-    /// Pixels along a tile's side, 2 to 256; 16 if not given.
+    /// Side of a tile in pixels, 2 to 256; 16 if not given.
     #[serde(deserialize_with = "size")]
     pub size: u32,
-    /// In which order threads take them.
+    /// The order in which threads take tiles.
     pub order: TileOrder,
 }
 
@@ -35,27 +35,27 @@ pub struct Tiling {
     expecting = "`scanline`, `hilbert` or `cost`"
 )]
 pub enum TileOrder {
-    /// Along rows, from the top left
+    /// Row by row, from the top left
     #[default]
     Scanline,
-    /// Along a Hilbert curve, each tile a neighbour of the one before
+    /// Along a Hilbert curve, where consecutive tiles are neighbors
     Hilbert,
-    /// The most costly first, as a few rays through each tell
+    /// The most expensive first, estimated from a few rays through each
     Cost,
 }
 
 impl Tiling {
-    /// Least pixels along a side: the largest picture then has no more tiles
-    /// than 32-bit numbers.
+    /// Least side in pixels: the number of tiles of the largest picture then
+    /// fits into 32 bits.
     pub const MIN_SIZE: u32 = 2;
-    /// Most pixels along a side.
+    /// Greatest side in pixels.
     pub const MAX_SIZE: u32 = 256;
 }
 
 impl Default for Tiling {
     fn default() -> Self {
         Self {
-            // Small enough to share out evenly, large enough to fill a stream.
+            // Small enough to balance the load, large enough to fill a stream.
             size: 16,
             order: TileOrder::default(),
         }
@@ -63,7 +63,7 @@ impl Default for Tiling {
 }
 
 impl TileOrder {
-    /// The word of the scene file.
+    /// Its name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scanline => "scanline",

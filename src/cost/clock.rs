@@ -1,28 +1,27 @@
-//! A clock cheap enough to read twice a pixel.
+//! A clock cheap enough to be read for every pixel.
 //!
 //! On x86-64 with an invariant time stamp counter (Intel SDM vol. 3, 19.17.1)
 //! it reads that counter, calibrated once against the operating system's
 //! clock; elsewhere it reads the operating system's clock itself.
 //!
-//! A reading also tells which CPU the thread is on: a time during which it
-//! moved to another holds the move, cold caches included.
+//! A reading also holds the CPU of the thread: a time during which the thread
+//! migrated to another CPU includes the migration and its cache misses.
 
 use std::time::Instant as OsInstant;
 
 use super::cpu;
 
-/// How long the calibration waits. The operating system's clock is good to
-/// about 50 ns, so that 0.5 ms make the rate good to 0.01 %.
+/// Duration of the calibration. The operating system's clock is accurate to
+/// about 50 ns, so that the rate is accurate to 0.01 % after 0.5 ms.
 #[cfg(target_arch = "x86_64")]
 const CALIBRATION: std::time::Duration = std::time::Duration::from_micros(500);
 
-/// How often both clocks are compared at each end of the calibration. The
-/// closest comparison counts: a thread that is interrupted between the two
-/// clocks spoils one.
+/// Comparisons of both clocks at each end of the calibration. The one with the
+/// least time between its readings is used: an interrupt may delay the others.
 #[cfg(target_arch = "x86_64")]
 const N_COMPARISONS: usize = 4;
 
-/// How many back-to-back readings the clock's own cost is the median of.
+/// Back-to-back readings whose median is the overhead of the clock.
 const N_READINGS: usize = 1001;
 
 /// A calibrated clock.
@@ -46,12 +45,14 @@ enum Source {
 #[derive(Debug, Clone, Copy)]
 pub struct Instant {
     ticks: u64,
-    /// The CPU that the thread was on; always 0 where that is not told.
+    /// The CPU that the thread ran on; always 0 where the system does not report
+    /// it.
     cpu: u32,
 }
 
 impl Instant {
-    /// Whether both readings were made on the same CPU, as far as that is told.
+    /// Whether both readings were made on the same CPU; true where the system
+    /// does not report CPUs.
     #[inline]
     pub fn is_on_cpu_of(self, other: Self) -> bool {
         self.cpu == other.cpu
@@ -85,8 +86,8 @@ impl Clock {
         }
     }
 
-    /// Nanoseconds from one reading to a later one, the cost of one reading
-    /// taken off, never below 1.
+    /// Returns the nanoseconds from one reading to a later one, less the cost of
+    /// one reading; at least 1.
     #[inline]
     pub fn elapsed_ns(&self, from: Instant, to: Instant) -> f32 {
         (self.raw_ns(from, to) - self.overhead_ns).max(1.0) as f32
@@ -97,7 +98,7 @@ impl Clock {
         self.overhead_ns
     }
 
-    /// What it reads: `"tsc"` or `"os"`.
+    /// The name of its source: `"tsc"` or `"os"`.
     pub fn source_name(&self) -> &'static str {
         match self.source {
             #[cfg(target_arch = "x86_64")]
@@ -115,7 +116,7 @@ impl Clock {
         }
     }
 
-    /// Median time between two readings with nothing in between.
+    /// Returns the median time between two consecutive readings.
     fn measured_overhead_ns(&self) -> f64 {
         let mut gaps: Vec<f64> = (0..N_READINGS)
             .map(|_| {
@@ -154,7 +155,7 @@ impl Source {
     }
 }
 
-/// The operating system's clock, and the counter before and after it.
+/// A reading of the operating system's clock between two of the counter.
 #[cfg(target_arch = "x86_64")]
 #[derive(Debug, Clone, Copy)]
 struct Comparison {
@@ -165,10 +166,10 @@ struct Comparison {
 
 #[cfg(target_arch = "x86_64")]
 impl Comparison {
-    /// The closest of some comparisons, each made where the operating system's
-    /// clock has just moved on: it may do so in large steps.
+    /// Returns the comparison with the smallest gap, each made right after a tick
+    /// of the operating system's clock, which may be coarse.
     fn closest(compare: &mut impl FnMut() -> Self) -> Self {
-        let mut moved = || {
+        let mut after_tick = || {
             let first = compare();
             loop {
                 let next = compare();
@@ -177,9 +178,9 @@ impl Comparison {
                 }
             }
         };
-        let mut best = moved();
+        let mut best = after_tick();
         for _ in 1..N_COMPARISONS {
-            let next = moved();
+            let next = after_tick();
             if next.gap() < best.gap() {
                 best = next;
             }
@@ -196,7 +197,7 @@ impl Comparison {
     }
 }
 
-/// The counter's rate, which `compare` finds in about [`CALIBRATION`].
+/// Measures the counter's period with `compare` for about [`CALIBRATION`].
 #[cfg(target_arch = "x86_64")]
 fn ns_per_tick(mut compare: impl FnMut() -> Comparison) -> f64 {
     let start = Comparison::closest(&mut compare);
@@ -214,9 +215,8 @@ fn ns_per_tick(mut compare: impl FnMut() -> Comparison) -> f64 {
 mod tsc {
     use std::arch::x86_64::{__cpuid, __rdtscp};
 
-    /// Whether the counter runs at one rate on all cores, and can be read along
-    /// with the CPU's number: CPUID leaf 0x80000007, EDX bit 8, and leaf
-    /// 0x80000001, EDX bit 27.
+    /// Whether the counter is invariant and RDTSCP is available: CPUID leaf
+    /// 0x80000007, EDX bit 8, and leaf 0x80000001, EDX bit 27.
     pub(super) fn is_usable() -> bool {
         let has = |leaf: u32, bit: u32| {
             __cpuid(0x8000_0000).eax >= leaf && __cpuid(leaf).edx & (1 << bit) != 0
@@ -224,17 +224,17 @@ mod tsc {
         has(0x8000_0007, 8) && has(0x8000_0001, 27)
     }
 
-    /// The counter, and what the operating system keeps in IA32_TSC_AUX: on
-    /// Linux, macOS and Windows a number of the CPU.
+    /// Reads the counter and IA32_TSC_AUX, which on Linux, macOS and Windows
+    /// identifies the CPU.
     ///
-    /// RDTSCP waits for the instructions before it, so that no load of a pixel
-    /// is charged to the next one. That costs a few nanoseconds more than RDTSC
-    /// (`cargo bench --bench clock`).
+    /// RDTSCP waits for all earlier instructions, so that no load of a pixel
+    /// adds to the time of the next one. This takes a few nanoseconds more than
+    /// RDTSC (`cargo bench --bench clock`).
     #[inline]
     #[expect(unsafe_code, reason = "the instruction has no safe wrapper")]
     pub(super) fn read() -> (u64, u32) {
         let mut cpu = 0;
-        // SAFETY: `is_usable` has found RDTSCP, and it writes to `cpu` alone.
+        // SAFETY: `is_usable` has found RDTSCP, which only writes to `cpu`.
         let ticks = unsafe { __rdtscp(&mut cpu) };
         (ticks, cpu)
     }
@@ -249,12 +249,12 @@ mod tests {
     #[test]
     fn it_agrees_with_the_operating_system() {
         let clock = Clock::calibrated();
-        // Whenever others interrupt the test, the clock's span lies between
-        // that of the readings around it and that of the readings within.
+        // Even if the test is interrupted, the span of the clock lies between
+        // those of the inner and the outer readings.
         let os = OsInstant::now();
-        let [outer_from, from, inner_from] = look(&clock, os);
+        let [outer_from, from, inner_from] = bracketed_ns(&clock, os);
         std::thread::sleep(Duration::from_millis(20));
-        let [inner_to, to, outer_to] = look(&clock, os);
+        let [inner_to, to, outer_to] = bracketed_ns(&clock, os);
         let ns = to - from;
         let (least, most) = (inner_to - inner_from, outer_to - outer_from);
         assert!(
@@ -263,9 +263,9 @@ mod tests {
         );
     }
 
-    /// The clock between two readings of the operating system's, in
+    /// Reads the clock between two readings of the operating system's; in
     /// nanoseconds.
-    fn look(clock: &Clock, os: OsInstant) -> [f64; 3] {
+    fn bracketed_ns(clock: &Clock, os: OsInstant) -> [f64; 3] {
         let os_ns = || os.elapsed().as_nanos() as f64;
         let before = os_ns();
         let now = clock.now();
@@ -274,11 +274,11 @@ mod tests {
         [before, clock.raw_ns(zero, now), after]
     }
 
-    /// A counter of 3 GHz beside an operating system's clock that goes in
-    /// steps, read by a thread that is interrupted for 10 ms now and then.
+    /// Simulates a counter of 3 GHz and a coarse clock of the operating system,
+    /// read by a thread that is interrupted for 10 ms now and then.
     #[cfg(target_arch = "x86_64")]
     #[test]
-    fn interrupts_and_coarse_clocks_spoil_no_calibration() {
+    fn calibration_is_robust_to_interrupts_and_coarse_clocks() {
         for (step_ns, n_undisturbed) in [(1, 7), (1, 1000), (1000, 5), (1_000_000, u64::MAX)] {
             let (mut ns, mut n_readings) = (0_u64, 0_u64);
             let mut read = || {
@@ -297,9 +297,9 @@ mod tests {
     }
 
     #[test]
-    fn it_tells_the_cpu() {
+    fn readings_hold_the_cpu() {
         let clock = Clock::calibrated();
-        // A test may be moved in between; not ten times in a row.
+        // The thread may migrate in between, but not ten times in a row.
         let stays = || clock.now().is_on_cpu_of(clock.now());
         assert!((0..10).any(|_| stays()));
         let here = Instant { ticks: 1, cpu: 0 };

@@ -1,24 +1,24 @@
-//! What is counted, apart from camera rays.
+//! The counters of a pixel.
 
-/// A number that is counted for each pixel.
+/// A counter of each pixel. Camera rays have none: each sample has one ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Counter {
-    /// BVH nodes entered.
+    /// BVH nodes visited.
     NodeVisits,
     /// Ray-primitive tests.
     PrimitiveTests,
     /// Rays toward lights.
     ShadowRays,
-    /// Rays mirrored off surfaces.
+    /// Reflected rays.
     ReflectionRays,
-    /// Rays through surfaces.
+    /// Refracted rays.
     RefractionRays,
-    /// The longest path in bounces.
+    /// Bounces of the longest path.
     Depth,
 }
 
 impl Counter {
-    /// All, in their order.
+    /// All counters, in the order of declaration.
     pub const ALL: [Self; 6] = [
         Self::NodeVisits,
         Self::PrimitiveTests,

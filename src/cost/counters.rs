@@ -1,27 +1,27 @@
-//! Counters of many pixels at a time.
+//! The counters of many pixels.
 
 use super::{Cost, Counter, RayKind, Traversals};
 
-/// What the work on some pixels cost, array by array, an entry a pixel.
+/// The counters of some pixels: one array per counter, one entry per pixel.
 ///
-/// To count shall cost little beside what is counted: camera rays are as many as
-/// there are samples, and what no pixel has takes no memory.
+/// To keep counting cheap, camera rays are stored as the number of samples, and
+/// an array is empty while its counter is 0 for all pixels.
 #[derive(Debug, Clone, Default)]
 pub struct Counters {
-    /// Camera rays of each pixel.
+    /// Camera rays per pixel.
     n_samples: u32,
     node_visits: Vec<u64>,
     primitive_tests: Vec<u64>,
-    /// Rays of each kind but the camera's, in the order of [`RayKind`]; empty
-    /// where no pixel has one.
+    /// Rays by kind except camera rays, in the order of [`RayKind`]; empty if no
+    /// pixel has one.
     rays: [Vec<u64>; 4],
-    /// Empty where no path bounces.
+    /// Empty if no path bounces.
     depth: Vec<u64>,
 }
 
 impl Counters {
-    /// Begins anew with so many pixels of so many samples, whose camera rays are
-    /// counted with that.
+    /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
+    /// rays each.
     pub fn reset(&mut self, n_pixels: usize, n_samples: u32) {
         self.n_samples = n_samples;
         for counts in [&mut self.node_visits, &mut self.primitive_tests] {
@@ -32,7 +32,7 @@ impl Counters {
         self.depth.clear();
     }
 
-    /// One counter of each pixel; empty where it is 0 for all.
+    /// Returns a counter of all pixels; empty if it is 0 for all.
     pub fn get(&self, counter: Counter) -> &[u64] {
         match counter {
             Counter::NodeVisits => &self.node_visits,
@@ -44,12 +44,12 @@ impl Counters {
         }
     }
 
-    /// How many pixels.
+    /// The number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.node_visits.len()
     }
 
-    /// What one pixel cost.
+    /// Returns the cost of one pixel.
     pub fn of(&self, pixel: usize) -> Cost {
         let at = |counts: &Vec<u64>| counts.get(pixel).copied().unwrap_or(0);
         let mut rays = self.rays.each_ref().map(at);
@@ -62,7 +62,7 @@ impl Counters {
         }
     }
 
-    /// What all pixels cost together.
+    /// Returns the total cost of all pixels.
     pub fn total(&self) -> Cost {
         let sum = |counts: &Vec<u64>| counts.iter().sum();
         let mut rays = self.rays.each_ref().map(sum);
@@ -75,7 +75,7 @@ impl Counters {
         }
     }
 
-    /// Adds what one pixel cost.
+    /// Adds the cost of one pixel.
     pub fn add(&mut self, pixel: usize, cost: &Cost) {
         debug_assert_eq!(cost.rays_of(RayKind::Camera), u64::from(self.n_samples));
         self.node_visits[pixel] += cost.node_visits;
@@ -90,22 +90,22 @@ impl Counters {
         }
     }
 
-    /// Adds so many rays of this kind, not the camera's.
+    /// Adds `n` rays of this kind, which are not camera rays.
     #[inline(always)]
     pub(super) fn add_rays(&mut self, kind: RayKind, pixel: usize, n: u64) {
         let n_pixels = self.n_pixels();
-        present(&mut self.rays[kind as usize], n_pixels)[pixel] += n;
+        allocated(&mut self.rays[kind as usize], n_pixels)[pixel] += n;
     }
 
-    /// Adds the counters of one ray's traversal to each of these pixels.
+    /// Adds the counters of traversal `i` to `pixels[i]`.
     #[inline(always)]
     pub(super) fn add_traversals<const N: usize>(
         &mut self,
         pixels: &[u32; N],
         traversals: &Traversals<N>,
     ) {
-        // Slices of their own: what is written through a `Vec` could be its
-        // length, and that of the other, which would be read again each time.
+        // Slices, so that the compiler keeps their lengths in registers: a write
+        // through a `Vec` could alias the length of either.
         let (all_visits, all_tests) = (&mut self.node_visits[..], &mut self.primitive_tests[..]);
         traversals.for_each(|i, visits, tests| {
             let pixel = pixels[i] as usize;
@@ -114,27 +114,27 @@ impl Counters {
         });
     }
 
-    /// A path of the pixel has come to so many bounces.
+    /// A path of the pixel has reached `depth` bounces.
     #[inline(always)]
     pub(super) fn bounce(&mut self, pixel: usize, depth: u64) {
         let n_pixels = self.n_pixels();
-        let deepest = &mut present(&mut self.depth, n_pixels)[pixel];
+        let deepest = &mut allocated(&mut self.depth, n_pixels)[pixel];
         *deepest = depth.max(*deepest);
     }
 }
 
-/// The counts, which have an entry a pixel from now on.
+/// Returns the counts, after allocating one entry per pixel if there is none.
 #[inline(always)]
-fn present(counts: &mut Vec<u64>, n_pixels: usize) -> &mut [u64] {
+fn allocated(counts: &mut Vec<u64>, n_pixels: usize) -> &mut [u64] {
     if counts.is_empty() {
-        begin(counts, n_pixels);
+        allocate(counts, n_pixels);
     }
     counts
 }
 
 #[cold]
 #[inline(never)]
-fn begin(counts: &mut Vec<u64>, n_pixels: usize) {
+fn allocate(counts: &mut Vec<u64>, n_pixels: usize) {
     counts.resize(n_pixels, 0);
 }
 
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_pixel_has_its_own_and_the_total_is_the_sum() {
+    fn pixels_are_counted_separately_and_the_total_is_their_sum() {
         let mut counters = Counters::default();
         counters.reset(3, 2);
         let cost = Cost {

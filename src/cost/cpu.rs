@@ -1,7 +1,7 @@
-//! Which CPU a thread is on.
+//! The CPU that runs a thread.
 
-/// A number of the CPU that the thread is on now; 0 where the system does not
-/// tell.
+/// Returns the number of the CPU that runs the calling thread; 0 where the
+/// system does not report it.
 #[inline]
 pub(super) fn current() -> u32 {
     #[cfg(target_os = "linux")]
@@ -15,8 +15,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_one_of_the_machine() {
-        // Above 8192 CPUs no Linux was ever built.
+    fn it_is_a_valid_cpu() {
+        // Linux supports at most 8192 CPUs.
         assert!(current() < 8192);
     }
 }

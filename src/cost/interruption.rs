@@ -1,27 +1,27 @@
-//! Whether the thread lost its processor, at the price of one load from memory.
+//! Detects context switches of a thread with a single load from memory.
 //!
-//! Linux keeps a small structure of each thread for restartable sequences
+//! Linux has a small structure per thread for restartable sequences
 //! (`linux/rseq.h`), which the C library registers. Its field `rseq_cs` points to
-//! a sequence of instructions that has to be begun anew when it is interrupted.
-//! Whenever the system takes the processor from a thread, or delivers a signal to
-//! it, outside of that sequence, it clears the field. An empty sequence is
-//! interrupted nowhere: with a pointer to one, the field is null exactly if the
-//! thread was switched out, moved or signalled since.
+//! a critical section, which restarts when it is interrupted. When the kernel
+//! preempts or migrates a thread outside of that section, or delivers a signal to
+//! it, it clears the field. An empty section contains no instruction: with a
+//! pointer to one, the field is null exactly if the thread was preempted,
+//! migrated or signaled since.
 //!
-//! `getrusage(RUSAGE_THREAD)` counts the same switches, for a system call, which
-//! takes as long as a cheap pixel. Interrupts that return to the thread at once,
-//! a timer's tick for one, are reported by neither.
+//! `getrusage(RUSAGE_THREAD)` counts the same switches, but its system call takes
+//! as long as a cheap pixel. Neither reports interrupts that return to the thread
+//! at once, such as a timer tick.
 
-/// Tells of the interruptions of one thread.
+/// Detects interruptions of one thread.
 #[derive(Debug)]
 pub struct Interruptions {
-    /// The thread's field `rseq_cs`; null where the system tells nothing.
+    /// The thread's field `rseq_cs`; null where it is not registered.
     field: *mut u64,
 }
 
 impl Interruptions {
-    /// Those of the calling thread from now on. The value stays on it: a pointer
-    /// is not [`Send`].
+    /// Detects interruptions of the calling thread from now on. The value is not
+    /// [`Send`], so that it stays on this thread.
     pub fn of_this_thread() -> Self {
         let mut interruptions = Self {
             field: rseq::field_of_this_thread(),
@@ -30,13 +30,13 @@ impl Interruptions {
         interruptions
     }
 
-    /// Whether the system tells of them.
+    /// Whether the system reports interruptions.
     pub fn is_reported(&self) -> bool {
         !self.field.is_null()
     }
 
-    /// Whether there was one since the last call; never where the system does
-    /// not tell.
+    /// Whether the thread was interrupted since the last call; always false where
+    /// the system does not report it.
     #[inline]
     pub fn take(&mut self) -> bool {
         self.is_reported() && rseq::rearm(self.field)
@@ -47,9 +47,9 @@ impl Interruptions {
 mod rseq {
     use std::ptr;
 
-    /// A sequence of instructions, as the system reads it: `struct rseq_cs`.
+    /// A critical section, as the kernel reads it: `struct rseq_cs`.
     #[repr(C, align(32))]
-    struct Sequence {
+    struct CriticalSection {
         version: u32,
         flags: u32,
         start_ip: *const u32,
@@ -57,20 +57,20 @@ mod rseq {
         abort_ip: *const u32,
     }
 
-    // SAFETY: it is never written to, and its pointers are never followed by
-    // this program.
-    #[expect(unsafe_code, reason = "a constant with pointers for the system")]
-    unsafe impl Sync for Sequence {}
+    // SAFETY: this program never writes to it and never dereferences its
+    // pointers.
+    #[expect(unsafe_code, reason = "a constant with pointers for the kernel")]
+    unsafe impl Sync for CriticalSection {}
 
-    /// What the C library registers on x86-64 as the mark that stands before the
-    /// place where an interrupted sequence goes on: `RSEQ_SIG`.
+    /// The signature that the C library registers on x86-64, which precedes each
+    /// abort handler: `RSEQ_SIG`.
     const SIGNATURE: u32 = 0x5305_3053;
 
-    /// The mark, and the place behind it, where no sequence ever goes on.
+    /// The signature, and the abort handler, which is never executed.
     static ABORT: [u32; 2] = [SIGNATURE, 0];
 
-    /// No instruction at all.
-    static EMPTY: Sequence = Sequence {
+    /// A section without instructions.
+    static EMPTY: CriticalSection = CriticalSection {
         version: 0,
         flags: 0,
         start_ip: &raw const ABORT[1],
@@ -78,17 +78,17 @@ mod rseq {
         abort_ip: &raw const ABORT[1],
     };
 
-    /// Bytes from the beginning of `struct rseq` to its field `rseq_cs`.
+    /// Offset of the field `rseq_cs` in `struct rseq`.
     const FIELD_OFFSET: isize = 8;
 
-    /// The thread's field `rseq_cs`; null where the C library has registered none:
-    /// glibc does from version 2.35 on.
+    /// Returns the thread's field `rseq_cs`; null if the C library has not
+    /// registered it, as glibc does since version 2.35.
     #[expect(
         unsafe_code,
         reason = "the C library's symbols and the thread's pointer"
     )]
     pub(super) fn field_of_this_thread() -> *mut u64 {
-        // SAFETY: both names are strings that end with 0.
+        // SAFETY: both names are null-terminated.
         let [offset, size] = unsafe {
             [c"__rseq_offset", c"__rseq_size"]
                 .map(|name| libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()))
@@ -97,7 +97,7 @@ mod rseq {
             return ptr::null_mut();
         }
         // SAFETY: glibc documents them as `const ptrdiff_t` and `const unsigned
-        // int`, the latter 0 where nothing was registered.
+        // int`, the latter 0 if nothing was registered.
         let (offset, size) = unsafe { (*offset.cast::<isize>(), *size.cast::<u32>()) };
         if size == 0 {
             return ptr::null_mut();
@@ -109,12 +109,12 @@ mod rseq {
         thread.wrapping_offset(offset + FIELD_OFFSET).cast()
     }
 
-    /// Whether the field was cleared; points it to the empty sequence again.
+    /// Whether the kernel has cleared the field; points it to [`EMPTY`] again.
     #[inline]
-    #[expect(unsafe_code, reason = "the system writes to this memory, too")]
+    #[expect(unsafe_code, reason = "the kernel also writes to this memory")]
     pub(super) fn rearm(field: *mut u64) -> bool {
-        // SAFETY: the field is that of this thread, which lives; glibc lets
-        // programs use it, and the empty sequence lives as long as the program.
+        // SAFETY: the field belongs to this running thread; glibc permits its
+        // use, and `EMPTY` is static.
         unsafe {
             if field.read_volatile() != 0 {
                 return false;
@@ -144,14 +144,14 @@ mod tests {
 
     use super::*;
 
-    /// Switches of this thread so far, by the system's own count.
+    /// Context switches of this thread so far, as counted by the kernel.
     fn n_switches() -> i64 {
         let usage: Usage = getrusage(UsageWho::RUSAGE_THREAD).unwrap();
         usage.voluntary_context_switches() + usage.involuntary_context_switches()
     }
 
     #[test]
-    fn a_thread_that_sleeps_is_switched_out() {
+    fn sleeping_is_an_interruption() {
         let mut interruptions = Interruptions::of_this_thread();
         if !interruptions.is_reported() {
             return;
@@ -166,7 +166,7 @@ mod tests {
     fn without_a_switch_there_is_no_interruption() {
         let mut interruptions = Interruptions::of_this_thread();
         let mut n_quiet = 0;
-        // Not each of a thousand short moments has a switch.
+        // Some of a thousand short moments have no switch.
         for _ in 0..1000 {
             let before = n_switches();
             interruptions.take();
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn each_thread_has_its_own() {
+    fn threads_are_observed_separately() {
         let wait = || {
             let mut interruptions = Interruptions::of_this_thread();
             std::thread::sleep(Duration::from_micros(50));

@@ -1,4 +1,4 @@
-//! What is measured while a picture is rendered.
+//! The instruments that measure a rendering.
 
 use super::Clock;
 use crate::config::CostMode;
@@ -6,17 +6,17 @@ use crate::config::CostMode;
 /// The instruments of a [`CostMode`].
 #[derive(Debug, Clone, Copy)]
 pub enum Meter {
-    /// None.
+    /// No instrument.
     Off,
-    /// Counters alone.
+    /// Counters only.
     Counters,
-    /// Counters, and this clock.
+    /// Counters and a clock.
     Time(Clock),
 }
 
 impl Meter {
-    /// What the mode asks for; calibrates a clock, which takes about 0.5 ms, only
-    /// where pixels are timed.
+    /// Creates the instruments of a mode. If pixels are timed, calibrates a
+    /// clock, which takes about 0.5 ms.
     pub fn new(mode: CostMode) -> Self {
         match mode {
             CostMode::None => Self::Off,
@@ -25,7 +25,7 @@ impl Meter {
         }
     }
 
-    /// The mode that these are the instruments of.
+    /// The mode of these instruments.
     pub fn mode(&self) -> CostMode {
         match self {
             Self::Off => CostMode::None,

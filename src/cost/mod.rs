@@ -1,5 +1,4 @@
-//! What work costs: counters, the probes that feed them, the clock, and the
-//! choice among them.
+//! Cost measurement: counters, the probes that feed them, and the clock.
 //!
 //! The kernels are generic over a [`Probe`]. With [`Cost`] they count; with
 //! [`NoProbe`] the same source compiles to a kernel without counters.
@@ -19,21 +18,21 @@ pub use interruption::Interruptions;
 pub use meter::Meter;
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe, Traversals};
 
-/// Why a ray was shot.
+/// The purpose of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum RayKind {
     /// From the camera.
     Camera,
     /// Toward a light.
     Shadow,
-    /// Mirrored off a surface.
+    /// Reflected by a surface.
     Reflection,
-    /// Through a surface.
+    /// Refracted by a surface.
     Refraction,
 }
 
 impl RayKind {
-    /// All, in their order.
+    /// All kinds, in the order of declaration.
     pub const ALL: [Self; 4] = [
         Self::Camera,
         Self::Shadow,
@@ -42,31 +41,32 @@ impl RayKind {
     ];
 }
 
-/// Counted work: the same at any thread count and on any machine.
+/// Counted work, which depends neither on the machine nor on the number of
+/// threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// BVH nodes entered.
+    /// BVH nodes visited.
     pub node_visits: u64,
     /// Ray-primitive tests.
     pub primitive_tests: u64,
     /// Rays by kind, in the order of [`RayKind`].
     pub rays: [u64; 4],
-    /// Longest path in bounces.
+    /// Bounces of the longest path.
     pub depth: u64,
 }
 
 impl Cost {
-    /// Rays of this kind.
+    /// The number of rays of one kind.
     pub fn rays_of(&self, kind: RayKind) -> u64 {
         self.rays[kind as usize]
     }
 
-    /// All rays.
+    /// The number of all rays.
     pub fn n_rays(&self) -> u64 {
         self.rays.iter().sum()
     }
 
-    /// All counts by their names in files.
+    /// Returns all counts with their names in files.
     pub fn by_name(&self) -> [(&'static str, u64); 7] {
         [
             ("node_visits", self.node_visits),
@@ -79,7 +79,7 @@ impl Cost {
         ]
     }
 
-    /// The counts of both; of two paths the longer one.
+    /// Adds the counts of both, and takes the greater depth.
     pub fn with(self, other: Self) -> Self {
         Self {
             node_visits: self.node_visits + other.node_visits,

@@ -144,8 +144,9 @@ impl Hierarchy {
 
 /// The steps of all rays in a node alone.
 fn own_steps((node, visits): (&BvhNode, &Visits)) -> u64 {
-    match node.is_leaf {
-        true => visits.n * u64::from(node.n_primitives),
-        false => visits.n,
+    if node.is_leaf {
+        visits.n * u64::from(node.n_primitives)
+    } else {
+        visits.n
     }
 }

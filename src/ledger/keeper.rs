@@ -86,9 +86,10 @@ impl<'a> Keeper<'a> {
         let observer = Observer::new(scene, accel, image, clock);
         let needs_steps = tallies.primitives.is_some() || tallies.lines.is_some();
         Self {
-            observer: match needs_steps {
-                true => observer,
-                false => observer.without_steps(),
+            observer: if needs_steps {
+                observer
+            } else {
+                observer.without_steps()
             },
             tree: RayTree::default(),
             things: Things {

@@ -43,9 +43,10 @@ pub struct Ledger {
 impl Ledger {
     /// Bytes of memory for each primitive, at most.
     pub fn bytes_per_primitive(outputs: &Outputs, acceleration: Acceleration) -> usize {
-        let of_surface = match outputs.has(Extra::Surface) {
-            true => size_of::<Visits>(),
-            false => 0,
+        let of_surface = if outputs.has(Extra::Surface) {
+            size_of::<Visits>()
+        } else {
+            0
         };
         // Sums by the ids of nodes, which have gaps; then those of each node.
         let per_id = 2 * size_of::<Visits>() + size_of::<BvhNode>();

@@ -55,9 +55,10 @@ impl Reach {
         let middle = -from_center.dot(ray.direction);
         let off_center = from_center + middle * ray.direction;
         let half_chord = self.radius.powi(2) - off_center.length_squared();
-        match half_chord > 0.0 {
-            true => middle + half_chord.sqrt(),
-            false => 0.0,
+        if half_chord > 0.0 {
+            middle + half_chord.sqrt()
+        } else {
+            0.0
         }
     }
 }

@@ -1,20 +1,20 @@
-//! A film that many threads write to.
+//! Concurrent writes to a film.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::film::{Film, PackedCounters, Rendered, RenderedTile, STRIP_ROWS, Strip};
 use crate::schedule::Tile;
 
-/// A film's strips and tiles, each behind a lock of its own.
+/// A film whose strips and tiles each have a lock.
 pub(super) struct Canvas<'a> {
     strips: Vec<Mutex<&'a mut Strip>>,
     tiles: Vec<Mutex<&'a mut RenderedTile>>,
-    /// Pixels of a row.
+    /// Pixels per row.
     width: usize,
 }
 
 impl<'a> Canvas<'a> {
-    /// The film may have been rendered before.
+    /// Clears the tiles, as the film may hold an earlier rendering.
     pub(super) fn of(film: &'a mut Film) -> Self {
         film.tiles.fill(RenderedTile::default());
         Self {
@@ -24,7 +24,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Puts the pixels of a tile into the film, or the next rows of one.
+    /// Writes the pixels of a tile, or of its next rows, to the film.
     pub(super) fn store(&self, tile: &Tile, rendered: &Rendered) {
         if let Some(counters) = rendered.counters {
             let packed = PackedCounters::new(counters);
@@ -35,7 +35,7 @@ impl<'a> Canvas<'a> {
         let [left, _] = tile.columns;
         let [top, bottom] = tile.rows;
         for number in top / STRIP_ROWS..=(bottom - 1) / STRIP_ROWS {
-            // One at a time, so that no thread waits for another's.
+            // One lock at a time, so that threads cannot deadlock.
             let mut strip = lock(&self.strips[number as usize]);
             let first_row = strip.first_row;
             for y in top.max(first_row)..bottom.min(first_row + strip.n_rows) {

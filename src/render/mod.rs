@@ -1,9 +1,9 @@
 //! The tile loop: scene → film, on all threads.
 //!
-//! A thread takes a tile and renders it in one of two ways: many rays at once
-//! (`stream`), so that the ray kernel always has one that need not wait for
-//! memory, or ray after ray (`timed`), which gives every pixel a time of its
-//! own. Both give the same pixels and the same counters.
+//! Each thread takes one tile after the other and renders it in one of two ways:
+//! `stream` traces many rays together, which hides the latency of memory;
+//! `timed` traces rays one by one, so that each pixel can be timed. Both give
+//! the same pixels and the same counters.
 
 mod canvas;
 mod view;
@@ -35,23 +35,23 @@ pub use plan::Plan;
 pub use repeat::{Repeat, repeat};
 pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
 
-/// Pixels that are rendered at one go: a larger tile is rendered some rows at a
-/// time, so that all of it stays in the cache on its way into the film.
+/// Most pixels rendered at a time: a larger tile is rendered in groups of rows,
+/// whose pixels stay in the cache until they are written to the film.
 const MAX_PIXELS: usize = 2048;
 
-/// What has been rendered since the last report.
+/// The work done since the last report.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Progress {
     /// Pixels.
     pub n_pixels: u64,
-    /// Rays; 0 where nothing is counted.
+    /// Rays; 0 if they are not counted.
     pub n_rays: u64,
 }
 
 /// Renders the plan on all threads of the current rayon pool and measures
-/// every pixel with the `meter`. `report` hears of each tile, from any thread.
-/// The schedule tells when each tile was rendered. If the program is asked to
-/// end ([`stop`]), tiles are left out.
+/// every pixel with the `meter`. Any thread calls `report` after each tile. The
+/// schedule holds the time span of each tile. After a request to stop ([`stop`])
+/// the remaining tiles are skipped.
 pub fn render(
     scene: &Scene,
     accel: &Accel,
@@ -85,14 +85,14 @@ fn render_onto(
     }
 }
 
-/// A way to render tiles, with room for one: each thread has its own.
+/// Renders tiles, with buffers for one tile. Each thread has its own.
 trait TileRenderer {
-    /// The tile's pixels, at most [`MAX_PIXELS`], row by row.
+    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row.
     fn render(&mut self, tile: &Tile) -> Rendered<'_>;
 }
 
-/// The film, all of its tiles rendered. Each thread takes the next tile in the
-/// plan's order until there is none.
+/// Renders all tiles of the film. Each thread takes the next tile in the plan's
+/// order until there is none.
 fn render_tiles<R: TileRenderer>(
     mut film: Film,
     plan: &Plan,
@@ -132,7 +132,7 @@ fn render_tiles<R: TileRenderer>(
     (film, schedule)
 }
 
-/// Renders a tile into the film; gives its times since `begin` and its
+/// Renders a tile into the film; returns its times since `begin` and its
 /// counters.
 fn render_tile(
     renderer: &mut impl TileRenderer,
@@ -153,8 +153,8 @@ fn render_tile(
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
         }
-        // The film is written a tile at a time, outside of any pixel's time:
-        // first touches of its memory would show in the heatmap.
+        // The film is written per tile and outside of any pixel's time: page
+        // faults at the first write would show in the heatmap.
         let rendered_ns = now_ns();
         canvas.store(&part, &rendered);
         run.end_ns = now_ns();

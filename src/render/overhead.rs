@@ -1,12 +1,12 @@
-//! What it costs to measure what rendering costs.
+//! The overhead of cost measurement.
 //!
-//! The same picture is rendered in four ways, turn by turn, so that a drifting
-//! machine meets all of them alike. Each way differs from the one before in one
-//! thing: rays in streams are counted, then traced one by one, since a ray of a
-//! stream has no time of its own, and then a clock is read after each pixel.
+//! The same picture is rendered by four variants in turn, so that a drift of the
+//! machine affects all of them equally. Each variant adds one thing: first rays in
+//! streams without measurement, then counters, then rays one by one, as rays of a
+//! stream cannot be timed separately, then a reading of the clock per pixel.
 //!
-//! What is compared is CPU time: other programs that run meanwhile double the
-//! time on the wall, and hardly change this one.
+//! CPU times are compared: other running programs may double the wall time, but
+//! hardly change the CPU time.
 
 use std::hint::black_box;
 
@@ -20,14 +20,14 @@ use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
 
-/// Rounds of four renderings each: each way takes each turn equally often.
+/// Rounds of four renderings: each variant has each position equally often.
 pub const N_ROUNDS: usize = 8;
 
-/// Renderings that [`Overhead::measure`] makes.
+/// The number of renderings in [`Overhead::measure`].
 pub const N_RENDERINGS: usize = 4 * N_ROUNDS;
 
-/// CPU time of one rendering in milliseconds, all threads together, the film's
-/// memory included: medians of [`N_ROUNDS`].
+/// CPU time of one rendering in milliseconds, summed over all threads, with the
+/// allocation of the film: medians of [`N_ROUNDS`] renderings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhead {
     /// Rays in streams, nothing measured.
@@ -40,9 +40,9 @@ pub struct Overhead {
     pub time_ms: f64,
 }
 
-/// A way to render.
+/// A way to render and measure.
 #[derive(Debug, Clone, Copy)]
-enum Way {
+enum Variant {
     Measured(Meter),
     /// Rays one by one, counted and not timed.
     SingleRay,
@@ -58,27 +58,27 @@ impl Overhead {
     ) -> Self {
         let [none, counters, time] =
             [CostMode::None, CostMode::Counters, CostMode::Time].map(Meter::new);
-        let ways = [
-            Way::Measured(none),
-            Way::Measured(counters),
-            Way::SingleRay,
-            Way::Measured(time),
+        let variants = [
+            Variant::Measured(none),
+            Variant::Measured(counters),
+            Variant::SingleRay,
+            Variant::Measured(time),
         ];
         let mut times_ms: [Vec<f64>; 4] = Default::default();
         for round in 0..N_ROUNDS {
-            for turn in 0..ways.len() {
-                let way = (round + turn) % ways.len();
+            for turn in 0..variants.len() {
+                let variant = (round + turn) % variants.len();
                 let begin = ProcessTime::now();
-                let film = ways[way].render(scene, accel, plan, &report);
-                times_ms[way].push(begin.elapsed().as_secs_f64() * 1e3);
-                // Given back outside of the time.
+                let film = variants[variant].render(scene, accel, plan, &report);
+                times_ms[variant].push(begin.elapsed().as_secs_f64() * 1e3);
+                // Freed outside of the measured time.
                 drop(black_box(film));
             }
         }
         Self::of(times_ms)
     }
 
-    /// The medians of these times, a row for each field in their order.
+    /// Computes the medians; `times_ms` has one entry per field, in their order.
     fn of(times_ms: [Vec<f64>; 4]) -> Self {
         let [none_ms, counters_ms, single_ray_ms, time_ms] = times_ms.map(median);
         Self {
@@ -89,29 +89,29 @@ impl Overhead {
         }
     }
 
-    /// What counters add to streams, in percent.
+    /// The overhead of counters in streams, in percent.
     pub fn counters_percent(&self) -> f64 {
         percent_more(self.counters_ms, self.none_ms)
     }
 
-    /// What tracing rays one by one adds to counting them, in percent; less than
-    /// 0 where streams do not pay.
+    /// The overhead of tracing rays one by one instead of in streams, in percent;
+    /// negative if streams are slower.
     pub fn single_ray_percent(&self) -> f64 {
         percent_more(self.single_ray_ms, self.counters_ms)
     }
 
-    /// What the clock adds to that, in percent.
+    /// The overhead of the clock on top of that, in percent.
     pub fn clock_percent(&self) -> f64 {
         percent_more(self.time_ms, self.single_ray_ms)
     }
 
-    /// What all three add together, in percent of streams without any.
+    /// The overhead of all three, in percent of streams without measurement.
     pub fn time_percent(&self) -> f64 {
         percent_more(self.time_ms, self.none_ms)
     }
 }
 
-impl Way {
+impl Variant {
     fn render(
         self,
         scene: &Scene,
@@ -135,7 +135,7 @@ fn percent_more(ms: f64, base_ms: f64) -> f64 {
     100.0 * (ms / base_ms - 1.0)
 }
 
-/// The middle value, or the mean of the two; there is at least one.
+/// Returns the median of at least one time.
 fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     (times[(times.len() - 1) / 2] + times[times.len() / 2]) / 2.0
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_way_keeps_its_times() {
+    fn each_variant_has_its_own_median() {
         let row = |ms: f64| (0..N_ROUNDS).map(|round| ms + round as f64).collect();
         let overhead = Overhead::of([row(96.5), row(106.5), row(161.5), row(206.5)]);
         assert_eq!(

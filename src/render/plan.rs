@@ -1,4 +1,4 @@
-//! What is to be rendered: which tiles, in which order.
+//! The tiles of a picture and the order in which they are rendered.
 
 use super::{MAX_PIXELS, prepass};
 use crate::accel::Accel;
@@ -7,7 +7,7 @@ use crate::film::Film;
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileGrid, hilbert_curve};
 
-/// A picture in tiles, ready to be rendered any number of times.
+/// A picture divided into tiles, which can be rendered any number of times.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The picture.
@@ -21,8 +21,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Cuts the picture into tiles and puts them in order. [`TileOrder::Cost`]
-    /// traces a few rays through each tile, on the current rayon pool.
+    /// Divides the picture into tiles and orders them. [`TileOrder::Cost`] traces
+    /// a few rays through each tile on the current rayon pool.
     pub fn new(scene: &Scene, accel: &Accel, image: &Image, tiling: Tiling) -> Self {
         let grid = TileGrid::new(image.width, image.height, tiling.size);
         let sequence = match tiling.order {
@@ -31,7 +31,7 @@ impl Plan {
                 .into_iter()
                 .map(|(column, row)| row * grid.n_columns + column)
                 .collect(),
-            TileOrder::Cost => costliest_first(&prepass::work(scene, accel, image, &grid)),
+            TileOrder::Cost => most_work_first(&prepass::work(scene, accel, image, &grid)),
         };
         Self {
             image: *image,
@@ -41,25 +41,25 @@ impl Plan {
         }
     }
 
-    /// An empty film for it.
+    /// Creates an empty film of the picture.
     pub(super) fn film(&self, cost: CostMode) -> Film {
         Film::new(self.grid, self.image.samples_per_pixel, cost)
     }
 
-    /// Pixels that are rendered at one go, at most.
+    /// Most pixels rendered at a time.
     pub(super) fn max_pixels(&self) -> usize {
         MAX_PIXELS.min(self.grid.tile_size.pow(2) as usize)
     }
 
-    /// The tile that is taken when so many have been; `None` after the last.
+    /// Returns the tile at a position of the order; `None` after the last.
     pub fn tile(&self, position: u32) -> Option<Tile> {
         let number = self.sequence.get(position as usize)?;
         Some(self.grid.tile(*number))
     }
 }
 
-/// The tiles' numbers, those with most work first, and equal ones in their order.
-fn costliest_first(work: &[u64]) -> Vec<u32> {
+/// Returns the tiles' numbers by decreasing work; ties keep their order.
+fn most_work_first(work: &[u64]) -> Vec<u32> {
     let mut sequence: Vec<u32> = (0..work.len() as u32).collect();
     sequence.sort_by_key(|&number| std::cmp::Reverse(work[number as usize]));
     sequence
@@ -71,6 +71,6 @@ mod tests {
 
     #[test]
     fn equal_work_keeps_its_order() {
-        assert_eq!(costliest_first(&[3, 9, 3, 0, 9]), [1, 4, 0, 2, 3]);
+        assert_eq!(most_work_first(&[3, 9, 3, 0, 9]), [1, 4, 0, 2, 3]);
     }
 }

@@ -1,4 +1,4 @@
-//! How much work each tile will be, from one pixel in 64.
+//! Estimates the work of each tile from one pixel in 64.
 
 use rayon::prelude::*;
 
@@ -10,12 +10,12 @@ use crate::cost::{Cost, Counters};
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileGrid};
 
-/// Columns, and rows, from one pixel that is looked at to the next.
+/// Distance of probed pixels in columns and rows.
 const STEP: u32 = 8;
 
-/// The work of each tile, in steps of the traversal: that of one sample of
-/// some of its pixels, at least one, as if all were like these. It is counted,
-/// not timed, and so the same on every run and any number of threads.
+/// Estimates the work of each tile in traversal steps: one sample of some of its
+/// pixels, at least one, extrapolated to all of them. It is counted, not timed,
+/// and so does not depend on the run or the number of threads.
 pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid) -> Vec<u64> {
     let image = Image {
         samples_per_pixel: 1,
@@ -24,35 +24,35 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
     let view = View::new(scene, accel, &image);
     let renderer = || StreamRenderer::<Counters>::new(view);
     let per_tile = grid.tile_size.div_ceil(STEP).pow(2);
-    // So many tiles make a stream that is worth its while.
-    let n_together = (WAVE_LEN as u32 / per_tile).max(1);
+    // Enough tiles to fill a stream.
+    let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
     let work = |renderer: &mut StreamRenderer<Counters>, chunk: u32| -> Vec<u64> {
-        let first = chunk * n_together;
-        let numbers = first..grid.n_tiles().min(first + n_together);
+        let first = chunk * n_per_chunk;
+        let numbers = first..grid.n_tiles().min(first + n_per_chunk);
         let tiles: Vec<Tile> = numbers.map(|number| grid.tile(number)).collect();
-        let places = (0..).zip(tiles.iter().flat_map(sparse_pixels));
+        let places = (0..).zip(tiles.iter().flat_map(probed_pixels));
         renderer.follow(places.map(|(pixel, at)| Place { pixel, at }));
         let counters = renderer.probe();
         let mut pixels = 0..;
         let of_tile = |tile| {
-            let n_looked_at = sparse_pixels(tile).count();
-            let looked_at = pixels.by_ref().take(n_looked_at);
-            let looked_at: u64 = looked_at.map(|pixel| steps(counters.of(pixel))).sum();
-            looked_at * tile.n_pixels() as u64 / n_looked_at as u64
+            let n_probed = probed_pixels(tile).count();
+            let probed = pixels.by_ref().take(n_probed);
+            let n_steps: u64 = probed.map(|pixel| steps(counters.of(pixel))).sum();
+            n_steps * tile.n_pixels() as u64 / n_probed as u64
         };
         tiles.iter().map(of_tile).collect()
     };
-    (0..grid.n_tiles().div_ceil(n_together))
+    (0..grid.n_tiles().div_ceil(n_per_chunk))
         .into_par_iter()
         .map_init(renderer, work)
         .flatten_iter()
         .collect()
 }
 
-/// The pixels of a tile that are looked at.
-fn sparse_pixels(tile: &Tile) -> impl Iterator<Item = (u32, u32)> + use<> {
+/// Returns the probed pixels of a tile.
+fn probed_pixels(tile: &Tile) -> impl Iterator<Item = (u32, u32)> + use<> {
     let places = |[first, end]: [u32; 2]| {
-        // In the middle of each step, or of a tile that is shorter.
+        // The middle of each step, or of a shorter tile.
         let middle = first + STEP.min(end - first) / 2;
         (middle..end).step_by(STEP as usize)
     };
@@ -60,10 +60,10 @@ fn sparse_pixels(tile: &Tile) -> impl Iterator<Item = (u32, u32)> + use<> {
     places(tile.rows).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// A pixel's rays' own part and the steps of their traversal.
+/// Returns the traversal steps of a pixel's rays, with [`RAY_STEPS`] for each ray.
 fn steps(cost: Cost) -> u64 {
     cost.node_visits + cost.primitive_tests + RAY_STEPS * cost.n_rays()
 }
 
-/// What a ray takes beside its traversal, in steps of it.
+/// Work per ray outside of its traversal, in traversal steps.
 const RAY_STEPS: u64 = 4;

@@ -1,9 +1,10 @@
-//! The same picture again and again: times that can be trusted.
+//! Repeated renderings for reliable pixel times.
 //!
-//! A pixel's time is what the machine made of it at that moment. The median of
-//! several is close to what the pixel costs, and their median absolute deviation
-//! (MAD) tells how close. Renderings follow one another, so that the samples of a
-//! pixel lie far apart: a disturbance meets few of them.
+//! A single time of a pixel includes random disturbances. The median of several
+//! times is a robust estimate of the pixel's cost, and their median absolute
+//! deviation (MAD) measures its uncertainty. The picture is rendered as a whole
+//! each time, so that the samples of a pixel are far apart in time and a
+//! disturbance affects few of them.
 
 use std::time::{Duration, Instant};
 
@@ -17,29 +18,30 @@ use crate::scene::Scene;
 use crate::schedule::{Schedule, TileRun};
 use crate::stop;
 
-/// How long all renderings of [`Repeats::Auto`] take together, but for a first one
-/// that takes longer.
+/// Time limit of all renderings of [`Repeats::Auto`] together. The first one may
+/// exceed it.
 const TIME_OF_AUTO: Duration = Duration::from_millis(500);
 
 /// One of several renderings of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Repeat {
-    /// Time on the wall.
+    /// Wall time.
     pub wall: Duration,
-    /// From each tile's start to its end, in nanoseconds over all threads.
+    /// Time from the start to the end of each tile, in nanoseconds summed over all
+    /// threads.
     pub busy_ns: u64,
-    /// Of that, the time in which pixels were written into the film.
+    /// The part of it that wrote pixels to the film.
     pub film_ns: u64,
-    /// Of that, the time in which pixels were rendered that count for nothing.
+    /// The part of it that rendered warm-up pixels.
     pub warm_up_ns: u64,
-    /// The sum of the pixels' times in nanoseconds, rejected ones included,
-    /// where they were measured.
+    /// The sum of the pixels' times in nanoseconds, including rejected ones, if
+    /// they were measured.
     pub pixels_ns: Option<f64>,
-    /// How many pixels' times were rejected.
+    /// The number of rejected pixel times.
     pub n_rejected: u64,
 }
 
-/// The most renderings of the config's picture.
+/// Returns the largest number of renderings of the config's picture.
 pub(crate) fn most_repeats(config: &Config) -> u8 {
     if config.repeats == Repeats::Auto && !config.cost.has_time() {
         return 1;
@@ -47,7 +49,7 @@ pub(crate) fn most_repeats(config: &Config) -> u8 {
     config.repeats.most(config.image.n_pixels(), SAMPLE_BYTES)
 }
 
-/// The fewest renderings of the config's picture.
+/// Returns the smallest number of renderings of the config's picture.
 pub(crate) fn least_repeats(config: &Config) -> u8 {
     match config.repeats {
         Repeats::Auto => 1,
@@ -55,7 +57,7 @@ pub(crate) fn least_repeats(config: &Config) -> u8 {
     }
 }
 
-/// Bytes of memory that the samples of a pixel take, and their deviation.
+/// Returns the bytes of memory per pixel for its samples and their deviation.
 pub(crate) fn repeat_bytes_per_pixel(config: &Config) -> usize {
     if !config.cost.has_time() || !config.repeats.has_spread() {
         return 0;
@@ -63,16 +65,17 @@ pub(crate) fn repeat_bytes_per_pixel(config: &Config) -> usize {
     usize::from(most_repeats(config)) * SAMPLE_BYTES + size_of::<f32>()
 }
 
-/// Renders the picture so many times, as [`render`](super::render) does;
-/// [`Repeats::Auto`] goes on as long as one more rendering, which takes as long as
-/// the last one, ends within half a second.
+/// Renders the picture repeatedly, as [`render`](super::render) does.
+/// [`Repeats::Auto`] continues while one more rendering, as long as the last one,
+/// would end within half a second.
 ///
-/// The film's `time_ns` is the median of the samples that were kept, and
-/// `time_mad_ns` their median absolute deviation; `n_rejected` counts the others,
-/// during which the thread lost its CPU, or right after that. Where all were
-/// rejected, both are of all. `thread` and the schedule are those of the last
-/// rendering. All else is the same each time. With [`Repeats::ONCE`], or where
-/// there are no times, the film is that of [`render`](super::render).
+/// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns`
+/// their median absolute deviation. `n_rejected` counts the rejected samples,
+/// during which, or right after which, the thread was interrupted. If all samples
+/// were rejected, both are those of all samples. `thread` and the schedule are
+/// those of the last rendering. All other values are the same in each rendering.
+/// With [`Repeats::ONCE`], or without times, the film equals that of
+/// [`render`](super::render).
 pub fn repeat(
     repeats: Repeats,
     scene: &Scene,
@@ -99,19 +102,20 @@ pub fn repeat(
         if let Some(samples) = &mut samples {
             samples.take(&film);
         }
-        if goes_on(repeats, &film, &done, begin.elapsed()) && !stop::is_requested() {
+        if needs_another(repeats, &film, &done, begin.elapsed()) && !stop::is_requested() {
             continue;
         }
         film.n_repeats = done.len() as u8;
         if let Some(samples) = samples {
-            samples.summarise(&mut film);
+            samples.summarize(&mut film);
         }
         return (film, schedule, done);
     }
 }
 
-/// Whether a film that was rendered so often, in `elapsed`, is rendered again.
-fn goes_on(repeats: Repeats, film: &Film, done: &[Repeat], elapsed: Duration) -> bool {
+/// Whether the film is rendered again after the renderings `done`, which took
+/// `elapsed` together.
+fn needs_another(repeats: Repeats, film: &Film, done: &[Repeat], elapsed: Duration) -> bool {
     let is_auto = repeats == Repeats::Auto;
     if is_auto && !film.cost.has_time() {
         return false;

@@ -1,14 +1,14 @@
-//! The times of a picture's pixels from all of its renderings → one of each.
+//! The pixel times of all renderings → their median and deviation.
 
 use rayon::prelude::*;
 
 use crate::film::{Film, Strip};
 
-/// Bytes of memory that one sample of a pixel takes.
+/// Bytes of one sample of a pixel.
 pub(super) const SAMPLE_BYTES: usize = size_of::<Sample>();
 
-/// A time in nanoseconds, at least 1. The sign tells whether it was rejected,
-/// so that it takes no more room than the time.
+/// A time in nanoseconds, at least 1. The sign bit marks a rejected sample, which
+/// takes no extra memory.
 #[derive(Debug, Clone, Copy)]
 struct Sample(f32);
 
@@ -26,9 +26,9 @@ impl Sample {
     }
 }
 
-/// The times of all renderings so far.
+/// The pixel times of all renderings so far.
 pub(super) struct Samples {
-    /// For each strip of the film one list a rendering, in the order of pixels.
+    /// For each strip of the film one list per rendering, in the order of pixels.
     strips: Vec<Vec<Vec<Sample>>>,
 }
 
@@ -39,7 +39,7 @@ impl Samples {
         }
     }
 
-    /// Takes over the times of a rendering.
+    /// Adds the times of a rendering.
     pub(super) fn take(&mut self, film: &Film) {
         let strips = self.strips.par_iter_mut().zip(&film.strips);
         strips.for_each(|(samples, strip)| {
@@ -52,14 +52,14 @@ impl Samples {
         });
     }
 
-    /// Puts medians, deviations and rejections into the film.
-    pub(super) fn summarise(self, film: &mut Film) {
+    /// Writes medians, deviations and numbers of rejections to the film.
+    pub(super) fn summarize(self, film: &mut Film) {
         let strips = film.strips.par_iter_mut().zip(self.strips);
-        strips.for_each(|(strip, samples)| summarise_strip(strip, &samples));
+        strips.for_each(|(strip, samples)| summarize_strip(strip, &samples));
     }
 }
 
-fn summarise_strip(strip: &mut Strip, samples: &[Vec<Sample>]) {
+fn summarize_strip(strip: &mut Strip, samples: &[Vec<Sample>]) {
     strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
     let mut of_pixel = Vec::with_capacity(samples.len());
     let mut kept = Vec::with_capacity(samples.len());
@@ -73,7 +73,7 @@ fn summarise_strip(strip: &mut Strip, samples: &[Vec<Sample>]) {
     }
 }
 
-/// What a pixel's samples come to.
+/// The statistics of a pixel's samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Summary {
     median_ns: f32,
@@ -81,14 +81,14 @@ struct Summary {
     n_rejected: u8,
 }
 
-/// The summary of one sample or more, at most 255; `kept` is room to work in.
+/// Computes the statistics of 1 to 255 samples; `kept` is a reused buffer.
 fn summary(samples: &[Sample], kept: &mut Vec<f32>) -> Summary {
     kept.clear();
     let is_kept = |sample: &&Sample| !sample.is_rejected();
     kept.extend(samples.iter().filter(is_kept).map(|sample| sample.ns()));
     let n_rejected = samples.len() - kept.len();
     if kept.is_empty() {
-        // A disturbed time is better than none.
+        // Without accepted samples, use the rejected ones.
         kept.extend(samples.iter().map(|sample| sample.ns()));
     }
     let median_ns = median(kept);
@@ -100,8 +100,7 @@ fn summary(samples: &[Sample], kept: &mut Vec<f32>) -> Summary {
     }
 }
 
-/// The middle value, or the mean of the two; brings the values into some other
-/// order. There is at least one.
+/// Returns the median of at least one value; sorts the values.
 fn median(values: &mut [f32]) -> f32 {
     values.sort_unstable_by(f32::total_cmp);
     let n = values.len();
@@ -125,7 +124,7 @@ mod tests {
         summary(&samples, &mut Vec::new())
     }
 
-    /// The slow twin: the value that has as many below as above.
+    /// The reference: the value with as many values below as above.
     fn plain_median(values: &[f64]) -> f64 {
         let rank = |value: f64| {
             let below = values.iter().filter(|other| **other < value).count();
@@ -170,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_disturbed_sample_counts_for_nothing_unless_there_is_nothing_else() {
+    fn rejected_samples_are_used_only_if_all_are_rejected() {
         let summary = summary_of(&[(100.0, false), (9000.0, true), (104.0, false)]);
         let [median_ns, mad_ns] = [102.0, 2.0];
         assert_eq!(
@@ -202,12 +201,12 @@ mod tests {
             }
             samples.take(&film);
         }
-        // What the pixels were given, pixel by pixel.
+        // The samples above, by pixel.
         let sample = |pixel: u32, rendering: u32| {
             let next = 7 * (60 * rendering + pixel + 1);
             ((1 + next * next % 1009) as f32, next.is_multiple_of(5))
         };
-        samples.summarise(&mut film);
+        samples.summarize(&mut film);
         let times = film.values(|strip| &strip.time_ns);
         let deviations = film.values(|strip| &strip.time_mad_ns);
         let rejected = film.values(|strip| &strip.n_rejected);

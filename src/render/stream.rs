@@ -1,7 +1,7 @@
-//! Many rays at once: all of a tile's camera rays, then their shadow rays,
-//! then the mirrored rays, and so on until no path goes on.
+//! Wavefront rendering: all camera rays of a tile, then their shadow rays, then
+//! the reflected rays, and so on until all paths have ended.
 //!
-//! Wavefront path tracing after Laine, Karras and Aila, "Megakernels Considered
+//! After Laine, Karras and Aila, "Megakernels Considered
 //! Harmful: Wavefront Path Tracing on GPUs", HPG 2013.
 
 use std::ops::Range;
@@ -19,13 +19,12 @@ use crate::shade::Path;
 use crate::stop;
 use crate::trace::SurfacePoint;
 
-/// Paths that are followed at the same time, at most, if a tile's pixels are no
-/// more: enough to keep the kernel busy, few enough to stay in the cache between
-/// two steps.
+/// Most paths in flight at a time, unless a tile has more pixels: enough to keep
+/// the kernel busy, few enough to stay in the cache between two steps.
 pub(super) const WAVE_LEN: usize = 2048;
 
-/// Renders tiles in waves of rays; a `P` hears of each pixel's cost. All
-/// buffers are kept from tile to tile.
+/// Renders tiles in waves of rays and counts with a `P`. All buffers are reused
+/// from tile to tile.
 pub(super) struct StreamRenderer<'a, P> {
     view: View<'a>,
     /// In the order in which their camera rays are traced.
@@ -33,28 +32,27 @@ pub(super) struct StreamRenderer<'a, P> {
     pixels: Vec<Pixel>,
     probe: P,
     wave: Wave,
-    /// The wave that follows.
+    /// The next wave.
     next: Wave,
     hits: Vec<Option<Hit>>,
-    /// What each ray of the wave met.
+    /// The point that each ray of the wave hit.
     met: Vec<Option<SurfacePoint>>,
     shadows: Shadows,
-    /// The light of each path, by slot: the first pixel's paths come first.
+    /// The color of each path, by slot: the first pixel's paths come first.
     colors: Vec<Vec3>,
 }
 
-/// A pixel that is to be rendered.
+/// A pixel to render.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    /// Its number among those that are rendered together.
+    /// Its index among the pixels that are rendered together.
     pub(super) pixel: u32,
     /// Its column and row in the picture.
     pub(super) at: (u32, u32),
 }
 
-// One loop of a tile's work, of which nothing is left to the compiler's choice:
-// with counters it would choose otherwise than without, and counting would seem
-// to cost twice as much.
+// Inlining is forced: otherwise the compiler decides differently with and without
+// counters, and counting appears to be twice as expensive.
 impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     pub(super) fn new(view: View<'a>) -> Self {
         Self {
@@ -71,7 +69,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Follows all paths of these pixels, whose numbers are 0, 1, … in any order.
+    /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order.
     #[inline(always)]
     pub(super) fn follow(&mut self, places: impl Iterator<Item = Place>) {
         self.places.clear();
@@ -81,16 +79,16 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.pixels.resize(n_pixels, Pixel::default());
         let n_samples = self.view.n_samples;
         self.probe.reset(n_pixels, n_samples);
-        let n_together = (WAVE_LEN / n_pixels).max(1);
-        for first in (0..n_samples).step_by(n_together) {
+        let n_per_wave = (WAVE_LEN / n_pixels).max(1);
+        for first in (0..n_samples).step_by(n_per_wave) {
             if stop::is_requested() {
                 break;
             }
-            self.render_samples(first..n_samples.min(first + n_together as u32));
+            self.render_samples(first..n_samples.min(first + n_per_wave as u32));
         }
     }
 
-    /// What the pixels last followed cost.
+    /// The counters of the pixels last followed.
     pub(super) fn probe(&self) -> &P {
         &self.probe
     }
@@ -119,7 +117,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Begins a path for each of these samples of all pixels.
+    /// Starts a path for each of these samples of all pixels.
     #[inline(always)]
     fn shoot(&mut self, samples: Range<u32>) {
         self.wave.clear();
@@ -135,7 +133,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.colors.resize(slot as usize, Vec3::ZERO);
     }
 
-    /// Finds what the wave's rays meet.
+    /// Finds the hits of the wave's rays.
     #[inline(always)]
     fn trace(&mut self) {
         let Self { view, wave, .. } = self;
@@ -151,7 +149,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.met.extend(met);
     }
 
-    /// Shades what the wave's rays have met; the mirrored rays become the wave.
+    /// Shades the hits of the wave's rays; the reflected rays become the wave.
     fn shade(&mut self) {
         let View { tracer, shader, .. } = &self.view;
         self.shadows
@@ -160,7 +158,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.next.clear();
         for (i, (ray, met)) in self.wave.rays.iter().zip(&self.met).enumerate() {
             let path = &mut self.wave.paths[i];
-            let mirrored = match met {
+            let reflected = match met {
                 Some(point) => shader.shade(path, ray, point, self.shadows.lights_at(i)),
                 None => {
                     shader.miss(path, ray);
@@ -168,7 +166,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                 }
             };
             let (pixel, slot) = (self.wave.pixels[i], self.wave.slots[i]);
-            match mirrored {
+            match reflected {
                 Some(ray) => {
                     self.probe.rays(RayKind::Reflection, pixel as usize, 1);
                     self.probe.bounce(pixel as usize, path.depth);

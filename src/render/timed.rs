@@ -1,6 +1,6 @@
-//! Ray after ray, pixel after pixel, with a look at the clock in between; or
-//! without, to tell what the look costs. A tile's first pixels are rendered twice
-//! where they are timed, so that the first one does not pay for cold caches.
+//! Renders ray by ray and times each pixel. Without a clock it measures the
+//! overhead of timing. If pixels are timed, the first ones of a tile are rendered
+//! twice, so that their times do not include cold caches.
 
 use glam::Vec3;
 
@@ -15,36 +15,35 @@ use crate::shade::Path;
 use crate::stop;
 use crate::trace::SurfacePoint;
 
-/// Pixels that are rendered once more before a tile's first pixel is timed. The
-/// writing of the tile before has left the caches and the branch predictor with
-/// its own code and data: without them the first pixel costs up to 1.8 times as
-/// much as its neighbors, and the second one up to 1.2 times
-/// (`benches/tiles/first_pixels`).
+/// Warm-up pixels, rendered before a tile's first pixel is timed. Writing the
+/// previous tile has filled the caches and the branch predictor: without a
+/// warm-up the first pixel takes up to 1.8 times as long as its neighbors, and
+/// the second one up to 1.2 times (`benches/tiles/first_pixels`).
 const N_WARM_UP: usize = 4;
 
-/// Columns, and rows, of the pixels that warm a thread up.
+/// Columns and rows of the pixels that warm up a thread.
 const SPREAD: u32 = 8;
 
-/// Renders tiles pixel by pixel, counting each, and timing it by a clock.
+/// Renders tiles pixel by pixel, counts each and optionally times it.
 pub(super) struct SingleRayRenderer<'a> {
     view: View<'a>,
-    /// None to tell what the clock costs.
+    /// `None` to measure the overhead of timing.
     stopwatch: Option<Stopwatch<'a>>,
     pixels: Vec<Pixel>,
-    /// What is counted of each pixel. Counters grow where a tile has its first
-    /// ray of a kind, and no pixel shall pay for that.
+    /// The counters of each pixel. [`Counters`] allocates at the first ray of a
+    /// kind, which would be part of that pixel's time.
     costs: Vec<Cost>,
     counters: Counters,
     times: Vec<PixelTime>,
 }
 
 impl<'a> SingleRayRenderer<'a> {
-    /// Renders tiles of the plan on the calling thread.
+    /// Creates a renderer of the plan's tiles for the calling thread, and warms up
+    /// the thread.
     pub(super) fn new(view: View<'a>, clock: Option<&'a Clock>, plan: &Plan) -> Self {
         let n_pixels = plan.max_pixels();
-        // Written to once: no pixel shall pay for the first touch of memory. The
-        // allocator would leave zeros to the system, which maps pages of them when
-        // they are written to.
+        // Filled with nonzero values, so that page faults are not part of a pixel's
+        // time: the system would map zeroed pages only at the first write.
         let written_cost = Cost {
             depth: u64::MAX,
             ..Cost::default()
@@ -65,9 +64,9 @@ impl<'a> SingleRayRenderer<'a> {
         renderer
     }
 
-    /// Renders some pixels all over the picture for nothing but what that leaves in
-    /// the caches: the first pixel of a thread that hits something took up to 12
-    /// microseconds more, in each rendering the same one.
+    /// Renders some pixels of the whole picture to fill the caches: without this,
+    /// the first pixel of a thread that hits something took up to 12 microseconds
+    /// more, and it was the same pixel in each rendering.
     fn warm_up_thread(&mut self, image: &Image) {
         if self.stopwatch.is_none() {
             return;
@@ -85,9 +84,9 @@ impl<'a> SingleRayRenderer<'a> {
         }
     }
 
-    /// Renders the first pixels for nothing but what that leaves in the caches;
-    /// gives the time in nanoseconds. A loop of its own: where the loop of the
-    /// timed pixels goes on with other ones, the processor predicts wrong.
+    /// Renders the first pixels to fill the caches; returns the time in
+    /// nanoseconds. This is a separate loop, as jumping to other pixels in the
+    /// loop of the timed ones causes branch mispredictions.
     fn warm_up(&mut self, tile: &Tile) -> f64 {
         let Some(clock) = self.stopwatch.as_ref().map(|stopwatch| stopwatch.clock) else {
             return 0.0;
@@ -141,13 +140,13 @@ impl TileRenderer for SingleRayRenderer<'_> {
     }
 }
 
-/// Times one pixel after the other on one thread.
+/// Times consecutive pixels on one thread.
 struct Stopwatch<'a> {
     clock: &'a Clock,
     interruptions: Interruptions,
-    /// When the pixel was begun.
+    /// The start of the pixel.
     begin: Instant,
-    /// Whether the pixel before was disturbed.
+    /// Whether the previous pixel was disturbed.
     was_disturbed: bool,
 }
 
@@ -161,7 +160,7 @@ impl<'a> Stopwatch<'a> {
         }
     }
 
-    /// Begins with a first pixel.
+    /// Starts the first pixel.
     #[inline]
     fn start(&mut self) {
         self.interruptions.take();
@@ -169,11 +168,11 @@ impl<'a> Stopwatch<'a> {
         self.begin = self.clock.now();
     }
 
-    /// Ends a pixel; the same reading of the clock begins the next one.
+    /// Ends a pixel; the same reading of the clock starts the next one.
     ///
-    /// A pixel after one that was disturbed is disturbed as well: it comes into
-    /// cold caches, and what happens between the clock and the look at the
-    /// interruptions falls into its time.
+    /// A pixel after a disturbed one is rejected too: its caches are cold, and an
+    /// interruption between the reading of the clock and the check falls into its
+    /// time.
     #[inline]
     fn lap(&mut self) -> PixelTime {
         let end = self.clock.now();
@@ -188,10 +187,10 @@ impl<'a> Stopwatch<'a> {
     }
 }
 
-/// Renders a pixel where it is to stay: a copy would cost as much as a ray.
+/// Renders a pixel in place: a copy would take as long as a ray.
 fn render_pixel(view: &View, place: (u32, u32), pixel: &mut Pixel, counted: &mut Cost) {
     *pixel = Pixel::default();
-    // In registers until the end.
+    // A local variable, which stays in registers.
     let mut cost = Cost::default();
     let probe = &mut cost;
     for sample in 0..view.n_samples {
@@ -206,7 +205,7 @@ fn render_pixel(view: &View, place: (u32, u32), pixel: &mut Pixel, counted: &mut
     *counted = cost;
 }
 
-/// The light that comes along a camera ray, given what the ray met.
+/// Returns the radiance along a camera ray, given the point that it hit.
 fn radiance<P: Probe>(
     view: &View,
     camera_ray: Ray,
@@ -222,7 +221,7 @@ fn radiance<P: Probe>(
             .filter(|sample| !tracer.is_shadowed(&sample.shadow, probe))
             .map(|sample| sample.light);
         match shader.shade(&mut path, &ray, &point, lights) {
-            Some(mirrored) => ray = mirrored,
+            Some(reflected) => ray = reflected,
             None => return path.color,
         }
         probe.bounce(path.depth);
@@ -244,7 +243,7 @@ mod tests {
     use crate::yaml::Source;
 
     #[test]
-    fn a_warm_up_takes_time_and_is_not_counted() {
+    fn a_warm_up_is_timed_and_not_counted() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/seed_extended.yaml");
         let source = Source::read(file.as_ref()).unwrap();
         let config: Config = source.parse().unwrap();
@@ -273,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_that_lost_its_processor_is_rejected_with_the_next_one() {
+    fn an_interrupted_pixel_and_the_next_one_are_rejected() {
         let clock = Clock::calibrated();
         let mut stopwatch = Stopwatch::new(&clock);
         if !stopwatch.interruptions.is_reported() {

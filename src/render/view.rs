@@ -1,4 +1,4 @@
-//! Pixels → camera rays, and what became of them → pixels.
+//! Pixels → camera rays, and their results → pixels.
 
 use glam::Vec3;
 
@@ -12,16 +12,16 @@ use crate::scene::Scene;
 use crate::shade::Shader;
 use crate::trace::Tracer;
 
-/// All that rendering a pixel needs.
+/// Everything that rendering a pixel needs.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     pub(crate) tracer: Tracer<'a>,
     pub(crate) shader: Shader<'a>,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub(crate) n_samples: u32,
-    /// The sample whose camera ray goes through the pixel's middle.
+    /// The sample at the center of the pixel.
     pub(super) middle: u32,
-    /// Where the pixels lie.
+    /// The positions of the pixels in world space.
     plane: ImagePlane,
     pattern: PixelPattern,
     width: u32,
@@ -41,20 +41,20 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The same scene in pixels that lie elsewhere.
+    /// Replaces the image plane.
     pub(crate) fn through(self, plane: ImagePlane) -> Self {
         Self { plane, ..self }
     }
 
-    /// The camera ray of one of the pixel's samples.
+    /// Returns the camera ray of one of the pixel's samples.
     pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
         let pixel = u64::from(y) * u64::from(self.width) + u64::from(x);
         let offset = self.pattern.point(pixel, sample);
         self.plane.ray(x as f32 + offset.x, y as f32 + offset.y)
     }
 
-    /// Makes the sum of the samples' colours their mean, and adds what follows
-    /// from the place.
+    /// Divides the sum of the samples' colors by their number, and sets the
+    /// footprint.
     pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
         let footprint_at = |distance| self.plane.footprint(x as f32, y as f32, distance);
         pixel.color /= self.n_samples as f32;
@@ -64,8 +64,8 @@ impl<'a> View<'a> {
     }
 }
 
-/// A sample's share of its pixel: limited a sample at a time, so that a bright
-/// edge stays smooth.
+/// Limits a sample to 1 in each channel. Samples are limited before they are
+/// averaged, so that bright edges stay antialiased.
 pub(super) fn limited(color: Vec3) -> Vec3 {
     color.min(Vec3::ONE)
 }

@@ -1,6 +1,6 @@
-//! The rays that a tile has on their way at the same time.
+//! The rays of a tile that are traced together.
 //!
-//! Structures of arrays: what the ray kernel reads lies close together.
+//! Structures of arrays: the values that the ray kernel reads are contiguous.
 
 use crate::accel::ShadowRay;
 use crate::cost::{ByPixel, PixelProbe, RayKind};
@@ -9,15 +9,15 @@ use crate::light::Illumination;
 use crate::shade::{Path, Shader};
 use crate::trace::{SurfacePoint, Tracer};
 
-/// The rays of one kind, an entry each in every array.
+/// Rays of one kind; each has one entry in every array.
 #[derive(Default)]
 pub(super) struct Wave {
     pub(super) rays: Vec<Ray>,
     /// The pixel of each ray, as its index in the tile.
     pub(super) pixels: Vec<u32>,
-    /// The path that each ray is the end of.
+    /// The path that ends with each ray.
     pub(super) paths: Vec<Path>,
-    /// Where the path's colour goes.
+    /// The index of the path's color.
     pub(super) slots: Vec<u32>,
 }
 
@@ -37,23 +37,22 @@ impl Wave {
     }
 }
 
-/// The shadow rays of a wave's points, point after point.
+/// The shadow rays of a wave's points, point by point.
 #[derive(Default)]
 pub(super) struct Shadows {
     rays: Vec<ShadowRay>,
-    /// What comes along each ray unless it is occluded.
+    /// The illumination along each ray unless it is occluded.
     lights: Vec<Illumination>,
     /// The pixel of each ray, as its index in the tile.
     pixels: Vec<u32>,
     occluded: Vec<bool>,
-    /// For each ray of the wave the number of shadow rays up to and with its
-    /// point's.
+    /// For each ray of the wave the end of its shadow rays in `rays`.
     ends: Vec<usize>,
 }
 
 impl Shadows {
-    /// Takes the shadow rays of all points that the rays of a wave, of these
-    /// pixels, have met, and tells the probe of them.
+    /// Collects and counts the shadow rays of all points that the rays of a wave
+    /// hit; `pixels` are the pixels of these rays.
     pub(super) fn gather<P: PixelProbe>(
         &mut self,
         shader: &Shader,
@@ -77,13 +76,13 @@ impl Shadows {
         }
     }
 
-    /// Finds out which of them are occluded.
+    /// Traces the shadow rays.
     pub(super) fn trace<P: PixelProbe>(&mut self, tracer: &Tracer, probe: &mut P) {
         let probes = ByPixel::new(probe, &self.pixels);
         tracer.shadow_stream(&self.rays, &mut self.occluded, probes);
     }
 
-    /// The lights that reach the point of the wave's ray with this index.
+    /// Returns the unoccluded lights of the point that ray `ray` of the wave hit.
     pub(super) fn lights_at(&self, ray: usize) -> impl Iterator<Item = Illumination> {
         let first = ray.checked_sub(1).map_or(0, |before| self.ends[before]);
         let rays = first..self.ends[ray];

@@ -1,10 +1,10 @@
-//! Surface points → colour and the rays to follow next.
+//! Surface points → radiance and the next rays.
 //!
-//! Nothing here traces a ray, so that the same shading serves rays that are
-//! traced one by one and rays in streams. A point tells which lights may reach
-//! it, and the shadow ray of each ([`Shader::light_samples`]); given those that
-//! do, it gives its light to the path and the mirrored ray that the path goes
-//! on with ([`Shader::shade`]).
+//! This module traces no rays, so that rays traced one by one and rays in
+//! streams share the same shading. [`Shader::light_samples`] returns the lights
+//! that may reach a point with their shadow rays. Given the unoccluded ones,
+//! [`Shader::shade`] adds the radiance of the point to the path and returns the
+//! reflected ray that continues it.
 
 mod blinn_phong;
 mod path;
@@ -22,36 +22,36 @@ use crate::trace::SurfacePoint;
 
 pub use path::Path;
 
-/// Colours what rays meet.
+/// Shades the points that rays hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Shader<'a> {
     scene: &'a Scene,
 }
 
-/// Light from one source, if it reaches the point.
+/// Light from one source that may reach a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightSample {
-    /// What arrives unless something is in the shadow ray's way.
+    /// The illumination if the shadow ray is unoccluded.
     pub light: Illumination,
     /// From the point to the light.
     pub shadow: ShadowRay,
 }
 
-/// What one point of a path gives.
+/// The result of shading a point.
 struct Shaded {
-    /// Its own light.
+    /// The radiance that it reflects directly from lights.
     color: Vec3,
-    /// The mirrored ray; none ends the path.
-    mirrored: Option<Ray>,
+    /// The reflected ray; `None` ends the path.
+    reflected: Option<Ray>,
 }
 
 impl<'a> Shader<'a> {
-    /// Colours this scene.
+    /// Creates a shader of the scene.
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene }
     }
 
-    /// The lights that may reach the point, in the order of the scene file.
+    /// Returns the lights that may reach the point, in the order of the scene file.
     pub fn light_samples(&self, point: &SurfacePoint) -> impl Iterator<Item = LightSample> {
         self.indexed_light_samples(point).map(|(_, sample)| sample)
     }
@@ -75,9 +75,9 @@ impl<'a> Shader<'a> {
             })
     }
 
-    /// Adds the light of the point that the path's `ray` met, lit by those of
-    /// its light samples that reach it, in their order; gives the ray that the
-    /// path goes on with, if it does.
+    /// Adds the radiance of `point`, hit by the path's `ray`, to the path.
+    /// `lights` are the unoccluded light samples of the point, in their order.
+    /// Returns the ray that continues the path, or `None` at its end.
     pub fn shade(
         &self,
         path: &mut Path,
@@ -92,15 +92,16 @@ impl<'a> Shader<'a> {
             ShadingModel::Seed => seed::shade(material, ambient, path.eye, ray, point, lights),
         };
         path.add(shaded.color);
-        let mirrored = shaded.mirrored?;
+        let reflected = shaded.reflected?;
         let may_bounce = path.depth < u32::from(self.scene.shading.max_depth);
         may_bounce.then(|| {
             path.bounce(material.reflection);
-            mirrored
+            reflected
         })
     }
 
-    /// Adds the light that comes along the path's `ray`, which met nothing.
+    /// Adds the radiance of the background along the path's `ray`, which hit
+    /// nothing.
     pub fn miss(&self, path: &mut Path, ray: &Ray) {
         path.add(self.scene.background.color(ray.direction));
     }

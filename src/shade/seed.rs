@@ -1,12 +1,11 @@
 //! The model of the course's NumPy code, kept for comparison with it.
 //!
-//! Its quirks: the light's color is in the highlight alone, the surface's in
-//! the diffuse light alone; normals are those of planes and spheres as given,
-//! also where the ray comes from the other side; V points to the camera even
-//! after a bounce; a shadow ray skips the object that it leaves and does not
-//! end at its light; a point in the shadow (of all lights, where there are
-//! several) gives nothing, not even ambient light, and ends the path; new rays
-//! start 1e-4 off the surface, along its normal.
+//! It differs from the standard model: only the highlight has the light's color,
+//! and only the diffuse light the surface's; normals are not flipped toward the
+//! ray; V points to the camera even after a bounce; a shadow ray ignores the
+//! object that it leaves and does not end at its light; a point that no light
+//! reaches is black, without ambient light, and ends the path; new rays start
+//! 1e-4 off the surface, along its normal.
 
 use glam::Vec3;
 
@@ -18,7 +17,7 @@ use crate::light::Illumination;
 use crate::material::Material;
 use crate::trace::SurfacePoint;
 
-/// How far off the surface new rays start, in world units.
+/// Distance of the origin of new rays from the surface, in world units.
 const OFFSET: f32 = 1e-4;
 
 pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> LightSample {
@@ -53,12 +52,12 @@ pub(super) fn shade(
     if !is_lit {
         return Shaded {
             color: Vec3::ZERO,
-            mirrored: None,
+            reflected: None,
         };
     }
-    let mirrored =
+    let reflected =
         (material.reflection > 0.0).then(|| leaving(point, point.mirrored(ray.direction)));
-    Shaded { color, mirrored }
+    Shaded { color, reflected }
 }
 
 fn leaving(point: &SurfacePoint, direction: Vec3) -> Ray {

@@ -1,8 +1,8 @@
-//! The standard model: Blinn and Phong's with shadows, and mirrored rays.
+//! The standard model: Blinn-Phong with shadows and reflected rays.
 //!
 //! Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6),
-//! 1980. V points back along the ray, a shadow ends at its light, and a point
-//! in the shadow keeps its ambient light.
+//! 1980. V points to the origin of the ray, shadow rays end at their lights, and
+//! a point in shadow keeps its ambient light.
 
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ use crate::light::Illumination;
 use crate::material::Material;
 use crate::trace::SurfacePoint;
 
-/// A light behind the surface is in the surface's own shadow.
+/// Returns `None` for a light behind the surface, which shadows itself.
 pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> Option<LightSample> {
     let may_reach = point.is_faced_by(light.direction) && light.radiance != Vec3::ZERO;
     may_reach.then(|| LightSample {
@@ -40,9 +40,9 @@ pub(super) fn shade(
             reflected(material, point.color, point.normal, &light, -ray.direction);
         color += (diffuse + highlight) * light.radiance;
     }
-    let mirrored = (material.reflection > 0.0).then(|| {
+    let reflected = (material.reflection > 0.0).then(|| {
         let direction = point.mirrored(ray.direction);
         Ray::leaving(point.position, point.geometric_normal, direction)
     });
-    Shaded { color, mirrored }
+    Shaded { color, reflected }
 }

@@ -1,4 +1,4 @@
-//! Colours: `[r, g, b]`, `"#rrggbb"` or one number for a grey.
+//! Colors: `[r, g, b]`, `"#rrggbb"`, or one number for a gray.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -9,40 +9,40 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpect
 
 use super::number::{List, NON_NEGATIVE, Number, Splat};
 
-const EXPECTED: &str = "a colour: [r, g, b], \"#rrggbb\" or one number for a grey";
+const EXPECTED: &str = "a color: [r, g, b], \"#rrggbb\" or one number for a gray";
 
-/// A channel of a colour that reflects.
+/// A channel of a reflectance.
 const CHANNEL: Number = Number {
     expected: "a number from 0 to 1 (not 0 to 255)",
     accepts: |x| (0.0..=1.0).contains(&x),
 };
 
-/// A colour that reflects: each channel from 0 to 1.
+/// Reads a reflectance: each channel from 0 to 1.
 pub fn color<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Color(CHANNEL))
 }
 
-/// A colour that shines: each channel at least 0.
+/// Reads a radiance: each channel at least 0.
 pub fn radiance<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Color(NON_NEGATIVE))
 }
 
-/// Red, green and blue of `#rrggbb`.
+/// Returns red, green and blue of `#rrggbb`.
 pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6)?;
-    // `from_str_radix` takes a sign, too.
+    // `from_str_radix` accepts a sign too.
     let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     let rgb = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex)?;
     let [_, r, g, b] = rgb.to_be_bytes();
     Some([r, g, b])
 }
 
-/// For types that are one colour or, as a mapping, something richer:
-/// `#[serde(from = "ColorOr<Richer>")]`.
+/// One color, or a mapping that holds a `T`. For types that accept both:
+/// `#[serde(from = "ColorOr<T>")]`.
 pub enum ColorOr<T> {
-    /// One colour, each channel from 0 to 1.
+    /// One color, each channel from 0 to 1.
     Color(Vec3),
-    /// What the mapping says.
+    /// The value of the mapping.
     Other(T),
 }
 

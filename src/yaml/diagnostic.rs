@@ -1,4 +1,4 @@
-//! One mistake, told to the person who wrote the YAML.
+//! Error messages that point at a line of the YAML text.
 
 use std::fmt;
 use std::ops::Range;
@@ -11,48 +11,48 @@ use super::source::Source;
 use super::syntax::line_start;
 use crate::terminal::{one_line, visible};
 
-/// Most characters that are shown of a message, and of what stands beside the
-/// caret: a value may be as long as its author likes.
+/// Most characters shown of a message and of the label beside the caret: a
+/// value in the text may have any length.
 const MAX_MESSAGE: usize = 200;
-/// Most characters that are underlined.
+/// Most characters underlined.
 const MAX_UNDERLINED: usize = 60;
 
-/// A mistake in a scene, before it is put beside the text.
+/// A mistake in a scene, not yet connected to a line of the text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// Where it stands.
+    /// Where the mistake is.
     pub spot: Spot,
-    /// What is wrong, one line.
+    /// What is wrong, in one line.
     pub message: String,
-    /// What would be right, put beside the caret.
+    /// What is expected; the label beside the caret.
     pub expected: String,
-    /// What to do, when there is more to say.
+    /// How to correct it, if that needs to be said.
     pub help: Option<String>,
 }
 
-/// Where a mistake stands.
+/// The position of a mistake.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spot {
     /// The value at a path.
     Value(Path),
     /// The key at the end of a path.
     Key(Path),
-    /// These bytes of the text.
+    /// A range of bytes of the text.
     Bytes(Range<usize>),
 }
 
 impl Fault {
-    /// A fault of the value at `path`.
+    /// Creates a fault at the value at `path`.
     pub fn new(path: Path, message: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::at(Spot::Value(path), message, expected)
     }
 
-    /// A fault of the key at the end of `path`.
+    /// Creates a fault at the key at the end of `path`.
     pub fn of_key(path: Path, message: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::at(Spot::Key(path), message, expected)
     }
 
-    /// A fault of these bytes of the text.
+    /// Creates a fault at a range of bytes of the text.
     pub fn of_bytes(
         bytes: Range<usize>,
         message: impl Into<String>,
@@ -70,46 +70,47 @@ impl Fault {
         }
     }
 
-    /// The same, with a hint what to do.
+    /// Adds advice on how to correct it.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 }
 
-/// A message for the user: what is wrong, where, and what to do.
+/// An error message for the user: what is wrong, where, and how to correct it.
 #[derive(Debug, Clone)]
 pub struct Diagnostic {
     message: String,
-    place: Option<Place>,
+    excerpt: Option<Excerpt>,
     note: Option<String>,
     help: Option<String>,
 }
 
-/// Where a diagnostic points.
+/// The line that a diagnostic points at.
 #[derive(Debug, Clone)]
-struct Place {
+struct Excerpt {
     file: String,
-    /// The line (1 is the first), and its text.
+    /// The line's number, counted from 1, and its text.
     line: usize,
     text: String,
-    /// Bytes of `text` under the caret.
+    /// The bytes of `text` that are underlined.
     span: Range<usize>,
     label: String,
 }
 
 impl Diagnostic {
-    /// A diagnostic without a place in a text.
+    /// Creates a diagnostic without an excerpt.
     pub fn new(message: impl Into<String>) -> Self {
         Self {
             message: one_line(&message.into()).into_owned(),
-            place: None,
+            excerpt: None,
             note: None,
             help: None,
         }
     }
 
-    /// The fault of something that stands in no text: on the command line.
+    /// Creates the diagnostic of a fault outside of any text, such as on the
+    /// command line.
     pub fn without_place(fault: Fault) -> Self {
         Self {
             help: fault.help.map(|help| one_line(&help).into_owned()),
@@ -117,19 +118,20 @@ impl Diagnostic {
         }
     }
 
-    /// The same, with a hint what to do.
+    /// Adds advice on how to correct it.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(one_line(&help.into()).into_owned());
         self
     }
 
-    /// The same, with what another program said, which may be several lines.
+    /// Adds the output of another program, which may have several lines.
     pub fn with_note(mut self, note: impl Into<String>) -> Self {
         self.note = Some(visible(note.into().trim_end()).into_owned());
         self
     }
 
-    /// The fault beside the line that holds byte `span.start` of the source.
+    /// Creates the diagnostic of a fault at the bytes `span` of the source, with
+    /// an excerpt of the first line of `span`.
     pub(super) fn of_fault(source: &Source, span: Range<usize>, fault: Fault) -> Self {
         let text = source.text();
         let start = span.start.min(text.len());
@@ -141,32 +143,32 @@ impl Diagnostic {
         let shown = marked.char_indices().nth(MAX_UNDERLINED);
         let n_shown = shown.map_or(marked.len(), |(byte, _)| byte);
         Self {
-            message: cut(&fault.message),
-            place: Some(Place {
+            message: truncated(&fault.message),
+            excerpt: Some(Excerpt {
                 file: one_line(source.name()).into_owned(),
                 line: 1 + text[..line_start].matches('\n').count(),
                 text: line_text.to_owned(),
                 span: begin..begin + n_shown,
-                label: cut(&fault.expected),
+                label: truncated(&fault.expected),
             }),
             note: None,
-            help: fault.help.map(|help| cut(&help)),
+            help: fault.help.map(|help| truncated(&help)),
         }
     }
 
-    /// The message as it goes to a terminal; `styled` adds colours.
+    /// Formats the message for a terminal; `styled` adds colors.
     pub fn render(&self, styled: bool) -> String {
         let mut group =
             Level::ERROR
                 .primary_title(self.message.as_str())
-                .elements(self.place.as_ref().map(|place| {
-                    Snippet::source(place.text.as_str())
-                        .line_start(place.line)
-                        .path(place.file.as_str())
+                .elements(self.excerpt.as_ref().map(|excerpt| {
+                    Snippet::source(excerpt.text.as_str())
+                        .line_start(excerpt.line)
+                        .path(excerpt.file.as_str())
                         .annotation(
                             AnnotationKind::Primary
-                                .span(place.span.clone())
-                                .label(place.label.as_str()),
+                                .span(excerpt.span.clone())
+                                .label(excerpt.label.as_str()),
                         )
                 }));
         if let Some(note) = &self.note {
@@ -192,8 +194,8 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
-/// The text on one line, cut to [`MAX_MESSAGE`] characters.
-fn cut(text: &str) -> String {
+/// Returns the text as one line of at most [`MAX_MESSAGE`] characters.
+fn truncated(text: &str) -> String {
     match text.char_indices().nth(MAX_MESSAGE) {
         None => one_line(text).into_owned(),
         Some((end, _)) => one_line(&text[..end]).into_owned() + "…",

@@ -1,36 +1,35 @@
-//! What a text stands for once its aliases are written out.
+//! The size of a text after alias expansion.
 //!
-//! An alias takes two characters and stands for all of its anchor: nine lines
-//! can stand for more values than memory holds, and one long text under an
-//! anchor for as many copies as it has aliases. Both are counted before
-//! anything is copied.
+//! An alias of two characters expands to the whole value of its anchor: nine
+//! lines can expand to more values than fit into memory (the "billion laughs"
+//! attack). This module counts values and bytes before anything is copied.
 
 use std::collections::HashMap;
 
 use saphyr_parser::Event;
 
-/// Most values that all aliases of a text stand for together.
+/// Most values that all aliases of a text expand to together.
 const MAX_VALUES: u64 = 1_000_000;
-/// Most bytes of text that they stand for.
+/// Most bytes of scalars that they expand to.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Values and bytes of text.
+/// Number of values, and of bytes in scalars.
 #[derive(Debug, Clone, Copy, Default)]
 struct Size {
     n_values: u64,
     n_bytes: u64,
 }
 
-/// The sizes of all anchors, and of what was expanded so far.
+/// The sizes of all anchors, and of the text expanded so far.
 #[derive(Debug, Default)]
 pub(super) struct Expansion {
     of_anchor: HashMap<usize, Size>,
-    /// The anchor of each collection that is open, 0 for none, and the size of
-    /// all before it.
+    /// For each open collection its anchor, 0 for none, and the size of the
+    /// text before it.
     open: Vec<(usize, Size)>,
-    /// Of all so far, aliases written out.
+    /// The text so far, with all aliases expanded.
     all: Size,
-    /// Of what aliases stand for.
+    /// The values that the aliases so far expand to.
     aliased: Size,
 }
 
@@ -51,8 +50,8 @@ impl Size {
 }
 
 impl Expansion {
-    /// Takes the next event in; gives whether the aliases so far stand for no
-    /// more than a scene may.
+    /// Processes the next event; returns whether the aliases so far expand to
+    /// no more than the limits.
     pub(super) fn take(&mut self, event: &Event) -> bool {
         let before = self.all;
         match event {
@@ -76,7 +75,7 @@ impl Expansion {
                 }
             }
             Event::Alias(anchor) => {
-                // An unknown anchor is another mistake.
+                // An unknown anchor is reported elsewhere.
                 let size = self.of_anchor.get(anchor).copied().unwrap_or_default();
                 self.add(size);
                 self.aliased = self.aliased.plus(size);
@@ -90,7 +89,7 @@ impl Expansion {
         self.all = self.all.plus(size);
     }
 
-    /// A value ends that began after `before`.
+    /// Ends a value that began at size `before`.
     fn end(&mut self, anchor: usize, before: Size) {
         if anchor > 0 {
             self.of_anchor.insert(anchor, self.all.minus(before));

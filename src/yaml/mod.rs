@@ -1,9 +1,9 @@
 //! YAML text → typed, checked values.
 //!
-//! Takes a scene file's text and a serde type; gives the value, or one
-//! [`Diagnostic`] that points at the line. serde_yaml does the reading; the
-//! event stream of saphyr-parser, walked beside it, knows where each key and
-//! value stands, so that every error, whoever finds it, gets its caret.
+//! [`Source::parse`] takes a scene file's text and a serde type, and returns
+//! the value or one [`Diagnostic`] that points at a line. serde_yaml
+//! deserializes; the events of saphyr-parser give the position of each key and
+//! value, so that every error, also one found later, is shown at its place.
 
 mod color;
 mod diagnostic;

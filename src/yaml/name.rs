@@ -1,4 +1,4 @@
-//! Names: short texts that are shown, compared and written into files.
+//! Names: short strings that are displayed, compared and written to files.
 
 use std::fmt;
 
@@ -7,15 +7,15 @@ use serde::de::{Deserializer, Error, Visitor};
 /// Most characters of a name, a title or a key.
 pub const MAX_NAME: usize = 256;
 
-/// A name; for `#[serde(deserialize_with = "…")]`.
+/// Reads a name; for `#[serde(deserialize_with = "…")]`.
 ///
 /// # Errors
-/// What is no text, or longer than [`MAX_NAME`].
+/// The value is not a string, or is longer than [`MAX_NAME`].
 pub fn name<'de, D: Deserializer<'de>>(d: D) -> Result<String, D::Error> {
     d.deserialize_str(NameVisitor)
 }
 
-/// Whether the text has more characters than a name may.
+/// Whether the text has more than [`MAX_NAME`] characters.
 pub(super) fn is_long(text: &str) -> bool {
     text.len() > MAX_NAME && text.chars().nth(MAX_NAME).is_some()
 }

@@ -1,8 +1,8 @@
-//! Checked numbers: what a field accepts stands in its type's deserialiser.
+//! Deserializers of numbers that check their range.
 //!
-//! Each function is for `#[serde(deserialize_with = "…")]`. All refuse NaN,
+//! Each function is for `#[serde(deserialize_with = "…")]`. All reject NaN,
 //! infinities and magnitudes above 1e15, whose squares and products would
-//! leave the range of `f32` in the kernel.
+//! overflow `f32` in the kernel.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -16,12 +16,12 @@ const MAX_MAGNITUDE: f64 = 1e15;
 /// Smallest magnitude of a length that is not zero.
 const MIN_LENGTH: f64 = 1e-15;
 
-/// A number that a field accepts.
+/// The numbers that a field accepts.
 #[derive(Clone, Copy)]
 pub struct Number {
-    /// What would be right, as it follows the word "expected".
+    /// A description that follows the word "expected".
     pub expected: &'static str,
-    /// Tells whether a finite number is right.
+    /// Whether a finite number is accepted.
     pub accepts: fn(f64) -> bool,
 }
 
@@ -30,7 +30,7 @@ const COORDINATE: Number = Number {
     expected: "a number from -1e15 to 1e15",
     accepts: |x| x.abs() <= MAX_MAGNITUDE,
 };
-/// A length or a strength of its own.
+/// A length or an intensity greater than 0.
 const POSITIVE: Number = Number {
     expected: "a number greater than 0 (1e-15 to 1e15)",
     accepts: |x| (MIN_LENGTH..=MAX_MAGNITUDE).contains(&x),
@@ -39,7 +39,7 @@ pub(super) const NON_NEGATIVE: Number = Number {
     expected: "a number of at least 0 (at most 1e15)",
     accepts: |x| (0.0..=MAX_MAGNITUDE).contains(&x),
 };
-/// A share.
+/// A fraction.
 const FRACTION: Number = Number {
     expected: "a number from 0 to 1",
     accepts: |x| (0.0..=1.0).contains(&x),
@@ -49,40 +49,40 @@ const SCALE: Number = Number {
     accepts: |x| (1e-6..=1e6).contains(&x.abs()),
 };
 
-/// A length, greater than 0.
+/// Reads a length, greater than 0.
 pub fn positive<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     POSITIVE.deserialize(d)
 }
 
-/// A strength, at least 0.
+/// Reads an intensity, at least 0.
 pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     NON_NEGATIVE.deserialize(d)
 }
 
-/// A share, 0 to 1.
+/// Reads a fraction, 0 to 1.
 pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     FRACTION.deserialize(d)
 }
 
-/// A coordinate, or an angle in degrees, of any sign.
+/// Reads a coordinate, or an angle in degrees, of any sign.
 pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     COORDINATE.deserialize(d)
 }
 
-/// A count, at least 1 and at most `MAX`.
+/// Reads a count, at least 1 and at most `MAX`.
 pub fn count<'de, D: Deserializer<'de>, const MAX: u32>(d: D) -> Result<u32, D::Error> {
     whole(d, 1..=MAX)
 }
 
-/// A seed: any whole number of 64 bits.
+/// Reads a seed: any unsigned number of 64 bits.
 pub fn seed<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
     whole(d, 0..=u64::MAX)
 }
 
-/// A whole number in `range`.
+/// Reads a whole number in `range`.
 ///
 /// # Errors
-/// What is no such number.
+/// The value is not a whole number in `range`.
 pub fn whole<'de, D, T>(d: D, range: RangeInclusive<T>) -> Result<T, D::Error>
 where
     D: Deserializer<'de>,
@@ -91,38 +91,40 @@ where
     d.deserialize_any(Whole(range))
 }
 
-/// A list of at least one thing of a kind.
+/// Reads a list of at least one item; `kind` names an item in the message.
 pub fn non_empty<'de, D, T>(d: D, kind: &str) -> Result<Vec<T>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de>,
 {
     let items = Vec::<T>::deserialize(d)?;
-    match items.is_empty() {
-        true => Err(D::Error::invalid_length(
+    if items.is_empty() {
+        Err(D::Error::invalid_length(
             0,
             &format!("at least one {kind}").as_str(),
-        )),
-        false => Ok(items),
+        ))
+    } else {
+        Ok(items)
     }
 }
 
-/// A point: `[x, y, z]`.
+/// Reads a point: `[x, y, z]`.
 pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_seq(List(COORDINATE, "a point [x, y, z]"))
         .map(Vec3::from_array)
 }
 
-/// A displacement, zero included: `[x, y, z]`.
+/// Reads a displacement, which may be zero: `[x, y, z]`.
 pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_seq(List(COORDINATE, "a vector [x, y, z]"))
         .map(Vec3::from_array)
 }
 
-/// A direction: `[x, y, z]` of any length but zero; gives the unit vector.
+/// Reads a direction, `[x, y, z]` of any length but zero; returns the unit
+/// vector.
 pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     let found = Vec3::from(d.deserialize_seq(List(COORDINATE, "a direction [x, y, z]"))?);
-    // Scaled first, so that no square leaves the range of f32.
+    // Scaled first, so that no square overflows or underflows f32.
     let largest = found.abs().max_element();
     (found / largest).try_normalize().ok_or_else(|| {
         D::Error::invalid_value(
@@ -132,32 +134,34 @@ pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     })
 }
 
-/// Factors along x, y and z: `[x, y, z]`, or one number for all three.
+/// Reads factors along x, y and z: `[x, y, z]`, or one number for all three.
 pub fn scale<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Splat(List(SCALE, "a factor, or three [x, y, z]")))
         .map(Vec3::from_array)
 }
 
-/// An interval `[from, to]` of coordinates with `from < to`.
+/// Reads an interval `[from, to]` of coordinates with `from < to`.
 pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     let [from, to] = d.deserialize_seq(List(COORDINATE, "a range [from, to]"))?;
-    match from < to {
-        true => Ok([from, to]),
-        false => Err(D::Error::custom(
+    if from < to {
+        Ok([from, to])
+    } else {
+        Err(D::Error::custom(
             "cannot run backwards or be empty, expected a range [from, to] with from < to",
-        )),
+        ))
     }
 }
 
-/// Least and greatest length, `[from, to]` with `from <= to`, or one number for
-/// both.
+/// Reads the least and the greatest length: `[from, to]` with `from <= to`, or
+/// one number for both.
 pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     let [from, to] = d.deserialize_any(Splat(List(POSITIVE, "a length, or a range [from, to]")))?;
-    match from <= to {
-        true => Ok([from, to]),
-        false => Err(D::Error::custom(
+    if from <= to {
+        Ok([from, to])
+    } else {
+        Err(D::Error::custom(
             "cannot run backwards, expected a range [from, to] with from <= to",
-        )),
+        ))
     }
 }
 
@@ -169,9 +173,10 @@ impl<'de> Visitor<'de> for Number {
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<f32, E> {
-        match found.is_finite() && (self.accepts)(found) {
-            true => Ok(found as f32),
-            false => Err(E::invalid_value(Unexpected::Float(found), &self)),
+        if found.is_finite() && (self.accepts)(found) {
+            Ok(found as f32)
+        } else {
+            Err(E::invalid_value(Unexpected::Float(found), &self))
         }
     }
 
@@ -192,7 +197,7 @@ impl<'de> DeserializeSeed<'de> for Number {
     }
 }
 
-/// `N` numbers in a list, and what they are called together.
+/// Reads a list of `N` numbers; the text describes the list in messages.
 pub(super) struct List<const N: usize>(pub Number, pub &'static str);
 
 impl<'de, const N: usize> Visitor<'de> for List<N> {
@@ -216,7 +221,7 @@ impl<'de, const N: usize> Visitor<'de> for List<N> {
     }
 }
 
-/// `N` numbers in a list, or one that stands for all.
+/// Reads a list of `N` numbers, or one number for all of them.
 pub(super) struct Splat<const N: usize>(pub List<N>);
 
 impl<'de, const N: usize> Visitor<'de> for Splat<N> {
@@ -243,7 +248,7 @@ impl<'de, const N: usize> Visitor<'de> for Splat<N> {
     }
 }
 
-/// A whole number in a range.
+/// Visits a whole number in a range.
 struct Whole<T>(RangeInclusive<T>);
 
 impl<'de, T: TryFrom<u64> + PartialOrd + fmt::Display> Visitor<'de> for Whole<T> {

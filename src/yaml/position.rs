@@ -1,4 +1,4 @@
-//! Where each key and value of a YAML text stands.
+//! The positions of keys and values in a YAML text.
 
 use std::fmt;
 use std::ops::Range;
@@ -16,18 +16,18 @@ pub enum Step {
     Index(usize),
 }
 
-/// The way from the root of a YAML tree to one of its values.
+/// The path from the root of a YAML tree to one of its values.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub struct Path(pub Vec<Step>);
 
 impl Path {
-    /// The path one key further down.
+    /// Appends a key.
     pub fn key(mut self, key: impl Into<String>) -> Self {
         self.0.push(Step::Key(key.into()));
         self
     }
 
-    /// The path one index further down.
+    /// Appends an index.
     pub fn index(mut self, index: usize) -> Self {
         self.0.push(Step::Index(index));
         self
@@ -48,28 +48,29 @@ impl fmt::Display for Path {
     }
 }
 
-/// Where a value and its key stand, in bytes of the text.
+/// The byte ranges of a value and its key in the text.
 #[derive(Debug)]
-pub(super) struct Place {
-    /// Whether it is the value that was looked for, not one around it.
+pub(super) struct Location {
+    /// Whether this is the requested value, not an ancestor of it.
     pub is_exact: bool,
-    /// Whether nothing stands where the value should.
+    /// Whether the value is missing.
     pub is_empty: bool,
     key: Option<Range<usize>>,
-    /// Empty for a block collection too: it has no character of its own.
+    /// Also empty for a block collection, which has no character of its own.
     value: Range<usize>,
 }
 
-impl Place {
-    /// The bytes to show of the value: its key where nothing of it can be seen.
+impl Location {
+    /// Returns the bytes of the value, or of its key if the value has none.
     pub fn value(self) -> Range<usize> {
-        match self.value.is_empty() {
-            true => self.key.unwrap_or(self.value),
-            false => self.value,
+        if self.value.is_empty() {
+            self.key.unwrap_or(self.value)
+        } else {
+            self.value
         }
     }
 
-    /// The bytes of the key; of the value around it if that is all there is.
+    /// Returns the bytes of the key, or of the ancestor if only that was found.
     pub fn key(self) -> Range<usize> {
         match (self.is_exact, self.key.clone()) {
             (true, Some(key)) => key,
@@ -77,7 +78,7 @@ impl Place {
         }
     }
 
-    /// The value as it is written in `text`, without a block collection's.
+    /// Returns the value as written in `text`; empty for a block collection.
     pub fn written<'t>(&self, text: &'t str) -> &'t str {
         &text[self.value.clone()]
     }
@@ -89,41 +90,42 @@ impl Place {
     }
 }
 
-/// Checks what serde_yaml does not, or not with a position: syntax, one
-/// document, keys that are words and different in one mapping, no tags.
+/// Checks what serde_yaml does not check, or reports without a position:
+/// syntax, a single document, scalar keys, no duplicate keys, no tags.
 pub(super) fn check(text: &str) -> Result<(), Fault> {
     syntax::check_characters(text)?;
     let mut is_empty = true;
     walk(text, |node| {
         is_empty &= node.path.is_empty() && node.is_empty
     })?;
-    match is_empty {
-        false => Ok(()),
-        // Behind all comments: none of them is what is wrong.
-        true => Err(Fault::of_bytes(
+    if is_empty {
+        // At the end of the text: the comments before it are not the mistake.
+        Err(Fault::of_bytes(
             text.len()..text.len(),
             "the scene is empty",
             "expected sections such as `image: …`",
         )
-        .with_help("begin with `image: { width: 400, height: 300 }`")),
+        .with_help("begin with `image: { width: 400, height: 300 }`"))
+    } else {
+        Ok(())
     }
 }
 
-/// The place of the value at `path`, or of its nearest ancestor in the text.
-pub(super) fn locate(text: &str, path: &Path) -> Option<Place> {
-    let mut deepest: Option<(usize, Place)> = None;
-    // An error ends the walk; what was found before it stands.
+/// Locates the value at `path`, or its nearest ancestor in the text.
+pub(super) fn locate(text: &str, path: &Path) -> Option<Location> {
+    let mut deepest: Option<(usize, Location)> = None;
+    // After a syntax error the values before it remain valid.
     let _ = walk(text, |node| {
         let depth = node.path.len();
         if path.0.starts_with(node.path) && deepest.as_ref().is_none_or(|(best, _)| depth > *best) {
-            let place = Place {
+            let location = Location {
                 is_exact: depth == path.0.len(),
                 is_empty: node.is_empty,
                 key: node.key.map(|span| syntax::bytes(text, span)),
                 value: syntax::bytes(text, node.value),
             };
-            deepest = Some((depth, place));
+            deepest = Some((depth, location));
         }
     });
-    deepest.map(|(_, place)| place)
+    deepest.map(|(_, location)| location)
 }

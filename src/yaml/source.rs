@@ -1,4 +1,4 @@
-//! A scene file's text and the way from it to a value.
+//! The text of a scene file.
 
 use std::fs::File;
 use std::io::Read;
@@ -8,17 +8,17 @@ use std::string::FromUtf8Error;
 use serde::de::DeserializeOwned;
 
 use super::diagnostic::{Diagnostic, Fault, Spot};
-use super::position::{self, Place};
+use super::position::{self, Location};
 use super::translate;
 use crate::host::{advice, available_memory};
 
-/// Longest scene file that is read, in bytes: longer ones are data, not text.
+/// Longest scene file that is read, in bytes.
 const MAX_BYTES: u64 = 64 << 20;
-/// Bytes of memory that reading takes for each byte of the text, at most:
-/// `[[],[],…` makes an event of every other byte.
+/// Most bytes of memory that the parsers need for each byte of the text:
+/// `[[],[],…` has an event in every second byte.
 const MEMORY_PER_BYTE: u64 = 80;
 
-/// A YAML text and the name to call it in messages.
+/// A YAML text and its name in messages.
 #[derive(Debug, Clone)]
 pub struct Source {
     name: String,
@@ -26,8 +26,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// A source named `name` (a path, as the user typed it) that holds `text`,
-    /// whose lines may end as on any system.
+    /// Creates a source from a name (a path, as the user typed it) and a text,
+    /// whose lines may end with LF, CR LF or CR.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         let (name, mut text) = (name.into(), text.into());
         if text.contains('\r') {
@@ -39,17 +39,17 @@ impl Source {
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// A diagnostic when the file cannot be read, is longer than 64 MiB or than
-    /// the free memory allows, or is not UTF-8.
+    /// The file cannot be read, is longer than 64 MiB or than the free memory
+    /// allows, or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         let name = path.display().to_string();
         let mut bytes = Vec::new();
         File::open(path)
             .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
             .map_err(|error| {
-                let another = "give the path of a YAML file, such as configs/seed_sphere.yaml";
+                let remedy = "give the path of a YAML file, such as configs/seed_sphere.yaml";
                 Diagnostic::new(format!("cannot read the scene `{name}`: {error}"))
-                    .with_help(advice(&error).unwrap_or(another))
+                    .with_help(advice(&error).unwrap_or(remedy))
             })?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(
@@ -58,7 +58,7 @@ impl Source {
             );
         }
         if bytes.len() as u64 * MEMORY_PER_BYTE > available_memory() {
-            let message = format!("the scene `{name}` is too long for the memory that is free");
+            let message = format!("the scene `{name}` needs more memory than is free");
             return Err(Diagnostic::new(message)
                 .with_help("describe many objects by a generator such as `sphere_cloud`"));
         }
@@ -71,38 +71,38 @@ impl Source {
         }
     }
 
-    /// Reads the text as a `T`.
+    /// Deserializes a `T` from the text.
     ///
     /// # Errors
-    /// The first mistake found: syntax, a duplicate key, then whatever `T`'s
-    /// `Deserialize` refuses.
+    /// The first mistake found: a syntax error, a duplicate key, then what
+    /// `T`'s `Deserialize` rejects.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
         position::check(&self.text).map_err(|fault| self.point_at(fault))?;
         let mut track = serde_path_to_error::Track::new();
         let yaml = serde_yaml::Deserializer::from_str(&self.text);
         let tracked = serde_path_to_error::Deserializer::new(yaml, &mut track);
-        // Enums as mappings of one key instead of YAML tags.
+        // An enum is a mapping with one key instead of a YAML tag.
         serde_yaml::with::singleton_map_recursive::deserialize(tracked)
             .map_err(|error| self.point_at(translate::fault(&self.text, &track.path(), &error)))
     }
 
-    /// The fault as a message that shows its line.
+    /// Converts the fault to a diagnostic that shows its line.
     pub fn point_at(&self, fault: Fault) -> Diagnostic {
-        let place_of = |path| position::locate(&self.text, path);
+        let location_of = |path| position::locate(&self.text, path);
         let span = match &fault.spot {
-            Spot::Value(path) => place_of(path).map(Place::value),
-            Spot::Key(path) => place_of(path).map(Place::key),
+            Spot::Value(path) => location_of(path).map(Location::value),
+            Spot::Key(path) => location_of(path).map(Location::key),
             Spot::Bytes(bytes) => Some(bytes.clone()),
         };
         Diagnostic::of_fault(self, span.unwrap_or(0..0), fault)
     }
 
-    /// The name to call the source in messages.
+    /// The name of the source in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The folder that it stands in, if its name is a path.
+    /// The folder of the file, if the name is a path.
     pub fn folder(&self) -> &Path {
         Path::new(&self.name).parent().unwrap_or(Path::new(""))
     }
@@ -113,18 +113,18 @@ impl Source {
     }
 }
 
-/// Points at the first byte that is none of UTF-8.
+/// Points at the first byte that is not UTF-8.
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let at = error.utf8_error().valid_up_to();
     let message = "the file is not UTF-8 text";
-    let fault = Fault::of_bytes(at..at, message, "no character of UTF-8");
+    let fault = Fault::of_bytes(at..at, message, "not a UTF-8 character");
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-    // Not by `new`, which may move the byte.
+    // Not through `new`, which may shift the byte.
     let name = name.to_owned();
     Source { name, text }.point_at(fault.with_help("save the scene as UTF-8"))
 }
 
-/// Reads `text` as a `T`, as [`Source::parse`] does.
+/// Deserializes a `T` from `text`, as [`Source::parse`] does.
 ///
 /// # Errors
 /// The first mistake found.

@@ -1,11 +1,12 @@
-//! "did you mean …?"
+//! Spelling suggestions: "did you mean …?"
 
-/// Likeness of two words, 0 to 1, from which on one may be meant for the other.
-const LIKE: f64 = 0.6;
-/// Longest word that is compared: beyond it is no slip of the finger.
+/// Least similarity, from 0 to 1, of a suggestion.
+const MIN_SIMILARITY: f64 = 0.6;
+/// Longest word that is compared, in bytes: a longer one is not a typo.
 const MAX_WORD: usize = 64;
 
-/// "did you mean `x`?" for the known word nearest to `word`, if one is near.
+/// Returns "did you mean `x`?" with the known word most similar to `word`, or
+/// `None` if none is similar enough.
 pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     if word.len() > MAX_WORD {
         return None;
@@ -13,15 +14,16 @@ pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) ->
     let word = word.to_lowercase();
     known
         .into_iter()
-        .map(|candidate| (likeness(&word, candidate), candidate))
-        .filter(|((best, _), _)| *best >= LIKE)
+        .map(|candidate| (similarity(&word, candidate), candidate))
+        .filter(|((best, _), _)| *best >= MIN_SIMILARITY)
         .max_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal))
         .map(|(_, candidate)| format!("did you mean `{candidate}`?"))
 }
 
-/// How much a known word, or one of its parts (`depth` of `max_depth`, or the
-/// initials), is like `word`; and, between equals, how much the whole is.
-fn likeness(word: &str, known: &str) -> (f64, f64) {
+/// Returns the similarity of `word` to a known word or to one of its parts
+/// (`depth` of `max_depth`, or the initials), whichever is larger; and, to
+/// break ties, the similarity to the whole known word.
+fn similarity(word: &str, known: &str) -> (f64, f64) {
     let known = known.to_lowercase();
     let whole = strsim::normalized_damerau_levenshtein(word, &known);
     let initials: String = known
@@ -36,8 +38,8 @@ fn likeness(word: &str, known: &str) -> (f64, f64) {
     (of_parts.fold(whole, f64::max), whole)
 }
 
-/// "did you mean `1000`?" for what is nearly a number: `1_000`, `"1000"`,
-/// `0,5`, `010`; or, where a whole one is wanted, `1,000`, `1e3`, `1000.0`.
+/// Returns "did you mean `1000`?" for a text that is almost a number: `1_000`,
+/// `"1000"`, `0,5`, `010`; or, for a whole number, `1,000`, `1e3`, `1000.0`.
 pub(super) fn number_meant(written: &str, is_whole: bool) -> Option<String> {
     let comma = if is_whole { "" } else { "." };
     let bare = written.trim_matches(['"', '\'']).replace('_', "");
@@ -53,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slips_of_the_finger_find_their_word() {
+    fn typos_get_a_suggestion() {
         let known = [
             "bvh",
             "brute_force",
@@ -83,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nearly_a_number_finds_it() {
+    fn almost_numbers_get_a_suggestion() {
         let meant = |written, is_whole| number_meant(written, is_whole);
         for written in ["1_000", "\"1000\"", "1,000", "1e3", "1000.0", "01000"] {
             let expected = Some("did you mean `1000`?".to_owned());

@@ -1,4 +1,4 @@
-//! What the two YAML parsers say → faults in the user's words.
+//! Messages of the two YAML parsers → faults in plain language.
 
 use std::ops::Range;
 
@@ -6,15 +6,15 @@ use saphyr_parser::{ScanError, Span};
 
 use super::diagnostic::Fault;
 
-/// What to do about most mistakes.
-const ADVICE: &str = "put a space after each `:` (on the line above, too), indent all keys of a \
-                      mapping alike, and put a text that holds `: ` in quotes";
+/// The remedy of most mistakes.
+const ADVICE: &str = "put a space after each `:` (also on the line above), indent all keys of a \
+                      mapping by the same number of spaces, and quote a text that contains `: `";
 const BRACKETS: &str = "put a comma between two entries and close each bracket";
-const QUOTE_TEXT: &str = "put a text with such characters in quotes";
+const QUOTE_TEXT: &str = "quote a text that contains such a character";
 const CLOSE_QUOTES: &str = "close a quote on the line that opens it";
 
-/// Part of a parser's message, what is wrong in the user's words, what to do.
-const WORDS: &[(&str, &str, &str)] = &[
+/// A part of a parser's message, the label that replaces it, and the remedy.
+const REWORDED: &[(&str, &str, &str)] = &[
     (
         "tab",
         "a tab",
@@ -22,11 +22,11 @@ const WORDS: &[(&str, &str, &str)] = &[
     ),
     ("',' or '}'", "expected `,` or `}`", BRACKETS),
     ("',' or ']'", "expected `,` or `]`", BRACKETS),
-    ("misplaced bracket", "it closes nothing", BRACKETS),
+    ("misplaced bracket", "no bracket is open here", BRACKETS),
     ("expected node content", "expected a value", BRACKETS),
     (
         "only valid inside a block",
-        "a `- ` cannot stand in brackets",
+        "`- ` is not allowed in brackets",
         BRACKETS,
     ),
     ("indentation in quoted scalar", "not closed", CLOSE_QUOTES),
@@ -38,33 +38,33 @@ const WORDS: &[(&str, &str, &str)] = &[
     ("unexpected end of stream", "not closed", CLOSE_QUOTES),
     (
         "trailing content after",
-        "expected nothing behind the closing quote",
-        "write two of them for a quote inside a text in single quotes",
+        "expected nothing after the closing quote",
+        "inside single quotes, write a single quote twice",
     ),
     (
         "escape character",
-        "a `\\` that begins no escape of YAML",
+        "not a valid escape in YAML",
         "write `\\\\` for a backslash, or use single quotes",
     ),
     (
         "mapping values are not allowed",
-        "a `:` cannot stand here",
+        "a `:` is not allowed here",
         ADVICE,
     ),
     (
         "illegal placement of ':'",
-        "a `:` cannot stand here",
+        "a `:` is not allowed here",
         ADVICE,
     ),
-    ("unexpected ':'", "a `:` cannot stand here", ADVICE),
+    ("unexpected ':'", "a `:` is not allowed here", ADVICE),
     (
         "':' may not precede",
-        "expected a space behind the `:`",
+        "expected a space after the `:`",
         ADVICE,
     ),
     (
         "':' must be followed",
-        "expected a space behind the `:`",
+        "expected a space after the `:`",
         ADVICE,
     ),
     ("simple key expect", "expected `key: value`", ADVICE),
@@ -75,78 +75,78 @@ const WORDS: &[(&str, &str, &str)] = &[
     ),
     (
         "mapping keys are not allowed",
-        "a key cannot stand here",
+        "a key is not allowed here",
         ADVICE,
     ),
     (
         "<document start>",
-        "it does not belong to what stands above",
+        "not part of the mapping or list above",
         ADVICE,
     ),
     (
         "did not find expected key",
         "expected a key in the column of the others",
-        "indent all keys of a mapping alike",
+        "indent all keys of a mapping by the same number of spaces",
     ),
     (
         "expected '-' indicator",
         "expected a `- ` in the column of the others",
-        "indent all items of a list alike",
+        "indent all items of a list by the same number of spaces",
     ),
     (
         END_OF_LINE,
         "expected the end of the line",
-        "begin what follows on a line of its own",
+        "put the rest on a line of its own",
     ),
     (
         "block sequence entries are not allowed",
-        "a list cannot begin here",
-        "begin it on a line of its own, or write [a, b]",
+        "a list is not allowed here",
+        "start the list on a line of its own, or write [a, b]",
     ),
     (
         "unknown anchor",
         "this alias has no anchor",
-        "give a value a name by `&name` before `*name` repeats it",
+        "define the anchor with `&name` before `*name` refers to it",
     ),
     (
         "recursion limit",
-        "nested too deep",
-        "a scene needs few levels of brackets",
+        "nested too deeply",
+        "use fewer levels of brackets",
     ),
     (
         "invalid indentation",
         "too far to the left",
-        "indent what is in brackets deeper than the line that opens them",
+        "indent the contents of brackets deeper than the line that opens them",
     ),
     (
         "unexpected character",
-        "no text can begin with this",
+        "a text cannot begin with this character",
         QUOTE_TEXT,
     ),
     (
         "cannot start any token",
-        "no text can begin with this",
+        "a text cannot begin with this character",
         QUOTE_TEXT,
     ),
     (
         "plain scalar cannot start",
-        "no text can begin with this",
+        "a text cannot begin with this character",
         QUOTE_TEXT,
     ),
     (
         "scanning a block scalar",
-        "no text can begin with this",
+        "a text cannot begin with this character",
         QUOTE_TEXT,
     ),
     (
         "anchor or alias",
-        "expected a name right behind it",
+        "expected a name right after it",
         QUOTE_TEXT,
     ),
     ("directive", "a line cannot begin with `%`", QUOTE_TEXT),
     (
         "comment intercepting",
-        "a comment cannot stand inside a text",
+        "a comment is not allowed inside a text",
         QUOTE_TEXT,
     ),
     (
@@ -156,11 +156,11 @@ const WORDS: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Stands for a parser's message where the mistake is not at a line's begin.
+/// Replaces a parser's message if the mistake is not at the start of a line.
 const END_OF_LINE: &str = "end of the line";
 
-/// The fault that saphyr found, while the collections that begin at the bytes
-/// `opened` were open, the outermost first.
+/// Converts an error of saphyr. The collections that start at the bytes
+/// `opened`, the outermost first, were open at that point.
 pub(super) fn fault(
     text: &str,
     error: &ScanError,
@@ -183,8 +183,8 @@ pub(super) fn fault(
         _ => info,
     };
     let fault = broken(span, info, ADVICE);
-    let speaks_of_brackets = info.contains("invalid indentation") || info.contains("',' or");
-    match bracket.filter(|_| speaks_of_brackets) {
+    let concerns_brackets = info.contains("invalid indentation") || info.contains("',' or");
+    match bracket.filter(|_| concerns_brackets) {
         Some(bracket) => fault.with_help(still_open(text, bracket)),
         None => fault,
     }
@@ -193,15 +193,16 @@ pub(super) fn fault(
 fn still_open(text: &str, bracket: usize) -> String {
     let line = 1 + text[..bracket].matches('\n').count();
     let rest = text[bracket..].lines().next().unwrap_or_default();
-    let advice = match rest.contains(" #") {
-        true => "`#` begins a comment unless it is in quotes",
-        false => BRACKETS,
+    let advice = if rest.contains(" #") {
+        "`#` starts a comment unless it is in quotes"
+    } else {
+        BRACKETS
     };
     let bracket = &text[bracket..=bracket];
     format!("the `{bracket}` of line {line} is still open here: {advice}")
 }
 
-/// The fault that libyaml found and saphyr did not.
+/// Converts an error that libyaml found and saphyr did not.
 pub(super) fn of_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
     let message = error.to_string();
     let info = message.split(" at ").next().unwrap_or(&message);
@@ -212,7 +213,7 @@ pub(super) fn of_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
     broken(at..at, info, ADVICE)
 }
 
-/// Makes sure that there are no characters that YAML forbids.
+/// Checks that the text has no character that YAML forbids.
 pub(super) fn check_characters(text: &str) -> Result<(), Fault> {
     let is_forbidden = |c: char| match c {
         '\t' | '\n' | '\r' | '\u{85}' => false,
@@ -223,19 +224,19 @@ pub(super) fn check_characters(text: &str) -> Result<(), Fault> {
         None => Ok(()),
         Some((at, c)) => Err(broken(
             at..at + c.len_utf8(),
-            "a character that nobody can see",
+            "an invisible character that YAML does not allow",
             "delete it, or write it as `\\u…` in double quotes",
         )),
     }
 }
 
 fn broken(span: Range<usize>, info: &str, help: &str) -> Fault {
-    let words = WORDS.iter().find(|(part, ..)| info.contains(part));
+    let words = REWORDED.iter().find(|(part, ..)| info.contains(part));
     let (expected, help) = words.map_or((info, help), |&(_, expected, help)| (expected, help));
-    Fault::of_bytes(span, "the YAML syntax is broken", expected).with_help(help)
+    Fault::of_bytes(span, "invalid YAML syntax", expected).with_help(help)
 }
 
-/// The mistake's own characters: a parser tells where it gave up.
+/// Returns the bytes to underline: the parser reports only where it stopped.
 fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
     let line_start = line_start(text, at);
     if info.contains("tab") {
@@ -249,7 +250,7 @@ fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
         .next()
         .is_none_or(|line| line.trim().is_empty())
     {
-        // Nothing to see here: show the last line that holds something.
+        // A blank line: underline the last line before it that is not blank.
         let end = text[..line_start].trim_end().len();
         let line = text[..end].lines().next_back().unwrap_or_default();
         return end - line.trim_start().len()..end;
@@ -257,19 +258,19 @@ fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
     at..at
 }
 
-/// Where the line that holds byte `at` begins.
+/// Returns the start of the line that contains byte `at`.
 pub(super) fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
-/// The bytes of a span, which counts characters and may end in blanks.
+/// Converts a span, which counts characters, to bytes without trailing blanks.
 pub(super) fn bytes(text: &str, span: Span) -> Range<usize> {
     let start = byte_of(text, span.start.index());
     let end = byte_of(text, span.end.index()).max(start);
     start..start + text[start..end].trim_end().len()
 }
 
-/// The byte at which the character with this index starts.
+/// Returns the byte at which character `n_characters` starts.
 fn byte_of(text: &str, n_characters: usize) -> usize {
     text.char_indices()
         .nth(n_characters)

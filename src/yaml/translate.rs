@@ -1,19 +1,19 @@
-//! serde's messages → faults in the user's words.
+//! Messages of serde → faults in plain language.
 //!
-//! The shapes of serde's own messages ("unknown field `x`, expected one of …",
-//! "invalid type: string "x", expected …") are part of its documented `Error`
-//! trait's default methods. A deserialiser of ours may say "cannot …,
-//! expected …" instead, which follows the path of the value; whatever fits
-//! none of them is libyaml's.
+//! The formats of serde's messages ("unknown field `x`, expected one of …",
+//! "invalid type: string "x", expected …") are those of the default methods of
+//! its `Error` trait. The deserializers of this crate may return "cannot …,
+//! expected …" instead, which is appended to the path of the value. Any other
+//! message comes from libyaml.
 
 use serde_path_to_error::Segment;
 
 use super::diagnostic::Fault;
-use super::position::{self, Path, Place, Step};
+use super::position::{self, Location, Path, Step};
 use super::suggestion::{did_you_mean, number_meant};
 use super::syntax;
 
-/// The fault that serde_yaml found in `text`.
+/// Converts an error that serde_yaml found in `text`.
 pub(super) fn fault(
     text: &str,
     path: &serde_path_to_error::Path,
@@ -44,16 +44,16 @@ pub(super) fn fault(
     match message.as_str() {
         "repetition limit exceeded" => Fault::new(
             Path::default(),
-            "the aliases (`*name`) stand for too many values",
+            "the aliases (`*name`) expand to too many values",
             "begins here",
         )
-        .with_help("write some of the values out, or describe them by a generator"),
+        .with_help("write some of the values in full, or use a generator such as `sphere_cloud`"),
         _ => syntax::of_libyaml(text, error),
     }
 }
 
-/// serde_yaml's message without the path in front and the position behind,
-/// which the snippet shows better.
+/// Returns serde_yaml's message without the path before it and the position
+/// after it, which the excerpt shows.
 fn message_of(error: &serde_yaml::Error) -> String {
     let mut message = error.to_string();
     if let Some(place) = error.location() {
@@ -86,26 +86,26 @@ fn unknown_key(path: Path, word: &str, expected: &str) -> Fault {
     Fault::of_key(path, format!("unknown key `{word}`"), "no such key here").with_help(help)
 }
 
-/// A choice is a word, or the one key of a mapping.
+/// A variant is a string, or the only key of a mapping.
 fn unknown_choice(text: &str, path: Path, word: &str, expected: &str) -> Fault {
     let is_key = path.0.last() == Some(&Step::Key(word.to_owned()))
-        && place_of(text, &path).is_none_or(|place| place.written(text) != word);
+        && location_of(text, &path).is_none_or(|location| location.written(text) != word);
     let label = format!("expected {}", listed(expected));
-    let fault = match is_key {
-        true => Fault::of_key(path, format!("unknown key `{word}`"), label),
-        false => {
-            let message = format!("{} cannot be `{word}`", subject(&path));
-            Fault::new(path, message, label)
-        }
+    let fault = if is_key {
+        Fault::of_key(path, format!("unknown key `{word}`"), label)
+    } else {
+        let message = format!("{} cannot be `{word}`", subject(&path));
+        Fault::new(path, message, label)
     };
     let help = did_you_mean(word, quoted(expected));
     Fault { help, ..fault }
 }
 
 fn missing_key(text: &str, path: Path, word: &str) -> Fault {
-    let help = match place_of(text, &path).is_some_and(|place| place.is_empty) {
-        true => format!("add `{word}: …` below it, indented deeper"),
-        false => format!("add `{word}: …`"),
+    let help = if location_of(text, &path).is_some_and(|location| location.is_empty) {
+        format!("add `{word}: …` below it, indented deeper")
+    } else {
+        format!("add `{word}: …`")
     };
     let message = format!("{} needs the key `{word}`", subject(&path));
     Fault::of_key(path, message, "it is missing here").with_help(help)
@@ -114,8 +114,10 @@ fn missing_key(text: &str, path: Path, word: &str) -> Fault {
 /// A value of the wrong type or out of its range.
 fn invalid(text: &str, path: Path, problem: &str, expected: &str) -> Fault {
     let subject = subject(&path);
-    let place = place_of(text, &path);
-    let written = place.as_ref().map_or("", |place| place.written(text));
+    let location = location_of(text, &path);
+    let written = location
+        .as_ref()
+        .map_or("", |location| location.written(text));
     if expected == "newtype variant" {
         let message = format!("{subject} cannot be the word `{written}` alone");
         return Fault::new(path, message, format!("expected `{written}: …`"));
@@ -123,23 +125,24 @@ fn invalid(text: &str, path: Path, problem: &str, expected: &str) -> Fault {
     if expected == "enum" || expected.starts_with("map ") {
         return not_one_key(path, &subject);
     }
-    let found = match place.as_ref().is_some_and(|place| place.is_empty) {
-        true => "empty".to_owned(),
-        false => found_of(problem, written),
+    let found = if location.as_ref().is_some_and(|location| location.is_empty) {
+        "empty".to_owned()
+    } else {
+        found_of(problem, written)
     };
     let fault = Fault::new(
         path,
         format!("{subject} cannot be {found}"),
-        format!("expected {}", wanted(expected)),
+        format!("expected {}", description(expected)),
     );
     let is_type = problem.starts_with("invalid type");
-    let is_comment = |place: &Place| place.is_empty && place.is_before_comment(text);
+    let is_comment = |location: &Location| location.is_empty && location.is_before_comment(text);
     let help = match expected {
-        _ if expected.contains("colour") && place.as_ref().is_some_and(is_comment) => {
-            Some("`#` begins a comment: put the colour in quotes".to_owned())
+        _ if expected.contains("color") && location.as_ref().is_some_and(is_comment) => {
+            Some("`#` starts a comment: put the color in quotes".to_owned())
         }
         _ if expected.starts_with("the name") && found.starts_with('`') => {
-            Some("a name that looks like a number or a truth value wants quotes".to_owned())
+            Some("quote a name that looks like a number or a boolean".to_owned())
         }
         _ if expected.contains("number") && (is_type || problem.contains(": string ")) => {
             number_meant(written, expected.contains("whole"))
@@ -156,13 +159,14 @@ fn not_one_key(path: Path, subject: &str) -> Fault {
         format!("{subject} must have exactly one key"),
         "expected one choice, with its own keys below it",
     );
-    match is_item {
-        true => fault.with_help("begin each item of the list with `- `"),
-        false => fault,
+    if is_item {
+        fault.with_help("begin each item of the list with `- `")
+    } else {
+        fault
     }
 }
 
-/// What was found, as it follows the words "cannot be".
+/// Describes the value found; follows the words "cannot be".
 fn found_of(problem: &str, written: &str) -> String {
     match problem.strip_prefix("invalid length ") {
         Some("0") => return "an empty list".to_owned(),
@@ -175,7 +179,7 @@ fn found_of(problem: &str, written: &str) -> String {
         "map" => "a mapping of keys".to_owned(),
         "sequence" => "a list".to_owned(),
         "unit" => "empty".to_owned(),
-        // To serde, `1e400` is a text.
+        // serde reads `1e400` as a string.
         "string" if written.parse::<f64>().is_err() => format!("the text {value}"),
         "string" | "boolean" | "integer" | "floating" if !written.starts_with('*') => {
             format!("`{written}`")
@@ -186,8 +190,8 @@ fn found_of(problem: &str, written: &str) -> String {
     }
 }
 
-/// What would be right, as it follows the word "expected".
-fn wanted(expected: &str) -> String {
+/// Describes the value expected; follows the word "expected".
+fn description(expected: &str) -> String {
     let n_of = |start: &str, end: &str| expected.strip_prefix(start)?.strip_suffix(end);
     if let Some(n) = n_of("an array of length ", "").or(n_of("sequence of ", " elements")) {
         return format!("a list of {n}");
@@ -204,12 +208,13 @@ fn wanted(expected: &str) -> String {
     }
 }
 
-/// The place of the very value at `path`, none inside an alias.
-fn place_of(text: &str, path: &Path) -> Option<Place> {
-    position::locate(text, path).filter(|place| place.is_exact)
+/// Locates exactly the value at `path`; `None` for a value inside an alias.
+fn location_of(text: &str, path: &Path) -> Option<Location> {
+    position::locate(text, path).filter(|location| location.is_exact)
 }
 
-/// "`a`, `b` or `c`" for serde's "one of `a`, `b`, `c`"; anything else as it is.
+/// Converts serde's "one of `a`, `b`, `c`" to "`a`, `b` or `c`"; returns any
+/// other text unchanged.
 fn listed(expected: &str) -> String {
     let list = expected.strip_prefix("one of ");
     match list.and_then(|list| list.rsplit_once(", ")) {
@@ -218,16 +223,17 @@ fn listed(expected: &str) -> String {
     }
 }
 
-/// What stands between backquotes.
+/// Iterates over the texts in backquotes.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// The value at the path, as a sentence begins with it.
+/// Names the value at the path; begins a sentence.
 fn subject(path: &Path) -> String {
-    match path.0.is_empty() {
-        true => "the scene".to_owned(),
-        false => format!("`{path}`"),
+    if path.0.is_empty() {
+        "the scene".to_owned()
+    } else {
+        format!("`{path}`")
     }
 }
 

@@ -1,4 +1,4 @@
-//! A walk along the events of a YAML text, path by path.
+//! Visits all values of a YAML text with their paths.
 
 use std::collections::HashSet;
 
@@ -10,23 +10,23 @@ use super::name::{MAX_NAME, is_long};
 use super::position::{Path, Step};
 use super::syntax::{self, bytes};
 
-/// A value that the walk comes by.
+/// A value of the text.
 pub(super) struct Node<'a> {
     pub path: &'a [Step],
-    /// The key that stands before it in a mapping.
+    /// Its key, if it is in a mapping.
     pub key: Option<Span>,
-    /// Without a length for a block collection.
+    /// Empty for a block collection.
     pub value: Span,
-    /// Whether nothing stands where the value should.
+    /// Whether the value is missing.
     pub is_empty: bool,
 }
 
-/// Calls `visit` for every value of the text, in its order (collections when
-/// they end).
+/// Calls `visit` for every value in the order of the text; for a collection at
+/// its end.
 ///
 /// # Errors
-/// The first place where the text is no YAML, or more than a scene needs of
-/// it: a second document, a tag, a key that is no word or is there already.
+/// The first syntax error, or the first use of YAML that scenes do not allow: a
+/// second document, a tag, a key that is not a scalar, a duplicate key.
 pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
     let mut walk = Walk {
         text,
@@ -44,12 +44,13 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
                 .map(|frame| bytes(text, frame.start).start);
             syntax::fault(text, &error, opened)
         })?;
-        walk.refuse(&event, span)?;
+        walk.check(&event, span)?;
         if !expansion.take(&event) {
             let alias = bytes(text, span);
-            let message = "the aliases (`*name`) stand for too many values";
-            return Err(Fault::of_bytes(alias, message, "with this one")
-                .with_help("write some of the values out, or describe them by a generator"));
+            let message = "the aliases (`*name`) expand to too many values";
+            let help =
+                "write some of the values in full, or use a generator such as `sphere_cloud`";
+            return Err(Fault::of_bytes(alias, message, "with this one").with_help(help));
         }
         walk.follow(event, span);
     }
@@ -59,7 +60,7 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
 struct Walk<'t, V> {
     text: &'t str,
     visit: V,
-    /// The collections that are open, the outermost first.
+    /// The open collections, the outermost first.
     frames: Vec<Frame>,
     path: Vec<Step>,
     has_document: bool,
@@ -67,7 +68,7 @@ struct Walk<'t, V> {
 
 struct Frame {
     start: Span,
-    /// The key that stands before the collection.
+    /// The key of the collection.
     key: Option<Span>,
     kind: Kind,
 }
@@ -84,7 +85,7 @@ enum Kind {
 }
 
 impl<V: FnMut(Node)> Walk<'_, V> {
-    fn refuse(&self, event: &Event, span: Span) -> Result<(), Fault> {
+    fn check(&self, event: &Event, span: Span) -> Result<(), Fault> {
         let fault = |message: &str, expected: &str| {
             Err(Fault::of_bytes(bytes(self.text, span), message, expected))
         };
@@ -103,11 +104,11 @@ impl<V: FnMut(Node)> Walk<'_, V> {
                 fault("a key is missing", "expected a name before the `:`")
             }
             (Event::Scalar(word, ScalarStyle::Plain, ..), Some(_)) if word.trim() != word => fault(
-                "a key holds a space of another kind",
-                "expected plain spaces alone",
+                "a key contains a space other than U+0020",
+                "expected plain spaces only",
             ),
             (Event::Scalar(word, ..), Some(_)) if word == "<<" => fault(
-                "merge keys (`<<`) are not read",
+                "merge keys (`<<`) are not supported",
                 "expected the keys themselves",
             ),
             (Event::Scalar(word, ..), Some(_)) if is_long(word) => fault(
@@ -122,7 +123,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
         }
     }
 
-    /// The keys that a mapping has so far, where it waits for the next one.
+    /// Returns the keys of the innermost mapping so far if a key comes next.
     fn keys_before(&self) -> Option<&HashSet<String>> {
         match &self.frames.last()?.kind {
             Kind::Mapping { seen, key: None } => Some(seen),
@@ -169,13 +170,13 @@ impl<V: FnMut(Node)> Walk<'_, V> {
 
     fn close(&mut self, end: Span) {
         if let Some(Frame { start, key, .. }) = self.frames.pop() {
-            // A block collection ends without a character, anywhere below.
+            // The end of a block collection has no character and may lie lines below.
             let end = if end.is_empty() { start } else { end };
             self.leave(key, Span::new(start.start, end.end), false);
         }
     }
 
-    /// Steps into the next value; gives the key before it.
+    /// Enters the next value; returns its key.
     fn enter(&mut self) -> Option<Span> {
         match self.innermost()? {
             Kind::Mapping { key, .. } => *key,
@@ -187,7 +188,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
         }
     }
 
-    /// Visits the value that ends here and steps out of it.
+    /// Visits the value that ends here and leaves it.
     fn leave(&mut self, key: Option<Span>, value: Span, is_empty: bool) {
         (self.visit)(Node {
             path: &self.path,
@@ -208,7 +209,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
     }
 }
 
-/// The tag of a value, but for those that YAML itself defines.
+/// Returns the tag of a value unless it is one of YAML's core schema.
 fn tag<'a>(event: &'a Event) -> Option<&'a Tag> {
     match event {
         Event::Scalar(_, _, _, tag)

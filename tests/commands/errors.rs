@@ -236,7 +236,7 @@ fn ten_thousand_brackets_are_one_mistake() {
         "{a: ".repeat(10_000),
     ] {
         let message = message(&format!("objects: {text}\n"));
-        assert!(message.contains("^ nested too deep\n"), "{message}");
+        assert!(message.contains("^ nested too deeply\n"), "{message}");
         assert!(message.lines().all(|line| line.len() < 160), "{message}");
     }
     let message = message(&"- ".repeat(10_000));
@@ -268,5 +268,5 @@ fn many_aliases_are_told_apart_from_an_endless_file() {
          transform: [&step {{ scale: 1 }}, {steps}] }}, {balls}]\n"
     );
     let message = message(&FINE.replace(FINE.lines().last().unwrap(), &objects));
-    assert!(message.contains("stand for too many values"), "{message}");
+    assert!(message.contains("expand to too many values"), "{message}");
 }

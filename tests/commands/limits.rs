@@ -39,7 +39,7 @@ fn aliases_of_a_long_name_are_refused_before_they_are_copied() {
     let others = "- { name: *n, sphere: { center: [0, 0, 0], radius: 1 }, material: blue }\n";
     let text = format!("{HEAD}objects:\n{first}{}", others.repeat(5000));
     let error = refusal(&text);
-    assert!(error.contains("stand for too many values"), "{error}");
+    assert!(error.contains("expand to too many values"), "{error}");
     assert!(error.contains("with this one"), "{error}");
 }
 
@@ -51,7 +51,7 @@ fn aliases_of_aliases_are_refused_before_they_are_written_out() {
         text += &format!("a{n}: &a{n} [{aliases}]\n");
     }
     let error = refusal(&text);
-    assert!(error.contains("stand for too many values"), "{error}");
+    assert!(error.contains("expand to too many values"), "{error}");
 }
 
 #[test]
