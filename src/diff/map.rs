@@ -19,7 +19,7 @@ pub(super) fn write(
     let [width, height] = diff.size;
     let picture = draw(&CostMap {
         values: &change.differences,
-        scale: Scale::AroundZero,
+        scale: Scale::Diverging,
         width,
         height,
         title: &format!(

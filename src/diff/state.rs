@@ -12,7 +12,7 @@ pub(super) fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let change = &diff.change;
     let size = diff.size.map(f64::from);
     let n_labels = Panels::of(3, size).n_labels();
-    let reach = Range::on(Scale::AroundZero, &change.differences).high;
+    let reach = Range::on(Scale::Diverging, &change.differences).high;
     let axis = |what, spread, ends| {
         let measure = change.measure;
         let array = format!("{}_{what}", measure.array);

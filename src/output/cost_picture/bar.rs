@@ -1,29 +1,29 @@
-//! The colour bar: colours, ticks, labels, and a tip at each end beyond which there are values.
+//! The color bar: colors, ticks, labels, and a pointed tip at each end that clips values.
 
 use image::{Rgb, RgbImage};
 
 use super::canvas::{self, Rect, Triangle, px};
-use super::colours::Colours;
+use super::colors::Colors;
 use super::label::Unit;
 use super::range::{Range, Scale};
 use super::text::{CAP_HEIGHT_EM, Style};
 use super::ticks::{ticks, ticks_around_zero};
 
-/// Which way the values grow.
+/// The direction of increasing values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// The bar stands, with its labels on the right.
+    /// A vertical bar with labels on its right.
     Up,
-    /// The bar lies, with its labels below.
+    /// A horizontal bar with labels below it.
     Right,
 }
 
-/// A colour bar that is not yet placed.
+/// A color bar without a position.
 pub struct Bar {
     direction: Direction,
     em_px: f32,
     line_px: u32,
-    /// Tips and all.
+    /// With its tips.
     length_px: u32,
     low_tip_px: u32,
     high_tip_px: u32,
@@ -59,15 +59,15 @@ const TIP_EM: f32 = 1.1;
 const TICK_EM: f32 = 0.45;
 const MINOR_TICK_EM: f32 = 0.25;
 const LABEL_GAP_EM: f32 = 0.35;
-/// From the middle of a label to that of the next one on its right: room for "100.25 ms".
+/// Distance between the centers of adjacent labels: room for "100.25 ms".
 const SIDE_BY_SIDE_EM: f32 = 5.8;
-/// From the middle of a label to that of the next one above.
+/// Distance between the centers of a label and the next one above.
 const STACKED_EM: f32 = 1.6;
 
 impl Bar {
-    /// A bar for `range` as long as one side of a map of `map_size`, width and height in pixels,
-    /// with labels of `em_px`. Right of the map; below it where the map is wide and flat, and a
-    /// standing bar would be too short for its labels.
+    /// Creates a bar for `range`, as long as one side of a map of `map_size` (width and height in
+    /// pixels), with labels of `em_px`. The bar is on the right of the map, or below a wide map, whose
+    /// height is too short for the labels.
     pub fn beside(map_size: [u32; 2], range: &Range, unit: Unit, em_px: f32) -> Self {
         let [width, height] = map_size;
         let (direction, length_px, pitch_em) = if 2 * width > 5 * height {
@@ -81,7 +81,7 @@ impl Bar {
         let min_gap = (pitch_em * em_px / scale_px).into();
         let ticks = match range.scale {
             Scale::Logarithmic => ticks(range.low, range.high, min_gap),
-            Scale::AroundZero => ticks_around_zero(range.high, min_gap),
+            Scale::Diverging => ticks_around_zero(range.high, min_gap),
         };
         let style = Style::new(em_px, canvas::INK);
         let label = |&value: &f64| Label::new(value, range, unit, &style);
@@ -97,12 +97,12 @@ impl Bar {
         }
     }
 
-    /// Which way the values grow.
+    /// The direction of increasing values.
     pub fn direction(&self) -> Direction {
         self.direction
     }
 
-    /// Width and height in pixels, with ticks and labels.
+    /// Returns width and height in pixels, including ticks and labels.
     pub fn size(&self) -> [u32; 2] {
         let to_label = self.thickness_px() + self.to_label_px();
         match self.direction {
@@ -115,12 +115,12 @@ impl Bar {
         }
     }
 
-    /// Paints the bar with its upper left corner at `corner`, x and y; the frame lies around that.
-    pub fn paint(&self, picture: &mut RgbImage, corner: [u32; 2], colours: &Colours) {
+    /// Paints the bar with its upper left corner at `corner`, x and y, inside its frame.
+    pub fn paint(&self, picture: &mut RgbImage, corner: [u32; 2], colors: &Colors) {
         let [x, y] = corner;
         let placed = Placed { bar: self, x, y };
-        placed.paint_scale(picture, colours);
-        placed.paint_tips(picture, colours);
+        placed.paint_scale(picture, colors);
+        placed.paint_tips(picture, colors);
         placed.paint_ticks(picture);
         placed.paint_labels(picture);
     }
@@ -133,14 +133,14 @@ impl Bar {
         px(THICKNESS_EM * self.em_px)
     }
 
-    /// From the bar to its labels.
+    /// Distance from the bar to its labels.
     fn to_label_px(&self) -> u32 {
         px((TICK_EM + LABEL_GAP_EM) * self.em_px)
     }
 }
 
-/// A bar with its place, so that what follows counts from the low end along the bar and, towards
-/// the labels, across it.
+/// A bar at a position. Coordinates are measured along the bar from its low end, and across it
+/// toward the labels.
 struct Placed<'a> {
     bar: &'a Bar,
     x: u32,
@@ -148,30 +148,30 @@ struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    fn paint_scale(&self, picture: &mut RgbImage, colours: &Colours) {
+    fn paint_scale(&self, picture: &mut RgbImage, colors: &Colors) {
         let (n, thickness) = (self.bar.scale_px(), self.bar.thickness_px());
         let low = self.bar.low_tip_px;
         let frame = self.rect(low, n, 0, thickness).grown(self.bar.line_px);
         canvas::fill_rect(picture, frame, canvas::LINE);
         for i in 0..n {
-            let colour = colours.at((i as f32 + 0.5) / n as f32);
-            canvas::fill_rect(picture, self.rect(low + i, 1, 0, thickness), colour);
+            let color = colors.at((i as f32 + 0.5) / n as f32);
+            canvas::fill_rect(picture, self.rect(low + i, 1, 0, thickness), color);
         }
     }
 
-    fn paint_tips(&self, picture: &mut RgbImage, colours: &Colours) {
+    fn paint_tips(&self, picture: &mut RgbImage, colors: &Colors) {
         let (low, length) = (self.bar.low_tip_px, self.bar.length_px);
         if low > 0 {
-            self.paint_tip(picture, low, 0, colours.at(0.0));
+            self.paint_tip(picture, low, 0, colors.at(0.0));
         }
         if self.bar.high_tip_px > 0 {
             let high = length - self.bar.high_tip_px;
-            self.paint_tip(picture, high, length, colours.at(1.0));
+            self.paint_tip(picture, high, length, colors.at(1.0));
         }
     }
 
-    /// Paints a framed triangle on the bar's width, from its foot to its point along the bar.
-    fn paint_tip(&self, picture: &mut RgbImage, foot: u32, point: u32, colour: Rgb<u8>) {
+    /// Paints a framed triangle as wide as the bar, from its base to its apex along the bar.
+    fn paint_tip(&self, picture: &mut RgbImage, foot: u32, point: u32, color: Rgb<u8>) {
         let line = self.bar.line_px as f32;
         let thickness = self.bar.thickness_px() as f32;
         let outline: Triangle = [
@@ -180,7 +180,7 @@ impl Placed<'_> {
             self.point(point as f32, thickness / 2.0),
         ];
         canvas::fill_triangle(picture, outline, canvas::LINE);
-        canvas::fill_triangle(picture, canvas::inset(outline, line), colour);
+        canvas::fill_triangle(picture, canvas::inset(outline, line), color);
     }
 
     fn paint_ticks(&self, picture: &mut RgbImage) {
@@ -216,13 +216,13 @@ impl Placed<'_> {
         }
     }
 
-    /// The pixel along the bar that shows `position`.
+    /// Returns the pixel along the bar that shows `position`.
     fn along(&self, position: f64) -> u32 {
         let n = self.bar.scale_px();
         self.bar.low_tip_px + ((position * f64::from(n)) as u32).min(n - 1)
     }
 
-    /// A piece of `length` along by `depth` across the bar.
+    /// Returns a rectangle of `length` along and `depth` across the bar.
     fn rect(&self, along: u32, length: u32, across: u32, depth: u32) -> Rect {
         let (x, y, width, height) = match self.bar.direction {
             Direction::Up => (across, self.bar.length_px - along - length, depth, length),
@@ -236,7 +236,7 @@ impl Placed<'_> {
         }
     }
 
-    /// A point in the picture.
+    /// Converts to a point in the picture.
     fn point(&self, along: f32, across: f32) -> [f32; 2] {
         let (x, y) = (self.x as f32, self.y as f32);
         match self.bar.direction {

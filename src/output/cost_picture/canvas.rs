@@ -1,4 +1,4 @@
-//! Plain shapes on a picture; whatever lies outside it is cut off.
+//! Draws simple shapes onto a picture, clipped to its bounds.
 
 use image::{Rgb, RgbImage};
 
@@ -7,21 +7,21 @@ pub const PAPER: u8 = 255;
 /// Title and tick labels.
 pub const INK: Rgb<u8> = Rgb([26; 3]);
 /// Subtitle and footer.
-pub const GREY_INK: Rgb<u8> = Rgb([88; 3]);
+pub const GRAY_INK: Rgb<u8> = Rgb([88; 3]);
 /// Frames and ticks.
 pub const LINE: Rgb<u8> = Rgb([64; 3]);
 
-/// Rounded to whole pixels.
+/// Rounds to whole pixels.
 pub fn px(length: f32) -> u32 {
     length.round() as u32
 }
 
-/// Thickness of frames and ticks beside text of `em_px`.
+/// Returns the thickness of frames and ticks for text of `em_px`.
 pub fn line_px(em_px: f32) -> u32 {
     px(em_px / 16.0).max(1)
 }
 
-/// Pixels from `x` and `y`, its top left corner, on.
+/// A rectangle of pixels; `x` and `y` are its top left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rect {
     pub x: u32,
@@ -31,45 +31,45 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// First column right of it.
+    /// The first column on its right.
     pub fn right(&self) -> u32 {
         self.x + self.width
     }
 
-    /// First row below it.
+    /// The first row below it.
     pub fn bottom(&self) -> u32 {
         self.y + self.height
     }
 
-    /// The same with a rim of `rim_px` on each side; needs that much room on the left and above.
-    pub fn grown(&self, rim_px: u32) -> Self {
+    /// Adds a border of `border_px` on each side; `x` and `y` must be at least that large.
+    pub fn grown(&self, border_px: u32) -> Self {
         Self {
-            x: self.x - rim_px,
-            y: self.y - rim_px,
-            width: self.width + 2 * rim_px,
-            height: self.height + 2 * rim_px,
+            x: self.x - border_px,
+            y: self.y - border_px,
+            width: self.width + 2 * border_px,
+            height: self.height + 2 * border_px,
         }
     }
 }
 
-/// Paints `rect` in `colour`.
-pub fn fill_rect(picture: &mut RgbImage, rect: Rect, colour: Rgb<u8>) {
+/// Paints `rect` in `color`.
+pub fn fill_rect(picture: &mut RgbImage, rect: Rect, color: Rgb<u8>) {
     let (width, height) = (picture.width(), picture.height());
     let (pixels, _) = picture.as_chunks_mut::<3>();
     for y in rect.y..rect.bottom().min(height) {
         let row = &mut pixels[(y * width) as usize..][..width as usize];
         let end = rect.right().min(width);
-        row[rect.x.min(end) as usize..end as usize].fill(colour.0);
+        row[rect.x.min(end) as usize..end as usize].fill(color.0);
     }
 }
 
-/// Mixes `colour` into one pixel; `coverage` in 0..=1, 1 replaces the pixel.
-pub fn blend(picture: &mut RgbImage, x: i64, y: i64, colour: Rgb<u8>, coverage: f32) {
+/// Mixes `color` into one pixel; `coverage` in 0..=1, 1 replaces the pixel.
+pub fn blend(picture: &mut RgbImage, x: i64, y: i64, color: Rgb<u8>, coverage: f32) {
     let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
         return;
     };
     if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
-        for (old, new) in pixel.0.iter_mut().zip(colour.0) {
+        for (old, new) in pixel.0.iter_mut().zip(color.0) {
             let mixed = f32::from(*old) + coverage * (f32::from(new) - f32::from(*old));
             *old = mixed.round() as u8;
         }
@@ -79,8 +79,8 @@ pub fn blend(picture: &mut RgbImage, x: i64, y: i64, colour: Rgb<u8>, coverage: 
 /// Corners of a triangle, x and y in pixels.
 pub type Triangle = [[f32; 2]; 3];
 
-/// Paints `triangle` in `colour` with smooth edges.
-pub fn fill_triangle(picture: &mut RgbImage, triangle: Triangle, colour: Rgb<u8>) {
+/// Paints `triangle` in `color` with smooth edges.
+pub fn fill_triangle(picture: &mut RgbImage, triangle: Triangle, color: Rgb<u8>) {
     let span = |axis: usize| {
         let along = triangle.map(|corner| corner[axis]);
         let low = along.into_iter().fold(f32::INFINITY, f32::min);
@@ -89,25 +89,25 @@ pub fn fill_triangle(picture: &mut RgbImage, triangle: Triangle, colour: Rgb<u8>
     };
     for y in span(1) {
         for x in span(0) {
-            blend(picture, x, y, colour, coverage(&triangle, x, y));
+            blend(picture, x, y, color, coverage(&triangle, x, y));
         }
     }
 }
 
-/// `triangle` with each edge moved inwards by `inset_px`, less than its inner circle's radius.
+/// Moves each edge of the triangle inward by `inset_px`, less than the radius of its incircle.
 pub fn inset(triangle: Triangle, inset_px: f32) -> Triangle {
     let [a, b, c] = triangle;
     let lengths = [distance(b, c), distance(c, a), distance(a, b)];
     let perimeter: f32 = lengths.iter().sum();
     let radius = edge(a, b, c).abs() / perimeter;
-    // Moving all edges by the same distance shrinks a triangle towards the inner circle's centre.
-    let centre =
+    // Moving all edges by the same distance scales a triangle about the center of its incircle.
+    let center =
         [0, 1].map(|i| (lengths[0] * a[i] + lengths[1] * b[i] + lengths[2] * c[i]) / perimeter);
     let shrink = 1.0 - inset_px / radius;
-    triangle.map(|corner| [0, 1].map(|i| centre[i] + shrink * (corner[i] - centre[i])))
+    triangle.map(|corner| [0, 1].map(|i| center[i] + shrink * (corner[i] - center[i])))
 }
 
-/// Part of pixel (x, y) inside `triangle`, from 8 x 8 samples.
+/// Returns the share of pixel (x, y) inside `triangle`, from 8 x 8 samples.
 fn coverage(triangle: &Triangle, x: i64, y: i64) -> f32 {
     const N: usize = 8;
     let [a, b, c] = *triangle;
@@ -122,7 +122,7 @@ fn coverage(triangle: &Triangle, x: i64, y: i64) -> f32 {
     (0..N * N).filter(|&i| is_inside(i)).count() as f32 / (N * N) as f32
 }
 
-/// Twice the signed area of the triangle `from`, `to`, `p`.
+/// Returns twice the signed area of the triangle `from`, `to`, `p`.
 fn edge(from: [f32; 2], to: [f32; 2], p: [f32; 2]) -> f32 {
     (to[0] - from[0]) * (p[1] - from[1]) - (to[1] - from[1]) * (p[0] - from[0])
 }
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_outside_the_picture_are_cut_off() {
+    fn shapes_are_clipped_to_the_picture() {
         let mut picture = RgbImage::from_pixel(2, 2, Rgb([PAPER; 3]));
         let rect = Rect {
             x: 1,

@@ -1,15 +1,15 @@
-//! What the colour bar cannot say: the kind of scale, and the pixels that it leaves out.
+//! The footer: the kind of scale, and the number of pixels outside of it.
 
 use super::label::Unit;
 use super::range::{Range, Scale};
 
-/// One line such as "Logarithmic scale; 2 pixels above 9.81 µs, up to 412 µs".
+/// Returns a line such as "Logarithmic scale; 2 pixels above 9.81 µs, up to 412 µs".
 pub fn line(unit_name: &str, range: &Range) -> String {
     let unit = Unit::named(unit_name);
     let label = |value: f64| unit.label(value, 3);
     let scale = match range.scale {
         Scale::Logarithmic => "Logarithmic scale",
-        Scale::AroundZero => "Red is dearer, blue cheaper; linear scale",
+        Scale::Diverging => "Red: more expensive, blue: cheaper; linear scale",
     };
     let mut parts = vec![match unit_name {
         "ns" => scale.to_owned(),
@@ -31,7 +31,7 @@ pub fn line(unit_name: &str, range: &Range) -> String {
     }
     if range.n_undrawable > 0 {
         parts.push(format!(
-            "grey: {} without a value",
+            "gray: {} without a value",
             pixels(range.n_undrawable)
         ));
     }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_line_names_what_is_left_out() {
+    fn the_line_counts_the_clipped_pixels() {
         let mut range = Range {
             n_undrawable: 0,
             ..Range::of(&[100.0, 2e4])
@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(
             line("ns", &range),
             "Logarithmic scale; 2 pixels above 20 µs, up to 412 µs; 1 pixel below 100 ns, down to \
-             3 ns; grey: 7 pixels without a value"
+             3 ns; gray: 7 pixels without a value"
         );
     }
 }

@@ -1,14 +1,14 @@
-//! Values as people write them: engineering units, no needless digits.
+//! Formats values with engineering units and without trailing zeros.
 
-/// How values of one unit are written.
+/// The suffixes of a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// Suffix and size in the values' unit, smallest first.
+    /// Suffixes and their size in the values' unit, smallest first.
     suffixes: [(&'static str, f64); 4],
 }
 
 impl Unit {
-    /// Time units for "ns", thousands for all others.
+    /// Returns units of time for "ns", and powers of 1000 for all others.
     pub fn named(name: &str) -> Self {
         let suffixes = match name {
             "ns" => [(" ns", 1.0), (" µs", 1e3), (" ms", 1e6), (" s", 1e9)],
@@ -17,7 +17,7 @@ impl Unit {
         Self { suffixes }
     }
 
-    /// `value`, rounded to `n_digits` significant digits: "500 ns", "1.5 µs", "−20 ns", "0".
+    /// Formats `value` with `n_digits` significant digits: "500 ns", "1.5 µs", "−20 ns", "0".
     pub fn label(&self, value: f64, n_digits: usize) -> String {
         match value {
             0.0 => "0".to_owned(),
@@ -26,7 +26,7 @@ impl Unit {
         }
     }
 
-    /// The label of a positive number.
+    /// Formats a positive number.
     fn size_label(&self, value: f64, n_digits: usize) -> String {
         let exponential = format!("{:.*e}", n_digits - 1, value);
         let rounded: f64 = exponential.parse().unwrap_or(value);

@@ -1,4 +1,4 @@
-//! Where each part of the picture goes.
+//! The positions of all parts of the picture.
 //!
 //! ```text
 //! title                          title
@@ -23,34 +23,34 @@ pub const TITLE_EM: f32 = 1.3;
 /// Size of the footer, in ems.
 pub const FOOTER_EM: f32 = 0.9;
 
-/// Places and sizes in pixels of the picture.
+/// Positions and sizes in pixels of the picture.
 pub struct Layout {
-    /// Of the picture.
+    /// Width of the picture.
     pub width: u32,
-    /// Of the picture.
+    /// Height of the picture.
     pub height: u32,
-    /// Size of tick labels and subtitle, and the measure of all distances.
+    /// Font size of tick labels and subtitle, and the unit of all distances.
     pub em_px: f32,
-    /// Side of the square that shows one value.
+    /// Side of the square of one value.
     pub magnification: u32,
-    /// The values, without the frame around them.
+    /// The map, without its frame.
     pub map: Rect,
-    /// Colour bar.
+    /// The color bar.
     pub bar: Bar,
-    /// Upper left corner of the colour bar, without its frame.
+    /// Upper left corner of the color bar, without its frame.
     pub bar_corner: [u32; 2],
-    /// Longest line of text, from the map's left edge on.
+    /// Greatest width of a line of text.
     pub text_width: u32,
-    /// Of the title.
+    /// Baseline of the title.
     pub title_baseline: u32,
-    /// Of the subtitle.
+    /// Baseline of the subtitle.
     pub subtitle_baseline: u32,
-    /// Of the footer.
+    /// Baseline of the footer.
     pub footer_baseline: u32,
 }
 
 impl Layout {
-    /// The layout for `map`, whose values the colours span over `range`.
+    /// Computes the layout of `map` with colors over `range`.
     pub fn of(map: &CostMap, range: &Range) -> Self {
         let magnification = MIN_LONGER_SIDE_PX.div_ceil(map.width.max(map.height));
         let [width, height] = [map.width * magnification, map.height * magnification];
@@ -89,10 +89,10 @@ impl Layout {
     }
 }
 
-/// Smaller maps are magnified to at least this.
+/// Smaller maps are magnified to at least this size.
 const MIN_LONGER_SIDE_PX: u32 = 600;
 const MARGIN_EM: f32 = 1.5;
-/// Room for a title beside which the map may be slim.
+/// Least width for the title, even if the map is narrower.
 const MIN_TEXT_WIDTH_EM: f32 = 30.0;
 
 #[cfg(test)]

@@ -1,66 +1,65 @@
-//! Which values the colours span, and what lies outside.
+//! The range of values that the colors represent, and the values outside of it.
 //!
-//! One interrupt makes a pixel a thousand times dearer than its neighbours; colours from the
-//! smallest to the largest value would then show one bright dot on black. So the range runs
-//! between the 0.5 % and the 99.5 % quantile and takes in the extremes only where they are near.
-//! Changes go both ways from zero, which stays in the middle: their range reaches as far up as
-//! down, to the 99 % quantile of what is not zero.
+//! An interrupt makes a pixel a thousand times more expensive than its neighbors; colors from the
+//! least to the greatest value would then show one bright dot on black. So the range extends from
+//! the 0.5 % to the 99.5 % quantile, and includes the extremes only if they are near. Changes have a
+//! symmetric range around zero, up to the 99 % quantile of the magnitudes that are not zero.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use super::census::{Census, N_BINS, bin, is_drawable, lower_edge, upper_edge};
+use super::histogram::{Histogram, N_BINS, bin, is_drawable, lower_edge, upper_edge};
 
-/// How values are spread over the colours.
+/// The scale of the colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal ratios are equally far apart; for positive values, of which most is dearest.
+    /// Logarithmic; for positive values.
     Logarithmic,
-    /// Equal differences are equally far apart, and zero is in the middle; for changes.
-    AroundZero,
+    /// Linear and symmetric around zero; for changes.
+    Diverging,
 }
 
-/// The values that the colours span, and a census of those outside.
+/// The range of the colors, and the number of values outside of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// How they are spread.
+    /// The scale.
     pub scale: Scale,
-    /// Drawn in the first colour; positive on a logarithmic scale, else `-high`.
+    /// The value of the first color; positive on a logarithmic scale, else `-high`.
     pub low: f64,
-    /// Drawn in the last colour; at least 1 % above `low`.
+    /// The value of the last color; at least 1 % above `low`.
     pub high: f64,
-    /// Smallest value that can be drawn; below `low` where `n_below` is not zero.
+    /// The least drawable value; below `low` if `n_below` is not zero.
     pub min: f32,
-    /// Largest value that can be drawn; above `high` where `n_above` is not zero.
+    /// The greatest drawable value; above `high` if `n_above` is not zero.
     pub max: f32,
     /// Pixels below `low`.
     pub n_below: u64,
     /// Pixels above `high`.
     pub n_above: u64,
-    /// Pixels that the scale cannot show: NaN or infinite; where it is logarithmic also zero,
+    /// Pixels that the scale cannot show: NaN or infinite; on a logarithmic scale also zero,
     /// negative or subnormal.
     pub n_undrawable: u64,
 }
 
 impl Range {
-    /// The range for `values`, in any order, on this scale.
+    /// Returns the range for `values`, in any order, on a scale.
     pub fn on(scale: Scale, values: &[f32]) -> Self {
         match scale {
             Scale::Logarithmic => Self::of(values),
-            Scale::AroundZero => Self::around_zero(values),
+            Scale::Diverging => Self::diverging(values),
         }
     }
 
-    /// The logarithmic range for `values`, in any order; 1 to 2 where none can be drawn.
+    /// Returns the logarithmic range for `values`, in any order; a range around 1 if none is drawable.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        let census = Census::of(values);
-        let Census {
+        let histogram = Histogram::of(values);
+        let Histogram {
             min,
             max,
             n_undrawable,
             ..
-        } = census;
-        let (low, high) = at_least_one_percent(census.robust_ends());
-        // An end that cuts values off is moved to the edge of its bin, so that the counts are exact.
+        } = histogram;
+        let (low, high) = at_least_one_percent(histogram.robust_ends());
+        // An end that clips values is moved to the edge of its bin, so that the counts are exact.
         let low = if low > min.into() {
             lower_edge(bin(low as f32))
         } else {
@@ -77,24 +76,24 @@ impl Range {
             high,
             min,
             max,
-            n_below: census.n_in(0..bin(min.max(low as f32))),
-            n_above: census.n_in(bin(max.min(high as f32)) + 1..N_BINS),
+            n_below: histogram.n_in(0..bin(min.max(low as f32))),
+            n_above: histogram.n_in(bin(max.min(high as f32)) + 1..N_BINS),
             n_undrawable,
         }
     }
 
-    /// As far up from zero as down; to 1 where nothing differs from it.
-    fn around_zero(values: &[f32]) -> Self {
+    /// Returns a range that is symmetric around zero; -1 to 1 if all values are zero.
+    fn diverging(values: &[f32]) -> Self {
         let sizes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
-        let census = Census::of(&sizes);
-        let reach = match census.n {
+        let histogram = Histogram::of(&sizes);
+        let reach = match histogram.n {
             0 => 1.0,
-            _ => census.size_of_most(),
+            _ => histogram.size_of_most(),
         };
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let n = |is_so: &dyn Fn(f64) -> bool| finite().filter(|&v| is_so(v.into())).count() as u64;
         Self {
-            scale: Scale::AroundZero,
+            scale: Scale::Diverging,
             low: -reach,
             high: reach,
             min: finite().fold(0.0, f32::min),
@@ -105,12 +104,12 @@ impl Range {
         }
     }
 
-    /// Where `value` lies between `low` (0) and `high` (1); beyond both for values outside. Grows
-    /// with `value`, on a logarithmic scale a positive number.
+    /// Returns the position of `value` between `low` (0) and `high` (1), beyond them for values
+    /// outside. Increases with `value`, which must be positive on a logarithmic scale.
     pub fn position(&self, value: f64) -> f64 {
         let along = match self.scale {
             Scale::Logarithmic => f64::log2,
-            Scale::AroundZero => |value| value,
+            Scale::Diverging => |value| value,
         };
         (along(value) - along(self.low)) / (along(self.high) - along(self.low))
     }
@@ -119,13 +118,13 @@ impl Range {
     pub fn can_show(&self, value: f32) -> bool {
         match self.scale {
             Scale::Logarithmic => is_drawable(value),
-            Scale::AroundZero => value.is_finite(),
+            Scale::Diverging => value.is_finite(),
         }
     }
 }
 
-/// Widens ends closer than 1 %, as those of a constant map, to a factor of two around their
-/// middle: what varies less is noise, and needs no colours.
+/// Widens a range narrower than 1 %, such as that of a constant map, to a factor of two around its
+/// middle: smaller variations are noise.
 fn at_least_one_percent((low, high): (f64, f64)) -> (f64, f64) {
     if high >= 1.01 * low {
         return (low, high);
@@ -159,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_cut_off_and_counted() {
+    fn outliers_are_clipped_and_counted() {
         let mut values = a_decade(20_000);
         values[7] = 1e7;
         values[70] = 3e7;
@@ -181,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn an_outlier_among_equals_is_cut_off() {
+    fn an_outlier_among_equals_is_clipped() {
         let mut values = vec![412.0; 300];
         values[5] = 412_000.0;
         let range = Range::of(&values);
@@ -207,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_counted_and_has_no_influence() {
+    fn undrawable_values_are_only_counted() {
         let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -5.0, 1e-40];
         let range = Range::of(&[&odd[..], &[3.0, 30.0]].concat());
         assert_eq!(range.n_undrawable, 6);
@@ -226,9 +225,9 @@ mod tests {
     }
 
     #[test]
-    fn changes_reach_as_far_up_as_down() {
+    fn the_range_of_changes_is_symmetric() {
         let values: Vec<f32> = (0..1000).map(|i| i as f32 - 700.0).collect();
-        let range = Range::on(Scale::AroundZero, &values);
+        let range = Range::on(Scale::Diverging, &values);
         assert_eq!((range.low, range.high), (-700.0, 700.0));
         assert_eq!((range.min, range.max, range.n_below), (-700.0, 299.0, 0));
         assert_eq!(
@@ -238,19 +237,19 @@ mod tests {
     }
 
     #[test]
-    fn an_outlier_among_changes_is_cut_off() {
+    fn an_outlier_among_changes_is_clipped() {
         let mut values = vec![0.0; 10_000];
         values[..900].fill(-3.0);
         (values[900], values[901]) = (1e6, f32::NAN);
-        let range = Range::on(Scale::AroundZero, &values);
+        let range = Range::on(Scale::Diverging, &values);
         assert!(range.high >= 3.0 && range.high < 3.03, "{range:?}");
         assert_eq!(
             (range.n_below, range.n_above, range.n_undrawable),
             (0, 1, 1)
         );
-        assert_eq!(Range::on(Scale::AroundZero, &[0.0; 9]).high, 1.0);
+        assert_eq!(Range::on(Scale::Diverging, &[0.0; 9]).high, 1.0);
         assert_eq!(
-            Range::on(Scale::AroundZero, &[f32::INFINITY]).n_undrawable,
+            Range::on(Scale::Diverging, &[f32::INFINITY]).n_undrawable,
             1
         );
     }

@@ -1,9 +1,9 @@
-//! What the whole picture promises.
+//! Tests of the whole picture.
 
 use image::Rgb;
 
 use super::bar::Direction;
-use super::colours::NO_VALUE;
+use super::colors::NO_VALUE;
 use super::*;
 
 fn map(values: &[f32], width: u32) -> CostMap<'_> {
@@ -23,8 +23,8 @@ fn layout(map: &CostMap) -> Layout {
     Layout::of(map, &Range::on(map.scale, map.values))
 }
 
-/// The colour in the middle of each value's square.
-fn drawn_colours(map: &CostMap) -> Vec<Rgb<u8>> {
+/// Returns the color in the middle of each value's square.
+fn drawn_colors(map: &CostMap) -> Vec<Rgb<u8>> {
     let picture = draw(map);
     let Layout {
         map: at,
@@ -46,26 +46,26 @@ fn is_close(a: Rgb<u8>, b: Rgb<u8>) -> bool {
 }
 
 #[test]
-fn each_value_has_its_colour() {
-    let colours = drawn_colours(&map(&[10.0, 1e5, f32::NAN, 1e5, 10.0, 1e3], 3));
+fn each_value_has_its_color() {
+    let colors = drawn_colors(&map(&[10.0, 1e5, f32::NAN, 1e5, 10.0, 1e3], 3));
     let [low, high] = [inferno(0.0), inferno(1.0)];
-    assert_eq!(colours[..5], [low, high, NO_VALUE, high, low]);
-    assert!(is_close(colours[5], inferno(0.5)));
+    assert_eq!(colors[..5], [low, high, NO_VALUE, high, low]);
+    assert!(is_close(colors[5], inferno(0.5)));
 }
 
 #[test]
-fn each_change_has_its_colour() {
+fn each_change_has_its_color() {
     let changes = CostMap {
-        scale: Scale::AroundZero,
+        scale: Scale::Diverging,
         ..map(&[-10.0, 0.0, 10.0, f32::NAN], 2)
     };
     let red_blue = |t: f64| Rgb(colorous::RED_BLUE.eval_continuous(1.0 - t).into_array());
-    let colours = drawn_colours(&changes);
+    let colors = drawn_colors(&changes);
     assert_eq!(
-        [colours[0], colours[2], colours[3]],
+        [colors[0], colors[2], colors[3]],
         [red_blue(0.0), red_blue(1.0), NO_VALUE]
     );
-    assert!(is_close(colours[1], red_blue(0.5)));
+    assert!(is_close(colors[1], red_blue(0.5)));
 }
 
 #[test]
@@ -91,9 +91,9 @@ fn an_outlier_does_not_flatten_the_rest() {
     let mut values: Vec<f32> = (0..600)
         .map(|i| if i < 300 { 300.0 } else { 900.0 })
         .collect();
-    let calm = drawn_colours(&map(&values, 30));
+    let calm = drawn_colors(&map(&values, 30));
     values[45] = 4e5;
-    let disturbed = drawn_colours(&map(&values, 30));
+    let disturbed = drawn_colors(&map(&values, 30));
     assert_eq!([disturbed[0], disturbed[45]], [inferno(0.0), inferno(1.0)]);
     let n_changed = calm
         .iter()
@@ -104,18 +104,18 @@ fn an_outlier_does_not_flatten_the_rest() {
 }
 
 #[test]
-fn a_constant_map_has_the_middle_colour() {
-    let colours = drawn_colours(&map(&[412.0; 12], 4));
-    assert!(colours.iter().all(|&colour| is_close(colour, inferno(0.5))));
+fn a_constant_map_has_the_middle_color() {
+    let colors = drawn_colors(&map(&[412.0; 12], 4));
+    assert!(colors.iter().all(|&color| is_close(color, inferno(0.5))));
 }
 
 #[test]
-fn the_bar_has_the_colours_of_the_values() {
+fn the_bar_has_the_colors_of_the_values() {
     let values: Vec<f32> = (0..40).map(|i| 10f32.powf(2.0 + i as f32 / 13.0)).collect();
     for width in [40, 5] {
         let map = map(&values, width);
         let range = Range::of(&values);
-        let (picture, colours) = (draw(&map), Colours::over(&range));
+        let (picture, colors) = (draw(&map), Colors::over(&range));
         let Layout {
             bar,
             bar_corner: [x, y],
@@ -129,7 +129,7 @@ fn the_bar_has_the_colours_of_the_values() {
                 Direction::Right => picture.get_pixel(x + along(at.width), y + 2),
             };
             assert!(
-                is_close(*pixel, colours.of(value as f32)),
+                is_close(*pixel, colors.of(value as f32)),
                 "{value}: {pixel:?}"
             );
         }
@@ -147,7 +147,7 @@ fn has_blank_rim(picture: &RgbImage) -> bool {
 }
 
 #[test]
-fn nothing_is_cut_off_and_nothing_panics() {
+fn any_text_and_value_fit_without_a_panic() {
     let long = "über-Szene ä, 場面, \n\t, 🙂 ".repeat(40);
     let strange = [
         f32::NAN,
@@ -171,7 +171,7 @@ fn nothing_is_cut_off_and_nothing_panics() {
     ];
     for (values, width) in maps {
         let texts = [(long.as_str(), "ns"), ("", long.as_str())];
-        let scales = [Scale::Logarithmic, Scale::AroundZero];
+        let scales = [Scale::Logarithmic, Scale::Diverging];
         for ((title, unit), scale) in texts.into_iter().flat_map(|t| scales.map(|s| (t, s))) {
             let picture = draw(&CostMap {
                 scale,

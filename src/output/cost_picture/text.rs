@@ -5,34 +5,34 @@ use image::{Rgb, RgbImage};
 
 use super::canvas;
 
-/// Height of digits and capitals, as a part of the font size.
+/// Height of digits and capitals as a fraction of the font size.
 pub const CAP_HEIGHT_EM: f32 = 0.69;
 
-/// A font size and a colour.
+/// A font size and a color.
 pub struct Style {
     font: PxScaleFont<FontRef<'static>>,
-    colour: Rgb<u8>,
+    color: Rgb<u8>,
 }
 
 impl Style {
-    /// Text of `em_px` pixels an em.
-    pub fn new(em_px: f32, colour: Rgb<u8>) -> Self {
+    /// Creates a style with a font size of `em_px` pixels.
+    pub fn new(em_px: f32, color: Rgb<u8>) -> Self {
         let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
             .expect("a font compiled into the program can be read");
         let em_units = font.units_per_em().unwrap_or(font.height_unscaled());
         let line_px = em_px * font.height_unscaled() / em_units;
         Self {
             font: font.into_scaled(line_px),
-            colour,
+            color,
         }
     }
 
-    /// Width of `line` in pixels.
+    /// Returns the width of `line` in pixels.
     pub fn width(&self, line: &str) -> f32 {
         self.place(line).1
     }
 
-    /// `line`, or where it is wider than `max_px` as much of its beginning as fits with an ellipsis.
+    /// Returns `line`, truncated with an ellipsis if it is wider than `max_px`.
     pub fn fitted(&self, line: &str, max_px: u32) -> String {
         let (glyphs, width) = self.place(line);
         if width <= max_px as f32 {
@@ -45,7 +45,7 @@ impl Style {
         format!("{}…", beginning.trim_end())
     }
 
-    /// Paints `line` from column `left` on with its baseline at the lower edge of row `baseline`.
+    /// Paints `line` from column `left` with its baseline at the lower edge of row `baseline`.
     pub fn paint(&self, picture: &mut RgbImage, line: &str, left: u32, baseline: u32) {
         for glyph in self.place(line).0 {
             let Some(outline) = self.font.outline_glyph(glyph) else {
@@ -55,14 +55,14 @@ impl Style {
             outline.draw(|x, y, coverage| {
                 let x = i64::from(left) + corner.x as i64 + i64::from(x);
                 let y = i64::from(baseline) + corner.y as i64 + i64::from(y);
-                // The light face is pale in small print; this thickens its strokes a little.
+                // The light font is pale at small sizes; this thickens its strokes slightly.
                 let coverage = coverage.min(1.0).powf(0.8);
-                canvas::blend(picture, x, y, self.colour, coverage);
+                canvas::blend(picture, x, y, self.color, coverage);
             });
         }
     }
 
-    /// The glyphs of `line` from x = 0 on, kerned, on a baseline at y = 0, and their width.
+    /// Lays out `line` with kerning from x = 0 on a baseline at y = 0; returns its glyphs and width.
     fn place(&self, line: &str) -> (Vec<Glyph>, f32) {
         let mut x = 0.0;
         let mut glyphs: Vec<Glyph> = Vec::new();
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn ink_stays_within_the_width_and_stands_on_the_baseline() {
+    fn glyphs_stay_within_the_width_and_above_the_baseline() {
         let style = Style::new(40.0, canvas::INK);
         let mut picture = RgbImage::from_pixel(400, 100, Rgb([canvas::PAPER; 3]));
         style.paint(&mut picture, "HEX", 10, 60);

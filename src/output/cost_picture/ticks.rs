@@ -1,11 +1,11 @@
-//! Where a scale gets its ticks.
+//! The ticks of a scale.
 
-/// Ticks of a scale, each in rising order and within its ends.
+/// The ticks of a scale, in increasing order and within its ends.
 #[derive(Debug, Default, PartialEq)]
 pub struct Ticks {
     /// Values with a label; at least two.
     pub major: Vec<f64>,
-    /// Values without a label; some may be major ones as well.
+    /// Values without a label; some may also be major ones.
     pub minor: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ pub fn ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
 /// Ticks of a linear scale from `-reach` to `reach`, with labels at least `min_gap` of its length
 /// apart, up to 0.14: at zero and at multiples of 1, 2 or 5 times a power of ten on both sides.
 pub fn ticks_around_zero(reach: f64, min_gap: f64) -> Ticks {
-    // Closer labels than these are hard to take in.
+    // Closer labels are hard to read.
     let least_step = 2.0 * reach * min_gap.max(0.08);
     let power = 10f64.powf(least_step.log10().floor());
     let choices = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0), (10.0, 5.0)];
@@ -119,7 +119,7 @@ fn steps(step: f64, low: f64, high: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Forgives the rounding of `value`.
+/// Tolerates the rounding of `value`.
 fn is_within(value: f64, low: f64, high: f64) -> bool {
     value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9)
 }

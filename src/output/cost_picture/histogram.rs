@@ -1,18 +1,18 @@
-//! How values are distributed, by bins.
+//! A histogram of values and its quantiles.
 //!
-//! The quantiles come from a histogram over the upper half of the floats' bits, which sort like
-//! the positive floats themselves: one pass, no copy of the values, no dependence on their order,
-//! and bins of less than 1 %, finer than a colour can show.
+//! Bins are the upper 16 bits of a float, which sort like positive floats. The histogram needs one
+//! pass and no copy of the values, does not depend on their order, and its bins are narrower than
+//! 1 %, less than one step of color.
 
 /// Whether a logarithmic scale can show `value`.
 pub fn is_drawable(value: f32) -> bool {
     (f32::MIN_POSITIVE..f32::INFINITY).contains(&value)
 }
 
-/// Bins of positive floats by their upper 16 bits.
+/// Number of bins of positive floats, which are their upper 16 bits.
 pub const N_BINS: usize = 1 << 15;
 
-/// The bin of a positive float.
+/// Returns the bin of a positive float.
 pub fn bin(positive: f32) -> usize {
     (positive.to_bits() >> 16) as usize
 }
@@ -27,20 +27,20 @@ pub fn upper_edge(bin: usize) -> f64 {
     f32::from_bits((bin as u32) << 16 | 0xffff).into()
 }
 
-/// How the drawable values are distributed.
-pub struct Census {
+/// A histogram of the drawable values.
+pub struct Histogram {
     n_by_bin: Vec<u64>,
-    /// Values that can be drawn.
+    /// Number of drawable values.
     pub n: u64,
-    /// All others.
+    /// Number of other values.
     pub n_undrawable: u64,
-    /// The least value; 1 where there is none.
+    /// The least value; 1 if there is none.
     pub min: f32,
-    /// The greatest value; 1 where there is none.
+    /// The greatest value; 1 if there is none.
     pub max: f32,
 }
 
-impl Census {
+impl Histogram {
     /// Counts the values.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let mut n_by_bin = vec![0; N_BINS];
@@ -66,18 +66,18 @@ impl Census {
         }
     }
 
-    /// How many values are in these bins.
+    /// Returns the number of values in a range of bins.
     pub fn n_in(&self, bins: std::ops::Range<usize>) -> u64 {
         self.n_by_bin
             .get(bins)
             .map_or(0, |counts| counts.iter().sum())
     }
 
-    /// The 0.5 % and 99.5 % quantiles, each replaced by the extreme value on its side where that
-    /// is within a factor of two, or adds at most a third to the logarithmic range.
+    /// Returns the 0.5 % and 99.5 % quantiles. Each is replaced by the extreme value on its side if
+    /// that is within a factor of two, or extends the logarithmic range by at most a third.
     pub fn robust_ends(&self) -> (f64, f64) {
         let (min, max) = (f64::from(self.min), f64::from(self.max));
-        // Below a hundred pixels a single one is no outlier but a part of the picture.
+        // In fewer than a hundred pixels no pixel counts as an outlier.
         let n_tail = if self.n < 100 {
             0
         } else {
@@ -85,14 +85,15 @@ impl Census {
         };
         let low = lower_edge(self.bin_past(n_tail, 0..N_BINS)).max(min);
         let high = upper_edge(self.bin_past(n_tail, (0..N_BINS).rev())).min(max);
-        let reach = (high / low).cbrt().max(2.0);
+        let max_ratio = (high / low).cbrt().max(2.0);
         (
-            if low / min <= reach { min } else { low },
-            if max / high <= reach { max } else { high },
+            if low / min <= max_ratio { min } else { low },
+            if max / high <= max_ratio { max } else { high },
         )
     }
 
-    /// The 99 % quantile, or the greatest value where that is within a factor of two or few are.
+    /// Returns the 99 % quantile, or the greatest value if that is within a factor of two or there
+    /// are fewer than a hundred values.
     pub fn size_of_most(&self) -> f64 {
         let max = f64::from(self.max);
         let n_tail = if self.n < 100 { 0 } else { self.n / 100 };
@@ -100,7 +101,7 @@ impl Census {
         if max <= 2.0 * most { max } else { most }
     }
 
-    /// The first of `bins` with which more than `n_tail` values are passed.
+    /// Returns the first of `bins` at which the cumulative count exceeds `n_tail`.
     fn bin_past(&self, n_tail: u64, mut bins: impl Iterator<Item = usize>) -> usize {
         let mut n_passed = 0;
         bins.find(|&bin| {
