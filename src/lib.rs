@@ -40,7 +40,7 @@ pub mod schedule;
 pub mod film;
 pub mod render;
 pub mod observe;
-pub mod ledger;
+pub mod attribution;
 pub mod memory;
 pub mod output;
 pub mod results;

@@ -1,9 +1,9 @@
-//! How much memory a scene takes, told before it is taken.
+//! Estimates the memory of a rendering before it is allocated.
 
 use crate::accel::{Bvh, TooLarge};
+use crate::attribution::CostAttribution;
 use crate::config::{Acceleration, Codec, Config, Image, Repeats};
 use crate::film::{self, PackedCounters, RenderedTile};
-use crate::ledger::Ledger;
 use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::schedule::{TileGrid, TileRun};
@@ -11,41 +11,40 @@ use crate::yaml::{Fault, Path};
 
 pub use crate::host::available_memory as available;
 
-/// What the pictures and files take for each pixel while they are made: a copy
-/// of the times or counts, another to find their median, the cost map and its
-/// PNG.
+/// Bytes per pixel to write pictures and files: a copy of the times or counts,
+/// another one to find their median, the cost map and its PNG.
 const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
 
-/// What compressing takes for each of the VTK files, five at most, all written
-/// at once: a window of blocks, and as many compressed ones.
+/// Bytes to compress the VTK files, at most five of which are written in
+/// parallel: for each a window of blocks, and as many compressed ones.
 pub(crate) const COMPRESSION_BYTES: u64 = 5 * (12 << 20);
 
-/// What the order and the record of a tile take: the threads' lists grow by
-/// doubling, and are there until the schedule is made of them.
+/// Bytes of a tile in the order of tiles and in the schedule: the threads' lists
+/// grow by doubling, and exist until the schedule is complete.
 const BYTES_PER_RUN: usize = 4 + 3 * size_of::<(u32, TileRun)>();
 
-/// What a tile takes in the film beside its counters: a list of at least four
-/// parts, a lock, and what the allocator takes for both.
+/// Bytes of a tile in the film besides its counters: a list with a capacity of
+/// at least four, a lock, and the overhead of the allocator for both.
 const BYTES_PER_RENDERED_TILE: usize =
     size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
 
 const BYTES_PER_TILE: u64 = (BYTES_PER_RUN + BYTES_PER_RENDERED_TILE) as u64;
 
-/// What one rendering needs, in bytes.
+/// The memory of one rendering, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
-    /// The film's arrays, the times of repeated renderings, and what is made of
-    /// them at the end.
+    /// The film's arrays, the times of repeated renderings, and the buffers of
+    /// the output.
     pub film: u64,
-    /// Primitives, the structure over them, and what is told of both.
+    /// Primitives, the acceleration structure, and the costs attributed to both.
     pub scene: u64,
     n_primitives: usize,
     repeats: Repeats,
 }
 
 impl Memory {
-    /// What the config and its geometries need; never less than is used in the
-    /// end, but for a few MiB of program and buffers.
+    /// Estimates the memory for a config and its geometries: an upper bound,
+    /// except for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
         let of_film = film::bytes_per_pixel(config.cost) + repeat_bytes_per_pixel(config);
         let per_pixel = of_film as u64 + OUTPUT_BYTES_PER_PIXEL;
@@ -56,16 +55,17 @@ impl Memory {
             Codec::None => 0,
             Codec::Lz4 | Codec::Zlib => COMPRESSION_BYTES,
         };
-        let of_ledger = Ledger::bytes_per_primitive(&config.output, config.acceleration);
+        let of_attribution =
+            CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
         let bare = Self::of_scene(config, geometries);
         Self {
             film: config.image.n_pixels() as u64 * per_pixel + of_tiles + of_codec,
-            scene: bare.scene + (bare.n_primitives * of_ledger) as u64,
+            scene: bare.scene + (bare.n_primitives * of_attribution) as u64,
             ..bare
         }
     }
 
-    /// The same without a film, or anything told of it.
+    /// Estimates the memory of the scene without a film.
     pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
             + match config.acceleration {
@@ -75,23 +75,23 @@ impl Memory {
         let n_primitives = geometries.n_primitives();
         Self {
             film: 0,
-            // What was read, and its attributes in world space.
+            // The geometries as read, and their attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
             n_primitives,
             repeats: config.repeats,
         }
     }
 
-    /// All of it.
+    /// The sum of both.
     pub fn total(&self) -> u64 {
         self.film + self.scene
     }
 
-    /// Makes sure that `available` bytes are enough, and that the primitives
-    /// are no more than a hierarchy can hold.
+    /// Checks that `available` bytes suffice, and that a hierarchy can hold all
+    /// primitives.
     ///
     /// # Errors
-    /// A fault of the section that needs most.
+    /// A fault of the section that needs most memory.
     pub fn check(&self, available: u64) -> Result<(), Fault> {
         if self.n_primitives > Bvh::MAX_PRIMITIVES {
             let most = Bvh::MAX_PRIMITIVES;
@@ -99,7 +99,7 @@ impl Memory {
             let objects = Path::default().key("objects");
             return Err(
                 Fault::of_key(objects, message, format!("expected at most {most}"))
-                    .with_help("ask the generators for fewer spheres, or take smaller files"),
+                    .with_help("reduce the `count` of generators, or use smaller files"),
             );
         }
         if self.total() <= available {
@@ -111,7 +111,7 @@ impl Memory {
             (
                 "objects",
                 "the scene",
-                "ask the generators for fewer spheres, or take smaller files",
+                "reduce the `count` of generators, or use smaller files",
             )
         };
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
@@ -135,9 +135,9 @@ impl Memory {
     }
 }
 
-/// The fault of the objects over which the hierarchy turned out too large.
+/// Returns the fault of a hierarchy that turned out too large.
 pub fn too_large(error: TooLarge) -> Fault {
     let objects = Path::default().key("objects");
-    Fault::of_key(objects, error.to_string(), "makes too large a hierarchy")
-        .with_help("ask the generators for fewer spheres, or for `acceleration: { quality: fast }`")
+    Fault::of_key(objects, error.to_string(), "their hierarchy is too large")
+        .with_help("reduce the `count` of generators, or use `acceleration: { quality: fast }`")
 }

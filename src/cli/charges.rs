@@ -1,6 +1,6 @@
 //! What objects and materials cost, as tables on the terminal.
 
-use crate::ledger::{Account, Charge, Ledger, Work};
+use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::output::{Group, Rendering};
 use crate::terminal::one_line;
 
@@ -29,27 +29,27 @@ struct Row {
 }
 
 /// Two tables: for each object and for each material its share of the picture
-/// beside its share of the cost, the dearest first.
-pub(super) fn tables(rendering: &Rendering, ledger: &Ledger) -> String {
-    let whole = ledger.objects.iter().copied();
-    let whole = whole.fold(Account::default(), Account::with);
-    let all = whole.all(Charge::Hit);
+/// beside its share of the cost, the most expensive first.
+pub(super) fn tables(rendering: &Rendering, attribution: &CostAttribution) -> String {
+    let whole = attribution.objects.iter().copied();
+    let whole = whole.fold(AttributedCost::default(), AttributedCost::with);
+    let all = whole.all(AttributionRule::Hit);
     let has_some = |measure: &&Measure| (measure.1)(&all) > 0;
     let measure = MEASURES.iter().find(has_some).unwrap_or(&MEASURES[3]);
-    let groups = Group::all(rendering, ledger);
+    let groups = Group::all(rendering, attribution);
     groups
         .iter()
         .map(|group| table(group, &whole, measure))
         .collect()
 }
 
-fn table(group: &Group, whole: &Account, (measure, amount): &Measure) -> String {
-    let numbers = |account: &Account| {
-        let [seen, met] = Charge::ALL.map(|charge| amount(&account.all(charge)));
+fn table(group: &Group, whole: &AttributedCost, (measure, amount): &Measure) -> String {
+    let numbers = |account: &AttributedCost| {
+        let [seen, met] = AttributionRule::ALL.map(|charge| amount(&account.all(charge)));
         [account.n_samples(), seen, met]
     };
     let whole = numbers(whole);
-    let row = |(name, account): (&String, &Account)| {
+    let row = |(name, account): (&String, &AttributedCost)| {
         let numbers = numbers(account);
         let share = |i: usize| numbers[i] as f64 / whole[i].max(1) as f64;
         Row {

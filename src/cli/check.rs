@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::closing::primitives;
+use super::run_summary::primitives;
 use super::scene::{Loaded, SceneArguments};
 use super::{Failure, shown};
 use crate::config::{Acceleration, Codec, Config, CostMode, Image, Repeats, TileOrder, Tiling};

@@ -2,7 +2,6 @@
 
 mod charges;
 mod check;
-mod closing;
 mod completions;
 mod diff;
 mod failure;
@@ -10,13 +9,14 @@ mod hottest;
 mod progress;
 mod rectangle;
 mod render;
+mod run_summary;
 mod scene;
 mod studies;
 mod study;
 mod tables;
+mod timing_quality;
 mod trace;
 mod tree;
-mod trust;
 mod view;
 
 use std::ffi::OsString;

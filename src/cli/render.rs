@@ -4,12 +4,12 @@ use std::io;
 
 use super::progress::{Bar, BuildBar};
 use super::scene::{Loaded, SceneArguments};
-use super::{Failure, closing};
+use super::{Failure, run_summary};
 use crate::accel::Accel;
+use crate::attribution::CostAttribution;
 use crate::config::{Config, TileOrder};
 use crate::cost::Meter;
 use crate::film::{Column, columns};
-use crate::ledger::Ledger;
 use crate::memory;
 use crate::output::{
     self, HardwareCounters, NoProfiler, OutputFolder, Profiler, Rendering, Stages, Threads,
@@ -121,13 +121,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     stages.end("render");
     stop::check()?;
 
-    let ledger = Ledger::is_wanted(&config.output).then(|| {
+    let attribution = CostAttribution::is_requested(&config.output).then(|| {
         let world = (&scene, &accel, &config.image);
-        let ledger = with_bar(n_pixels, arguments.quiet, |report| {
-            pool.install(|| Ledger::keep(world, (&film, &meter), &config.output, report))
+        let attribution = with_bar(n_pixels, arguments.quiet, |report| {
+            pool.install(|| {
+                CostAttribution::measure(world, (&film, &meter), &config.output, report)
+            })
         });
         stages.end("observe");
-        ledger
+        attribution
     });
 
     stop::check()?;
@@ -142,7 +144,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         schedule: &schedule,
         repeats: &repeats,
         overhead,
-        ledger: ledger.as_ref(),
+        attribution: attribution.as_ref(),
         profiler: profiler.as_ref(),
         threads: Threads {
             used: pool.current_num_threads(),
@@ -151,7 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let (written, stages) = pool.install(|| output::write(&rendering, &folder, stages))?;
     if !arguments.quiet {
-        let text = closing::lines(&arguments.scene, &rendering, &stages, &written);
+        let text = run_summary::lines(&arguments.scene, &rendering, &stages, &written);
         terminal::print(&text)?;
     }
     Ok(())

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use super::shell_word;
 use crate::config::{
-    Codec, Config, CostMode, Extra, MAX_SIDE, Repeats, Structure, TileOrder, Tiling,
+    Codec, Config, CostMode, MAX_SIDE, OptionalOutput, Repeats, Structure, TileOrder, Tiling,
 };
 use crate::memory::{self, Memory};
 use crate::scene::Geometries;
@@ -74,7 +74,7 @@ pub(super) struct SceneArguments {
 
     /// Files to write beside those of every run, and those that the scene asks for
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    also: Vec<Extra>,
+    also: Vec<OptionalOutput>,
 
     /// How the arrays of VTK files are compressed, instead of the file's
     #[arg(long, value_name = "CODEC")]
@@ -120,10 +120,12 @@ impl SceneArguments {
         tiles.order = self.tile_order.unwrap_or(tiles.order);
         config.compress = self.compress.unwrap_or(config.compress);
         let by_file = config.output.clone();
-        self.also.iter().for_each(|&extra| config.output.add(extra));
+        self.also
+            .iter()
+            .for_each(|&requested| config.output.add(requested));
         config
             .check_output()
-            .map_err(|(extra, fault)| match by_file.has(extra) {
+            .map_err(|(requested, fault)| match by_file.has(requested) {
                 true => source.point_at(fault),
                 false => Diagnostic::without_place(fault),
             })?;

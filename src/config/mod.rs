@@ -28,7 +28,7 @@ pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use generator::{Generator, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
-pub use outputs::{BvhLimits, Extra, Outputs};
+pub use outputs::{BvhLimits, OptionalOutput, Outputs};
 pub use repeats::Repeats;
 pub use shading::{Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
@@ -100,7 +100,7 @@ impl Config {
     ///
     /// # Errors
     /// The output that is impossible, and the fault of the section `output`.
-    pub fn check_output(&self) -> Result<(), (Extra, Fault)> {
+    pub fn check_output(&self) -> Result<(), (OptionalOutput, Fault)> {
         self.output.check(self.cost, self.acceleration)
     }
 

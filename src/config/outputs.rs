@@ -12,17 +12,17 @@ use crate::yaml::{self, Fault, Path};
 /// The optional outputs of a run.
 ///
 /// ```
-/// # use raycost::config::{Extra, Outputs};
+/// # use raycost::config::{OptionalOutput, Outputs};
 /// let outputs: Outputs = raycost::yaml::from_str("
 /// [objects, bvh: { max_depth: 10, min_visits: 100 }]
 /// ").unwrap();
-/// # assert!(outputs.has(Extra::Objects) && outputs.has(Extra::Bvh) && !outputs.has(Extra::Surface));
+/// # assert!(outputs.has(OptionalOutput::Objects) && outputs.has(OptionalOutput::Bvh) && !outputs.has(OptionalOutput::Surface));
 /// # assert_eq!((outputs.bvh.max_depth, outputs.bvh.min_visits), (10, 100));
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
 #[serde(from = "Vec<Entry>")]
 pub struct Outputs {
-    extras: Vec<Extra>,
+    optional: Vec<OptionalOutput>,
     /// The nodes of the hierarchy that are written.
     pub bvh: BvhLimits,
 }
@@ -30,7 +30,7 @@ pub struct Outputs {
 /// A group of files that is written on request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
-pub enum Extra {
+pub enum OptionalOutput {
     /// The time span and the thread of each tile
     Schedule,
     /// The cost of each object and each material
@@ -61,7 +61,7 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
     yaml::whole(d, 0..=u64::MAX)
 }
 
-impl Extra {
+impl OptionalOutput {
     /// Its name in scene files and on the command line.
     fn name(self) -> &'static str {
         match self {
@@ -89,14 +89,14 @@ impl Default for BvhLimits {
 
 impl Outputs {
     /// Whether the output is requested.
-    pub fn has(&self, extra: Extra) -> bool {
-        self.extras.contains(&extra)
+    pub fn has(&self, requested: OptionalOutput) -> bool {
+        self.optional.contains(&requested)
     }
 
     /// Requests the output.
-    pub fn add(&mut self, extra: Extra) {
-        if !self.has(extra) {
-            self.extras.push(extra);
+    pub fn add(&mut self, requested: OptionalOutput) {
+        if !self.has(requested) {
+            self.optional.push(requested);
         }
     }
 
@@ -108,19 +108,19 @@ impl Outputs {
         &self,
         cost: CostMode,
         acceleration: Acceleration,
-    ) -> Result<(), (Extra, Fault)> {
-        for &extra in &self.extras {
-            let name = extra.name();
+    ) -> Result<(), (OptionalOutput, Fault)> {
+        for &requested in &self.optional {
+            let name = requested.name();
             let fault = |message: String, help: &str| {
                 let output = Path::default().key("output");
                 let fault = Fault::of_key(output, message, format!("requests `{name}`"));
-                Err((extra, fault.with_help(help)))
+                Err((requested, fault.with_help(help)))
             };
-            if extra.needs_counters() && !cost.has_counters() {
+            if requested.needs_counters() && !cost.has_counters() {
                 let message = format!("`{name}` requires counters, and `cost` is `none`");
                 return fault(message, "use `--cost counters`, or do not request it");
             }
-            if extra == Extra::Bvh && acceleration == Acceleration::BruteForce {
+            if requested == OptionalOutput::Bvh && acceleration == Acceleration::BruteForce {
                 let message = format!("`{name}` requires a hierarchy, and `brute_force` has none");
                 return fault(message, "use `acceleration: bvh`, or do not request it");
             }
@@ -130,13 +130,13 @@ impl Outputs {
 
     /// Whether no output is requested.
     pub fn is_empty(&self) -> bool {
-        self.extras.is_empty()
+        self.optional.is_empty()
     }
 }
 
 /// An entry of the list: a name, or a name with settings.
 enum Entry {
-    Plain(Extra),
+    Plain(OptionalOutput),
     Bvh(BvhLimits),
 }
 
@@ -145,9 +145,9 @@ impl From<Vec<Entry>> for Outputs {
         let mut outputs = Self::default();
         for entry in entries {
             match entry {
-                Entry::Plain(extra) => outputs.add(extra),
+                Entry::Plain(requested) => outputs.add(requested),
                 Entry::Bvh(limits) => {
-                    outputs.add(Extra::Bvh);
+                    outputs.add(OptionalOutput::Bvh);
                     outputs.bvh = limits;
                 }
             }
@@ -172,7 +172,7 @@ impl<'de> Visitor<'de> for EntryVisitor {
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<Entry, E> {
-        Extra::deserialize(word.into_deserializer()).map(Entry::Plain)
+        OptionalOutput::deserialize(word.into_deserializer()).map(Entry::Plain)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Entry, A::Error> {

@@ -8,7 +8,7 @@ use memchr::memchr2;
 
 use super::Result;
 
-/// What some editors put before a text of UTF-8.
+/// The byte-order mark that some editors write before UTF-8 text.
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Reads a text line by line into one buffer.
@@ -17,13 +17,13 @@ pub(super) struct Lines<R> {
     text: R,
     line: Vec<u8>,
     number: u64,
-    /// Whether the last line ended with a carriage return: a line feed behind
-    /// it belongs to that line's end.
+    /// Whether the last line ended with a carriage return: a line feed after it
+    /// belongs to the same line end.
     after_return: bool,
 }
 
 impl<R: BufRead> Lines<R> {
-    /// Before the first line of `text`.
+    /// Starts before the first line of `text`.
     pub(super) fn new(text: R) -> Self {
         Self {
             text,
@@ -33,10 +33,10 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// The next line without its end, together with those that backslashes at
-    /// the end of a line join to it; `None` at the end of the text. A line ends
-    /// with a line feed, a carriage return or both. Bytes that are no UTF-8 (in
-    /// an old comment, say) become U+FFFD.
+    /// Returns the next line without its end, joined with the following line
+    /// after a backslash; `None` at the end of the text. A line ends with a line
+    /// feed, a carriage return or both. Bytes that are not UTF-8, such as in an
+    /// old comment, become U+FFFD.
     pub(super) fn next(&mut self) -> Result<Option<Cow<'_, str>>> {
         self.line.clear();
         while self.append_line()? {
@@ -55,8 +55,8 @@ impl<R: BufRead> Lines<R> {
         Ok(joined_to_the_end.then(|| String::from_utf8_lossy(&self.line)))
     }
 
-    /// Reads up to the end of a line, which is left out; gives whether there
-    /// was one more line.
+    /// Reads up to the end of a line, which is omitted; returns whether there was
+    /// another line.
     fn append_line(&mut self) -> Result<bool> {
         let mut has_begun = false;
         loop {
@@ -84,7 +84,7 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// The number of the last line that was read, 1 is the first.
+    /// The number of the last line that was read, counted from 1.
     pub(super) fn number(&self) -> u64 {
         self.number
     }
@@ -114,7 +114,7 @@ mod tests {
             let text = ["a", "", "b c ", "d \\", "e", "f"].join(end);
             for mark in ["", "\u{feff}"] {
                 let text = format!("{mark}{text}");
-                // Whatever of the text comes at once.
+                // The part of the text that is buffered.
                 for capacity in [1, 2, 3, 100] {
                     assert_eq!(lines(text.as_bytes(), capacity), expected, "{text:?}");
                 }

@@ -1,9 +1,9 @@
 //! Wavefront OBJ: its polygons and their normals.
 //!
 //! The format is described in appendix B1 of the Advanced Visualizer's manual
-//! (Wavefront, 1992). Read by hand, because tobj 4 panics on some indices and
-//! knows no line numbers, obj-rs 0.7 panics on statements it does not know,
-//! and both hold every face in memory of its own.
+//! (Wavefront, 1992). No crate fits: tobj 4 panics on some indices and reports
+//! no line numbers, obj-rs 0.7 panics on unknown statements, and both allocate
+//! memory for each face.
 
 use glam::Vec3;
 
@@ -12,8 +12,8 @@ use super::lines::Lines;
 use super::mesh::{Mesh, Normals, count, fan, finite};
 use super::{FileFault, Input, Place, Result};
 
-/// Statements that say nothing of polygons: other elements, texture
-/// coordinates, groups, materials and how to draw.
+/// Statements that are ignored: other elements, texture coordinates, groups,
+/// materials and display attributes.
 const IGNORED: &[&str] = &[
     "vt",
     "vp",
@@ -35,10 +35,10 @@ const IGNORED: &[&str] = &[
     "trace_obj",
 ];
 
-/// What a corner of a face looks like.
+/// The format of a corner of a face.
 const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
 
-/// The normals of a triangle whose corners have none, until the end.
+/// Placeholder for the normals of a triangle without any, replaced at the end.
 const MISSING: [u32; 3] = [u32::MAX; 3];
 
 pub(super) fn read(file: Input) -> Result<Mesh> {
@@ -53,7 +53,7 @@ pub(super) fn read(file: Input) -> Result<Mesh> {
     }
 }
 
-/// What was read so far.
+/// The part of the mesh read so far.
 #[derive(Default)]
 struct Reader {
     mesh: Mesh,
@@ -64,7 +64,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// Takes one line in.
+    /// Parses one line.
     fn statement(&mut self, line: &str) -> Result<()> {
         let words = line.split_ascii_whitespace();
         let mut words = words.take_while(|word| !word.starts_with('#'));
@@ -127,8 +127,8 @@ impl Reader {
         Ok(())
     }
 
-    /// The mesh; triangles without normals of their own get their face's
-    /// where others have some.
+    /// Returns the mesh. If some triangles have normals, the others get their
+    /// geometric normal.
     fn finish(mut self) -> Mesh {
         let Normals { vectors, triangles } = &mut self.normals;
         if triangles.is_empty() {
@@ -146,8 +146,8 @@ impl Reader {
     }
 }
 
-/// What may follow a vertex: a weight, or a color of three numbers with a
-/// weight or an opacity beside it. None of it says where the surface is.
+/// The optional values after a vertex: a weight, or a color of three numbers
+/// with an optional weight or opacity. All of them are ignored.
 fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<()> {
     const EXPECTED: &str = "three coordinates, then a weight or a color of three or four numbers";
     let mut n = 0;
@@ -162,7 +162,7 @@ fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<()> {
     Ok(())
 }
 
-/// The first three words as numbers.
+/// Parses the first three words as numbers.
 fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
     let mut numbers = [0.0; 3];
     for (i, number) in numbers.iter_mut().enumerate() {
@@ -176,8 +176,8 @@ fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
     finite(numbers)
 }
 
-/// The index of one of `n` things, from 0, for one that counts from 1, or
-/// from -1 backwards.
+/// Converts an index of `n` elements that counts from 1, or from -1 backward,
+/// to one that counts from 0.
 fn index(word: &str, kind: &str, n: usize) -> Result<u32> {
     let n = n as i64;
     let found = word.parse::<i64>().ok();

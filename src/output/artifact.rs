@@ -5,8 +5,8 @@ use std::io::{self, Seek, Write};
 use super::state::States;
 use super::vtk::{self, Encoding};
 use super::{Rendering, RunId, Stages, heatmap, objects, picture, run, trace_events};
-use crate::config::{Config, Extra};
-use crate::ledger::Ledger;
+use crate::attribution::CostAttribution;
+use crate::config::{Config, OptionalOutput};
 
 /// A file of the output folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub enum Artifact {
     SurfaceState,
     /// `bvh.vtu`: the boxes of the hierarchy and what each cost.
     Bvh,
-    /// `bvh.pvsm`: a ParaView state that shows the dearest of them.
+    /// `bvh.pvsm`: a ParaView state that shows the most expensive of them.
     BvhState,
 }
 
@@ -91,10 +91,12 @@ impl Artifact {
         match self {
             Self::Image | Self::Hits | Self::Frame | Self::GeometryState => true,
             Self::Cost | Self::HeatmapState | Self::OverviewState => config.cost.has_counters(),
-            Self::Tiles | Self::Trace | Self::ScheduleState => config.output.has(Extra::Schedule),
-            Self::Objects => config.output.has(Extra::Objects),
-            Self::Surface | Self::SurfaceState => config.output.has(Extra::Surface),
-            Self::Bvh | Self::BvhState => config.output.has(Extra::Bvh),
+            Self::Tiles | Self::Trace | Self::ScheduleState => {
+                config.output.has(OptionalOutput::Schedule)
+            }
+            Self::Objects => config.output.has(OptionalOutput::Objects),
+            Self::Surface | Self::SurfaceState => config.output.has(OptionalOutput::Surface),
+            Self::Bvh | Self::BvhState => config.output.has(OptionalOutput::Bvh),
         }
     }
 
@@ -119,8 +121,8 @@ impl Artifact {
             Self::Tiles => return vtk::write_tiles(rendering.schedule, film.cost, encoding, out),
             Self::Trace => return trace_events::write(rendering, stages, run, out),
             Self::Objects | Self::Surface | Self::Bvh => {
-                return match rendering.ledger {
-                    Some(ledger) => self.write_of(ledger, rendering, encoding, out),
+                return match rendering.attribution {
+                    Some(attribution) => self.write_of(attribution, rendering, encoding, out),
                     None => Ok(()),
                 };
             }
@@ -134,17 +136,17 @@ impl Artifact {
         out.write_all(run::stamped(&state, run).as_bytes())
     }
 
-    /// Writes what is told of a ledger.
+    /// Writes a file of the cost attribution.
     fn write_of(
         self,
-        ledger: &Ledger,
+        attribution: &CostAttribution,
         rendering: &Rendering,
         encoding: Encoding,
         out: &mut (impl Write + Seek),
     ) -> io::Result<()> {
         let cost = rendering.film.cost;
-        match (self, &ledger.primitives, &ledger.hierarchy) {
-            (Self::Objects, ..) => objects::write(rendering, ledger, out),
+        match (self, &attribution.primitives, &attribution.hierarchy) {
+            (Self::Objects, ..) => objects::write(rendering, attribution, out),
             (Self::Surface, Some(visits), _) => {
                 vtk::write_surface(rendering.scene, visits, cost, encoding, out)
             }

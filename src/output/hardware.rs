@@ -1,10 +1,10 @@
-//! The processor's own counters, through the kernel's perf events.
+//! Hardware performance counters, through Linux perf events.
 
 use std::io::{self, ErrorKind};
 
 use indexmap::IndexMap;
 
-/// Counters of all threads that are started from now on, and of this one; or
+/// The counters of this thread and of all threads that start later, or the reason
 /// why there are none.
 #[derive(Debug)]
 pub struct HardwareCounters {
@@ -21,7 +21,7 @@ mod open {
     use perf_event::events::{Event, Hardware};
     use perf_event::{Builder, Counter};
 
-    /// A counter that runs.
+    /// A running counter.
     #[derive(Debug)]
     pub(super) struct Open {
         pub(super) name: &'static str,
@@ -29,21 +29,22 @@ mod open {
     }
 
     impl Open {
-        /// A counter of this process's threads, the kernel's work left out.
+        /// Opens a counter of this process's threads, without kernel mode.
         pub(super) fn new(name: &'static str, event: impl Event) -> io::Result<Self> {
             let mut builder = Builder::new(event);
             let counter = builder.inherit(true).enabled(true).build()?;
             Ok(Self { name, counter })
         }
 
-        /// Events so far. Where the processor has fewer counters than are asked
-        /// for they take turns: then a part of the time stands for all of it.
+        /// Returns the number of events so far. If the processor has fewer
+        /// counters than requested, the kernel multiplexes them and the number is
+        /// that of the time in which the counter ran.
         pub(super) fn read(&mut self) -> Option<u64> {
             self.counter.read().ok()
         }
     }
 
-    /// All that are read.
+    /// Opens all counters.
     pub(super) fn all() -> io::Result<Vec<Open>> {
         [
             ("cycles", Hardware::CPU_CYCLES),
@@ -61,7 +62,7 @@ mod open {
 
 #[cfg(not(target_os = "linux"))]
 mod open {
-    /// There is none.
+    /// A counter, of which this system has none.
     #[derive(Debug)]
     pub(super) struct Open {
         pub(super) name: &'static str,
@@ -74,33 +75,33 @@ mod open {
     }
 
     pub(super) fn all() -> std::io::Result<Vec<Open>> {
-        Err(std::io::Error::other("they are read on Linux alone"))
+        Err(std::io::Error::other("they are supported on Linux only"))
     }
 }
 
 use open::Open;
 
 impl HardwareCounters {
-    /// Counters that run from now on.
+    /// Starts all counters.
     pub fn start() -> Self {
         Self {
             counters: open::all().map_err(|error| reason(&error)),
         }
     }
 
-    /// None, since nobody asked.
+    /// Starts no counters, as none were requested.
     pub fn none() -> Self {
         Self {
-            counters: Err("not asked for: render with --hardware-counters".to_owned()),
+            counters: Err("not requested: render with --hardware-counters".to_owned()),
         }
     }
 
-    /// Why there are none, if so.
+    /// Returns the reason why there are no counters, if there are none.
     pub fn why_not(&self) -> Option<&str> {
         self.counters.as_ref().err().map(String::as_str)
     }
 
-    /// Counts so far.
+    /// Returns all counts so far.
     pub fn read(&mut self) -> Counts {
         let counters = self.counters.iter_mut().flatten();
         let read = counters.filter_map(|open| Some((open.name, open.read()?)));
@@ -108,12 +109,12 @@ impl HardwareCounters {
     }
 }
 
-/// Why counters cannot be had, in words.
+/// Describes why counters are not available.
 fn reason(error: &io::Error) -> String {
     let why = match error.kind() {
-        ErrorKind::NotFound => "the processor, or the virtual machine, has none to offer",
+        ErrorKind::NotFound => "the processor or the virtual machine provides none",
         ErrorKind::PermissionDenied => {
-            "the kernel keeps them for itself: set /proc/sys/kernel/perf_event_paranoid to 2 or less"
+            "the kernel denies access: set /proc/sys/kernel/perf_event_paranoid to 2 or less"
         }
         _ => return format!("not available here: {error}"),
     };
@@ -126,12 +127,12 @@ mod tests {
 
     use super::*;
 
-    /// Events that any machine counts: those of threads that are started later
-    /// are among them.
+    /// Counts a software event, which all machines support, in a thread that
+    /// starts later.
     #[test]
     fn other_threads_count_too() {
         let Ok(faults) = Open::new("page_faults", Software::PAGE_FAULTS) else {
-            // A machine that keeps perf events from its users: `why_not` says so.
+            // Without permission to use perf events `why_not` gives the reason.
             assert!(HardwareCounters::start().why_not().is_some());
             return;
         };

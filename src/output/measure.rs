@@ -1,4 +1,4 @@
-//! The measures of cost that heatmaps show.
+//! The cost metrics that heatmaps show.
 
 use std::time::Duration;
 
@@ -6,14 +6,14 @@ use super::format;
 use crate::cost::Counter;
 use crate::film::{Film, Strip};
 
-/// A number a pixel that tells what the pixel cost.
+/// A cost metric of pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Measure {
     /// The array's name in files.
     pub(super) array: &'static str,
-    /// What it is, in a sentence.
+    /// Its name within a sentence.
     pub(super) name: &'static str,
-    /// What it is, along an axis.
+    /// Its label on an axis.
     pub(super) axis: &'static str,
     /// Its unit.
     pub(super) unit: &'static str,
@@ -26,7 +26,7 @@ enum Values {
     Counts(fn(&Film, &Strip, &mut Vec<u32>)),
 }
 
-/// What tells most first.
+/// In order of preference.
 const MEASURES: [Measure; 4] = [
     Measure {
         array: "time_ns",
@@ -63,9 +63,9 @@ const MEASURES: [Measure; 4] = [
 ];
 
 impl Measure {
-    /// The two measures that tell most of those that the film has: without a
-    /// hierarchy, say, there are no node visits. `None` for a film without
-    /// cost.
+    /// Returns the two preferred metrics among those that are not zero in the
+    /// film: without a hierarchy, for example, there are no node visits. `None`
+    /// for a film without cost.
     pub(super) fn best_two(film: &Film) -> Option<[Self; 2]> {
         let mut shown = MEASURES.into_iter().filter(|measure| match measure.values {
             Values::Times(_) => film.cost.has_time(),
@@ -80,7 +80,7 @@ impl Measure {
         Some([shown.next()?, shown.next()?])
     }
 
-    /// Its values, row-major, row 0 on top; counts above 2^24 are rounded.
+    /// Returns its values, row-major, row 0 on top; counts above 2^24 are rounded.
     pub(super) fn of(self, film: &Film) -> Vec<f32> {
         match self.values {
             Values::Times(array) => film.rows(array).collect::<Vec<_>>().concat(),
@@ -95,7 +95,7 @@ impl Measure {
         }
     }
 
-    /// One of its values, or some together, with the unit where it is a time.
+    /// Formats one of its values, or a sum of them; a time with its unit.
     pub(super) fn label(self, value: f64) -> String {
         match self.values {
             Values::Times(_) => format::duration(Duration::from_nanos(value as u64)),

@@ -8,6 +8,7 @@
 pub(crate) mod cost_picture;
 mod artifact;
 mod accounts;
+mod bounding_sphere;
 mod cell;
 mod folder;
 pub mod format;
@@ -17,7 +18,6 @@ mod measure;
 mod objects;
 mod picture;
 mod profile;
-mod reach;
 mod resources;
 pub(crate) mod run;
 pub(crate) mod rgb_png;
@@ -57,10 +57,10 @@ use rayon::prelude::*;
 use state::States;
 
 use crate::accel::BvhStatistics;
+use crate::attribution::CostAttribution;
 use crate::config::Config;
 use crate::cost::Meter;
 use crate::film::Film;
-use crate::ledger::Ledger;
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -89,7 +89,7 @@ pub struct Rendering<'a> {
     /// What measuring them costs, where that was asked.
     pub overhead: Option<Overhead>,
     /// What things cost, if that is asked for.
-    pub ledger: Option<&'a Ledger>,
+    pub attribution: Option<&'a CostAttribution>,
     /// What has watched the run, if that was asked.
     pub profiler: Option<&'a Profiler>,
     /// How many threads rendered.

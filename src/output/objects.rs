@@ -4,8 +4,8 @@ use std::io::{self, Write};
 
 use super::Rendering;
 use super::cell::text_cell;
+use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::cost::RayKind;
-use crate::ledger::{Account, Charge, Ledger, Work};
 
 /// The file's name.
 pub(crate) const FILE: &str = "objects.csv";
@@ -24,7 +24,7 @@ const RAY_KINDS: [(&str, Option<RayKind>); 5] = [
 
 /// Rows of each object and each material.
 pub(crate) fn rows_per_thing() -> usize {
-    Charge::ALL.len() * RAY_KINDS.len()
+    AttributionRule::ALL.len() * RAY_KINDS.len()
 }
 
 /// Numbers of a row, each followed by its share of the whole picture's at the
@@ -44,12 +44,12 @@ pub struct Group<'a> {
     /// What each account is called, in their order, "nothing" last.
     pub names: Vec<String>,
     /// The accounts.
-    pub accounts: &'a [Account],
+    pub accounts: &'a [AttributedCost],
 }
 
 impl<'a> Group<'a> {
     /// Objects, then materials.
-    pub fn all(rendering: &Rendering, ledger: &'a Ledger) -> [Self; 2] {
+    pub fn all(rendering: &Rendering, attribution: &'a CostAttribution) -> [Self; 2] {
         let config = rendering.config;
         let object = |(id, object): (usize, &crate::config::Object)| match &object.name {
             Some(name) => name.clone(),
@@ -62,12 +62,12 @@ impl<'a> Group<'a> {
             Self {
                 kind: "object",
                 names: objects.chain(nothing()).collect(),
-                accounts: &ledger.objects,
+                accounts: &attribution.objects,
             },
             Self {
                 kind: "material",
                 names: materials.chain(nothing()).collect(),
-                accounts: &ledger.materials,
+                accounts: &attribution.materials,
             },
         ]
     }
@@ -77,7 +77,7 @@ impl<'a> Group<'a> {
 /// only if there are any.
 pub(super) fn write(
     rendering: &Rendering,
-    ledger: &Ledger,
+    attribution: &CostAttribution,
     out: &mut impl Write,
 ) -> io::Result<()> {
     let n_numbers = match rendering.film.cost.has_time() {
@@ -90,9 +90,9 @@ pub(super) fn write(
         samples_per_pixel: f64::from(rendering.config.image.samples_per_pixel),
     };
     table.write_names()?;
-    for group in Group::all(rendering, ledger) {
+    for group in Group::all(rendering, attribution) {
         let accounts = group.accounts.iter();
-        let whole = accounts.fold(Account::default(), |sum, account| sum.with(*account));
+        let whole = accounts.fold(AttributedCost::default(), |sum, account| sum.with(*account));
         for (id, (name, account)) in group.names.iter().zip(group.accounts).enumerate() {
             let id = match id + 1 == group.accounts.len() {
                 true => "-1".to_owned(),
@@ -126,10 +126,10 @@ impl<W: Write> Table<W> {
     fn write_thing(
         &mut self,
         words: [&str; 3],
-        account: &Account,
-        whole: &Account,
+        account: &AttributedCost,
+        whole: &AttributedCost,
     ) -> io::Result<()> {
-        for charge in Charge::ALL {
+        for charge in AttributionRule::ALL {
             let whole = self.numbers(whole, whole.all(charge));
             for (ray_kind, kind) in RAY_KINDS {
                 let work = match kind {
@@ -150,7 +150,7 @@ impl<W: Write> Table<W> {
     }
 
     /// In the order of [`NUMBERS`].
-    fn numbers(&self, account: &Account, work: Work) -> [f64; 5] {
+    fn numbers(&self, account: &AttributedCost, work: Work) -> [f64; 5] {
         [
             account.n_samples() as f64 / self.samples_per_pixel,
             work.rays as f64,

@@ -1,18 +1,18 @@
-//! What the process has taken from the operating system.
+//! Resources of the operating system that the process has used.
 
 use serde::Serialize;
 
 /// Work of the operating system for all threads together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct SystemWork {
-    /// Pages of memory that were given at their first touch, or read again.
+    /// Page faults, minor and major.
     pub page_faults: u64,
-    /// Times that a thread made room for another, of its own accord or not.
+    /// Context switches, voluntary and involuntary.
     pub context_switches: u64,
 }
 
 impl SystemWork {
-    /// Since the process began; `None` where nobody counts it.
+    /// Returns the work since the start of the process; `None` if it is unknown.
     #[cfg(unix)]
     pub(super) fn so_far() -> Option<Self> {
         let usage = usage()?;
@@ -25,13 +25,13 @@ impl SystemWork {
         })
     }
 
-    /// Nobody counts it.
+    /// Returns `None`: this system does not report it.
     #[cfg(not(unix))]
     pub(super) fn so_far() -> Option<Self> {
         None
     }
 
-    /// What was added since `before`.
+    /// Returns the work since `before`.
     pub(super) fn since(self, before: Self) -> Self {
         Self {
             page_faults: self.page_faults - before.page_faults,
@@ -40,32 +40,31 @@ impl SystemWork {
     }
 }
 
-/// The most physical memory that this program has had at a time, in bytes;
-/// `None` where the system does not say.
+/// Returns the peak resident memory of this process in bytes; `None` if the
+/// system does not report it.
 ///
-/// Not `getrusage`: on Linux its `ru_maxrss` survives `exec`, and so is at
-/// least that of the program which started this one.
+/// `getrusage` is unsuitable: on Linux its `ru_maxrss` survives `exec`, and so
+/// includes the peak of the program that started this one.
 #[cfg(target_os = "linux")]
 pub(super) fn peak_memory_bytes() -> Option<u64> {
     peak_of_status(&std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
-/// The most physical memory that this program has had at a time, in bytes;
-/// `None` where the system does not say. On macOS each program is a task of its
-/// own, with a maximum of its own.
+/// Returns the peak resident memory of this process in bytes; `None` if the
+/// system does not report it. On macOS `exec` resets `ru_maxrss`.
 #[cfg(target_os = "macos")]
 pub(super) fn peak_memory_bytes() -> Option<u64> {
     u64::try_from(usage()?.max_rss()).ok()
 }
 
-/// `None`: this system is not asked.
+/// Returns `None`: not implemented for this system.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 pub(super) fn peak_memory_bytes() -> Option<u64> {
     None
 }
 
-/// The peak of the resident set in bytes, by the text of `/proc/PID/status`:
-/// proc_pid_status(5).
+/// Parses the peak resident set size in bytes from the text of
+/// `/proc/PID/status`: proc_pid_status(5).
 #[cfg(target_os = "linux")]
 fn peak_of_status(status: &str) -> Option<u64> {
     let peak = status
@@ -89,7 +88,7 @@ mod tests {
     fn the_peak_is_read_as_linux_writes_it() {
         let status = "Name:\traycost\nVmPeak:\t  456096 kB\nVmHWM:\t   12345 kB\nVmRSS:\t 11 kB\n";
         assert_eq!(peak_of_status(status), Some(12345 << 10));
-        // A thread of the kernel has none.
+        // A kernel thread has none.
         assert_eq!(peak_of_status("Name:\tkthreadd\n"), None);
         assert!(peak_memory_bytes().is_some_and(|bytes| bytes > 1 << 20));
     }

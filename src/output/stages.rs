@@ -1,4 +1,4 @@
-//! The parts of a run, and what each took.
+//! The stages of a run and their times.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -9,29 +9,29 @@ use serde::Serialize;
 use super::hardware::{Counts, HardwareCounters};
 use super::resources::SystemWork;
 
-/// A part of the run and its time.
+/// A stage of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Stage {
-    /// What was done.
+    /// Its name.
     pub name: &'static str,
-    /// From when to when.
+    /// Its start and end.
     #[serde(skip)]
     pub span: Range<Instant>,
-    /// Time on the wall, in milliseconds.
+    /// Wall time in milliseconds.
     pub wall_ms: f64,
-    /// Time of all threads together, in milliseconds.
+    /// CPU time of all threads in milliseconds.
     pub cpu_ms: f64,
-    /// What the operating system had to do in it, where that is known.
+    /// The work of the operating system, if it is known.
     #[serde(flatten)]
     pub system: Option<SystemWork>,
-    /// What the processor counted in it; empty where it counts nothing.
+    /// Hardware counters; empty if there are none.
     pub events: Counts,
 }
 
-/// A stopwatch that is pressed at the end of each stage.
+/// Measures consecutive stages.
 #[derive(Debug)]
 pub struct Stages {
-    /// When the first one began.
+    /// The start of the first stage.
     pub begin: Instant,
     wall: Instant,
     cpu: ProcessTime,
@@ -43,7 +43,7 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// Starts the first stage now, watched by these counters.
+    /// Starts the first stage.
     pub fn start(mut hardware: HardwareCounters) -> Self {
         let begin = Instant::now();
         Self {
@@ -79,19 +79,19 @@ impl Stages {
         (self.system, self.counts) = (system, counts);
     }
 
-    /// Time on the wall of the stage with this name; zero if it never was.
+    /// Returns the wall time of the stage with this name; zero if there was none.
     pub fn wall(&self, name: &str) -> Duration {
         let stage = self.ended.iter().find(|stage| stage.name == name);
         Duration::from_secs_f64(stage.map_or(0.0, |stage| stage.wall_ms / 1e3))
     }
 
-    /// Why the processor counts nothing, if so.
+    /// Returns the reason why there are no hardware counters, if there are none.
     pub(super) fn no_hardware_counters(&self) -> Option<&str> {
         self.hardware.why_not()
     }
 }
 
-/// To a thousandth.
+/// Converts to milliseconds, rounded to a thousandth.
 pub(super) fn milliseconds(elapsed: Duration) -> f64 {
     (elapsed.as_secs_f64() * 1e6).round() / 1e3
 }

@@ -192,7 +192,7 @@ fn what_memory_cannot_hold_is_refused() {
             cloud,
             "scene",
             5,
-            "ask the generators for fewer spheres, or take smaller files",
+            "reduce the `count` of generators, or use smaller files",
         ),
     ] {
         let error = check(&scene, 3 << 30).unwrap_err().to_string();

@@ -1,21 +1,25 @@
-//! Films with their ledgers.
+//! Films with their cost attributions.
 
 use raycost::accel::Accel;
-use raycost::config::{Config, Extra};
+use raycost::attribution::CostAttribution;
+use raycost::config::{Config, OptionalOutput};
 use raycost::cost::Meter;
 use raycost::film::Film;
-use raycost::ledger::Ledger;
 use raycost::render::{Plan, render};
 use raycost::scene::Scene;
 
 use super::scene_of;
 
-/// The film of a config and all of its ledger, on so many threads.
-pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, Ledger) {
+/// Renders the film of a config with its complete cost attribution.
+pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution) {
     let mut config = config.clone();
-    [Extra::Objects, Extra::Surface, Extra::Bvh]
-        .into_iter()
-        .for_each(|extra| config.output.add(extra));
+    [
+        OptionalOutput::Objects,
+        OptionalOutput::Surface,
+        OptionalOutput::Bvh,
+    ]
+    .into_iter()
+    .for_each(|output| config.output.add(output));
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let meter = Meter::new(config.cost);
@@ -23,12 +27,12 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, Ledger) {
         .num_threads(n_threads)
         .build()
         .unwrap();
-    let (film, ledger) = pool.install(|| {
+    let (film, attribution) = pool.install(|| {
         let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
         let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
         let world = (&scene, &accel, &config.image);
-        let ledger = Ledger::keep(world, (&film, &meter), &config.output, |_| {});
-        (film, ledger)
+        let attribution = CostAttribution::measure(world, (&film, &meter), &config.output, |_| {});
+        (film, attribution)
     });
-    (scene, film, ledger)
+    (scene, film, attribution)
 }

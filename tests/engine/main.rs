@@ -8,7 +8,7 @@ mod awkward;
 mod counters;
 mod determinism;
 mod import;
-mod ledger;
+mod attribution;
 mod meshes;
 mod observe;
 mod repeats;

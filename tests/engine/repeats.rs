@@ -1,5 +1,5 @@
-//! Rendering again and again changes the times and nothing else; what measuring
-//! costs is told.
+//! Repeated renderings change only the times; the overhead of measurement is
+//! reported.
 
 use std::fs;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn exactly(n_repeats: u8) -> Repeats {
 }
 
 #[test]
-fn picture_and_counters_are_those_of_one_rendering() {
+fn repeats_change_neither_the_picture_nor_the_counters() {
     for mode in [CostMode::None, CostMode::Counters, CostMode::Time] {
         let config = with_cost(small("seed_extended"), mode);
         let once = crate::common::film(&config, 2);
@@ -122,7 +122,7 @@ fn summary(out: &Path) -> Value {
 }
 
 #[test]
-fn the_files_tell_of_the_repeats() {
+fn the_files_hold_the_repeats() {
     let out = tempfile::tempdir().unwrap();
     let output = command(out.path(), &["--repeats=3"]);
     assert_success(&output);
@@ -216,7 +216,7 @@ fn a_single_rendering_of_auto_has_a_spread_of_zero() {
 }
 
 #[test]
-fn auto_renders_once_where_nothing_is_timed() {
+fn auto_renders_once_without_times() {
     for mode in [CostMode::None, CostMode::Counters] {
         let config = with_cost(small("seed_sphere"), mode);
         let scene = scene_of(&config);
@@ -228,7 +228,7 @@ fn auto_renders_once_where_nothing_is_timed() {
     }
 }
 
-/// A scene file with a section more.
+/// Writes a scene file with an additional section.
 fn scene_with(folder: &Path, section: &str) -> std::path::PathBuf {
     let scene = fs::read_to_string(in_repository("configs/seed_sphere.yaml")).unwrap();
     let file = folder.join("scene.yaml");
@@ -237,7 +237,7 @@ fn scene_with(folder: &Path, section: &str) -> std::path::PathBuf {
 }
 
 #[test]
-fn a_scene_says_how_often_it_is_rendered() {
+fn a_scene_may_set_its_repeats() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let file = scene_with(folder.path(), "repeats: 2");
@@ -250,7 +250,7 @@ fn a_scene_says_how_often_it_is_rendered() {
     };
     assert_eq!(render(&[]), 2);
     assert_eq!(render(&["--repeats=3"]), 3);
-    // Without times there is nothing to repeat.
+    // Repeats require times.
     assert_eq!(render(&["--no-cost"]), 1);
     let file = scene_with(folder.path(), "repeats: 2\ncost: counters");
     let output = raycost().arg("check").arg(file).output().unwrap();
@@ -287,7 +287,7 @@ fn the_threads_time_is_the_sum_of_its_parts() {
 }
 
 #[test]
-fn what_measuring_costs_is_told_in_every_mode() {
+fn the_overhead_is_reported_in_every_mode() {
     let out = tempfile::tempdir().unwrap();
     for mode in ["--cost=time", "--cost=counters", "--cost=none"] {
         let output = command(out.path(), &["--measure-overhead", mode]);
@@ -305,7 +305,7 @@ fn what_measuring_costs_is_told_in_every_mode() {
             ("time_percent", "time_ms", "none_ms"),
         ] {
             let expected = 100.0 * (number(more) / number(less) - 1.0);
-            // A coarse clock may have seen no time go by: then there is no ratio.
+            // A coarse clock may measure zero: then there is no ratio.
             if expected.is_finite() {
                 assert!((number(percent) - expected).abs() < 1e-9);
             } else {
@@ -316,7 +316,7 @@ fn what_measuring_costs_is_told_in_every_mode() {
 }
 
 #[test]
-fn repeats_without_times_are_refused_before_anything_is_written() {
+fn repeats_without_times_are_rejected_before_writing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let failure = |output: Output| {
@@ -353,7 +353,7 @@ fn repeats_without_times_are_refused_before_anything_is_written() {
 }
 
 #[test]
-fn check_tells_the_memory_that_repeats_take() {
+fn check_reports_the_memory_of_repeats() {
     let film_bytes = |arguments: &[&str]| {
         let mut command = raycost();
         command
@@ -370,7 +370,7 @@ fn check_tells_the_memory_that_repeats_take() {
         let (film, _) = film.split_once(" MB").unwrap();
         film.parse::<f64>().unwrap()
     };
-    // Four bytes a sample, and four for the deviation.
+    // Four bytes per sample, and four for the deviation.
     let once = film_bytes(&["--repeats=1"]);
     let more = film_bytes(&["--repeats=10"]) - once;
     assert!((more - 44.0).abs() < 1.0, "{more}");

@@ -10,7 +10,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn all_cost_modes_make_the_same_image_and_the_same_counters(scene in scenes()) {
+    fn all_cost_modes_give_the_same_image_and_counters(scene in scenes()) {
         let config = scene.config();
         let in_mode = |mode| film(&with_cost(config.clone(), mode), 2);
         let [none, counters, time] =
@@ -21,7 +21,7 @@ proptest! {
     }
 
     #[test]
-    fn all_instruction_sets_make_the_same_film(scene in scenes()) {
+    fn all_instruction_sets_give_the_same_film(scene in scenes()) {
         let config = with_cost(scene.config(), CostMode::Counters);
         let [first, others @ ..] = &Simd::available()[..] else { unreachable!("portable code runs anywhere") };
         let expected = film_on(&config, 2, *first);

@@ -1,4 +1,4 @@
-//! `bvh.vtu`, `surface.vtu` and `objects.csv` hold the ledger: as the formats
+//! `bvh.vtu`, `surface.vtu` and `objects.csv` hold the cost attribution: as the formats
 //! say, and as VTK reads them.
 
 use std::collections::HashMap;
@@ -10,9 +10,9 @@ use bytemuck::NoUninit;
 use crate::common::data_set::{Array, DataSet};
 use crate::common::kept::kept;
 use crate::common::{assert_success, config, in_repository, parse, raycost, with_cost};
+use raycost::attribution::{Hierarchy, Visits};
 use raycost::config::{BvhLimits, Codec, Config, CostMode};
 use raycost::geometry::Shape;
-use raycost::ledger::{Hierarchy, Visits};
 use raycost::output::{write_nodes, write_surface};
 use raycost::scene::Scene;
 
@@ -65,11 +65,11 @@ fn small(name: &str, cost: CostMode) -> Config {
 
 /// Writes the two files of a scene and compares what `read` finds in them.
 fn check(config: &Config, read: fn(&Path) -> DataSet) {
-    let (scene, _, ledger) = kept(config, 2);
+    let (scene, _, attribution) = kept(config, 2);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file.vtu");
     let create = || File::create(&file).unwrap();
-    let hierarchy = ledger.hierarchy.unwrap();
+    let hierarchy = attribution.hierarchy.unwrap();
     let all = BvhLimits::default();
     let some = BvhLimits {
         max_depth: 2,
@@ -79,7 +79,7 @@ fn check(config: &Config, read: fn(&Path) -> DataSet) {
         write_nodes(&hierarchy, limits, config.cost, Codec::None, &mut create()).unwrap();
         assert_eq!(read(&file), expected_nodes(&hierarchy, limits, config.cost));
     }
-    let visits = ledger.primitives.unwrap();
+    let visits = attribution.primitives.unwrap();
     write_surface(&scene, &visits, config.cost, Codec::None, &mut create()).unwrap();
     let expected = expected_surface(&scene, &visits, config.cost);
     assert_eq!(read(&file), expected);
@@ -235,8 +235,8 @@ fn array<T: NoUninit>(name: &str, scalar: &str, values: impl Iterator<Item = T>)
     }
 }
 
-/// Renders a small picture with all that is told of a ledger; gives what was
-/// said.
+/// Renders a small picture with all outputs of a cost attribution; returns its
+/// standard output.
 fn render(scene: &str, out: &Path, flags: &[&str]) -> String {
     let output = raycost()
         .args(["render", "--width=40", "--height=30", "--spp=2"])
@@ -362,7 +362,7 @@ fn times_that_nobody_measured_are_left_out() {
 }
 
 #[test]
-fn the_dearest_are_told_on_the_terminal_and_the_rest_in_one_row() {
+fn the_terminal_lists_the_most_expensive_and_sums_up_the_rest() {
     let folder = tempfile::tempdir().unwrap();
     let said = render("blocks.yaml", folder.path(), &["--cost=counters"]);
     let table = said.split_once("        object").unwrap().1;

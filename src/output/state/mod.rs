@@ -14,13 +14,13 @@ mod template;
 mod panels;
 mod axis;
 mod camera;
-mod ledger;
+mod attribution;
 mod tiles;
 mod rays;
 
+use attribution::AttributionValues;
 pub(crate) use axis::{Axis, Spread};
 use camera::Camera;
-use ledger::LedgerValues;
 pub(crate) use panels::Panels;
 pub(super) use rays::of_rays;
 use template::Value;
@@ -57,7 +57,7 @@ pub(super) struct States {
     has_hits: bool,
     /// Hits farther away are not shown.
     max_distance: f64,
-    ledger: LedgerValues,
+    attribution: AttributionValues,
 }
 
 impl States {
@@ -90,7 +90,7 @@ impl States {
             schedule: TileValues::of(rendering.schedule, n_labels),
             has_hits: distances.median.is_some(),
             max_distance: distances.max_shown,
-            ledger: LedgerValues::of(rendering),
+            attribution: AttributionValues::of(rendering),
         }
     }
 
@@ -151,7 +151,7 @@ impl States {
             ("cost", key) => self.cost.value(key),
             ("counter", key) => self.counter.as_ref()?.value(key),
             ("tiles", key) => self.schedule.value(key),
-            _ => (self.ledger.value(key)).or_else(|| value_of_panels(self.size, key)),
+            _ => (self.attribution.value(key)).or_else(|| value_of_panels(self.size, key)),
         }
     }
 }

@@ -9,7 +9,7 @@ use super::panels::Panels;
 use super::template::{Value, fill};
 use crate::observe::TracedRay;
 use crate::output::OutputFolder;
-use crate::output::reach::Reach;
+use crate::output::bounding_sphere::BoundingSphere;
 use crate::output::traced::CLOUD;
 use crate::output::vtk::{self, Rays};
 
@@ -44,7 +44,7 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     let size = rays.plane().size.map(f64::from);
     let camera = Camera::of(rays.plane(), None);
     // A plane's hits beyond the scene would make all else small.
-    let Reach { center, radius } = rays.reach;
+    let BoundingSphere { center, radius } = rays.bounding_sphere;
     let beyond = f64::from(camera.position().distance(center) + radius);
     let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
     let view = SideView::of(rays, &camera, max_distance as f32);
@@ -56,7 +56,7 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
         match key {
             "hits.max_distance" => Some(max_distance),
             "rays.line_width" => Some(if rays.n <= FEW { 3.0 } else { 1.0 }),
-            "rays.max_length" => Some((LONGEST * rays.reach.radius).into()),
+            "rays.max_length" => Some((LONGEST * rays.bounding_sphere.radius).into()),
             "rays.head" => Some(head.into()),
             _ => view.number(key.strip_prefix("rays.")?),
         }
@@ -132,7 +132,7 @@ impl SideView {
         let to_right = up.cross(back).normalize();
         let axes = [to_right, back.cross(to_right), back];
         // Each point's coordinates from the ball's middle along these axes.
-        let Reach { center, radius } = rays.reach;
+        let BoundingSphere { center, radius } = rays.bounding_sphere;
         let center = camera.mirrored(center);
         let ends = rays.iter().flat_map(|ray| rays.line(ray));
         let ends = ends.map(|point| (point, FRAMED[0]));

@@ -9,8 +9,8 @@ use super::array::{Array, Entry, separate_cells, types_of};
 use super::encoding::Encoding;
 use super::header::{DataSet, Mesh};
 use crate::accel::BvhNode;
+use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
-use crate::ledger::{Hierarchy, Visits};
 
 /// The file's name.
 pub const FILE: &str = "bvh.vtu";

@@ -12,7 +12,7 @@ use crate::camera::ImagePlane;
 use crate::film::Film;
 use crate::observe::TracedRay;
 use crate::output::Traced;
-use crate::output::reach::Reach;
+use crate::output::bounding_sphere::BoundingSphere;
 use crate::scene::Primitive;
 
 /// The file's name.
@@ -22,7 +22,7 @@ pub const FILE: &str = "rays.vtp";
 pub(in crate::output) struct Rays<'a> {
     traced: Traced<'a>,
     /// How far they go that meet nothing.
-    pub(in crate::output) reach: Reach,
+    pub(in crate::output) bounding_sphere: BoundingSphere,
     /// How many.
     pub(in crate::output) n: usize,
 }
@@ -32,7 +32,7 @@ impl<'a> Rays<'a> {
         let n_rays = traced.pixels.iter().map(|pixel| pixel.tree.rays.len());
         Self {
             traced: *traced,
-            reach: Reach::of(traced.scene, traced.plane),
+            bounding_sphere: BoundingSphere::of(traced.scene, traced.plane),
             n: n_rays.sum(),
         }
     }
@@ -79,7 +79,7 @@ impl<'a> Rays<'a> {
                 ray.hit.map_or(-1, |hit| hit.primitive as i32)
             }),
             self.array("distance", |ray| ray.hit.map_or(f32::NAN, |hit| hit.t)),
-            self.array("length", |ray| self.reach.length(ray)),
+            self.array("length", |ray| self.bounding_sphere.length(ray)),
             self.array("node_visits", |ray| ray.node_visits),
             self.array("primitive_tests", |ray| ray.primitive_tests),
         ];
@@ -98,7 +98,7 @@ impl<'a> Rays<'a> {
 
     /// The line that shows a ray.
     pub(in crate::output) fn line(&self, ray: &TracedRay) -> [Vec3; 2] {
-        [ray.ray.origin, ray.ray.at(self.reach.length(ray))]
+        [ray.ray.origin, ray.ray.at(self.bounding_sphere.length(ray))]
     }
 
     fn array<'s, E: Entry>(

@@ -8,9 +8,9 @@ use super::appended;
 use super::array::{Array, Entry, Integers};
 use super::encoding::Encoding;
 use super::header::{DataSet, Mesh};
+use crate::attribution::Visits;
 use crate::config::CostMode;
 use crate::geometry::Patch;
-use crate::ledger::Visits;
 use crate::scene::{Primitive, Scene};
 
 /// The file's name.

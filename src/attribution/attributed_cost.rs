@@ -1,4 +1,4 @@
-//! What is written down of each thing.
+//! The costs attributed to objects, materials, primitives and nodes.
 
 use crate::accel::BvhNode;
 use crate::cost::RayKind;
@@ -6,19 +6,19 @@ use crate::cost::RayKind;
 /// The work of some rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Work {
-    /// How many rays.
+    /// The number of rays.
     pub rays: u64,
-    /// BVH nodes that they entered.
+    /// Their BVH node visits.
     pub node_visits: u64,
-    /// Their tests of primitives.
+    /// Their primitive tests.
     pub primitive_tests: u64,
-    /// Their thread time in picoseconds, whole ones so that the order of a sum
-    /// changes nothing; 0 where no time was measured.
+    /// Their thread time in picoseconds, as integers so that sums do not depend
+    /// on their order; 0 if no time was measured.
     pub time_ps: u64,
 }
 
 impl Work {
-    /// That of both.
+    /// Adds the costs of both.
     pub fn with(self, other: Self) -> Self {
         Self {
             rays: self.rays + other.rays,
@@ -29,18 +29,18 @@ impl Work {
     }
 }
 
-/// To which thing a ray is charged.
+/// The rule by which a ray's cost is attributed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Charge {
-    /// To what the camera ray met that it goes back to: what is seen pays for
-    /// its light and its mirror images.
+pub enum AttributionRule {
+    /// To the first hit of the ray's path: a visible object is charged for its
+    /// shadow rays and its reflections.
     Primary,
-    /// To what the ray itself met; a shadow ray's is what is in its way.
+    /// To the ray's own hit; for a shadow ray to its occluder.
     Hit,
 }
 
-impl Charge {
-    /// Both.
+impl AttributionRule {
+    /// Both rules.
     pub const ALL: [Self; 2] = [Self::Primary, Self::Hit];
 
     /// Its name in files.
@@ -52,26 +52,26 @@ impl Charge {
     }
 }
 
-/// What is charged to an object or to a material, or to nothing.
+/// The cost attributed to an object or a material, or to the background.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Account {
-    /// By [`Charge`], then by [`RayKind`].
+pub struct AttributedCost {
+    /// Indexed by [`AttributionRule`], then by [`RayKind`].
     pub(super) work: [[Work; 4]; 2],
 }
 
-impl Account {
-    /// The work of its rays of one kind.
-    pub fn of_kind(&self, charge: Charge, kind: RayKind) -> Work {
+impl AttributedCost {
+    /// Returns the work of its rays of one kind.
+    pub fn of_kind(&self, charge: AttributionRule, kind: RayKind) -> Work {
         self.work[charge as usize][kind as usize]
     }
 
-    /// The work of all of its rays.
-    pub fn all(&self, charge: Charge) -> Work {
+    /// Returns the work of all of its rays.
+    pub fn all(&self, charge: AttributionRule) -> Work {
         let kinds = self.work[charge as usize];
         kinds.into_iter().fold(Work::default(), Work::with)
     }
 
-    /// That of both.
+    /// Adds the costs of both.
     pub fn with(self, other: Self) -> Self {
         let both =
             |charge: usize, kind: usize| self.work[charge][kind].with(other.work[charge][kind]);
@@ -80,27 +80,27 @@ impl Account {
         }
     }
 
-    /// Camera rays that see it. Over the samples of a pixel it is how many
-    /// pixels it fills.
+    /// Returns the number of camera rays that hit it. Divided by the samples per
+    /// pixel, this is the number of pixels that it covers.
     pub fn n_samples(&self) -> u64 {
-        self.of_kind(Charge::Hit, RayKind::Camera).rays
+        self.of_kind(AttributionRule::Hit, RayKind::Camera).rays
     }
 }
 
-/// How often rays came to a thing, and what for.
+/// The visits of a node or the tests of a primitive.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Visits {
-    /// How often: visits of a node, tests of a primitive.
+    /// The number of visits or tests.
     pub n: u64,
-    /// How many of them led on: to a child of a node, or to a hit that was the
-    /// nearest so far.
+    /// The successful ones: visits that continued to a child, or tests that
+    /// found the nearest hit so far.
     pub n_hits: u64,
-    /// Thread time in picoseconds; 0 where none was measured.
+    /// Thread time in picoseconds; 0 if no time was measured.
     pub time_ps: u64,
 }
 
 impl Visits {
-    /// Those that were for nothing.
+    /// The number of unsuccessful visits or tests.
     pub fn n_wasted(&self) -> u64 {
         self.n - self.n_hits
     }
@@ -111,25 +111,25 @@ impl Visits {
     }
 }
 
-/// The hierarchy and how often rays came to each part of it.
+/// The nodes of the hierarchy and their visits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hierarchy {
-    /// Nodes and leaves, each before those below it.
+    /// Inner nodes and leaves, each before its descendants.
     pub nodes: Vec<BvhNode>,
-    /// Of each of them. A ray that visits a leaf is tested against all of the
-    /// leaf's primitives; the time of a leaf is that of its tests, and the time
-    /// of a node is that of the node alone.
+    /// The visits of each node. A ray that visits a leaf is tested against all of
+    /// its primitives. The time of a leaf is that of its tests; the time of an
+    /// inner node excludes its children.
     pub visits: Vec<Visits>,
 }
 
 impl Hierarchy {
-    /// What a ray that came to the root spent in each node and below it, in
-    /// primitive tests on the scale of [`BvhNode::sah_cost`], which foretells it:
-    /// one for each node visited and each primitive tested there, over the
-    /// visits of the root. 0 where no ray came.
+    /// Returns the measured cost of each subtree per ray that visited the root, on
+    /// the scale of [`BvhNode::sah_cost`], which predicts it: one for each node
+    /// visit and each primitive test in the subtree, divided by the visits of the
+    /// root. 0 for a subtree that no ray visited.
     pub fn costs(&self) -> Vec<f32> {
         let mut steps: Vec<u64> = self.nodes.iter().zip(&self.visits).map(own_steps).collect();
-        // Those below a node come after it.
+        // Descendants come after their ancestors.
         for i in (1..self.nodes.len()).rev() {
             if let Some(parent) = self.nodes[i].parent {
                 let parent = self.nodes.binary_search_by_key(&parent, |node| node.id);
@@ -142,7 +142,7 @@ impl Hierarchy {
     }
 }
 
-/// The steps of all rays in a node alone.
+/// Returns the traversal steps of all rays in a node, without its children.
 fn own_steps((node, visits): (&BvhNode, &Visits)) -> u64 {
     if node.is_leaf {
         visits.n * u64::from(node.n_primitives)

@@ -1,11 +1,11 @@
-//! The closing lines that tell how far times can be trusted.
+//! The lines of the run summary on the quality of the times.
 
 use std::time::Duration;
 
 use crate::output::{Accounts, Rendering, format};
 use crate::render::{N_ROUNDS, Overhead};
 
-/// The lines that there is something to say in, each with its end.
+/// Returns the lines that apply, each with a line feed.
 pub(super) fn lines(rendering: &Rendering) -> String {
     let accounts = Accounts::of(rendering);
     let lines = [
@@ -16,7 +16,7 @@ pub(super) fn lines(rendering: &Rendering) -> String {
     lines.into_iter().flatten().collect()
 }
 
-/// Where the threads' time went.
+/// The breakdown of the threads' time.
 fn threads(accounts: &Accounts) -> String {
     let percent = |part_ns| accounts.percent(part_ns);
     format!(
@@ -31,7 +31,7 @@ fn threads(accounts: &Accounts) -> String {
     )
 }
 
-/// How often pixels were timed, how much that varies, and what was dropped.
+/// The number of repeats, the spread of the times, and the rejected ones.
 fn repeats(rendering: &Rendering) -> Option<String> {
     let film = rendering.film;
     let n_rejected: u64 = rendering
@@ -39,21 +39,21 @@ fn repeats(rendering: &Rendering) -> Option<String> {
         .iter()
         .map(|repeat| repeat.n_rejected)
         .sum();
-    let moved = format!(
+    let rejected = format!(
         "{} of a thread that lost its CPU",
         format::counted(n_rejected, "time")
     );
     match (film.n_repeats, n_rejected) {
         (0 | 1, 0) => None,
-        (0 | 1, _) => Some(format!("repeats none; {moved}, kept: see `--repeats`\n")),
+        (0 | 1, _) => Some(format!("repeats none; {rejected}, kept: see `--repeats`\n")),
         (n, _) => Some(format!(
-            "repeats {n}; MAD {:.1} % of the time; {moved}, dropped\n",
+            "repeats {n}; MAD {:.1} % of the time; {rejected}, dropped\n",
             100.0 * film.total_time_mad_ns() / film.total_time_ns(),
         )),
     }
 }
 
-/// What measuring costs.
+/// The overhead of measurement.
 fn overhead(overhead: &Overhead) -> String {
     format!(
         "measure counters {:+.1} %, time {:+.1} %: rays one by one instead of in streams {:+.1} %, \

@@ -5,26 +5,25 @@ use std::iter::zip;
 use super::axis::{Axis, Spread};
 use super::template::Value;
 use crate::accel::BvhNode;
+use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
-use crate::ledger::{Hierarchy, Visits};
 use crate::output::Rendering;
 
-/// More boxes than these are too small to be seen: then those of a higher
-/// level are shown.
-const MOST_BOXES: usize = 3000;
-/// Up to so many boxes are drawn as frames, through which the scene is seen.
-const MOST_FRAMES: usize = 200;
-/// Up to so many primitives are drawn with their edges.
-const MOST_EDGES: usize = 100;
+/// Most boxes shown: of a larger hierarchy a higher level is shown.
+const MAX_BOXES: usize = 3000;
+/// Most boxes drawn as wireframes, which do not hide the scene.
+const MAX_FRAMES: usize = 200;
+/// Most primitives drawn with their edges.
+const MAX_EDGES: usize = 100;
 
 /// The values of the keys that begin with `bvh.` and `surface.`.
 #[derive(Default)]
-pub(super) struct LedgerValues {
+pub(super) struct AttributionValues {
     bvh: Option<Boxes>,
     surface: Option<Primitives>,
 }
 
-/// What each primitive cost.
+/// The cost of the primitives.
 struct Primitives {
     has_edges: bool,
     cost: Axis,
@@ -46,15 +45,15 @@ enum Level {
     Depth(u32),
 }
 
-impl LedgerValues {
-    /// Those of the rendering's ledger, if it has one.
+impl AttributionValues {
+    /// Returns the values of the rendering's cost attribution, if it has one.
     pub(super) fn of(rendering: &Rendering) -> Self {
-        let Some(ledger) = rendering.ledger else {
+        let Some(attribution) = rendering.attribution else {
             return Self::default();
         };
         let (cost, limits) = (rendering.film.cost, rendering.config.output.bvh);
-        let hierarchy = ledger.hierarchy.as_ref();
-        let visits = ledger.primitives.as_ref();
+        let hierarchy = attribution.hierarchy.as_ref();
+        let visits = attribution.primitives.as_ref();
         Self {
             bvh: hierarchy.map(|hierarchy| Boxes::of(hierarchy, cost, limits)),
             surface: visits.map(|visits| {
@@ -79,7 +78,7 @@ impl LedgerValues {
 impl Primitives {
     fn of(visits: &[Visits], cost: CostMode) -> Self {
         Self {
-            has_edges: visits.len() <= MOST_EDGES,
+            has_edges: visits.len() <= MAX_EDGES,
             cost: cost_axis(visits, cost, "primitive", "tests"),
             wasted: wasted_axis(
                 visits,
@@ -126,7 +125,7 @@ impl Boxes {
     }
 
     fn value(&self, key: &str) -> Option<Value> {
-        let is_framed = self.n <= MOST_FRAMES;
+        let is_framed = self.n <= MAX_FRAMES;
         let text = match key {
             "representation" if is_framed => "Wireframe".to_owned(),
             "representation" => "Surface With Edges".to_owned(),
@@ -155,10 +154,10 @@ impl Level {
             n_at.resize(n_at.len().max(depth + 1), 0_usize);
             n_at[depth] += 1;
         }
-        if (1..=MOST_BOXES).contains(&n_leaves) {
+        if (1..=MAX_BOXES).contains(&n_leaves) {
             return Self::Leaves;
         }
-        let is_seen = |n: &usize| (1..=MOST_BOXES).contains(n);
+        let is_seen = |n: &usize| (1..=MAX_BOXES).contains(n);
         Self::Depth(n_at.iter().rposition(is_seen).unwrap_or(0) as u32)
     }
 

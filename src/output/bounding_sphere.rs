@@ -1,4 +1,4 @@
-//! How far a ray is drawn that meets nothing.
+//! The length of rays in pictures of ray trees.
 
 use glam::Vec3;
 
@@ -7,21 +7,21 @@ use crate::geometry::{Aabb, Ray};
 use crate::observe::TracedRay;
 use crate::scene::Scene;
 
-/// A light farther away than this, in radii, is not drawn to.
+/// Largest distance, in radii, of a light to which shadow rays are drawn.
 const FAR_LIGHT: f32 = 10.0;
-/// The shortest ray that leaves the scene, in radii.
+/// Least length, in radii, of a ray that leaves the scene.
 const SHORTEST: f32 = 0.25;
 
-/// A ball around the scene: the primitives that have an end, and the camera.
+/// A bounding sphere of the bounded primitives and the camera.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
+pub(super) struct BoundingSphere {
     pub(super) center: Vec3,
     /// In world units, greater than 0.
     pub(super) radius: f32,
 }
 
-impl Reach {
-    /// The ball around what is seen through this plane.
+impl BoundingSphere {
+    /// Creates the bounding sphere of a scene and the camera of this image plane.
     pub(super) fn of(scene: &Scene, plane: &ImagePlane) -> Self {
         let eye = match plane.projection {
             Projection::Perspective { eye } => eye,
@@ -39,8 +39,8 @@ impl Reach {
         }
     }
 
-    /// The length of the line that shows a ray: to its hit, to its light, or to
-    /// where it leaves the ball.
+    /// Returns the length of the line that shows a ray: to its hit, to its light,
+    /// or to the point where it leaves the sphere.
     pub(super) fn length(&self, ray: &TracedRay) -> f32 {
         match ray.hit {
             Some(hit) => hit.t,
@@ -49,7 +49,7 @@ impl Reach {
         }
     }
 
-    /// Where the ray leaves the ball; 0 if it does not meet it.
+    /// Returns the distance at which the ray leaves the sphere; 0 if it misses it.
     fn exit(&self, ray: &Ray) -> f32 {
         let from_center = ray.origin - self.center;
         let middle = -from_center.dot(ray.direction);
@@ -67,7 +67,7 @@ impl Reach {
 mod tests {
     use super::*;
 
-    const UNIT: Reach = Reach {
+    const UNIT: BoundingSphere = BoundingSphere {
         center: Vec3::X,
         radius: 2.0,
     };
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_end_where_they_leave_the_ball() {
+    fn rays_end_where_they_leave_the_sphere() {
         assert_eq!(exit(Vec3::X, Vec3::Y), 2.0);
         assert_eq!(exit(Vec3::NEG_X * 4.0, Vec3::X), 7.0);
         assert!(exit(Vec3::X * 9.0, Vec3::X) < 0.0);

@@ -1,31 +1,31 @@
-//! A pixel's rays → sums.
+//! Attributes the cost of observed rays.
 
-use super::Ledger;
-use super::account::{Account, Charge, Hierarchy, Visits, Work};
+use super::CostAttribution;
+use super::attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use super::tally::{Counter, Tally};
 use crate::accel::{Accel, BvhNode, Hit, TraversalStep};
-use crate::config::{Extra, Image, Outputs};
+use crate::config::{Image, OptionalOutput, Outputs};
 use crate::cost::{Clock, RayKind};
 use crate::observe::{Observer, RayTree, TracedRay};
 use crate::scene::{Primitive, Scene};
 
-/// What all threads write to.
+/// Sums that all threads add to.
 pub(super) struct Tallies {
-    /// Four [`Work`] for each [`Charge`] of each object.
+    /// Four [`Work`] for each [`AttributionRule`] of each object.
     objects: Tally<4>,
     materials: Tally<4>,
     primitives: Option<Tally<3>>,
-    /// By the lines of the hierarchy's memory, as [`BvhNode::id`].
+    /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
 }
 
-/// Rows of an account.
+/// Rows per object or material.
 const N_ROWS: usize = 8;
 
 impl Tallies {
     pub(super) fn new(scene: &Scene, nodes: Option<&[BvhNode]>, outputs: &Outputs) -> Self {
         let n_lines = |nodes: &[BvhNode]| nodes.last().map_or(0, |last| last.id as usize + 1);
-        let primitives = outputs.has(Extra::Surface);
+        let primitives = outputs.has(OptionalOutput::Surface);
         Self {
             objects: Tally::new(N_ROWS * (scene.n_objects() + 1)),
             materials: Tally::new(N_ROWS * (scene.materials.len() + 1)),
@@ -34,13 +34,13 @@ impl Tallies {
         }
     }
 
-    pub(super) fn into_ledger(self, nodes: Option<Vec<BvhNode>>) -> Ledger {
+    pub(super) fn into_attribution(self, nodes: Option<Vec<BvhNode>>) -> CostAttribution {
         let hierarchy = nodes.zip(self.lines).map(|(nodes, lines)| {
             let lines = lines.into_rows(visits);
             let visits = nodes.iter().map(|node| lines[node.id as usize]).collect();
             Hierarchy { nodes, visits }
         });
-        Ledger {
+        CostAttribution {
             objects: accounts(self.objects),
             materials: accounts(self.materials),
             primitives: self.primitives.map(|tally| tally.into_rows(visits)),
@@ -53,7 +53,7 @@ fn visits([n, n_hits, time_ps]: [u64; 3]) -> Visits {
     Visits { n, n_hits, time_ps }
 }
 
-fn accounts(tally: Tally<4>) -> Vec<Account> {
+fn accounts(tally: Tally<4>) -> Vec<AttributedCost> {
     let work = |[rays, node_visits, primitive_tests, time_ps]: [u64; 4]| Work {
         rays,
         node_visits,
@@ -61,21 +61,21 @@ fn accounts(tally: Tally<4>) -> Vec<Account> {
         time_ps,
     };
     let rows = tally.into_rows(work);
-    let account = |rows: &[Work]| Account {
+    let account = |rows: &[Work]| AttributedCost {
         work: std::array::from_fn(|charge| std::array::from_fn(|kind| rows[4 * charge + kind])),
     };
     rows.chunks_exact(N_ROWS).map(account).collect()
 }
 
-/// A thread that observes pixels and writes down what their rays cost.
-pub(super) struct Keeper<'a> {
+/// Observes pixels on one thread and attributes the cost of their rays.
+pub(super) struct Attributor<'a> {
     observer: Observer<'a>,
     tree: RayTree,
-    things: Things<'a>,
+    groups: ObjectTallies<'a>,
     steps: Steps<'a>,
 }
 
-impl<'a> Keeper<'a> {
+impl<'a> Attributor<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         accel: &'a Accel<'a>,
@@ -92,9 +92,9 @@ impl<'a> Keeper<'a> {
                 observer.without_steps()
             },
             tree: RayTree::default(),
-            things: Things {
+            groups: ObjectTallies {
                 primitives: &scene.primitives,
-                nothing: [scene.n_objects() as u32, scene.materials.len() as u32],
+                background: [scene.n_objects() as u32, scene.materials.len() as u32],
                 accounts: [
                     Counter::new(&tallies.objects),
                     Counter::new(&tallies.materials),
@@ -107,8 +107,8 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Writes down what the pixel's rays cost, which took `time_ns`, if that is
-    /// known. Gives the number of rays.
+    /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of
+    /// `time_ns`, if given. Returns the number of rays.
     pub(super) fn pixel(&mut self, place: (u32, u32), time_ns: Option<f32>) -> u64 {
         self.observer.observe(place, &mut self.tree);
         let rays = &self.tree.rays;
@@ -117,66 +117,68 @@ impl<'a> Keeper<'a> {
             Some(time_ns) if observed_ns > 0.0 => 1e3 * f64::from(time_ns) / observed_ns,
             _ => 0.0,
         };
-        let mut seen = self.things.nothing;
+        let mut primary = self.groups.background;
         for ray in rays {
-            let met = self.things.met(ray.hit);
-            // A sample's camera ray comes first.
+            let hit = self.groups.of_hit(ray.hit);
+            // The camera ray is the first ray of a sample.
             if ray.kind == RayKind::Camera {
-                seen = met;
+                primary = hit;
             }
             let time_ps = (f64::from(ray.time_ns) * ps).round() as u64;
-            self.things.charge(Charge::Primary, seen, ray, time_ps);
-            self.things.charge(Charge::Hit, met, ray, time_ps);
+            self.groups
+                .attribute(AttributionRule::Primary, primary, ray, time_ps);
+            self.groups
+                .attribute(AttributionRule::Hit, hit, ray, time_ps);
             self.steps.add(ray, self.tree.steps_of(ray), time_ps);
         }
         rays.len() as u64
     }
 }
 
-/// Objects and materials.
-struct Things<'a> {
+/// The tallies of objects and materials.
+struct ObjectTallies<'a> {
     primitives: &'a [Primitive],
-    /// The object and the material that stand for nothing.
-    nothing: [u32; 2],
-    /// Of objects and of materials.
+    /// The object and the material that represent the background.
+    background: [u32; 2],
+    /// The tallies of objects and of materials.
     accounts: [Counter<'a, 4>; 2],
 }
 
-impl Things<'_> {
-    /// The object and the material that were met.
-    fn met(&self, hit: Option<Hit>) -> [u32; 2] {
-        hit.map_or(self.nothing, |hit| {
+impl ObjectTallies<'_> {
+    /// Returns the object and the material of a hit.
+    fn of_hit(&self, hit: Option<Hit>) -> [u32; 2] {
+        hit.map_or(self.background, |hit| {
             let primitive = &self.primitives[hit.primitive as usize];
             [primitive.object.0, primitive.material.0]
         })
     }
 
-    /// Charges a ray to an object and a material.
-    fn charge(&mut self, charge: Charge, to: [u32; 2], ray: &TracedRay, time_ps: u64) {
+    /// Attributes a ray to an object and a material.
+    fn attribute(&mut self, charge: AttributionRule, to: [u32; 2], ray: &TracedRay, time_ps: u64) {
         let work = [
             1,
             ray.node_visits.into(),
             ray.primitive_tests.into(),
             time_ps,
         ];
-        for (counter, thing) in self.accounts.iter_mut().zip(to) {
-            let row = N_ROWS as u32 * thing + 4 * charge as u32 + ray.kind as u32;
+        for (counter, id) in self.accounts.iter_mut().zip(to) {
+            let row = N_ROWS as u32 * id + 4 * charge as u32 + ray.kind as u32;
             counter.add(row, work);
         }
     }
 }
 
-/// Nodes and primitives, where they are asked for.
+/// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
     primitives: Option<Counter<'a, 3>>,
     lines: Option<Counter<'a, 3>>,
 }
 
 impl Steps<'_> {
-    /// Shares a ray's time out to its steps.
+    /// Divides a ray's time evenly among its steps.
     fn add(&mut self, ray: &TracedRay, steps: &[TraversalStep], time_ps: u64) {
         let n_steps = u64::from(ray.node_visits) + u64::from(ray.primitive_tests);
-        // Whole picoseconds that add up to the ray's.
+        // Whole picoseconds whose sum is the ray's time.
         let mut rest = time_ps.checked_rem(n_steps).unwrap_or(0);
         let mut share = || {
             let one_more = rest.min(1);
@@ -196,7 +198,7 @@ impl Steps<'_> {
                 TraversalStep::Test { primitive, hit } => {
                     let time_ps = share();
                     add(&mut self.primitives, primitive, [1, hit.into(), time_ps]);
-                    // What is outside the hierarchy is tested before all leaves.
+                    // Primitives outside of the hierarchy are tested before all leaves.
                     if let Some(leaf) = leaf {
                         add(&mut self.lines, leaf, [0, 0, time_ps]);
                     }

@@ -1,11 +1,11 @@
-//! What is charged to things is what the film counted, to the last visit.
+//! Attributed costs sum exactly to the counters of the film.
 
 use crate::common::kept::kept;
 use crate::common::{config, counts, parse, rays, with_cost};
+use raycost::attribution::{AttributedCost, AttributionRule, CostAttribution, Visits, Work};
 use raycost::config::{Acceleration, Config, CostMode};
 use raycost::cost::{Counter, RayKind};
 use raycost::film::Strip;
-use raycost::ledger::{Account, Charge, Ledger, Visits, Work};
 
 const SCENES: [&str; 5] = [
     "seed_extended",
@@ -30,17 +30,17 @@ fn small(name: &str, samples: u32, cost: CostMode) -> Config {
     config
 }
 
-fn total(accounts: &[Account], charge: Charge) -> Work {
+fn total(accounts: &[AttributedCost], charge: AttributionRule) -> Work {
     let work = accounts.iter().map(|account| account.all(charge));
     work.fold(Work::default(), Work::with)
 }
 
 #[test]
-fn accounts_sum_up_to_the_film() {
+fn costs_of_objects_and_materials_sum_to_the_film() {
     for name in SCENES {
-        let (.., film, ledger) = kept(&small(name, 3, CostMode::Counters), 2);
-        for accounts in [&ledger.objects, &ledger.materials] {
-            for charge in Charge::ALL {
+        let (.., film, attribution) = kept(&small(name, 3, CostMode::Counters), 2);
+        for accounts in [&attribution.objects, &attribution.materials] {
+            for charge in AttributionRule::ALL {
                 let work = total(accounts, charge);
                 assert_eq!(work.node_visits, film.totals.node_visits, "{name}");
                 assert_eq!(work.primitive_tests, film.totals.primitive_tests);
@@ -50,18 +50,18 @@ fn accounts_sum_up_to_the_film() {
                     assert_eq!(rays.sum::<u64>(), film.totals.rays_of(kind), "{name}");
                 }
             }
-            let samples: u64 = accounts.iter().map(Account::n_samples).sum();
+            let samples: u64 = accounts.iter().map(AttributedCost::n_samples).sum();
             assert_eq!(samples, film.totals.rays_of(RayKind::Camera));
         }
     }
 }
 
 #[test]
-fn nodes_and_primitives_sum_up_to_the_film() {
+fn costs_of_nodes_and_primitives_sum_to_the_film() {
     for name in SCENES {
-        let (scene, film, ledger) = kept(&small(name, 2, CostMode::Counters), 2);
-        let hierarchy = ledger.hierarchy.unwrap();
-        let primitives = ledger.primitives.unwrap();
+        let (scene, film, attribution) = kept(&small(name, 2, CostMode::Counters), 2);
+        let hierarchy = attribution.hierarchy.unwrap();
+        let primitives = attribution.primitives.unwrap();
         let (mut visits, mut tests) = (0, 0);
         for (node, found) in hierarchy.nodes.iter().zip(&hierarchy.visits) {
             match node.is_leaf {
@@ -93,48 +93,52 @@ fn nodes_and_primitives_sum_up_to_the_film() {
     }
 }
 
-/// An array of the film that tells what each pixel sees.
+/// An array of the film with the id of the object or material of each pixel.
 type Ids = fn(&Strip) -> &Vec<i32>;
 
-/// With one sample a pixel the film itself tells what each object pays for.
+/// With one sample per pixel, the film gives the cost of each visible object.
 #[test]
-fn what_is_seen_pays_for_its_pixels() {
+fn visible_objects_have_the_cost_of_their_pixels() {
     for name in SCENES {
-        let (scene, film, ledger) = kept(&small(name, 1, CostMode::Counters), 2);
-        let things: [(_, Ids, _); 2] = [
-            (&ledger.objects, |strip| &strip.object, scene.n_objects()),
+        let (scene, film, attribution) = kept(&small(name, 1, CostMode::Counters), 2);
+        let groups: [(_, Ids, _); 2] = [
             (
-                &ledger.materials,
+                &attribution.objects,
+                |strip| &strip.object,
+                scene.n_objects(),
+            ),
+            (
+                &attribution.materials,
                 |strip| &strip.material,
                 scene.materials.len(),
             ),
         ];
-        for (accounts, array, n_things) in things {
-            assert_eq!(accounts.len(), n_things + 1);
+        for (accounts, array, n_groups) in groups {
+            assert_eq!(accounts.len(), n_groups + 1);
             for (i, account) in accounts.iter().enumerate() {
-                let id = if i == n_things { -1 } else { i as i32 };
+                let id = if i == n_groups { -1 } else { i as i32 };
                 let sum_of = |counts: Vec<u32>| {
                     let pixels = film.values(array).zip(counts);
                     let seen = pixels.filter(|(seen, _)| *seen == id);
                     seen.map(|(_, count)| u64::from(count)).sum::<u64>()
                 };
                 let sum = |counter| sum_of(counts(&film, counter));
-                let work = account.all(Charge::Primary);
+                let work = account.all(AttributionRule::Primary);
                 assert_eq!(work.rays, sum_of(rays(&film)), "{name}, {i}");
                 assert_eq!(work.node_visits, sum(Counter::NodeVisits));
                 assert_eq!(work.primitive_tests, sum(Counter::PrimitiveTests));
                 let n_pixels = film.values(array).filter(|seen| *seen == id).count();
                 assert_eq!(account.n_samples(), n_pixels as u64);
-                let shadow = account.of_kind(Charge::Primary, RayKind::Shadow);
+                let shadow = account.of_kind(AttributionRule::Primary, RayKind::Shadow);
                 assert_eq!(shadow.rays, sum(Counter::ShadowRays));
             }
         }
     }
 }
 
-/// A mirror above a sphere that the camera does not see.
+/// A mirror above a sphere that only the mirror shows.
 #[test]
-fn what_is_met_by_a_ray_is_charged_with_it() {
+fn reflections_are_attributed_to_the_object_hit() {
     let scene = "
 image: { width: 40, height: 30 }
 camera:
@@ -150,23 +154,31 @@ objects:
   - sphere: { center: [0, 0, 20], radius: 10 }
     material: red
 ";
-    let (_, film, ledger) = kept(&with_cost(parse(scene), CostMode::Counters), 1);
-    let [mirror, sphere, nothing] = &ledger.objects[..] else {
+    let (_, film, attribution) = kept(&with_cost(parse(scene), CostMode::Counters), 1);
+    let [mirror, sphere, nothing] = &attribution.objects[..] else {
         panic!("three accounts");
     };
     assert_eq!(mirror.n_samples(), 1200);
     assert_eq!([sphere.n_samples(), nothing.n_samples()], [0, 0]);
-    assert_eq!(mirror.all(Charge::Primary).rays, film.totals.n_rays());
-    assert_eq!(mirror.all(Charge::Hit).rays, 1200);
-    assert_eq!(sphere.all(Charge::Primary), Work::default());
-    assert_eq!(sphere.of_kind(Charge::Hit, RayKind::Reflection).rays, 1200);
-    assert_eq!(ledger.objects, ledger.materials);
+    assert_eq!(
+        mirror.all(AttributionRule::Primary).rays,
+        film.totals.n_rays()
+    );
+    assert_eq!(mirror.all(AttributionRule::Hit).rays, 1200);
+    assert_eq!(sphere.all(AttributionRule::Primary), Work::default());
+    assert_eq!(
+        sphere
+            .of_kind(AttributionRule::Hit, RayKind::Reflection)
+            .rays,
+        1200
+    );
+    assert_eq!(attribution.objects, attribution.materials);
 }
 
 #[test]
-fn times_sum_up_to_those_of_the_film() {
+fn times_sum_to_those_of_the_film() {
     for name in SCENES {
-        let (scene, film, ledger) = kept(&small(name, 2, CostMode::Time), 2);
+        let (scene, film, attribution) = kept(&small(name, 2, CostMode::Time), 2);
         let expected = film.total_time_ns();
         // Each ray's time is rounded to whole picoseconds; sums are of f32.
         let rounding = 0.5e-3 * film.totals.n_rays() as f64 + 1e-6 * expected;
@@ -177,12 +189,12 @@ fn times_sum_up_to_those_of_the_film() {
                 "{name}, {what}: {found}"
             );
         };
-        for charge in Charge::ALL {
-            assert_all(total(&ledger.objects, charge).time_ps, "objects");
-            assert_all(total(&ledger.materials, charge).time_ps, "materials");
+        for charge in AttributionRule::ALL {
+            assert_all(total(&attribution.objects, charge).time_ps, "objects");
+            assert_all(total(&attribution.materials, charge).time_ps, "materials");
         }
-        let hierarchy = ledger.hierarchy.unwrap();
-        let primitives = ledger.primitives.unwrap();
+        let hierarchy = attribution.hierarchy.unwrap();
+        let primitives = attribution.primitives.unwrap();
         let sum =
             |visits: &mut dyn Iterator<Item = &Visits>| visits.map(|v| v.time_ps).sum::<u64>();
         let planes = scene.primitives.iter().zip(&primitives);
@@ -197,7 +209,7 @@ fn times_sum_up_to_those_of_the_film() {
 }
 
 #[test]
-fn threads_change_no_count() {
+fn counts_do_not_depend_on_threads() {
     for name in ["hall_of_mirrors", "spot"] {
         let config = small(name, 2, CostMode::Counters);
         let (.., one) = kept(&config, 1);
@@ -215,12 +227,14 @@ fn brute_force_has_no_nodes_and_the_same_hits() {
     config.acceleration = Acceleration::BruteForce;
     let (.., brute) = kept(&config, 2);
     assert!(brute.hierarchy.as_ref().unwrap().nodes.is_empty());
-    let rays = |ledger: &Ledger, i: usize| ledger.objects[i].all(Charge::Primary).rays;
+    let rays = |attribution: &CostAttribution, i: usize| {
+        attribution.objects[i].all(AttributionRule::Primary).rays
+    };
     for i in 0..bvh.objects.len() {
         assert_eq!(rays(&bvh, i), rays(&brute, i));
         assert_eq!(bvh.objects[i].n_samples(), brute.objects[i].n_samples());
     }
-    let n_rays = total(&brute.objects, Charge::Hit).rays;
+    let n_rays = total(&brute.objects, AttributionRule::Hit).rays;
     assert!(
         brute
             .primitives
@@ -232,8 +246,8 @@ fn brute_force_has_no_nodes_and_the_same_hits() {
 
 #[test]
 fn the_cost_of_the_root_is_that_of_all_rays() {
-    let (.., film, ledger) = kept(&small("million_spheres", 1, CostMode::Counters), 2);
-    let hierarchy = ledger.hierarchy.unwrap();
+    let (.., film, attribution) = kept(&small("million_spheres", 1, CostMode::Counters), 2);
+    let hierarchy = attribution.hierarchy.unwrap();
     let costs = hierarchy.costs();
     let steps = film.totals.node_visits + film.totals.primitive_tests;
     let per_ray = steps as f64 / hierarchy.visits[0].n as f64;

@@ -1,14 +1,14 @@
-//! The last lines of `raycost render`: what was done and what to type next.
+//! The summary of a run, printed at the end of `raycost render`.
 
 use super::scene::SceneArguments;
-use super::{charges, hottest, shell_word, shown, trust};
-use crate::config::Extra;
+use super::{charges, hottest, shell_word, shown, timing_quality};
+use crate::config::OptionalOutput;
 use crate::output::format::{bytes, count, counted, duration};
 use crate::output::{Rendering, Stages, Written};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
-/// The lines for files that were written of a scene.
+/// Returns the summary of a rendered scene and the files written.
 pub(super) fn lines(
     scene: &SceneArguments,
     rendering: &Rendering,
@@ -28,9 +28,9 @@ pub(super) fn lines(
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
-    let costs = match rendering.ledger {
-        Some(ledger) if rendering.config.output.has(Extra::Objects) => {
-            charges::tables(rendering, ledger)
+    let costs = match rendering.attribution {
+        Some(attribution) if rendering.config.output.has(OptionalOutput::Objects) => {
+            charges::tables(rendering, attribution)
         }
         _ => String::new(),
     };
@@ -39,8 +39,8 @@ pub(super) fn lines(
     } else {
         "geometry.pvsm"
     };
-    let trust = trust::lines(rendering);
-    let tiles = if rendering.config.output.has(Extra::Schedule) {
+    let quality = timing_quality::lines(rendering);
+    let tiles = if rendering.config.output.has(OptionalOutput::Schedule) {
         tiles(rendering.schedule)
     } else {
         String::new()
@@ -50,7 +50,7 @@ pub(super) fn lines(
          time    {}\n\
          speed   {}\n\
          {tiles}\
-         {trust}\
+{quality}\
          {}\
          {}\
          wrote   {}: {}\n\
@@ -71,7 +71,7 @@ pub(super) fn lines(
     )
 }
 
-/// "1,234 primitives", and how many were left out.
+/// "1,234 primitives", and the number of omitted triangles.
 pub(super) fn primitives(scene: &Scene) -> String {
     let kept = counted(scene.primitives.len() as u64, "primitive");
     match scene.n_degenerate {
@@ -80,7 +80,7 @@ pub(super) fn primitives(scene: &Scene) -> String {
     }
 }
 
-/// How evenly the threads were at work.
+/// The tiles and the load balance of the threads.
 fn tiles(schedule: &Schedule) -> String {
     let grid = &schedule.grid;
     let load = schedule.load();
@@ -94,7 +94,7 @@ fn tiles(schedule: &Schedule) -> String {
     )
 }
 
-/// Rays a second, or samples where nothing was counted.
+/// Rays per second, or samples per second if rays were not counted.
 fn speed(rendering: &Rendering) -> String {
     let seconds = rendering.median_wall().as_secs_f64();
     let millions = |n: u64| n as f64 / seconds / 1e6;

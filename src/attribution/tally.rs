@@ -8,7 +8,7 @@ pub(super) struct Tally<const N: usize> {
 }
 
 impl<const N: usize> Tally<N> {
-    /// So many rows of zeros.
+    /// Creates `n_rows` rows of zeros.
     pub(super) fn new(n_rows: usize) -> Self {
         let zeros = || [const { AtomicU64::new(0) }; N];
         Self {
@@ -16,7 +16,7 @@ impl<const N: usize> Tally<N> {
         }
     }
 
-    /// The rows, each made into something else.
+    /// Converts each row with `row`.
     pub(super) fn into_rows<T>(self, row: impl Fn([u64; N]) -> T) -> Vec<T> {
         let rows = self.rows.into_iter();
         rows.map(|sums| row(sums.map(AtomicU64::into_inner)))
@@ -30,12 +30,11 @@ impl<const N: usize> Tally<N> {
     }
 }
 
-/// Rows that a [`Counter`] remembers.
+/// Rows that a [`Counter`] caches.
 const N_SLOTS: usize = 1 << 10;
 
-/// A thread's way to a tally: it adds up on its own what goes to the same rows
-/// again and again. Each ray visits the root: all threads would wait for one
-/// another there.
+/// A thread's write cache of a tally. It avoids contention on rows that all
+/// threads add to, such as that of the root, which each ray visits.
 pub(super) struct Counter<'a, const N: usize> {
     tally: &'a Tally<N>,
     slots: Vec<Slot<N>>,
@@ -63,7 +62,7 @@ impl<'a, const N: usize> Counter<'a, N> {
     pub(super) fn add(&mut self, row: u32, amounts: [u64; N]) {
         let slot = &mut self.slots[row as usize % N_SLOTS];
         if slot.row != row {
-            slot.hand_over(self.tally);
+            slot.flush(self.tally);
             slot.row = row;
         }
         for (sum, amount) in slot.amounts.iter_mut().zip(amounts) {
@@ -73,7 +72,7 @@ impl<'a, const N: usize> Counter<'a, N> {
 }
 
 impl<const N: usize> Slot<N> {
-    fn hand_over(&mut self, tally: &Tally<N>) {
+    fn flush(&mut self, tally: &Tally<N>) {
         let amounts = std::mem::replace(&mut self.amounts, [0; N]);
         if amounts != [0; N] {
             tally.add(self.row, amounts);
@@ -81,11 +80,11 @@ impl<const N: usize> Slot<N> {
     }
 }
 
-/// The last amounts are handed over.
+/// Flushes all rows.
 impl<const N: usize> Drop for Counter<'_, N> {
     fn drop(&mut self) {
         for slot in &mut self.slots {
-            slot.hand_over(self.tally);
+            slot.flush(self.tally);
         }
     }
 }
@@ -95,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_lost_on_the_way() {
+    fn sums_of_all_threads_are_exact() {
         let n_rows = 3 * N_SLOTS as u32;
         let tally = Tally::<2>::new(n_rows as usize);
         std::thread::scope(|scope| {
@@ -104,7 +103,7 @@ mod tests {
                 scope.spawn(move || {
                     let mut counter = Counter::new(tally);
                     for i in 0..20 * n_rows {
-                        // Some rows often, in an order that drives others out.
+                        // Some rows often, in an order that evicts others.
                         counter.add(i * 7 % n_rows, [1, u64::from(i % 5 + thread)]);
                         counter.add(i % 3, [1, 0]);
                     }
