@@ -1,18 +1,18 @@
-//! What objects and materials cost, as tables on the terminal.
+//! Tables of the cost of objects and materials on the terminal.
 
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::output::{Group, Rendering};
 use crate::terminal::one_line;
 
-/// Rows of a table before the rest is told in one.
+/// Most rows of a table; the last one sums up the rest.
 const N_ROWS: usize = 10;
 /// Most characters of a name.
 const MAX_NAME: usize = 30;
 
-/// What a share is of, and how to take it from some work.
+/// The quantity that shares refer to, and its accessor.
 type Measure = (&'static str, fn(&Work) -> u64);
 
-/// What tells most first.
+/// In order of preference.
 const MEASURES: [Measure; 4] = [
     ("time", |work| work.time_ps),
     ("node visits", |work| work.node_visits),
@@ -20,16 +20,15 @@ const MEASURES: [Measure; 4] = [
     ("rays", |work| work.rays),
 ];
 
-/// A row: of the picture, and of the cost charged to what is seen and to what is
-/// met.
+/// A row: shares of the picture and of the cost by both attribution rules.
 struct Row {
     name: String,
     /// From 0 to 1.
     shares: [f64; 3],
 }
 
-/// Two tables: for each object and for each material its share of the picture
-/// beside its share of the cost, the most expensive first.
+/// Formats two tables with the share of the picture and the share of the cost of
+/// each object and each material, the most expensive first.
 pub(super) fn tables(rendering: &Rendering, attribution: &CostAttribution) -> String {
     let whole = attribution.objects.iter().copied();
     let whole = whole.fold(AttributedCost::default(), AttributedCost::with);
@@ -74,7 +73,7 @@ fn table(group: &Group, whole: &AttributedCost, (measure, amount): &Measure) -> 
     text
 }
 
-/// Makes one row of those that are too many.
+/// Sums up the rows beyond the limit in one row.
 fn sum_up_the_rest(rows: &mut Vec<Row>, kind: &str) {
     if rows.len() <= N_ROWS + 1 {
         return;
@@ -86,7 +85,7 @@ fn sum_up_the_rest(rows: &mut Vec<Row>, kind: &str) {
     });
 }
 
-/// The name, or its beginning, on one line.
+/// Returns the name on one line, truncated if it is long.
 fn cut(name: &str) -> String {
     let name = one_line(name);
     match name.char_indices().nth(MAX_NAME) {

@@ -123,12 +123,13 @@ impl SceneArguments {
         self.also
             .iter()
             .for_each(|&requested| config.output.add(requested));
-        config
-            .check_output()
-            .map_err(|(requested, fault)| match by_file.has(requested) {
-                true => source.point_at(fault),
-                false => Diagnostic::without_place(fault),
-            })?;
+        config.check_output().map_err(|(requested, fault)| {
+            if by_file.has(requested) {
+                source.point_at(fault)
+            } else {
+                Diagnostic::without_place(fault)
+            }
+        })?;
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
@@ -146,18 +147,20 @@ impl SceneArguments {
     /// For a command that has its own files: makes sure that no others are
     /// asked for.
     pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
-        match self.also.is_empty() {
-            true => Ok(()),
-            false => Err(Diagnostic::new("these files are none of this command's")
-                .with_help("give `--also` to `raycost render`")),
+        if self.also.is_empty() {
+            Ok(())
+        } else {
+            Err(Diagnostic::new("these files are none of this command's")
+                .with_help("give `--also` to `raycost render`"))
         }
     }
 
     /// What the command line says of the cost, if anything.
     fn cost(&self) -> Option<CostMode> {
-        match self.no_cost {
-            true => Some(CostMode::None),
-            false => self.cost,
+        if self.no_cost {
+            Some(CostMode::None)
+        } else {
+            self.cost
         }
     }
 

@@ -29,7 +29,7 @@ use crate::yaml::Diagnostic;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Of each ray the tree tells what it met, how far away, what that cost, and what
-it brings to the pixel's colour. What a shadow ray brings, in brackets, is its
+it brings to the pixel's color. What a shadow ray brings, in brackets, is its
 light's part of the ray above it. Times are medians of five.
 
 Examples:

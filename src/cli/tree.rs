@@ -34,7 +34,7 @@ struct Row {
     /// The branches of the tree before the kind.
     branches: String,
     first: (String, Style),
-    /// What the ray met, the numbers, and the colour.
+    /// What the ray met, the numbers, and the color.
     cells: Vec<String>,
 }
 
@@ -124,9 +124,10 @@ impl<'a> Trees<'a> {
         });
         let (kind, color) = kind(ray.kind);
         let has_samples = tree.rays.last().is_some_and(|last| last.sample > 0);
-        let sample = match ray.parent.is_none() && has_samples {
-            true => format!(", sample {}", ray.sample),
-            false => String::new(),
+        let sample = if ray.parent.is_none() && has_samples {
+            format!(", sample {}", ray.sample)
+        } else {
+            String::new()
         };
         Row {
             branches,
@@ -166,7 +167,7 @@ impl<'a> Trees<'a> {
         material.map_or_else(|| id.to_string(), |(name, _)| short(name))
     }
 
-    /// The sums over all rays, and what becomes of their colour.
+    /// The sums over all rays, and what becomes of their color.
     fn sums(&self, tree: &RayTree) -> Vec<Row> {
         let cost = tree.cost();
         let time_ns = tree.rays.iter().map(|ray| ray.time_ns).sum();
@@ -182,9 +183,10 @@ impl<'a> Trees<'a> {
         let limited = tree.clamped_color();
         let [red, green, blue] = to_rgb8(limited);
         let shown = format!("#{red:02x}{green:02x}{blue:02x} in the picture");
-        let remark = match limited.abs_diff_eq(tree.color(), 1e-5) {
-            true => shown,
-            false => format!("{shown}, each sample limited to 1"),
+        let remark = if limited.abs_diff_eq(tree.color(), 1e-5) {
+            shown
+        } else {
+            format!("{shown}, each sample limited to 1")
         };
         vec![sums, Row::of_text(remark)]
     }
@@ -208,7 +210,7 @@ impl Row {
     }
 }
 
-/// What a kind of rays is called, and its colour, which is that of `rays.pvsm`
+/// What a kind of rays is called, and its color, which is that of `rays.pvsm`
 /// as far as terminals go.
 fn kind(kind: RayKind) -> (&'static str, AnsiColor) {
     match kind {
@@ -263,9 +265,10 @@ fn in_columns(rows: &[Row]) -> String {
                 _ => format!("  {cell:>width$}"),
             };
         }
-        let blanks = match line.is_empty() {
-            true => 0,
-            false => first - row.first_width(),
+        let blanks = if line.is_empty() {
+            0
+        } else {
+            first - row.first_width()
         };
         let line = format!("{:blanks$}{}", "", line.trim_end());
         lines += &format!("{}{style}{text}{style:#}{line}\n", row.branches);

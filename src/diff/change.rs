@@ -25,7 +25,7 @@ impl Change {
     }
 }
 
-/// Logarithms to base 2 that are less are noise, and need no colours: 5 %.
+/// Smaller logarithms to base 2 are noise and are not colored: 5 %.
 const LEAST_SIZE: f64 = 0.07;
 
 /// The 98 % quantile of the finite sizes; at least [`LEAST_SIZE`].

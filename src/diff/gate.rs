@@ -80,9 +80,10 @@ impl Gate {
         let [change, at_least] =
             [self.ratio, self.at_least].map(|ratio| format!("{:+.1} %", added_percent(ratio)));
         let limit = format!("{} %", self.limit_percent);
-        let least = match at_least == change {
-            true => String::new(),
-            false => format!(", {at_least} at least"),
+        let least = if at_least == change {
+            String::new()
+        } else {
+            format!(", {at_least} at least")
         };
         match self.passed {
             true if !Limit(self.limit_percent).allows(self.ratio) => format!(

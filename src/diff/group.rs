@@ -107,7 +107,7 @@ impl Partition {
     fn by(pixel_ids: &[i32]) -> Self {
         let mut ids = Vec::new();
         let mut index_of: HashMap<i32, u32> = HashMap::new();
-        // Neighbours mostly belong together.
+        // Neighbors mostly belong together.
         let mut last = None;
         let mut group_of = |id: i32| match last {
             Some((last_id, group)) if last_id == id => group,

@@ -78,10 +78,7 @@ impl Measure {
 /// `b / a`, where nothing and nothing is 1, no change, and something instead
 /// of nothing is infinite.
 pub fn ratio([a, b]: [f64; 2]) -> f64 {
-    match a == b {
-        true => 1.0,
-        false => b / a,
-    }
+    if a == b { 1.0 } else { b / a }
 }
 
 #[cfg(test)]

@@ -170,7 +170,7 @@ impl Diff {
             objects: sorted(groups.objects(sides)),
             reached: sorted(reached::groups(sides)?),
             tiles: sorted(groups.tiles(size)),
-            picture: PictureDifference::of(&a.colours()?, &b.colours()?),
+            picture: PictureDifference::of(&a.colors()?, &b.colors()?),
             n_other_objects: groups.n_other_objects,
             settings: settings::of_run(a.summary(), b.summary()),
             machine: settings::of_machine(a.summary(), b.summary()),

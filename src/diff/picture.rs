@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 /// The difference of two pictures of one size, in steps of the 255 of a
-/// colour channel.
+/// color channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PictureDifference {
-    /// Pixels whose colours are not the same.
+    /// Pixels whose colors differ.
     pub n_pixels: u64,
     /// The greatest difference of a channel.
     pub max: u8,
@@ -15,7 +15,7 @@ pub struct PictureDifference {
 }
 
 impl PictureDifference {
-    /// Compares the colours of all pixels.
+    /// Compares the colors of all pixels.
     pub(super) fn of(a: &[[u8; 3]], b: &[[u8; 3]]) -> Self {
         let (mut n_pixels, mut max, mut squares) = (0, 0, 0_u64);
         for (a, b) in a.iter().zip(b).filter(|(a, b)| a != b) {

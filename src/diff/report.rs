@@ -193,8 +193,8 @@ fn evidence(test: &Test) -> String {
 fn picture_sentence(diff: &Diff) -> String {
     let picture = &diff.picture;
     let n_all = count(diff.size.iter().map(|&n| u64::from(n)).product());
-    let colours = match picture.n_pixels {
-        0 => "the same colours".to_owned(),
+    let colors = match picture.n_pixels {
+        0 => "the same colors".to_owned(),
         n => format!(
             "{} of {n_all} pixels differ, by {} of 255 at most, RMS {:.2}",
             count(n),
@@ -203,9 +203,9 @@ fn picture_sentence(diff: &Diff) -> String {
         ),
     };
     match diff.n_other_objects {
-        0 => colours,
+        0 => colors,
         n => format!(
-            "{colours}; {} another object",
+            "{colors}; {} another object",
             match n {
                 1 => "1 pixel sees".to_owned(),
                 n => format!("{} see", counted(n, "pixel")),

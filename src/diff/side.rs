@@ -97,8 +97,8 @@ impl Side {
         self.numbers(array, 1)
     }
 
-    /// The colour of every pixel, row-major, row 0 on top.
-    pub(super) fn colours(&self) -> Result<Vec<[u8; 3]>, Diagnostic> {
+    /// Reads the color of every pixel, row-major, row 0 on top.
+    pub(super) fn colors(&self) -> Result<Vec<[u8; 3]>, Diagnostic> {
         let channels: Vec<u8> = self.numbers("RGB", 3)?;
         Ok(channels.as_chunks().0.to_vec())
     }

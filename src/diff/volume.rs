@@ -18,7 +18,7 @@ pub(super) const FILE: &str = "diff.vti";
 
 /// Writes an ImageData with one point a pixel, as `frame.vti`: `…_difference`,
 /// B - A, and `…_ratio`, B / A, of every cost; the greatest difference of a
-/// colour channel; B's objects and tiles.
+/// color channel; B's objects and tiles.
 pub(super) fn write(
     diff: &Diff,
     sides: &[Side; 2],
@@ -50,7 +50,7 @@ pub(super) fn write(
         n_bytes: n_pixels,
         write: Box::new(move |out| {
             let [a, b] = sides;
-            let apart = picture::by_pixel(&read(a.colours())?, &read(b.colours())?);
+            let apart = picture::by_pixel(&read(a.colors())?, &read(b.colors())?);
             in_frame.write(&apart, out)
         }),
     });

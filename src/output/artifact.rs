@@ -13,7 +13,7 @@ use crate::config::{Config, OptionalOutput};
 pub enum Artifact {
     /// `image.png`: the picture.
     Image,
-    /// `cost.png`: what each pixel cost as a picture with a colour bar.
+    /// `cost.png`: the cost of each pixel as a picture with a color bar.
     Cost,
     /// `hits.vtu`: the hit points as a cloud.
     Hits,

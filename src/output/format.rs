@@ -40,9 +40,10 @@ pub fn duration(elapsed: Duration) -> String {
 pub(crate) fn shell_word(path: &Path) -> String {
     let text = crate::terminal::one_line(&path.to_string_lossy()).into_owned();
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    match text.chars().all(plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', "'\\''")),
+    if text.chars().all(plain) {
+        text
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
     }
 }
 

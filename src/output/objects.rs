@@ -1,4 +1,4 @@
-//! `objects.csv`: what each object and each material cost.
+//! `objects.csv`: the cost of each object and each material.
 
 use std::io::{self, Write};
 
@@ -10,10 +10,10 @@ use crate::cost::RayKind;
 /// The file's name.
 pub(crate) const FILE: &str = "objects.csv";
 
-/// What the accounts behind those of all things are called.
+/// The name of the last entry, the cost of rays without a hit.
 const NOTHING: &str = "nothing";
 
-/// Kinds of rays as the file calls them; `None` for all.
+/// Kinds of rays and their names in the file; `None` for all.
 const RAY_KINDS: [(&str, Option<RayKind>); 5] = [
     ("all", None),
     ("camera", Some(RayKind::Camera)),
@@ -22,13 +22,13 @@ const RAY_KINDS: [(&str, Option<RayKind>); 5] = [
     ("refraction", Some(RayKind::Refraction)),
 ];
 
-/// Rows of each object and each material.
+/// Rows per object or material.
 pub(crate) fn rows_per_thing() -> usize {
     AttributionRule::ALL.len() * RAY_KINDS.len()
 }
 
-/// Numbers of a row, each followed by its share of the whole picture's at the
-/// end of the row.
+/// The numbers of a row; their shares of the whole picture follow at the end of
+/// the row.
 const NUMBERS: [&str; 5] = [
     "pixels",
     "rays",
@@ -37,18 +37,18 @@ const NUMBERS: [&str; 5] = [
     "time_ns",
 ];
 
-/// Objects or materials.
+/// The objects or the materials.
 pub struct Group<'a> {
     /// `object` or `material`.
     pub kind: &'static str,
-    /// What each account is called, in their order, "nothing" last.
+    /// The name of each entry, in order, "nothing" last.
     pub names: Vec<String>,
-    /// The accounts.
+    /// The costs of the entries.
     pub accounts: &'a [AttributedCost],
 }
 
 impl<'a> Group<'a> {
-    /// Objects, then materials.
+    /// Returns objects, then materials.
     pub fn all(rendering: &Rendering, attribution: &'a CostAttribution) -> [Self; 2] {
         let config = rendering.config;
         let object = |(id, object): (usize, &crate::config::Object)| match &object.name {
@@ -73,16 +73,17 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Writes a row for each thing, each way to charge and each kind of ray; times
-/// only if there are any.
+/// Writes a row for each object and material, each attribution rule and each
+/// kind of ray; times only if they were measured.
 pub(super) fn write(
     rendering: &Rendering,
     attribution: &CostAttribution,
     out: &mut impl Write,
 ) -> io::Result<()> {
-    let n_numbers = match rendering.film.cost.has_time() {
-        true => NUMBERS.len(),
-        false => NUMBERS.len() - 1,
+    let n_numbers = if rendering.film.cost.has_time() {
+        NUMBERS.len()
+    } else {
+        NUMBERS.len() - 1
     };
     let mut table = Table {
         rows: csv::Writer::from_writer(out),
@@ -94,9 +95,10 @@ pub(super) fn write(
         let accounts = group.accounts.iter();
         let whole = accounts.fold(AttributedCost::default(), |sum, account| sum.with(*account));
         for (id, (name, account)) in group.names.iter().zip(group.accounts).enumerate() {
-            let id = match id + 1 == group.accounts.len() {
-                true => "-1".to_owned(),
-                false => id.to_string(),
+            let id = if id + 1 == group.accounts.len() {
+                "-1".to_owned()
+            } else {
+                id.to_string()
             };
             table.write_thing([group.kind, &id, &text_cell(name)], account, &whole)?;
         }
@@ -106,7 +108,7 @@ pub(super) fn write(
 
 struct Table<W: Write> {
     rows: csv::Writer<W>,
-    /// How many of [`NUMBERS`] there are.
+    /// The number of [`NUMBERS`] written.
     n_numbers: usize,
     samples_per_pixel: f64,
 }
@@ -121,8 +123,8 @@ impl<W: Write> Table<W> {
         Ok(self.rows.write_record(row)?)
     }
 
-    /// Writes the rows of an object or a material, of which `words` tell kind,
-    /// id and name; `whole` is the account of all.
+    /// Writes the rows of an object or a material; `words` are its kind, id and
+    /// name, and `whole` is the cost of all.
     fn write_thing(
         &mut self,
         words: [&str; 3],

@@ -10,7 +10,7 @@ use super::run::{self, RunId};
 use super::state::States;
 use crate::film::Film;
 
-/// Writes the film's colours, 8 bits a channel.
+/// Writes the film's colors, 8 bits a channel.
 pub(super) fn write(
     film: &Film,
     run: RunId,

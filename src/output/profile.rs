@@ -151,9 +151,10 @@ mod sampler {
 
     impl Sampler {
         pub(super) fn start() -> Result<Self, NoProfiler> {
-            Err(match cfg!(feature = "profile") {
-                true => NoProfiler::Unknown,
-                false => NoProfiler::NotBuilt,
+            Err(if cfg!(feature = "profile") {
+                NoProfiler::Unknown
+            } else {
+                NoProfiler::NotBuilt
             })
         }
 

@@ -26,7 +26,7 @@ fn every_scene_renders_something() {
         let mut colors: Vec<[u8; 3]> = film.values(|strip| &strip.rgb).collect();
         colors.sort_unstable();
         colors.dedup();
-        assert!(colors.len() > 50, "{name} has {} colours", colors.len());
+        assert!(colors.len() > 50, "{name} has {} colors", colors.len());
         assert!(
             film.n_hits() > n_pixels / 5,
             "{name} has {} hits",

@@ -243,7 +243,7 @@ fn an_output_does_not_differ_from_itself() {
     let text = String::from_utf8(output.stdout).unwrap();
     for line in [
         "nodes + tests by tile: the same",
-        "picture   the same colours\n",
+        "picture   the same colors\n",
         "settings  the same\n",
         "machine   the same\n",
         "gate      passed: +0.0 % of node visits + primitive tests; 0 % may be added\n",

@@ -22,7 +22,7 @@ fn failure(folder: &Path, arguments: &[&str], exit_code: i32) -> String {
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(exit_code), "{message}");
     assert_eq!(String::from_utf8(output.stdout).unwrap(), "", "{message}");
-    assert!(!message.contains('\u{1b}'), "{message:?} has colours");
+    assert!(!message.contains('\u{1b}'), "{message:?} has colors");
     assert!(message.starts_with("error: "), "{message}");
     message
 }
@@ -43,7 +43,7 @@ fn a_fine_scene_ends_with_0_and_says_so_on_standard_output() {
         let output = raycost(folder.path(), &arguments);
         assert_eq!(output.status.code(), Some(0));
         assert!(!output.stdout.is_empty() && output.stderr.is_empty());
-        assert!(!output.stdout.contains(&0x1b), "colours in a pipe");
+        assert!(!output.stdout.contains(&0x1b), "colors in a pipe");
     }
     assert!(folder.path().join("out/scene/image.png").exists());
     let quiet = raycost(folder.path(), &["render", "scene.yaml", "--quiet"]);

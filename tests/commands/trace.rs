@@ -105,7 +105,7 @@ fn of_many_rays_a_few_are_printed() {
 }
 
 #[test]
-fn a_colour_above_1_is_limited_in_the_picture() {
+fn a_color_above_1_is_limited_in_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let scene = fs::read_to_string(in_repository("configs/seed_sphere.yaml")).unwrap();
     let bright = scene.replace("ambient: 0.05", "ambient: [3, 0, 0]");

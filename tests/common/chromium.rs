@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use tungstenite::{Error, Message, WebSocket};
 
-/// A browser that takes longer hangs, however slow and busy the machine is.
+/// Timeout of the browser, generous enough for a slow machine.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
 /// A browser with one page.
@@ -21,14 +21,14 @@ pub struct Chromium {
     socket: WebSocket<TcpStream>,
     session: Option<String>,
     n_sent: u64,
-    /// What the browser told on its own.
+    /// Events that the browser has sent.
     events: Vec<Value>,
     _profile: TempDir,
 }
 
 impl Chromium {
-    /// Starts a browser with a window of this size and opens a page, which
-    /// says by `data-ready` when it is whole.
+    /// Starts a browser with a window of this size and opens a page, which sets
+    /// `data-ready` when it is complete.
     pub fn open(page: &Path, [width, height]: [u32; 2]) -> Self {
         let mut browser = Self::start();
         let target = browser.send("Target.createTarget", json!({ "url": "about:blank" }));
@@ -78,7 +78,7 @@ impl Chromium {
                 )
             })
             .expect("Chromium does not listen");
-        // It goes on to talk: let nothing wait for a reader.
+        // Drain further output, so that the browser does not block.
         std::thread::spawn(move || lines.for_each(drop));
         let address = url
             .strip_prefix("ws://")
@@ -99,7 +99,7 @@ impl Chromium {
         }
     }
 
-    /// Sends a command and gives its result.
+    /// Sends a command and returns its result.
     pub fn send(&mut self, method: &str, parameters: Value) -> Value {
         self.n_sent += 1;
         let id = self.n_sent;
@@ -126,7 +126,7 @@ impl Chromium {
         }
     }
 
-    /// The value of an expression of JavaScript; a promise's when it is kept.
+    /// Returns the value of a JavaScript expression; awaits a promise.
     pub fn value(&mut self, expression: &str) -> Value {
         let parameters = json!({
             "expression": expression,
@@ -147,7 +147,7 @@ impl Chromium {
         text.as_str().unwrap().to_owned()
     }
 
-    /// Waits for a condition; fails with what the page says of a failure.
+    /// Waits for a condition; fails with the page's error message.
     pub fn wait_until(&mut self, condition: &str) {
         let begin = Instant::now();
         while self.value(condition) != json!(true) {
@@ -157,7 +157,7 @@ impl Chromium {
             assert!(begin.elapsed() < PATIENCE, "never: {condition}");
             std::thread::sleep(Duration::from_millis(20));
         }
-        // What was asked for is drawn with the next frame, or the one behind.
+        // The change is drawn in one of the next two frames.
         let two_frames = "new Promise((done) =>
             requestAnimationFrame(() => requestAnimationFrame(() => done(0))))";
         self.value(two_frames);
@@ -171,7 +171,7 @@ impl Chromium {
         self.send("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Prefers `light` or `dark` from now on.
+    /// Sets the preferred color scheme, `light` or `dark`.
     pub fn prefer(&mut self, scheme: &str) {
         let feature = json!({ "name": "prefers-color-scheme", "value": scheme });
         self.send(
@@ -180,7 +180,7 @@ impl Chromium {
         );
     }
 
-    /// Presses a key, and Shift with it if it is told.
+    /// Presses a key, optionally with Shift.
     pub fn press(&mut self, key: &str, shift: bool) {
         let key_code = match key {
             "Tab" => 9,
@@ -199,15 +199,15 @@ impl Chromium {
         }
     }
 
-    /// Moves the pointer, `mouseMoved`, or its button, `mousePressed` and
-    /// `mouseReleased`, at a place of the window.
+    /// Sends a mouse event, `mouseMoved`, `mousePressed` or `mouseReleased`, at a
+    /// position in the window.
     pub fn point(&mut self, kind: &str, x: f64, y: f64) {
         let pressed = if kind == "mouseMoved" { "none" } else { "left" };
         let event = json!({ "type": kind, "x": x, "y": y, "button": pressed, "clickCount": 1 });
         self.send("Input.dispatchMouseEvent", event);
     }
 
-    /// Drags from one place of the window to another.
+    /// Drags from one position in the window to another.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.point("mousePressed", from[0], from[1]);
         for step in 1..=4 {
@@ -234,7 +234,7 @@ impl Chromium {
         serde_json::from_value(place).unwrap()
     }
 
-    /// The window's picture; also written to `target/chromium/`, for the eye.
+    /// Takes a screenshot, which is also written to `target/chromium/`.
     pub fn screenshot(&mut self, name: &str, whole_page: bool) -> RgbaImage {
         let parameters = json!({ "format": "png", "captureBeyondViewport": whole_page });
         let shot = self.send("Page.captureScreenshot", parameters);
@@ -247,9 +247,9 @@ impl Chromium {
         image::load_from_memory(&png).unwrap().into_rgba8()
     }
 
-    /// Fails if the page complained, or asked for anything but itself.
+    /// Fails if the page logged a warning or requested any other resource.
     pub fn assert_calm(&mut self) {
-        self.value("0"); // what came before has been told now
+        self.value("0"); // wait for earlier events
         for event in &self.events {
             let parameters = &event["params"];
             match event["method"].as_str().unwrap_or_default() {
@@ -257,14 +257,14 @@ impl Chromium {
                 "Runtime.consoleAPICalled" | "Log.entryAdded" => {
                     let level = parameters["type"].as_str();
                     let level = level.or(parameters["entry"]["level"].as_str());
-                    // Without a graphics card Chromium warns that it is slow.
+                    // Without a GPU Chromium warns about slow rendering.
                     let is_fine = parameters.to_string().contains("GPU stall")
                         || !matches!(level, Some("error" | "warning" | "assert"));
                     assert!(is_fine, "{parameters}");
                 }
                 "Network.requestWillBeSent" => {
                     let url = parameters["request"]["url"].as_str().unwrap();
-                    assert!(url.starts_with("file://"), "asks for {url}");
+                    assert!(url.starts_with("file://"), "requests {url}");
                 }
                 _ => {}
             }

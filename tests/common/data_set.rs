@@ -1,4 +1,4 @@
-//! What a VTK file holds, read with VTK or without.
+//! The contents of a VTK file, read with or without VTK.
 
 use std::io::Read;
 use std::path::Path;
@@ -8,19 +8,19 @@ use serde::Deserialize;
 
 use super::in_repository;
 
-/// A data set as a reader found it, or as it should be.
+/// A data set, as read or as expected.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct DataSet {
     /// `ImageData`, `UnstructuredGrid` or `PolyData`.
     pub kind: String,
     pub n_points: usize,
-    /// Of a grid, or the lines of PolyData.
+    /// The cells of a grid, or the lines of PolyData.
     pub n_cells: Option<usize>,
     /// Of an image, as the three below.
     pub extent: Option<[i32; 6]>,
     pub origin: Option<[f64; 3]>,
     pub spacing: Option<[f64; 3]>,
-    /// The array that is to be used as normals.
+    /// The active array of normals.
     pub normals: Option<String>,
     pub arrays: Vec<Array>,
 }
@@ -29,18 +29,17 @@ pub struct DataSet {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Array {
     pub name: String,
-    /// Its numbers: `UInt8`, `Float32`, …
+    /// The type of its numbers: `UInt8`, `Float32`, …
     pub scalar: String,
     pub n_components: usize,
-    /// In native order.
+    /// In native byte order.
     #[serde(skip)]
     pub bytes: Vec<u8>,
 }
 
 impl DataSet {
-    /// Reads a file by what the format says of it: arrays behind an
-    /// underscore, at the offsets that the header names. Knows no more XML
-    /// than raycost writes.
+    /// Reads a file by the format's specification: arrays after an underscore, at
+    /// the offsets in the header. Supports only the XML that raycost writes.
     pub fn read(path: &Path) -> Self {
         let file = std::fs::read(path).unwrap();
         let tag = b"<AppendedData encoding=\"raw\">";
@@ -112,7 +111,7 @@ impl DataSet {
         for array in &mut data_set.arrays {
             array.bytes = block(raw).to_vec();
             raw = &raw[8 + array.bytes.len()..];
-            // VTK forgets how wide the numbers of no cells were.
+            // VTK does not keep the integer type of zero cells.
             if array.bytes.is_empty() && array.scalar == "Int64" {
                 array.scalar = "Int32".to_owned();
             }
@@ -161,7 +160,7 @@ impl Array {
     }
 }
 
-/// Fails with the first array that differs, and says where.
+/// Fails at the first array that differs, and shows the position.
 pub fn assert_same(mut found: DataSet, mut expected: DataSet) {
     for (found, expected) in found.arrays.iter_mut().zip(&mut expected.arrays) {
         let [found, expected_bytes] =
@@ -187,15 +186,15 @@ pub fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
     }
 }
 
-/// The bytes at the beginning of `raw`, behind their length in 64 bits.
+/// Returns the bytes at the start of `raw`, which follow their length in 64 bits.
 fn block(raw: &[u8]) -> &[u8] {
     let (length, rest) = raw.split_first_chunk().unwrap();
     &rest[..u64::from_ne_bytes(*length) as usize]
 }
 
-/// The bytes of the blocks at the beginning of `raw`, and how many they are
-/// there, with the table before them: the number of blocks, the length of a
-/// block, that of the last one if it is shorter, and those of the packed blocks.
+/// Decompresses the blocks at the start of `raw`; returns their bytes and the
+/// compressed size with the block table: the number of blocks, the length of a
+/// block, that of the last one if it is shorter, and the compressed lengths.
 fn unpacked(raw: &[u8], compressor: &str) -> (Vec<u8>, usize) {
     let number = |index: usize| {
         let bytes = raw[8 * index..][..8].try_into().unwrap();

@@ -1,4 +1,4 @@
-//! What several test files need.
+//! Helpers shared by several test files.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod chromium;
@@ -22,12 +22,13 @@ use raycost::scene::{Geometries, Scene};
 use raycost::schedule::Schedule;
 use raycost::yaml::Source;
 
-/// A path below the repository's root.
+/// Returns a path in the repository.
 pub fn in_repository(path: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// The program itself, whatever the environment says of colors and threads.
+/// Returns a command of the program that ignores environment variables for colors
+/// and threads.
 pub fn raycost() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_raycost"));
     for variable in [
@@ -41,7 +42,7 @@ pub fn raycost() -> Command {
     command
 }
 
-/// Fails with all that the program said if it did not succeed.
+/// Fails with the program's output if it did not succeed.
 pub fn assert_success(output: &Output) {
     let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
     assert!(output.status.success(), "{out}{err}");
@@ -53,30 +54,30 @@ pub fn config(name: &str) -> Config {
     source.parse().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The config that `text` holds.
+/// Parses a config.
 pub fn parse(text: &str) -> Config {
     let source = Source::new("test.yaml", text);
     source.parse().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The scene of a config whose files stand relative to `configs/`.
+/// Builds the scene of a config whose files are relative to `configs/`.
 pub fn scene_of(config: &Config) -> Scene {
     let folder = in_repository("configs");
     let geometries = Geometries::read(config, &folder, u64::MAX);
     Scene::new(config, geometries.unwrap()).unwrap()
 }
 
-/// The film of a config, with its cost, on `n_threads` threads.
+/// Renders the film of a config on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
     film_on(config, n_threads, Simd::best())
 }
 
-/// The film of a config with rays traced by these instructions.
+/// Renders the film of a config with an instruction set.
 pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
     rendered(config, n_threads, simd).0
 }
 
-/// The film of a config, and when each of its tiles was rendered.
+/// Renders the film of a config; also returns the schedule of its tiles.
 pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedule) {
     let scene = scene_of(config);
     let accel = Accel::new(&scene.primitives, config.acceleration).with_simd(simd);
@@ -90,12 +91,12 @@ pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedul
     })
 }
 
-/// The config, measured otherwise.
+/// Returns the config with another cost mode.
 pub fn with_cost(config: Config, cost: CostMode) -> Config {
     Config { cost, ..config }
 }
 
-/// The film without what may differ: time, thread and tiles.
+/// Returns the film without the values that may differ: time, thread and tiles.
 pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
     let counts = match film.cost.has_counters() {
         true => Counter::ALL.map(|counter| counts(&film, counter)).into(),
@@ -105,7 +106,7 @@ pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
         strip.time_ns.clear();
         strip.time_mad_ns.clear();
         strip.n_rejected.clear();
-        // NaN is equal to nothing, itself included: compare its bits.
+        // NaN is not equal to itself: compare bits.
         let misses = strip
             .object
             .iter()
@@ -139,7 +140,7 @@ pub fn tiles_and_threads(film: &Film) -> [Vec<u32>; 2] {
     ]
 }
 
-/// What is made of each strip, one after the other.
+/// Concatenates the values that `make` computes of each strip.
 fn of_strips(film: &Film, make: impl Fn(&Strip, &mut Vec<u32>)) -> Vec<u32> {
     let mut all = Vec::new();
     let mut of_strip = Vec::new();

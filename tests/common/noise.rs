@@ -6,7 +6,7 @@ use raycost::cost::{Cost, Counters};
 use raycost::film::{Film, PackedCounters, RenderedTile};
 use raycost::schedule::TileGrid;
 
-/// A film of noise: no array equals another, and NaN has all bit patterns.
+/// Returns a film of noise: all arrays differ, and NaN occurs with many bit patterns.
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     let mut film = Film::new(TileGrid::new(width, height, 7), 0x1234_5678, cost);
     let mut state = seed;

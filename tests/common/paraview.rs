@@ -1,4 +1,4 @@
-//! States on their way into a real ParaView.
+//! Loads states in a real ParaView.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,20 +6,20 @@ use std::process::{Command, Output};
 
 use super::{assert_success, in_repository, raycost};
 
-/// A camera that looks away from the only object.
+/// A scene whose camera looks away from the only object.
 pub const NOTHING: &str = "
 image: { width: 64, height: 48 }
 camera:
   look_at: { eye: [0, 0, 5], target: [0, 0, 9], fov_y_deg: 40 }
 materials:
-  grey: { color: 0.5 }
+gray: { color: 0.5 }
 lights: []
 objects:
   - sphere: { center: [0, 0, 0], radius: 1 }
-    material: grey
+    material: gray
 ";
 
-/// Renders into a folder whose name is a trial to states and shells.
+/// Renders into a folder whose name has characters that XML and shells must escape.
 pub fn render(scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
     run("render", scene, name, arguments)
 }
@@ -42,14 +42,14 @@ fn run(command: &str, scene: &Path, name: &str, arguments: &[&str]) -> PathBuf {
     out
 }
 
-/// A scene of this text.
+/// Writes a scene file.
 pub fn scene_file(name: &str, text: &str) -> PathBuf {
     let file = folder("scenes").join(name).with_extension("yaml");
     fs::write(&file, text).unwrap();
     file
 }
 
-/// The picture of a state of an output.
+/// Returns the path of a state's picture.
 pub fn screenshot(out: &Path, what: &str) -> PathBuf {
     let name = out.file_name().unwrap().to_str().unwrap();
     folder("").join(format!("{name}, {what}.png"))
@@ -64,11 +64,10 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Loads the state in ParaView and checks what it shows.
+/// Loads the state in ParaView and checks the picture.
 pub fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
     Command::new("xvfb-run")
-        // Without -noreset the screen is gone for a moment whenever ParaView
-        // closes a window.
+        // Without -noreset the X server resets whenever ParaView closes a window.
         .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
         .arg(in_repository("paraview/check_state.py"))
         .args([state, out, screenshot])

@@ -49,11 +49,11 @@ image: { width: 20, height: 10 }
 camera:
   look_at: { eye: [0, 1, 5], target: [0, 0, 0], fov_y_deg: 40 }
 materials:
-  grey: { color: 0.5 }
+  gray: { color: 0.5 }
 lights: []
 objects:
   - plane: { point: [0, 0, 0], normal: [0, 1, 0] }
-    material: grey
+    material: gray
 ";
 
 fn small(name: &str, cost: CostMode) -> Config {

@@ -275,7 +275,7 @@ fn the_picture_carries_the_geometry_state() {
     assert!(chunks[0].text == state, "the text is not geometry.pvsm");
 }
 
-/// The screenshot's cloud in its own colours is the picture, and neither its
+/// The screenshot's cloud in its own colors is the picture, and neither its
 /// mirror image nor the same upside down.
 fn assert_likeness(out: &Path) {
     let picture = hits_on_white(&DataSet::read(&out.join("frame.vti")));

@@ -94,7 +94,7 @@ impl States {
         }
     }
 
-    /// The cloud in its colours and by its cost.
+    /// The cloud in its colors and by its cost.
     pub(super) fn geometry(&self) -> String {
         fill(GEOMETRY, |key| self.value(key))
     }

@@ -83,7 +83,7 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     })
 }
 
-/// What the right view is coloured by: the first measure that is not the same
+/// The metric that colors the right view: the first measure that is not the same
 /// for all rays, since a small hierarchy is one node, and there may be no clock.
 fn cost_axis(rays: &Rays) -> Axis {
     let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());

@@ -83,13 +83,12 @@ fn write_tail(out: &mut impl Write) -> io::Result<()> {
 pub(super) fn write_bytes(array: &Array, out: &mut impl Write) -> io::Result<()> {
     let mut counted = Counted { out, n_bytes: 0 };
     (array.write)(&mut counted)?;
-    match counted.n_bytes == array.n_bytes {
-        true => Ok(()),
-        false => {
-            let (found, name) = (counted.n_bytes, array.name);
-            let message = format!("{name}: {found} bytes instead of {}", array.n_bytes);
-            Err(io::Error::other(message))
-        }
+    if counted.n_bytes == array.n_bytes {
+        Ok(())
+    } else {
+        let (found, name) = (counted.n_bytes, array.name);
+        let message = format!("{name}: {found} bytes instead of {}", array.n_bytes);
+        Err(io::Error::other(message))
     }
 }
 

@@ -75,9 +75,10 @@ impl Compressor {
                 decompress_slice_iter_to_slice(block, parts, true, false).ok()
             }
         };
-        match n_bytes == Some(block.len()) {
-            true => Ok(()),
-            false => Err(io::ErrorKind::InvalidData.into()),
+        if n_bytes == Some(block.len()) {
+            Ok(())
+        } else {
+            Err(io::ErrorKind::InvalidData.into())
         }
     }
 }

@@ -316,8 +316,9 @@ fn data_arrays<'a: 'b, 'b>(arrays: impl IntoIterator<Item = &'b Array<'a>>) -> D
 }
 
 fn native_byte_order() -> ByteOrder {
-    match cfg!(target_endian = "little") {
-        true => ByteOrder::LittleEndian,
-        false => ByteOrder::BigEndian,
+    if cfg!(target_endian = "little") {
+        ByteOrder::LittleEndian
+    } else {
+        ByteOrder::BigEndian
     }
 }

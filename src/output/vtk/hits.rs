@@ -51,7 +51,7 @@ pub fn write(
 /// Where a film's hits are. Found once: every array of the file walks them.
 struct Hits<'a> {
     film: &'a Film,
-    /// The runs of neighbouring hits of each strip, as indices into it.
+    /// The runs of adjacent hits in each strip, as indices into it.
     runs: Vec<Vec<Range<usize>>>,
     n: usize,
 }
@@ -96,7 +96,7 @@ impl<'a> Hits<'a> {
     }
 }
 
-/// The runs of neighbouring pixels whose object is not -1.
+/// Returns the runs of adjacent pixels whose object is not -1.
 fn hit_runs(objects: &[i32]) -> impl Iterator<Item = Range<usize>> {
     let mut next = 0;
     std::iter::from_fn(move || {
