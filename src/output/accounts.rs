@@ -1,30 +1,29 @@
-//! Where the threads' time went.
+//! The breakdown of the threads' time.
 
 use serde::Serialize;
 
 use super::Rendering;
 
-/// The threads' time at the tiles of all renderings, in nanoseconds, and its
-/// parts. They sum up to `busy_ns`.
+/// The busy time of the threads over all renderings, in nanoseconds, and its
+/// parts, which sum to `busy_ns`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Accounts {
-    /// From each tile's start to its end.
+    /// Time from the start to the end of each tile.
     pub busy_ns: f64,
     /// The pixels' own times.
     pub pixels_ns: f64,
-    /// Readings of the clock, one a pixel, at what a reading costs.
+    /// One reading of the clock per pixel, at the measured cost of a reading.
     pub clock_ns: f64,
-    /// Pixels written into the film.
+    /// Writing pixels to the film.
     pub film_ns: f64,
-    /// Pixels rendered before a tile's first one was timed, which count for
-    /// nothing.
+    /// Rendering warm-up pixels, before a tile's first pixel is timed.
     pub warm_up_ns: f64,
-    /// What is left: what no pixel is charged with.
+    /// The remainder.
     pub unexplained_ns: f64,
 }
 
 impl Accounts {
-    /// The accounts of a rendering; `None` where pixels were not timed.
+    /// Computes the breakdown of a rendering; `None` if pixels were not timed.
     pub fn of(rendering: &Rendering) -> Option<Self> {
         let clock = rendering.meter.clock()?;
         let repeats = rendering.repeats;
@@ -44,7 +43,7 @@ impl Accounts {
         })
     }
 
-    /// A part of the busy time in percent of it; 0 without any.
+    /// Returns a part in percent of the busy time; 0 without any.
     pub fn percent(&self, part_ns: f64) -> f64 {
         match self.busy_ns {
             0.0 => 0.0,

@@ -45,7 +45,7 @@ pub enum Artifact {
 
 impl Artifact {
     /// All files but `profile.svg`, which shows the making of them, and
-    /// `summary.json`, which tells of them.
+    /// `summary.json`, which describes them.
     pub const ALL: [Self; 15] = [
         Self::Image,
         Self::Cost,

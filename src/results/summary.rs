@@ -181,7 +181,7 @@ pub struct Cost {
 /// The clock of a timed run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Clock {
-    /// `tsc` or `monotonic`.
+    /// `tsc` or `os`.
     pub source: String,
     /// What it costs to read, in nanoseconds; taken off every pixel.
     pub overhead_ns: f64,

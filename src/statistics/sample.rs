@@ -1,4 +1,4 @@
-//! What many runs say together.
+//! Statistics of repeated runs.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use crate::sampling::uniform;
 
 /// Resamples of the bootstrap.
 const N_RESAMPLES: u64 = 2000;
-/// Share of the resamples' medians that the interval leaves out.
+/// Share of the resamples' medians outside of the confidence interval.
 const LEFT_OUT: f64 = 0.05;
 /// Median absolute deviations that make one standard deviation of a normal
 /// distribution.
@@ -15,10 +15,10 @@ const MAD_TO_SIGMA: f64 = 1.4826;
 /// Detect and Handle Outliers", ASQC 1993.
 const OUTLIER: f64 = 3.5;
 
-/// SampleStatistics of one number over the runs of a point.
+/// Statistics of one value over the runs of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SampleStatistics {
-    /// Runs.
+    /// The number of runs.
     pub n: usize,
     /// Arithmetic mean.
     pub mean: f64,

@@ -145,7 +145,7 @@ impl Boxes {
 }
 
 impl Level {
-    /// The leaves, or the deepest level of which the boxes can be told apart.
+    /// Chooses the leaves, or the deepest level with at most [`MAX_BOXES`] boxes.
     fn of<'n>(written: impl Iterator<Item = &'n BvhNode>) -> Self {
         let (mut n_leaves, mut n_at) = (0, Vec::new());
         for node in written {
@@ -197,7 +197,7 @@ impl Level {
     }
 }
 
-/// The time of each thing, or how often rays came to it.
+/// Returns the time of each node or primitive, or the number of visits.
 fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axis {
     if cost.has_time() {
         let times = visits.iter().map(|of| (f64::from(of.time_ns()), of.n_hits));

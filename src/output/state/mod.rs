@@ -46,8 +46,8 @@ pub(super) struct States {
     tiles: String,
     nodes: String,
     surface: String,
-    /// What tells most of the cost, and what comes next: the distance where no
-    /// cost was measured.
+    /// The preferred cost metric; the distance if no cost was measured. Then the
+    /// second metric.
     cost: Axis,
     counter: Option<Axis>,
     camera: Camera,
@@ -173,8 +173,8 @@ pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Optio
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }
 
-/// What tells most of the cost, over the values that its colors span: without
-/// outliers, as in `cost.png`.
+/// Returns the axis of the preferred cost metric, without outliers as in
+/// `cost.png`.
 fn cost_axis(film: &Film, measure: Option<Measure>) -> Axis {
     let axis =
         |array, name, range: Range| Axis::new(array, name, Spread::Log, [range.low, range.high]);

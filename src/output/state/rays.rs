@@ -26,11 +26,11 @@ const FRAMED: [f32; 2] = [1.5, 0.8];
 const FEW: usize = 300;
 /// The view's vertical angle in degrees.
 const VIEW_ANGLE: f32 = 30.0;
-/// Length of an arrow's head, as a part of the view's height: of few rays and
-/// of many.
+/// Length of an arrow's head as a fraction of the view's height, for few and for
+/// many rays.
 const HEADS: [f32; 2] = [0.03, 0.012];
-/// The kinds of rays in the order of their numbers, in colors that all eyes can
-/// tell apart (Okabe and Ito, 2008).
+/// The kinds of rays in the order of their numbers, in a palette for
+/// color-blind readers (Okabe and Ito, 2008).
 const KINDS: [(&str, [f32; 3]); 4] = [
     ("camera", [0.0, 0.45, 0.70]),
     ("shadow", [0.90, 0.62, 0.0]),
