@@ -77,6 +77,18 @@ fn error(folder: &Path, arguments: &[&str]) -> String {
     message
 }
 
+/// Lists a file of `n_bytes` in the summary of an output.
+fn list(output: &Path, name: &str, n_bytes: usize) {
+    let path = output.join("summary.json");
+    let mut summary: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    let files = summary["files"].as_array_mut().unwrap();
+    let mut file = files[0].clone();
+    file["file"] = json!(name);
+    file["bytes"] = json!(n_bytes);
+    files.push(file);
+    fs::write(path, summary.to_string()).unwrap();
+}
+
 /// Writes `repeats` into the summary of an output.
 fn repeat(output: &Path, busy_ns: &Value) {
     let file = output.join("summary.json");
@@ -455,7 +467,9 @@ fn objects_that_rays_meet_are_compared_where_both_outputs_have_them() {
         )
     };
     let write = |side: &str, text: &str| {
-        fs::write(folder.path().join(side).join("objects.csv"), text).unwrap();
+        let side = folder.path().join(side);
+        fs::write(side.join("objects.csv"), text).unwrap();
+        list(&side, "objects.csv", text.len());
     };
     write("a", &table([10, 20]));
     assert_eq!(

@@ -43,7 +43,6 @@ fn break_at_every_call(way: Way) -> usize {
             n_tries += 1;
             if number >= n_calls {
                 assert!(done.is_ok() && is_new, "{what}");
-                println!("{way:?}, {fault:?}: {} tries", number + 1);
                 break;
             }
         }
