@@ -85,6 +85,7 @@ fn list(output: &Path, name: &str, n_bytes: usize) {
     let mut file = files[0].clone();
     file["file"] = json!(name);
     file["bytes"] = json!(n_bytes);
+    files.retain(|listed| listed["file"] != file["file"]);
     files.push(file);
     fs::write(path, summary.to_string()).unwrap();
 }
