@@ -150,8 +150,10 @@ impl SceneArguments {
         if self.also.is_empty() {
             Ok(())
         } else {
-            Err(Diagnostic::new("these files are none of this command's")
-                .with_help("give `--also` to `raycost render`"))
+            Err(
+                Diagnostic::new("this command does not write optional outputs")
+                    .with_help("give `--also` to `raycost render`"),
+            )
         }
     }
 
@@ -175,11 +177,12 @@ impl SceneArguments {
         let Err(fault) = config.check_repeats() else {
             return Ok(());
         };
-        let message = "`--repeats` needs times, and none are taken";
+        let message = "`--repeats` requires times, and none are measured";
         match (self.repeats, self.cost()) {
             (None, _) => Err(source.point_at(fault)),
-            (Some(_), Some(_)) => Err(Diagnostic::new(message)
-                .with_help("ask for `--cost time`, or leave out `--repeats`")),
+            (Some(_), Some(_)) => {
+                Err(Diagnostic::new(message).with_help("use `--cost time`, or omit `--repeats`"))
+            }
             (Some(_), None) => Err(source.point_at(
                 Fault::new(
                     yaml::Path::default().key("cost"),

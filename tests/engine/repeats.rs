@@ -326,11 +326,8 @@ fn repeats_without_times_are_rejected_before_writing() {
     };
     for mode in ["--no-cost", "--cost=counters"] {
         let message = failure(command(&out, &["--repeats=3", mode]));
-        assert!(message.starts_with("error: `--repeats` needs times"));
-        assert!(
-            message.contains("= help: ask for `--cost time`"),
-            "{message}"
-        );
+        assert!(message.starts_with("error: `--repeats` requires times"));
+        assert!(message.contains("= help: use `--cost time`"), "{message}");
     }
     for n in ["0", "256", "-1", "many"] {
         let message = failure(command(&out, &[&format!("--repeats={n}")]));
