@@ -12,7 +12,7 @@ image: { width: 64, height: 48 }
 camera:
   look_at: { eye: [0, 0, 5], target: [0, 0, 9], fov_y_deg: 40 }
 materials:
-gray: { color: 0.5 }
+  gray: { color: 0.5 }
 lights: []
 objects:
   - sphere: { center: [0, 0, 0], radius: 1 }
