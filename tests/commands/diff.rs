@@ -8,7 +8,7 @@ use std::process::Output;
 use serde_json::{Value, json};
 
 use crate::common::data_set::{Array, DataSet};
-use crate::common::{assert_success, raycost};
+use crate::common::{assert_success, raycost, replace_file};
 
 /// Mirrors, a plane that no box holds, and a background.
 const SCENE: &str = "
@@ -75,19 +75,6 @@ fn error(folder: &Path, arguments: &[&str]) -> String {
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(output.stdout.is_empty(), "{message}");
     message
-}
-
-/// Lists a file of `n_bytes` in the summary of an output.
-fn list(output: &Path, name: &str, n_bytes: usize) {
-    let path = output.join("summary.json");
-    let mut summary: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
-    let files = summary["files"].as_array_mut().unwrap();
-    let mut file = files[0].clone();
-    file["file"] = json!(name);
-    file["bytes"] = json!(n_bytes);
-    files.retain(|listed| listed["file"] != file["file"]);
-    files.push(file);
-    fs::write(path, summary.to_string()).unwrap();
 }
 
 /// Writes `repeats` into the summary of an output.
@@ -468,9 +455,7 @@ fn objects_that_rays_meet_are_compared_where_both_outputs_have_them() {
         )
     };
     let write = |side: &str, text: &str| {
-        let side = folder.path().join(side);
-        fs::write(side.join("objects.csv"), text).unwrap();
-        list(&side, "objects.csv", text.len());
+        replace_file(&folder.path().join(side), "objects.csv", text.as_bytes());
     };
     write("a", &table([10, 20]));
     assert_eq!(

@@ -10,8 +10,10 @@ pub mod paraview;
 pub mod scenes;
 pub mod twins;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+use serde_json::Value;
 
 use raycost::accel::{Accel, Simd};
 use raycost::config::{Config, CostMode};
@@ -46,6 +48,21 @@ pub fn raycost() -> Command {
 pub fn assert_success(output: &Output) {
     let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
     assert!(output.status.success(), "{out}{err}");
+}
+
+/// Writes a file of an output, and lists it in the summary as if the run had
+/// written it.
+pub fn replace_file(output: &Path, name: &str, bytes: &[u8]) {
+    std::fs::write(output.join(name), bytes).unwrap();
+    let path = output.join("summary.json");
+    let mut summary: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    let files = summary["files"].as_array_mut().unwrap();
+    let mut file = files[0].clone();
+    file["file"] = name.into();
+    file["bytes"] = bytes.len().into();
+    files.retain(|listed| listed["file"] != file["file"]);
+    files.push(file);
+    std::fs::write(path, summary.to_string()).unwrap();
 }
 
 /// The config of a file in `configs/`.

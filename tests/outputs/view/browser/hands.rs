@@ -159,7 +159,7 @@ fn outliers_leave_the_histogram_and_the_colors_wide() {
 fn long_names_stay_within_their_panels() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.yaml");
-    let long = "a_name_without_any_space".repeat(12);
+    let long = "a_name_without_any_space".repeat(10);
     let text = fs::read_to_string(crate::common::in_repository("configs/seed_extended.yaml"));
     let text = text.unwrap();
     let named = text.replacen("  - sphere:", &format!("  - name: {long}\n    sphere:"), 1);

@@ -1,9 +1,8 @@
 //! The page can be used by hand and by keyboard, and read in any light.
 
-use std::fs;
-
 use super::{OBJECTS, WINDOW, choose, n_colors};
 use crate::common::chromium::Chromium;
+use crate::common::replace_file;
 use crate::view::{SIZE, rendered, rendered_at, viewed};
 
 #[test]
@@ -123,7 +122,7 @@ fn the_cloud_is_turned_moved_and_colored() {
 #[ignore = "needs Chromium: run tests/with-chromium"]
 fn light_dark_wide_and_narrow_can_be_read() {
     let folder = rendered_at([400, 300], "seed_extended", &[]);
-    fs::write(folder.path().join("objects.csv"), OBJECTS).unwrap();
+    replace_file(folder.path(), "objects.csv", OBJECTS.as_bytes());
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     let mut backgrounds = Vec::new();
     for (scheme, [width, height]) in [

@@ -1,11 +1,10 @@
 //! What the page shows is what the files hold.
 
-use std::fs;
-
 use serde_json::json;
 
 use super::{OBJECTS, WINDOW, array, arrays, choose, pixels, point_at_pixel, probed};
 use crate::common::chromium::Chromium;
+use crate::common::replace_file;
 use crate::view::{SIZE, rendered, viewed};
 use raycost::results::Array;
 
@@ -159,7 +158,7 @@ fn a_range_of_the_histogram_marks_its_pixels() {
 #[ignore = "needs Chromium: run tests/with-chromium"]
 fn the_table_is_sorted_chosen_from_and_marks() {
     let folder = rendered("seed_extended", &[]);
-    fs::write(folder.path().join("objects.csv"), OBJECTS).unwrap();
+    replace_file(folder.path(), "objects.csv", OBJECTS.as_bytes());
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     let names = |browser: &mut Chromium| {
         let names = browser.value(
