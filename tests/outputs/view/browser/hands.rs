@@ -187,6 +187,7 @@ fn long_names_stay_within_their_panels() {
                 for (const panel of document.querySelectorAll('#probe, #ruler, .fields')) {
                     const { left, right } = panel.getBoundingClientRect();
                     for (const part of panel.querySelectorAll('td, th, data, .name + span, output, input, button')) {
+                        if (part.getClientRects().length === 0) continue;
                         const place = part.getBoundingClientRect();
                         if (place.left < left - 1 || place.right > right + 1) outside.push(part.outerHTML);
                     }
