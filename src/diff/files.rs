@@ -52,7 +52,10 @@ pub fn write(
 ) -> Result<Vec<Written>, WriteError> {
     let mut json = to_json(diff, sides, gate);
     let run: RunId = checksum(json.to_string().as_bytes()).into();
-    json[run::KEY] = serde_json::json!(run);
+    if let Some(entries) = json.as_object_mut() {
+        // In front: a file is recognized by its first bytes.
+        entries.shift_insert(0, run::KEY.to_owned(), serde_json::json!(run));
+    }
     let staging = folder.stage_files()?;
     let stage = |artifact: &Artifact| {
         staging.stage(artifact.file_name(), |out| match artifact {

@@ -543,3 +543,21 @@ fn another_machine_is_told() {
     assert!(text.contains("A and B are of different machines"), "{text}");
     assert!(text.contains(" → \"Babbage 1\"\n"), "{text}");
 }
+
+/// The table of a diff of many objects and tiles is longer than the bytes by
+/// which raycost recognizes its own files.
+#[test]
+fn a_long_diff_can_be_written_again() {
+    let folder = outputs(&[
+        "--cost=counters",
+        "--width=320",
+        "--height=240",
+        "--tile-size=2",
+    ]);
+    for _ in 0..2 {
+        assert_success(&diff(folder.path(), &["a", "b"]));
+    }
+    let text = fs::read_to_string(folder.path().join("out/diff-a-b/diff.json"));
+    let length = text.map_or(0, |text| text.len());
+    assert!(length > 1 << 16, "{length}");
+}
