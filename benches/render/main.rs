@@ -3,7 +3,7 @@
 //!
 //! Takes scene files, and folders of them; those in `configs/` if none is
 //! named. One thread; the modes take turns in one process, so that a drifting
-//! machine meets all of them alike; medians. In brackets the speed relative to
+//! machine affects all of them equally; medians. In brackets the speed relative to
 //! `time`, which traces ray after ray: what streams gain, and what counters
 //! cost.
 

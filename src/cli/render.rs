@@ -52,7 +52,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     sync: bool,
 
-    /// End as soon as standard input does: with whoever holds its other end
+    /// End as soon as standard input does: with the process that holds its other end
     #[arg(long, hide = true)]
     while_input_is_open: bool,
 

@@ -60,7 +60,7 @@ impl<'a> Placement<'a> {
             ObjectGeometry::Shape(shape) => self.add(shape, 0, primitives)?,
             ObjectGeometry::Generator(generator) => {
                 for i in 0..generator.n_spheres() {
-                    // Whoever asked for it throws away what is half done.
+                    // The caller discards what is half done.
                     if stop::is_requested() {
                         break;
                     }

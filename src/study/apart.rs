@@ -1,4 +1,4 @@
-//! Which factors tell the series of a plot apart.
+//! Which factors distinguish the series of a plot.
 
 use serde_json::{Map, Value, json};
 

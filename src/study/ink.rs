@@ -15,7 +15,7 @@ const RING_RADIUS: i32 = 10;
 /// Nothing, or what the picture could not take.
 pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-/// Colors that the color-blind tell apart: Okabe and Ito, "Color Universal
+/// Colors that the color-blind can distinguish: Okabe and Ito, "Color Universal
 /// Design", 2008, without the yellow, which is too light for lines.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),

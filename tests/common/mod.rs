@@ -65,6 +65,16 @@ pub fn replace_file(output: &Path, name: &str, bytes: &[u8]) {
     std::fs::write(path, summary.to_string()).unwrap();
 }
 
+/// All names in a folder, hidden ones too, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
 /// The config of a file in `configs/`.
 pub fn config(name: &str) -> Config {
     let source = Source::read(&in_repository(&format!("configs/{name}.yaml"))).unwrap();

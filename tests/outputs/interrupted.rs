@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use crate::common::{assert_success, in_repository, raycost};
+use crate::common::{assert_success, in_repository, names, raycost};
 
 const SIGKILL: i32 = 9;
 
@@ -59,16 +59,6 @@ fn check(out: &Path) -> Output {
 
 fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// All names in a folder, hidden ones too, sorted.
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
 }
 
 /// A folder with a whole run and a file of the user's.

@@ -8,7 +8,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::common::data_set::DataSet;
-use crate::common::{assert_success, in_repository, raycost};
+use crate::common::{assert_success, in_repository, names, raycost};
 
 const FILES: [&str; 8] = [
     "cost.png",
@@ -308,16 +308,6 @@ fn scene() -> PathBuf {
 
 fn temporary() -> TempDir {
     tempfile::tempdir().unwrap()
-}
-
-/// All names in the folder, hidden ones too, sorted.
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
 }
 
 fn summary(out: &Path) -> Value {

@@ -102,7 +102,7 @@ fn has_attributes(_: &Path) -> bool {
 }
 
 /// Whether a process is at work in the folder: it would find itself in one that
-/// is gone. Only Linux tells, of the user's own processes.
+/// is gone. Only Linux reports it, for the user's own processes.
 fn is_in_use(folder: &Path) -> bool {
     let Ok(folder) = folder.metadata() else {
         return true;
@@ -115,7 +115,7 @@ fn is_in_use(folder: &Path) -> bool {
         || fs::metadata(".").is_ok_and(|own| is_same(&own, &folder))
 }
 
-/// Whether something is mounted on the folder, as far as Linux tells.
+/// Whether something is mounted on the folder, as far as Linux reports it.
 fn is_mount_point(folder: &Path) -> bool {
     let Ok(mounts) = File::open("/proc/self/mountinfo").and_then(io::read_to_string) else {
         return false;

@@ -10,7 +10,7 @@
 //! 4. It writes all files into a workspace (`staged`), each with its checksum.
 //! 5. It commits them. Where the system can, the folder of new files and the
 //!    output folder exchange their names (`exchange`): one step, before which
-//!    all files are old, and after which all are new, for whoever reads them.
+//!    all files are old, and after which all are new, for every reader.
 //!    Elsewhere, or where the folder has folders of others in it, is a mount
 //!    point or some process's current directory, files change one by one
 //!    under a `journal`, by which the next command takes the change back if it

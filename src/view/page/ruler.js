@@ -92,7 +92,7 @@ function createRuler(section, { onScale, onMark }) {
   };
 }
 
-/** A handle on the color bar; `at` tells its position, `move` changes it. */
+/** A handle on the color bar; `at` returns its position, `move` changes it. */
 function createHandle(end, { positionAt, at, move }) {
   const handle = svg("g", { class: "handle", tabindex: 0, role: "slider" });
   handle.setAttribute("aria-label", end === "low" ? "Low end of the colors" : "High end of the colors");
