@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use raycost::accel::Accel;
-use raycost::config::{Codec, Config, CostMode};
+use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
@@ -23,6 +23,7 @@ use raycost::render::{Plan, render};
 use raycost::results::{Frame, Hits};
 use raycost::scene::{Geometries, Scene};
 use raycost::statistics::{Ratio, SampleStatistics};
+use raycost::vtk::Codec;
 use raycost::yaml::Source;
 use serde_json::{Value, json};
 

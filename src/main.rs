@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use raycost::host::Allocator;
-use raycost::{cli, terminal};
+use raycost::{cli, text};
 
 #[global_allocator]
 static ALLOCATOR: Allocator = Allocator;
@@ -13,7 +13,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if let Some(message) = failure.message() {
-                terminal::print_error(&message);
+                text::print_error(&message);
             }
             ExitCode::from(failure.exit_code())
         }

@@ -2,11 +2,12 @@
 
 use crate::accel::{Bvh, TooLarge};
 use crate::attribution::CostAttribution;
-use crate::config::{Acceleration, Codec, Config, Image, Repeats};
+use crate::config::{Acceleration, Config, Image, Repeats};
 use crate::film::{self, PackedCounters, RenderedTile};
 use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::schedule::{TileGrid, TileRun};
+use crate::vtk::Codec;
 use crate::yaml::{Fault, Path};
 
 pub use crate::host::available_memory as available;

@@ -19,7 +19,8 @@ use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
-use raycost::yaml::{Diagnostic, Source};
+use raycost::text::Diagnostic;
+use raycost::yaml::Source;
 
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 3] = [CostMode::Time, CostMode::Counters, CostMode::None];

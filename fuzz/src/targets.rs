@@ -10,8 +10,9 @@ use raycost::memory::Memory;
 use raycost::results::{self, Frame, Hits};
 use raycost::scene::{Geometries, Scene};
 use raycost::study::{self, Plan, rows, write_csv};
+use raycost::text::Diagnostic;
 use raycost::view::View;
-use raycost::yaml::{Diagnostic, Source};
+use raycost::yaml::Source;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -4,9 +4,9 @@ use super::CostAttribution;
 use super::attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use super::tally::{Counter, Tally};
 use crate::accel::{Accel, BvhNode, Hit, TraversalStep};
+use crate::attribution::{Observer, RayTree, TracedRay};
 use crate::config::{Image, OptionalOutput, Outputs};
 use crate::cost::{Clock, RayKind};
-use crate::observe::{Observer, RayTree, TracedRay};
 use crate::scene::{Primitive, Scene};
 
 /// Sums that all threads add to.

@@ -6,7 +6,15 @@
 //! times: the time of each observed ray is scaled so that the rays of a pixel sum
 //! to its `time_ns`, which was measured without an observer. The time of a ray is
 //! divided evenly among its steps, the node visits and primitive tests.
+//!
+//! The [`Observer`] is a third way to render a pixel, besides single rays and
+//! streams of rays, with the same rays, hits and counters. It is slow and records
+//! everything: what each ray hit, which nodes and primitives it was tested
+//! against, how long it took and how much it contributed to the pixel.
 
+mod tree;
+mod observer;
+mod many;
 mod tally;
 mod attributed_cost;
 mod attributor;
@@ -23,6 +31,9 @@ use crate::stop;
 
 pub use attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use attributor::{Attributor, Tallies};
+pub use many::{ObservedPixel, TooManyRays};
+pub use observer::Observer;
+pub use tree::{RayTree, TracedRay};
 
 /// The cost of a picture, attributed to the parts of its scene.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::output::{Group, Rendering};
-use crate::terminal::one_line;
+use crate::text::one_line;
 
 /// Most rows of a table; the last one sums up the rest.
 const N_ROWS: usize = 10;

@@ -5,16 +5,17 @@ use std::path::Path;
 use super::run_summary::primitives;
 use super::scene::{Loaded, SceneArguments};
 use super::{Failure, shown};
-use crate::config::{Acceleration, Codec, Config, CostMode, Image, Repeats, TileOrder, Tiling};
+use crate::config::{Acceleration, Config, CostMode, Image, Repeats, TileOrder, Tiling};
+use crate::folder::SUMMARY;
 use crate::memory::{self, Memory};
-use crate::output::format::{bytes, count, counted};
-use crate::output::{Artifact, SUMMARY};
+use crate::output::Artifact;
 use crate::render::most_repeats;
 use crate::results::{read_unchanged, verify};
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
-use crate::terminal;
-use crate::yaml::Diagnostic;
+use crate::text::numbers::{bytes, count, counted};
+use crate::text::{self, Diagnostic};
+use crate::vtk::Codec;
 
 /// Say what rendering a scene would do, and render nothing; or verify an output
 /// folder
@@ -55,7 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let memory = Memory::of(&config, &geometries);
     let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
     let report = report(&arguments.scene, &config, &scene, &memory);
-    Ok(terminal::print(&report)?)
+    Ok(text::print(&report)?)
 }
 
 /// Compares the files of an output folder with its summary.
@@ -68,7 +69,7 @@ fn verified(folder: &Path) -> Result<(), Failure> {
     let (n, shown) = (verdicts.len() as u64, shown(folder));
     if broken.is_empty() {
         let text = format!("output  {shown} is whole: {}\n", counted(n, "file"));
-        return Ok(terminal::print(&text)?);
+        return Ok(text::print(&text)?);
     }
     let message = format!(
         "`{shown}` is damaged, {} of {}:\n{}",

@@ -4,7 +4,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::{Cli, Failure};
-use crate::terminal;
+use crate::text;
 
 /// Print a completion script for a shell
 #[derive(Debug, clap::Args)]
@@ -20,5 +20,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut script = Vec::new();
     let mut command = Cli::command();
     clap_complete::generate(arguments.shell, &mut command, "raycost", &mut script);
-    Ok(terminal::print(&String::from_utf8_lossy(&script))?)
+    Ok(text::print(&String::from_utf8_lossy(&script))?)
 }

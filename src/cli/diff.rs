@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::{Failure, shell_word, shown};
 use crate::diff::{self, Diff, Gate, Limit, Side};
-use crate::output::format::bytes;
-use crate::output::{OutputFolder, Written};
+use crate::folder::{OutputFolder, Written};
 use crate::results::read_unchanged;
-use crate::terminal;
-use crate::yaml::Diagnostic;
+use crate::text::numbers::bytes;
+use crate::text::{self, Diagnostic};
 
 /// Compare the costs of two outputs
 #[derive(Debug, clap::Args)]
@@ -56,12 +55,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
     let text = if arguments.json {
         let json = format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref()));
-        terminal::visible_json(&json)
+        text::visible_json(&json)
     } else {
         let report = diff::report(&diff, &sides, gate.as_ref());
         report + &closing_lines(&out, &written)
     };
-    terminal::print(&text)?;
+    text::print(&text)?;
     match gate.filter(|gate| !gate.passed) {
         Some(gate) => Err(Failure::Gate(Diagnostic::new(gate.sentence()))),
         None => Ok(()),

@@ -1,8 +1,8 @@
 //! Why a command ended without success.
 
-use crate::output::WriteError;
+use crate::folder::WriteError;
 use crate::stop::Stopped;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// One message and an exit code.
 #[derive(Debug)]

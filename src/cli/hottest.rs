@@ -9,10 +9,10 @@ use crate::accel::Accel;
 use crate::config::{Config, CostMode, Repeats};
 use crate::cost::Meter;
 use crate::film::{Film, HotPixel, Metric};
-use crate::output::format::{count, counted, duration};
 use crate::render::{Plan, least_repeats, repeat};
 use crate::scene::Scene;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
+use crate::text::numbers::{count, counted, duration};
 
 /// A most expensive pixel, and what it is that by.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,10 +26,9 @@ use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
 
-use crate::output::format::shell_word;
 use crate::stop;
-use crate::terminal::{self, one_line};
-use crate::yaml::Diagnostic;
+use crate::text::numbers::shell_word;
+use crate::text::{self, Diagnostic, one_line};
 
 /// A ray tracer that shows its work
 ///
@@ -71,7 +70,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli.run(),
         Err(usage) if usage.use_stderr() => Err(Failure::Usage(text_of(&usage, &arguments))),
-        Err(help) => Ok(terminal::print_styled(&text_of(&help, &arguments))?),
+        Err(help) => Ok(text::print_styled(&text_of(&help, &arguments))?),
     }
 }
 

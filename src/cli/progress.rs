@@ -6,7 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::render::Progress;
-use crate::terminal::one_line;
+use crate::text::one_line;
 
 /// How long a build goes on before it shows a bar.
 const SHORT: Duration = Duration::from_secs(1);

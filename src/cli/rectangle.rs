@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use crate::config::Image;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// Some columns and rows of a picture, row 0 on top: `3,4`, `10..19,4` or
 /// `10..19,0..9`.

@@ -10,15 +10,14 @@ use crate::attribution::CostAttribution;
 use crate::config::{Config, TileOrder};
 use crate::cost::Meter;
 use crate::film::{Column, columns};
+use crate::folder::OutputFolder;
+use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory;
-use crate::output::{
-    self, HardwareCounters, NoProfiler, OutputFolder, Profiler, Rendering, Stages, Threads,
-};
+use crate::output::{self, Rendering, Threads};
 use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
-use crate::terminal;
-use crate::yaml::Diagnostic;
+use crate::text::{self, Diagnostic};
 
 /// Render a scene and write its files
 #[derive(Debug, clap::Args)]
@@ -154,7 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (written, stages) = pool.install(|| output::write(&rendering, &folder, stages))?;
     if !arguments.quiet {
         let text = run_summary::lines(&arguments.scene, &rendering, &stages, &written);
-        terminal::print(&text)?;
+        text::print(&text)?;
     }
     Ok(())
 }

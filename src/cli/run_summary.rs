@@ -3,10 +3,12 @@
 use super::scene::SceneArguments;
 use super::{charges, hottest, shell_word, shown, timing_quality};
 use crate::config::OptionalOutput;
-use crate::output::format::{bytes, count, counted, duration};
-use crate::output::{Rendering, Stages, Written};
+use crate::folder::Written;
+use crate::instruments::Stages;
+use crate::output::Rendering;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
+use crate::text::numbers::{bytes, count, counted, duration};
 
 /// Returns the summary of a rendered scene and the files written.
 pub(super) fn lines(

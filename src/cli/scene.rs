@@ -6,11 +6,13 @@ use clap::ValueEnum;
 
 use super::shell_word;
 use crate::config::{
-    Codec, Config, CostMode, MAX_SIDE, OptionalOutput, Repeats, Structure, TileOrder, Tiling,
+    Config, CostMode, MAX_SIDE, OptionalOutput, Repeats, Structure, TileOrder, Tiling,
 };
 use crate::memory::{self, Memory};
 use crate::scene::Geometries;
-use crate::yaml::{self, Diagnostic, Fault, Source};
+use crate::text::Diagnostic;
+use crate::vtk::Codec;
+use crate::yaml::{self, Fault, Source};
 
 /// What names a scene and changes it.
 #[derive(Debug, clap::Args)]
@@ -127,7 +129,7 @@ impl SceneArguments {
             if by_file.has(requested) {
                 source.point_at(fault)
             } else {
-                Diagnostic::without_place(fault)
+                fault.without_place()
             }
         })?;
         let available = memory::available();

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// What is run if nothing is named: the ready studies of the repository.
 const READY: &str = "configs/studies";

@@ -11,18 +11,17 @@ use clap::Parser;
 use serde_json::{Value, json};
 
 use super::progress::StudyBar;
-use super::studies;
 use super::tables::{closing_lines, last_lines, write_figure, write_tables};
-use super::{Cli, Failure};
-use crate::output::{
-    self, HardwareCounters, Replace, Scratch, format, lock_folder, refuse_file, write_file,
-};
+use super::{Cli, Failure, studies};
+use crate::folder::{Replace, Scratch, lock_folder, refuse_file, write_file};
+use crate::instruments::HardwareCounters;
+use crate::output;
 use crate::stop;
 use crate::study::{
     Figure, Limits, Metrics, Plan, Point, Results, Row, Run, Standing, Turn, rows, standings,
 };
-use crate::terminal;
-use crate::yaml::{self, Diagnostic, Fault, Source};
+use crate::text::{self, Diagnostic, numbers};
+use crate::yaml::{self, Fault, Source};
 
 /// Measure how the cost of scenes depends on what you vary
 #[derive(Debug, clap::Args)]
@@ -96,11 +95,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )?;
         if !arguments.quiet {
             let lines = closing_lines(&study.plan, &rows, standings.as_deref(), &study.out);
-            terminal::print(&lines)?;
+            text::print(&lines)?;
         }
     }
     if !arguments.quiet {
-        terminal::print(&last_lines(&made_by, n_left))?;
+        text::print(&last_lines(&made_by, n_left))?;
     }
     Ok(())
 }
@@ -114,8 +113,8 @@ impl Study {
             plan = plan.quickened();
         }
         if plan.n_runs() > Plan::MAX_RUNS {
-            let message = format!("the study has {} runs", format::count(plan.n_runs()));
-            let expected = format!("expected at most {}", format::count(Plan::MAX_RUNS));
+            let message = format!("the study has {} runs", numbers::count(plan.n_runs()));
+            let expected = format!("expected at most {}", numbers::count(Plan::MAX_RUNS));
             let fault = Fault::new(yaml::Path::default(), message, expected)
                 .with_help("vary less at once, or lower `repeats`");
             return Err(source.point_at(fault).into());

@@ -7,9 +7,10 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::{Failure, shown};
-use crate::output::{Replace, format::duration, write_file};
+use crate::folder::{Replace, write_file};
 use crate::study::{Figure, Plan, Plot, Row, Series, Standing, verdict, write_csv};
-use crate::terminal::one_line;
+use crate::text::numbers::duration;
+use crate::text::one_line;
 
 /// Writes the tables and plots of a study.
 pub(super) fn write_tables(

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use crate::output::{Accounts, Rendering, format};
+use crate::output::{Accounts, Rendering};
 use crate::render::{N_ROUNDS, Overhead};
+use crate::text::numbers;
 
 /// Returns the lines that apply, each with a line feed.
 pub(super) fn lines(rendering: &Rendering) -> String {
@@ -22,7 +23,7 @@ fn threads(accounts: &Accounts) -> String {
     format!(
         "threads {} at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % warm-up, \
          {:.1} % unexplained\n",
-        format::duration(Duration::from_nanos(accounts.busy_ns as u64)),
+        numbers::duration(Duration::from_nanos(accounts.busy_ns as u64)),
         percent(accounts.pixels_ns),
         percent(accounts.film_ns),
         percent(accounts.clock_ns),
@@ -41,7 +42,7 @@ fn repeats(rendering: &Rendering) -> Option<String> {
         .sum();
     let rejected = format!(
         "{} of a thread that lost its CPU",
-        format::counted(n_rejected, "time")
+        numbers::counted(n_rejected, "time")
     );
     match (film.n_repeats, n_rejected) {
         (0 | 1, 0) => None,

@@ -9,18 +9,18 @@ use super::scene::{Loaded, SceneArguments};
 use super::tree::Trees;
 use super::{Failure, hottest, shell_word, shown};
 use crate::accel::Accel;
+use crate::attribution::{ObservedPixel, Observer, TooManyRays};
 use crate::config::{Config, Image, Tiling};
 use crate::cost::Meter;
 use crate::film::{HotPixel, Metric};
+use crate::folder::{OutputFolder, Written};
 use crate::memory::{self, Memory};
-use crate::observe::{ObservedPixel, Observer, TooManyRays};
-use crate::output::format::{bytes, counted};
-use crate::output::{OutputFolder, Traced, Written, refuse_foreign_traced, write_traced};
+use crate::output::{Traced, refuse_foreign_traced, write_traced};
 use crate::render::{Plan, Progress, render};
 use crate::scene::{Geometries, Scene};
 use crate::stop;
-use crate::terminal;
-use crate::yaml::Diagnostic;
+use crate::text::numbers::{bytes, counted};
+use crate::text::{self, Diagnostic};
 
 /// Show all rays of some pixels and what each costs
 ///
@@ -127,7 +127,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !arguments.quiet {
         let trees = Trees::new(&config, &traced).text();
         let closing = closing_lines(&observed, &written, &arguments.scene.out());
-        terminal::print_styled(&(trees + &pixels.found() + &closing))?;
+        text::print_styled(&(trees + &pixels.found() + &closing))?;
     }
     Ok(())
 }

@@ -5,13 +5,13 @@ use std::time::Duration;
 use clap::builder::styling::{AnsiColor, Style};
 use glam::Vec3;
 
+use crate::attribution::{ObservedPixel, RayTree, TracedRay};
 use crate::config::Config;
 use crate::cost::RayKind;
 use crate::film::to_rgb8;
-use crate::observe::{ObservedPixel, RayTree, TracedRay};
 use crate::output::Traced;
-use crate::output::format::{count, counted, duration};
-use crate::terminal::one_line;
+use crate::text::numbers::{count, counted, duration};
+use crate::text::one_line;
 
 /// Pixels that are shown.
 const MOST_PIXELS: usize = 3;

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use super::{Failure, shown};
-use crate::output::{Replace, format::bytes, target, write_file};
+use crate::folder::{Replace, target, write_file};
 use crate::results::{Results, read_unchanged};
-use crate::terminal;
+use crate::text;
+use crate::text::numbers::bytes;
 use crate::view::{self, View};
 
 /// Write a page that shows an output folder in a browser
@@ -62,5 +63,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     text += &format!("wrote   {} ({})\n", shown(&path), bytes(written.bytes));
     text += "next    open it in a browser\n";
-    Ok(terminal::print(&text)?)
+    Ok(text::print(&text)?)
 }

@@ -6,7 +6,6 @@
 
 mod acceleration;
 mod background;
-mod codec;
 mod cost_mode;
 mod file;
 mod generator;
@@ -22,7 +21,6 @@ use serde::Deserialize;
 
 pub use acceleration::{Acceleration, Quality, Structure};
 pub use background::Background;
-pub use codec::Codec;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use generator::{Generator, SphereCloud, SphereGrid};
@@ -36,6 +34,7 @@ pub use tiling::{TileOrder, Tiling};
 use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
+use crate::vtk::Codec;
 use crate::yaml::{Fault, Path};
 
 /// A whole scene file.

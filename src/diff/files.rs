@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::gate::Gate;
 use super::{Diff, Side, map, state, to_json, volume};
-use crate::output::run::{self, RunId, checksum, stamped};
-use crate::output::{OutputFolder, Own, StagedFile, WriteError, Written};
+use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use crate::provenance::{self, RunId, checksum, stamped};
 
 /// The files, in the order of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub fn write(
     let run: RunId = checksum(json.to_string().as_bytes()).into();
     if let Some(entries) = json.as_object_mut() {
         // In front: a file is recognized by its first bytes.
-        entries.shift_insert(0, run::KEY.to_owned(), serde_json::json!(run));
+        entries.shift_insert(0, provenance::KEY.to_owned(), serde_json::json!(run));
     }
     let staging = folder.stage_files()?;
     let stage = |artifact: &Artifact| {

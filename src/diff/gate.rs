@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Diff;
 use super::measure::ratio;
 use super::noise::Noise;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// The cost that may be added, in percent of A's.
 #[derive(Debug, Clone, Copy, PartialEq)]

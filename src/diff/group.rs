@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::measure::Measure;
 use super::{Group, Side, Total, Totals};
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// The pixels by object and tile, and what is summed of them so far.
 pub(super) struct Groups {

@@ -4,9 +4,8 @@ use std::io::{self, Write};
 
 use super::report::ratio_label;
 use super::{Diff, Noise, Side};
-use crate::output::cost_picture::{CostMap, Scale, draw};
-use crate::output::rgb_png;
-use crate::output::run::{self, RunId};
+use crate::chart::{CostMap, Scale, draw, png};
+use crate::provenance::{self, RunId};
 
 /// Writes the map of the change that tells most.
 pub(super) fn write(
@@ -33,8 +32,8 @@ pub(super) fn write(
     });
     let (width, height) = picture.dimensions();
     let rows = picture.chunks_exact(3 * width as usize);
-    let texts = [(run::KEY, &*run.to_string())];
-    rgb_png::write([width, height], rows, &texts, out)
+    let texts = [(provenance::KEY, &*run.to_string())];
+    png::write([width, height], rows, &texts, out)
 }
 
 fn subtitle(diff: &Diff) -> String {

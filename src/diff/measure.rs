@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::output::format;
+use crate::text::numbers;
 
 /// A cost that every pixel has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,8 +60,8 @@ impl Measure {
     /// A value, or some together, as people read it.
     pub(super) fn label(self, value: f64) -> String {
         match self {
-            Self::TIME => format::duration(Duration::from_nanos(value as u64)),
-            _ => format::count(value as u64),
+            Self::TIME => numbers::duration(Duration::from_nanos(value as u64)),
+            _ => numbers::count(value as u64),
         }
     }
 

@@ -36,7 +36,7 @@ pub use side::Side;
 
 use group::{Groups, sorted};
 
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// What changed from A to B.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use super::{Group, Measure, Side, Total, Totals};
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// What the rays cost that met something.
 type Costs = Vec<(Measure, f64)>;

@@ -6,9 +6,9 @@ use super::measure::{Measure, ratio};
 use super::noise::{Noise, Test};
 use super::settings::Setting;
 use super::{Diff, Group, Side, Total};
-use crate::output::format::{count, counted};
 use crate::statistics::CONFIDENCE;
-use crate::terminal::one_line;
+use crate::text::numbers::{count, counted};
+use crate::text::one_line;
 
 /// Rows that are shown of a table of objects or tiles.
 const MAX_ROWS: usize = 5;

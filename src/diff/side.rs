@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Measure;
-use crate::results::{Number, ObjectsTable, Results};
-use crate::yaml::Diagnostic;
+use crate::results::{ObjectsTable, Results};
+use crate::text::Diagnostic;
+use crate::vtk::Number;
 
 /// An output folder that is compared with another.
 #[derive(Debug)]

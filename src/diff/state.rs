@@ -1,9 +1,9 @@
 //! `diff.pvsm`: the change of the cost in ParaView.
 
 use super::{Diff, volume};
-use crate::output::OutputFolder;
-use crate::output::cost_picture::{Range, Scale};
-use crate::output::state::{Axis, Panels, Spread, fill, value_of_panels};
+use crate::chart::{Range, Scale};
+use crate::folder::OutputFolder;
+use crate::paraview::{Axis, Panels, Spread, fill, value_of_panels};
 
 const TEMPLATE: &str = include_str!("../../paraview/diff.pvsm");
 

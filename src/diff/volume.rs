@@ -6,12 +6,10 @@ use vtkio::model::ScalarType;
 
 use super::measure::{Measure, ratio};
 use super::{Diff, Side, picture};
-use crate::config::Codec;
-use crate::output::run::RunId;
-use crate::output::vtk::Encoding;
-use crate::output::vtk::appended;
-use crate::output::vtk::array::Array;
-use crate::output::vtk::header::DataSet;
+use crate::provenance::RunId;
+use crate::vtk::array::Array;
+use crate::vtk::header::DataSet;
+use crate::vtk::{Codec, Encoding, appended};
 
 /// The file's name.
 pub(super) const FILE: &str = "diff.vti";
@@ -135,7 +133,7 @@ fn values([a, b]: &[Side; 2], measure: Measure) -> io::Result<[Vec<f64>; 2]> {
 }
 
 /// What was read before, so that only a change behind our back is an error.
-fn read<T>(found: Result<T, crate::yaml::Diagnostic>) -> io::Result<T> {
+fn read<T>(found: Result<T, crate::text::Diagnostic>) -> io::Result<T> {
     found.map_err(|error| io::Error::other(error.to_string()))
 }
 

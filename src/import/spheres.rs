@@ -6,7 +6,8 @@ use super::fault::cut;
 use super::mesh::finite;
 use super::{FileFault, Input, Place, Result};
 use crate::geometry::Sphere;
-use crate::yaml::{did_you_mean, hex_color};
+use crate::text::did_you_mean;
+use crate::yaml::hex_color;
 
 /// The spheres of a table.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -2,11 +2,15 @@
 
 use std::io::{self, Seek, Write};
 
-use super::state::States;
-use super::vtk::{self, Encoding};
-use super::{Rendering, RunId, Stages, heatmap, objects, picture, run, trace_events};
+use super::states::States;
+use super::{
+    Rendering, frame, heatmap, hits, nodes, objects, picture, surface, tiles, trace_events,
+};
 use crate::attribution::CostAttribution;
 use crate::config::{Config, OptionalOutput};
+use crate::instruments::Stages;
+use crate::provenance::{self, RunId};
+use crate::vtk::Encoding;
 
 /// A file of the output folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,18 +73,18 @@ impl Artifact {
         match self {
             Self::Image => "image.png",
             Self::Cost => "cost.png",
-            Self::Hits => vtk::HITS,
-            Self::Frame => vtk::FRAME,
+            Self::Hits => hits::FILE,
+            Self::Frame => frame::FILE,
             Self::GeometryState => "geometry.pvsm",
             Self::HeatmapState => "heatmap.pvsm",
             Self::OverviewState => "overview.pvsm",
-            Self::Tiles => vtk::TILES,
+            Self::Tiles => tiles::FILE,
             Self::Trace => trace_events::FILE,
             Self::ScheduleState => "schedule.pvsm",
             Self::Objects => objects::FILE,
-            Self::Surface => vtk::SURFACE,
+            Self::Surface => surface::FILE,
             Self::SurfaceState => "surface.pvsm",
-            Self::Bvh => vtk::NODES,
+            Self::Bvh => nodes::FILE,
             Self::BvhState => "bvh.pvsm",
         }
     }
@@ -116,9 +120,9 @@ impl Artifact {
         let state = match self {
             Self::Image => return picture::write(film, run, states, out),
             Self::Cost => return heatmap::write(rendering, run, out),
-            Self::Hits => return vtk::write_hits(film, encoding, out),
-            Self::Frame => return vtk::write_frame(film, encoding, out),
-            Self::Tiles => return vtk::write_tiles(rendering.schedule, film.cost, encoding, out),
+            Self::Hits => return hits::write(film, encoding, out),
+            Self::Frame => return frame::write(film, encoding, out),
+            Self::Tiles => return tiles::write(rendering.schedule, film.cost, encoding, out),
             Self::Trace => return trace_events::write(rendering, stages, run, out),
             Self::Objects | Self::Surface | Self::Bvh => {
                 return match rendering.attribution {
@@ -133,7 +137,7 @@ impl Artifact {
             Self::SurfaceState => states.surface(),
             Self::BvhState => states.bvh(),
         };
-        out.write_all(run::stamped(&state, run).as_bytes())
+        out.write_all(provenance::stamped(&state, run).as_bytes())
     }
 
     /// Writes a file of the cost attribution.
@@ -148,10 +152,10 @@ impl Artifact {
         match (self, &attribution.primitives, &attribution.hierarchy) {
             (Self::Objects, ..) => objects::write(rendering, attribution, out),
             (Self::Surface, Some(visits), _) => {
-                vtk::write_surface(rendering.scene, visits, cost, encoding, out)
+                surface::write(rendering.scene, visits, cost, encoding, out)
             }
             (Self::Bvh, _, Some(hierarchy)) => {
-                vtk::write_nodes(hierarchy, rendering.config.output.bvh, cost, encoding, out)
+                nodes::write(hierarchy, rendering.config.output.bvh, cost, encoding, out)
             }
             _ => Ok(()),
         }

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use crate::attribution::TracedRay;
 use crate::camera::{ImagePlane, Projection};
 use crate::geometry::{Aabb, Ray};
-use crate::observe::TracedRay;
 use crate::scene::Scene;
 
 /// Largest distance, in radii, of a light to which shadow rays are drawn.

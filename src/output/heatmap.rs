@@ -2,10 +2,11 @@
 
 use std::io::{self, Write};
 
-use super::cost_picture::{CostMap, Scale, draw};
+use super::Rendering;
 use super::measure::Measure;
-use super::run::{self, RunId};
-use super::{Rendering, format, rgb_png};
+use crate::chart::{CostMap, Scale, draw, png};
+use crate::provenance::{self, RunId};
+use crate::text::numbers;
 
 /// Writes the map of the film's best measure; nothing for a film without cost.
 pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<()> {
@@ -25,8 +26,8 @@ pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> 
     });
     let (width, height) = picture.dimensions();
     let rows = picture.chunks_exact(3 * width as usize);
-    let texts = [(run::KEY, &*run.to_string())];
-    rgb_png::write([width, height], rows, &texts, out)
+    let texts = [(provenance::KEY, &*run.to_string())];
+    png::write([width, height], rows, &texts, out)
 }
 
 fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {
@@ -36,8 +37,8 @@ fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {
         "{} × {} pixels, {} per pixel, {}; median {}, sum {}",
         image.width,
         image.height,
-        format::counted(image.samples_per_pixel.into(), "sample"),
-        format::counted(n_threads as u64, "thread"),
+        numbers::counted(image.samples_per_pixel.into(), "sample"),
+        numbers::counted(n_threads as u64, "thread"),
         measure.label(median(values).into()),
         measure.label(values.iter().copied().map(f64::from).sum()),
     )

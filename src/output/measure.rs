@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use super::format;
 use crate::cost::Counter;
 use crate::film::{Film, Strip};
+use crate::text::numbers;
 
 /// A cost metric of pixels.
 #[derive(Clone, Copy)]
@@ -98,8 +98,8 @@ impl Measure {
     /// Formats one of its values, or a sum of them; a time with its unit.
     pub(super) fn label(self, value: f64) -> String {
         match self.values {
-            Values::Times(_) => format::duration(Duration::from_nanos(value as u64)),
-            Values::Counts(_) => format::count(value as u64),
+            Values::Times(_) => numbers::duration(Duration::from_nanos(value as u64)),
+            Values::Counts(_) => numbers::count(value as u64),
         }
     }
 }

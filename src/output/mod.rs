@@ -5,62 +5,53 @@
 //! places together at the end: a run that fails or is killed leaves the old
 //! files.
 
-pub(crate) mod cost_picture;
 mod artifact;
 mod accounts;
 mod bounding_sphere;
-mod cell;
-mod folder;
-pub mod format;
-mod hardware;
+mod frame;
 mod heatmap;
+mod hits;
 mod measure;
+mod nodes;
 mod objects;
 mod picture;
-mod profile;
-mod resources;
-pub(crate) mod run;
-pub(crate) mod rgb_png;
-pub(crate) mod state;
-mod stages;
+mod rays;
+mod run;
+mod states;
 mod summary;
+mod surface;
+mod tiles;
 mod trace_events;
 mod traced;
-pub(crate) mod vtk;
 
 use std::time::Duration;
 
 pub use accounts::Accounts;
 pub use artifact::Artifact;
-pub(crate) use cell::{text_cell, text_of_cell};
-pub use folder::{OutputFolder, WriteError};
-pub(crate) use folder::{
-    Own, Replace, Scratch, StagedFile, checksum_of, lock_folder, refuse_file, settle, target,
-    write_file,
-};
-pub use hardware::{Counts, HardwareCounters};
+pub(crate) use frame::FILE as FRAME;
+pub use frame::write as write_frame;
+pub(crate) use hits::FILE as HITS;
+pub use hits::write as write_hits;
+pub use nodes::write as write_nodes;
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS, rows_per_thing};
-pub use profile::{NoProfiler, Profiler};
-pub use resources::SystemWork;
-pub use run::{Checksum, RunId};
-pub use stages::{Stage, Stages};
-pub(crate) use summary::{FILE as SUMMARY, is_whole};
+pub(crate) use summary::is_whole;
 pub use summary::{Threads, build, machine};
+pub use surface::write as write_surface;
+pub use tiles::write as write_tiles;
 pub use traced::{Traced, refuse_foreign_traced, write_rays, write_traced};
-pub use vtk::Encoding;
-pub(crate) use vtk::{FRAME, HITS};
-pub use vtk::{write_frame, write_hits, write_nodes, write_surface, write_tiles};
 
 use rayon::prelude::*;
 
-use state::States;
+use states::States;
 
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
 use crate::config::Config;
 use crate::cost::Meter;
 use crate::film::Film;
+use crate::folder::{OutputFolder, Own, SUMMARY, StagedFile, WriteError, Written};
+use crate::instruments::{PROFILE, Profiler, Stages};
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -106,20 +97,6 @@ impl Rendering<'_> {
     }
 }
 
-/// A file that was written.
-#[derive(Debug, Clone, serde::Serialize)]
-pub struct Written {
-    /// Its name in the folder.
-    pub file: &'static str,
-    /// Its length.
-    pub bytes: u64,
-    /// Its checksum.
-    pub checksum: Checksum,
-    /// Time on the wall from the first byte to the last, in milliseconds, while
-    /// other files were written, too.
-    pub write_ms: f64,
-}
-
 /// Writes every file of the rendering on the current rayon pool; gives them in
 /// their order, with `summary.json` last. Files of an earlier run that this
 /// one does not write are removed.
@@ -132,7 +109,7 @@ pub fn write(
     mut stages: Stages,
 ) -> Result<(Vec<Written>, Stages), WriteError> {
     let states = States::new(rendering, folder);
-    let run = RunId::of(rendering);
+    let run = run::id_of(rendering);
     let staging = folder.stage_files()?;
     let wanted: Vec<Artifact> = Artifact::ALL
         .into_iter()
@@ -147,15 +124,13 @@ pub fn write(
     stages.end("write");
     // Last but one, since it shows the writing of the others.
     if let Some(profiler) = rendering.profiler {
-        let file = staging.stage(profile::FILE, |out| {
-            profiler.write(rendering.name, run, out)
-        })?;
+        let file = staging.stage(PROFILE, |out| profiler.write(rendering.name, run, out))?;
         files.push(file);
         stages.end("profile");
     }
 
     let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
-    let summary = staging.stage(summary::FILE, |out| {
+    let summary = staging.stage(SUMMARY, |out| {
         summary::write(rendering, &stages, &written, run, out)
     })?;
     written.push(summary.written());
@@ -176,5 +151,5 @@ pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
 
 fn own() -> Own {
     let names = Artifact::ALL.into_iter().map(Artifact::file_name);
-    Own::Listed(names.chain([profile::FILE, summary::FILE]).collect())
+    Own::Listed(names.chain([PROFILE, SUMMARY]).collect())
 }

@@ -3,9 +3,9 @@
 use std::io::{self, Write};
 
 use super::Rendering;
-use super::cell::text_cell;
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::cost::RayKind;
+use crate::text::text_cell;
 
 /// The file's name.
 pub(crate) const FILE: &str = "objects.csv";

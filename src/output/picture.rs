@@ -5,10 +5,10 @@
 
 use std::io::{self, Write};
 
-use super::rgb_png;
-use super::run::{self, RunId};
-use super::state::States;
+use super::states::States;
+use crate::chart::png;
 use crate::film::Film;
+use crate::provenance::{self, RunId};
 
 /// Writes the film's colors, 8 bits a channel.
 pub(super) fn write(
@@ -19,8 +19,8 @@ pub(super) fn write(
 ) -> io::Result<()> {
     let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
     let texts = [
-        (run::KEY, &*run.to_string()),
+        (provenance::KEY, &*run.to_string()),
         ("ParaViewState", &*states.geometry()),
     ];
-    rgb_png::write([film.grid.width, film.grid.height], rows, &texts, out)
+    png::write([film.grid.width, film.grid.height], rows, &texts, out)
 }

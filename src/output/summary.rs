@@ -6,18 +6,19 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use sysinfo::System;
 
-use super::run::{KEY, RunId, checksum};
-use super::stages::milliseconds;
-use super::{Accounts, Rendering, Stages, Written, resources};
+use super::{Accounts, Rendering};
 use crate::camera::{ImagePlane, Projection};
 use crate::config::Acceleration;
 use crate::cost::RayKind;
 use crate::film::Film;
+use crate::folder::Written;
+use crate::instruments::{Stages, peak_memory_bytes};
+use crate::provenance::{KEY, RunId, checksum};
 use crate::render::{N_ROUNDS, Overhead};
 use crate::schedule::Schedule;
+use crate::text::numbers::milliseconds;
 
 /// The file's name.
-pub(crate) const FILE: &str = "summary.json";
 /// The key of its own checksum.
 const SEAL: &str = "checksum";
 
@@ -64,7 +65,7 @@ pub(super) fn write(
         "thread_time": thread_time(rendering),
         "overhead": rendering.overhead.as_ref().map(overhead),
         "no_hardware_counters": stages.no_hardware_counters(),
-        "peak_memory_bytes": resources::peak_memory_bytes(),
+        "peak_memory_bytes": peak_memory_bytes(),
         "n_pixels": image.n_pixels(),
         "n_hits": rendering.film.n_hits(),
         "cost": cost(rendering),

@@ -9,8 +9,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::run::{KEY, RunId};
-use super::{Rendering, Stages};
+use super::Rendering;
+use crate::instruments::Stages;
+use crate::provenance::{KEY, RunId};
 use crate::schedule::{Tile, TileRun};
 
 /// The file's name.

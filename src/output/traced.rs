@@ -2,16 +2,16 @@
 
 use std::io::{self, Seek, Write};
 
-use super::folder::{Own, StagedFile};
-use super::run::{RunId, Summer, stamped};
-use super::state;
-use super::vtk::{self, Encoding, Rays};
-use super::{OutputFolder, WriteError, Written};
+use super::hits;
+use super::rays::{FILE as RAYS, Rays};
+use super::states;
+use crate::attribution::ObservedPixel;
 use crate::camera::ImagePlane;
-use crate::config::Codec;
 use crate::film::Film;
-use crate::observe::ObservedPixel;
+use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use crate::provenance::{RunId, Summer, stamped};
 use crate::scene::Scene;
+use crate::vtk::{Codec, Encoding};
 
 /// The cloud's file.
 pub(super) const CLOUD: &str = "rays_cloud.vtu";
@@ -57,10 +57,10 @@ pub fn write_traced(
     };
     let staging = folder.stage_files()?;
     let files = [
-        staging.stage(vtk::RAYS, |out| rays.write(encoding, out))?,
-        staging.stage(CLOUD, |out| vtk::write_hits(traced.cloud, encoding, out))?,
+        staging.stage(RAYS, |out| rays.write(encoding, out))?,
+        staging.stage(CLOUD, |out| hits::write(traced.cloud, encoding, out))?,
         staging.stage(STATE, |out| {
-            let state = stamped(&state::of_rays(&rays, folder), run);
+            let state = stamped(&states::of_rays(&rays, folder), run);
             out.write_all(state.as_bytes())
         })?,
     ];
@@ -79,7 +79,7 @@ pub fn refuse_foreign_traced(folder: &OutputFolder) -> Result<(), WriteError> {
 }
 
 fn own() -> Own {
-    Own::Marked(vec![vtk::RAYS, CLOUD, STATE])
+    Own::Marked(vec![RAYS, CLOUD, STATE])
 }
 
 /// A hash of the rays, of their times and of the cloud around them.

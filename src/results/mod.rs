@@ -9,25 +9,25 @@
 mod objects;
 mod summary;
 mod verify;
-mod vtk;
+mod data;
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+pub use data::{Array, ArrayInfo, Frame, Hits};
 pub use objects::ObjectsTable;
 pub use summary::{
     Acceleration, Camera, Clock, Cost, Image, ListedFile, Machine, Object, Repeats, SceneName,
     Stage, Summary, Threads,
 };
 pub use verify::{Verdict, verify};
-pub use vtk::{Array, ArrayInfo, Frame, Hits, Number, Values};
 
+use crate::folder::settle;
 use crate::host::{advice, available_memory};
-use crate::output::format::{self, count, counted};
-use crate::output::run::checksum;
-use crate::output::settle;
-use crate::yaml::Diagnostic;
+use crate::provenance::checksum;
+use crate::text::Diagnostic;
+use crate::text::numbers::{self, count, counted};
 
 /// An output folder whose summary has been read.
 #[derive(Debug, Clone)]
@@ -203,7 +203,7 @@ const MEMORY_PER_BYTE: u64 = 40;
 /// the free memory.
 pub(crate) fn read_json(path: &Path, max_bytes: u64) -> io::Result<String> {
     let too_long = |n_bytes: u64| {
-        let message = format!("it is longer than {}", format::bytes(n_bytes));
+        let message = format!("it is longer than {}", numbers::bytes(n_bytes));
         Err(io::Error::new(io::ErrorKind::InvalidData, message))
     };
     let max_bytes = max_bytes.min(available_memory() / MEMORY_PER_BYTE);

@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 
 use super::Results;
-use crate::output::{OBJECTS, format, rows_per_thing, text_of_cell};
-use crate::yaml::{Diagnostic, MAX_NAME};
+use crate::output::{OBJECTS, rows_per_thing};
+use crate::text::{Diagnostic, numbers, text_of_cell};
+use crate::yaml::MAX_NAME;
 
 /// Most bytes of a row: a name, quoted and each of its characters as long as
 /// may be, and what a row has besides.
@@ -74,7 +75,7 @@ impl Results {
     fn longer_than_its_scene(&self, most_rows: usize) -> Diagnostic {
         self.mixed(format!(
             "{OBJECTS} is longer than the {} of the objects and materials in summary.json",
-            format::counted(most_rows as u64, "row")
+            numbers::counted(most_rows as u64, "row")
         ))
     }
 

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::read_json;
 use crate::config::CostMode;
-pub(super) use crate::output::SUMMARY as FILE;
-use crate::output::{Checksum, RunId};
-use crate::yaml::{Diagnostic, Fault, Source};
+pub(super) use crate::folder::SUMMARY as FILE;
+use crate::provenance::{Checksum, RunId};
+use crate::text::Diagnostic;
+use crate::yaml::{Fault, Source};
 
 /// Longest summary that is read, in bytes: a short name for each of a million
 /// objects fits.

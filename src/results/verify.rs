@@ -5,9 +5,10 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::{ListedFile, Results, read_json, summary};
-use crate::output::format::count;
-use crate::output::{checksum_of, is_whole};
-use crate::yaml::Diagnostic;
+use crate::folder::checksum_of;
+use crate::output::is_whole;
+use crate::text::Diagnostic;
+use crate::text::numbers::count;
 
 /// What became of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -15,7 +15,8 @@ use crate::camera::ImagePlane;
 use crate::config::{Background, Config, Geometry, GeometryFile, Object, Shading};
 use crate::light::Light;
 use crate::material::Material;
-use crate::yaml::{Fault, Path, did_you_mean};
+use crate::text::did_you_mean;
+use crate::yaml::{Fault, Path};
 
 use attributes::Attributes;
 use placement::Placement;

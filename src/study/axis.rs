@@ -5,7 +5,7 @@ use std::ops::Range;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
 use super::figure::Scale;
-use crate::output::cost_picture::{Ticks, ticks};
+use crate::chart::{Ticks, ticks};
 
 /// Share of a logarithmic axis that a label needs.
 const LABEL_GAP: f64 = 0.12;

@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{Block, Limits, Row};
-use crate::output::format;
 use crate::statistics::SampleStatistics;
+use crate::text::numbers;
 
 /// A point of a study and what its rays took, by medians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -166,7 +166,7 @@ pub fn verdict(standings: &[Standing]) -> Option<String> {
         worst.fetches_per_ray,
         percent(worst.latency_share),
         worst.render_ns_per_ray.median,
-        format::bytes(worst.bytes_per_ray.round() as u64),
+        numbers::bytes(worst.bytes_per_ray.round() as u64),
         percent(worst.bandwidth_share),
     ))
 }

@@ -4,7 +4,8 @@ use serde::de::{Deserializer, MapAccess};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::config::{Codec, CostMode, MAX_SIDE, Structure, TileOrder, Tiling};
+use crate::config::{CostMode, MAX_SIDE, Structure, TileOrder, Tiling};
+use crate::vtk::Codec;
 use crate::yaml;
 
 /// Something that a study varies, by flags of `raycost render`.

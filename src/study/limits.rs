@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::results::differing;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// The format's number: files of others are refused.
 const FORMAT: u32 = 1;

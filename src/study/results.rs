@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{Metrics, Point};
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 /// The format's number: files of others are refused.
 const FORMAT: u32 = 1;

@@ -15,8 +15,8 @@ use bytemuck::{Pod, Zeroable};
 
 use super::limits::{Block, Cache, Limits};
 use crate::accel::Simd;
+use crate::instruments::HardwareCounters;
 use crate::memory;
-use crate::output::HardwareCounters;
 
 /// Size of the least block, in words of four bytes: 16 KiB.
 const LEAST: usize = 1 << 12;

@@ -7,8 +7,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{Plan, Results, Run};
-use crate::output::text_cell;
 use crate::statistics::SampleStatistics;
+use crate::text::text_cell;
 
 /// One number of one point.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -9,8 +9,8 @@ use super::frame::Pixels;
 use super::hottest;
 use super::payload::type_name;
 use crate::config::CostMode;
-use crate::output::format::counted;
 use crate::results::{Array, Summary};
+use crate::text::numbers::counted;
 
 /// All of it as JSON.
 pub(super) fn json(

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 
 use super::View;
 use super::frame::MAX_PIXELS;
-use crate::output::format::bytes;
 use crate::results::Results;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
+use crate::text::numbers::bytes;
 
 /// Fewer pixels show nothing.
 const MIN_PIXELS: u64 = 16 * 16;

@@ -2,9 +2,10 @@
 
 use super::frame::Pixels;
 use super::payload::Payload;
-use crate::output::format::count;
-use crate::results::{Hits, Values};
-use crate::yaml::Diagnostic;
+use crate::results::Hits;
+use crate::text::Diagnostic;
+use crate::text::numbers::count;
+use crate::vtk::Values;
 
 /// Points and the pixels that they belong to.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! The frame's arrays, thinned out where they are too many for a page.
 
-use crate::output::format::count;
 use crate::results::{Array, Frame};
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
+use crate::text::numbers::count;
 
 /// Most pixels of a page: full HD stays whole.
 pub(super) const MAX_PIXELS: u64 = 1920 * 1080;

@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use super::frame::Pixels;
 use crate::film::{HotPixel, Times, highest_counts};
-use crate::output::format::shell_word;
-use crate::results::{Frame, Summary, Values};
-use crate::yaml::Diagnostic;
+use crate::results::{Frame, Summary};
+use crate::text::Diagnostic;
+use crate::text::numbers::shell_word;
+use crate::vtk::Values;
 
 /// How many of each array are named.
 const N_NAMED: usize = 3;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::payload::Payload;
-use crate::output::RunId;
+use crate::provenance::RunId;
 
 /// Marks like `{{about}}` are filled in.
 const TEMPLATE: &str = include_str!("page/page.html");
@@ -67,7 +67,7 @@ fn inert(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::run::checksum;
+    use crate::provenance::checksum;
 
     #[test]
     fn names_cannot_leave_their_places() {

@@ -19,10 +19,9 @@ use std::io::{self, Write};
 
 use rayon::prelude::*;
 
-use crate::output::RunId;
-use crate::output::run::checksum;
+use crate::provenance::{RunId, checksum};
 use crate::results::Results;
-use crate::yaml::Diagnostic;
+use crate::text::Diagnostic;
 
 use cloud::Cloud;
 use frame::{MAX_PIXELS, Pixels};

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use crate::results::Values;
+use crate::vtk::Values;
 
 /// Bytes in a page: zlib in base64, under an id.
 #[derive(Debug)]

@@ -1,29 +1,28 @@
 //! YAML text → typed, checked values.
 //!
 //! [`Source::parse`] takes a scene file's text and a serde type, and returns
-//! the value or one [`Diagnostic`] that points at a line. serde_yaml
+//! the value or one [`Diagnostic`](crate::text::Diagnostic) that points at a line. serde_yaml
 //! deserializes; the events of saphyr-parser give the position of each key and
 //! value, so that every error, also one found later, is shown at its place.
 
 mod color;
-mod diagnostic;
-mod expansion;
 mod name;
 mod number;
-mod position;
-mod source;
-mod suggestion;
+mod path;
+mod fault;
 mod syntax;
-mod translate;
+mod expansion;
 mod walk;
+mod position;
+mod translate;
+mod source;
 
 pub use color::{ColorOr, color, hex_color, radiance};
-pub use diagnostic::{Diagnostic, Fault, Spot};
+pub use fault::{Fault, Spot};
 pub use name::{MAX_NAME, name};
 pub use number::{
     Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
     positive_range, range, scale, seed, vector, whole,
 };
-pub use position::{Path, Step};
+pub use path::{Path, Step};
 pub use source::{Source, from_str};
-pub use suggestion::did_you_mean;

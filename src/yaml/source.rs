@@ -7,10 +7,11 @@ use std::string::FromUtf8Error;
 
 use serde::de::DeserializeOwned;
 
-use super::diagnostic::{Diagnostic, Fault, Spot};
+use super::fault::{Fault, Spot};
 use super::position::{self, Location};
 use super::translate;
 use crate::host::{advice, available_memory};
+use crate::text::Diagnostic;
 
 /// Longest scene file that is read, in bytes.
 const MAX_BYTES: u64 = 64 << 20;
@@ -94,7 +95,17 @@ impl Source {
             Spot::Key(path) => location_of(path).map(Location::key),
             Spot::Bytes(bytes) => Some(bytes.clone()),
         };
-        Diagnostic::of_fault(self, span.unwrap_or(0..0), fault)
+        let diagnostic = Diagnostic::new(fault.message);
+        let diagnostic = match fault.help {
+            Some(help) => diagnostic.with_help(help),
+            None => diagnostic,
+        };
+        diagnostic.at(
+            &self.name,
+            &self.text,
+            span.unwrap_or(0..0),
+            &fault.expected,
+        )
     }
 
     /// The name of the source in messages.

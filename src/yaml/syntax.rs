@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use saphyr_parser::{ScanError, Span};
 
-use super::diagnostic::Fault;
+use super::fault::Fault;
+use crate::text::line_start;
 
 /// The remedy of most mistakes.
 const ADVICE: &str = "put a space after each `:` (also on the line above), indent all keys of a \
@@ -256,11 +257,6 @@ fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
         return end - line.trim_start().len()..end;
     }
     at..at
-}
-
-/// Returns the start of the line that contains byte `at`.
-pub(super) fn line_start(text: &str, at: usize) -> usize {
-    text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
 /// Converts a span, which counts characters, to bytes without trailing blanks.

@@ -8,10 +8,11 @@
 
 use serde_path_to_error::Segment;
 
-use super::diagnostic::Fault;
-use super::position::{self, Location, Path, Step};
-use super::suggestion::{did_you_mean, number_meant};
+use super::fault::Fault;
+use super::path::{Path, Step};
+use super::position::{self, Location};
 use super::syntax;
+use crate::text::{did_you_mean, number_meant};
 
 /// Converts an error that serde_yaml found in `text`.
 pub(super) fn fault(

@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
 
-use super::diagnostic::Fault;
 use super::expansion::Expansion;
+use super::fault::Fault;
 use super::name::{MAX_NAME, is_long};
-use super::position::{Path, Step};
+use super::path::{Path, Step};
 use super::syntax::{self, bytes};
 
 /// A value of the text.

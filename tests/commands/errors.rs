@@ -22,7 +22,8 @@ use std::path::PathBuf;
 use raycost::config::Config;
 use raycost::memory::Memory;
 use raycost::scene::{Geometries, Scene};
-use raycost::yaml::{Diagnostic, Source};
+use raycost::text::Diagnostic;
+use raycost::yaml::Source;
 
 /// A scene without a mistake, a section a line.
 const FINE: &str = "\

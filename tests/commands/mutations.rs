@@ -7,7 +7,8 @@ use proptest::test_runner::RngSeed;
 use raycost::config::Config;
 use raycost::memory::Memory;
 use raycost::scene::{Geometries, Scene};
-use raycost::yaml::{Diagnostic, Source};
+use raycost::text::Diagnostic;
+use raycost::yaml::Source;
 
 /// What damages YAML, or turns a value into another.
 const TOKENS: &[&str] = &[

@@ -8,7 +8,7 @@ use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, counts, film, in_repository, raycost, with_cost};
 use raycost::config::CostMode;
 use raycost::cost::Counter;
-use raycost::output::format::count;
+use raycost::text::numbers::count;
 
 /// Traces pixels of a scene of `configs/` into a folder; gives what is printed.
 fn trace(scene: &str, out: &Path, arguments: &[&str]) -> String {

@@ -5,10 +5,10 @@ use crate::common::{config, counts, film, parse, rays, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
 use raycost::accel::{Accel, TraversalStep};
+use raycost::attribution::{Observer, RayTree, TooManyRays};
 use raycost::config::{Config, CostMode};
 use raycost::cost::{Clock, Cost, Counter, RayKind};
 use raycost::film::Film;
-use raycost::observe::{Observer, RayTree, TooManyRays};
 
 /// Calls `check` with the tree and the index of each pixel, and with the film.
 fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {

@@ -11,10 +11,11 @@ use crate::common::data_set::{Array, DataSet};
 use crate::common::kept::kept;
 use crate::common::{assert_success, config, in_repository, parse, raycost, with_cost};
 use raycost::attribution::{Hierarchy, Visits};
-use raycost::config::{BvhLimits, Codec, Config, CostMode};
+use raycost::config::{BvhLimits, Config, CostMode};
 use raycost::geometry::Shape;
 use raycost::output::{write_nodes, write_surface};
 use raycost::scene::Scene;
+use raycost::vtk::Codec;
 
 /// Two tests of each scene.
 macro_rules! scenes {

@@ -6,9 +6,10 @@ use std::path::Path;
 
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
-use raycost::config::{Codec, CostMode};
+use raycost::config::CostMode;
 use raycost::output::write_frame;
 use raycost::results::{Frame, Results};
+use raycost::vtk::Codec;
 
 /// A frame whose header `change` has changed.
 fn frame(folder: &Path, change: impl FnOnce(&str) -> String) -> String {

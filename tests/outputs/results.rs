@@ -8,11 +8,12 @@ use proptest::prelude::*;
 
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
-use raycost::config::{Codec, CostMode};
+use raycost::config::CostMode;
 use raycost::film::{Film, columns};
 use raycost::output::{write_frame, write_hits};
 use raycost::results::{Frame, Hits, Results};
 use raycost::schedule::TileGrid;
+use raycost::vtk::Codec;
 
 const MODES: [CostMode; 3] = [CostMode::None, CostMode::Counters, CostMode::Time];
 const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];

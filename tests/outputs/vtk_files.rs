@@ -12,11 +12,12 @@ use crate::common::noise::noise;
 use crate::common::{
     assert_success, config, counts, film, in_repository, parse, raycost, rays, with_cost,
 };
-use raycost::config::{Codec, Config, CostMode, Repeats, TileOrder};
+use raycost::config::{Config, CostMode, Repeats, TileOrder};
 use raycost::cost::{Cost, Counter};
 use raycost::film::{Film, RenderedTile, STRIP_ROWS, Strip};
 use raycost::output::{write_frame, write_hits, write_tiles};
 use raycost::schedule::{Schedule, TileGrid, TileRun};
+use raycost::vtk::Codec;
 
 /// Two tests of each film.
 macro_rules! films {

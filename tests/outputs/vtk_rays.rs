@@ -6,13 +6,14 @@ use std::path::Path;
 use crate::common::data_set::{DataSet, assert_same, integers};
 use crate::common::{config, scene_of};
 use raycost::accel::Accel;
-use raycost::config::{Codec, Config, CostMode};
+use raycost::attribution::{Observer, TracedRay};
+use raycost::config::{Config, CostMode};
 use raycost::cost::Clock;
 use raycost::film::Film;
-use raycost::observe::{Observer, TracedRay};
 use raycost::output::{Traced, write_rays};
 use raycost::scene::Primitive;
 use raycost::schedule::TileGrid;
+use raycost::vtk::Codec;
 
 /// Two tests of the rays of some pixels.
 macro_rules! rays {

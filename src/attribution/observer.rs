@@ -1,0 +1,234 @@
+//! The observation of a pixel.
+
+use glam::Vec3;
+
+use crate::accel::{Accel, Hit, TraversalStep};
+use crate::attribution::{RayTree, TracedRay};
+use crate::camera::ImagePlane;
+use crate::config::Image;
+use crate::cost::{Clock, Cost, RayKind};
+use crate::geometry::Ray;
+use crate::light::Illumination;
+use crate::render::View;
+use crate::scene::Scene;
+use crate::shade::{LightSample, Path};
+use crate::trace::SurfacePoint;
+
+/// Renders pixels and records their rays.
+#[derive(Clone, Copy)]
+pub struct Observer<'a> {
+    view: View<'a>,
+    keeps_steps: bool,
+    /// The clock that measures the rays; `None` for no times.
+    clock: Option<&'a Clock>,
+}
+
+/// A ray to be traced.
+struct Start {
+    kind: RayKind,
+    parent: Option<u32>,
+    sample: u32,
+    light: Option<u32>,
+    bounce: u32,
+    ray: Ray,
+    t_max: f32,
+}
+
+impl<'a> Observer<'a> {
+    /// Observes the pixels of this image; measures their rays with the clock, if
+    /// there is one.
+    pub fn new(
+        scene: &'a Scene,
+        accel: &'a Accel<'a>,
+        image: &Image,
+        clock: Option<&'a Clock>,
+    ) -> Self {
+        Self {
+            view: View::new(scene, accel, image),
+            keeps_steps: true,
+            clock,
+        }
+    }
+
+    /// The same for pixels in this plane instead of the scene's.
+    pub fn through(self, plane: ImagePlane) -> Self {
+        Self {
+            view: self.view.through(plane),
+            ..self
+        }
+    }
+
+    /// The same without the steps of the rays, which take most of the memory.
+    pub fn without_steps(self) -> Self {
+        Self {
+            keeps_steps: false,
+            ..self
+        }
+    }
+
+    /// Number of samples per pixel.
+    pub(super) fn n_samples(&self) -> u32 {
+        self.view.n_samples
+    }
+
+    /// Whether it measures times.
+    pub(super) fn is_timed(&self) -> bool {
+        self.clock.is_some()
+    }
+
+    /// Overwrites `tree` with that of the pixel in column `x` and row `y`; row 0 is
+    /// on top.
+    pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
+        tree.clear();
+        (0..self.view.n_samples).for_each(|sample| self.observe_sample((x, y), sample, tree));
+    }
+
+    fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) {
+        let mut path = Path::from_eye(self.view.camera_ray(place, sample).origin);
+        let mut next = Some((self.view.camera_ray(place, sample), RayKind::Camera, None));
+        while let Some((ray, kind, parent)) = next {
+            let start = Start {
+                kind,
+                parent,
+                sample,
+                light: None,
+                bounce: path.depth,
+                ray,
+                t_max: f32::INFINITY,
+            };
+            let (number, hit) = self.trace(start, tree);
+            let mirrored = match hit {
+                Some(point) => self.shade(&mut path, number, &point, tree),
+                None => self.miss(&mut path, number, tree),
+            };
+            next = mirrored.map(|ray| (ray, RayKind::Reflection, Some(number)));
+        }
+    }
+
+    /// Traces a ray for its nearest hit and adds it; returns its index and the
+    /// surface point.
+    fn trace(&self, start: Start, tree: &mut RayTree) -> (u32, Option<SurfacePoint>) {
+        let tracer = &self.view.tracer;
+        let ray = start.ray;
+        let (cost, time_ns, hit) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
+        let record = |steps: &mut Vec<TraversalStep>| tracer.record(&ray, steps);
+        (self.add(start, cost, time_ns, record, tree), hit)
+    }
+
+    /// Traces the shadow ray of a light sample and adds it; returns its index and
+    /// whether it is occluded.
+    fn trace_shadow(
+        &self,
+        parent: u32,
+        light: u32,
+        sample: &LightSample,
+        tree: &mut RayTree,
+    ) -> (u32, bool) {
+        let tracer = &self.view.tracer;
+        let shadow = &sample.shadow;
+        let from = &tree.rays[parent as usize];
+        let start = Start {
+            kind: RayKind::Shadow,
+            parent: Some(parent),
+            sample: from.sample,
+            light: Some(light),
+            bounce: from.bounce,
+            ray: shadow.ray,
+            t_max: shadow.t_max,
+        };
+        let (cost, time_ns, is_shadowed) = self.timed(|cost| tracer.is_shadowed(shadow, cost));
+        let record = |steps: &mut Vec<TraversalStep>| tracer.record_shadow(shadow, steps);
+        (self.add(start, cost, time_ns, record, tree), is_shadowed)
+    }
+
+    /// Shades the point that a ray hit; returns the ray that continues the path.
+    fn shade(
+        &self,
+        path: &mut Path,
+        number: u32,
+        point: &SurfacePoint,
+        tree: &mut RayTree,
+    ) -> Option<Ray> {
+        let shader = &self.view.shader;
+        let ray = tree.rays[number as usize].ray;
+        let mut lights: Vec<(u32, Illumination)> = Vec::new();
+        for (light, sample) in shader.indexed_light_samples(point) {
+            let (shadow, is_shadowed) = self.trace_shadow(number, light, &sample, tree);
+            if !is_shadowed {
+                lights.push((shadow, sample.light));
+            }
+        }
+        let before = *path;
+        let all = || lights.iter().map(|(_, light)| *light);
+        let (_, time_ns, mirrored) = self.timed(|_| shader.shade(path, &ray, point, all()));
+        tree.rays[number as usize].time_ns += time_ns;
+        self.contribute(number, path.color - before.color, tree);
+        for &(left_out, _) in &lights {
+            let mut without = before;
+            let others = lights.iter().filter(|(shadow, _)| *shadow != left_out);
+            shader.shade(&mut without, &ray, point, others.map(|(_, light)| *light));
+            self.contribute(left_out, path.color - without.color, tree);
+        }
+        mirrored
+    }
+
+    /// Adds the background that a ray sees; its path ends.
+    fn miss(&self, path: &mut Path, number: u32, tree: &mut RayTree) -> Option<Ray> {
+        let before = path.color;
+        let ray = tree.rays[number as usize].ray;
+        let (_, time_ns, ()) = self.timed(|_| self.view.shader.miss(path, &ray));
+        tree.rays[number as usize].time_ns += time_ns;
+        self.contribute(number, path.color - before, tree);
+        None
+    }
+
+    /// Sets the contribution of a ray, given in terms of its sample.
+    fn contribute(&self, number: u32, color: Vec3, tree: &mut RayTree) {
+        tree.rays[number as usize].contribution = color / self.view.n_samples as f32;
+    }
+
+    /// Runs `work`; returns its counters, its time in nanoseconds and its result.
+    fn timed<T>(&self, work: impl FnOnce(&mut Cost) -> T) -> (Cost, f32, T) {
+        let mut cost = Cost::default();
+        let Some(clock) = self.clock else {
+            let result = work(&mut cost);
+            return (cost, 0.0, result);
+        };
+        let begin = clock.now();
+        let result = work(&mut cost);
+        let time_ns = clock.elapsed_ns(begin, clock.now());
+        (cost, time_ns, result)
+    }
+
+    /// Adds a ray to the tree; returns its index.
+    fn add(
+        &self,
+        start: Start,
+        cost: Cost,
+        time_ns: f32,
+        record: impl FnOnce(&mut Vec<TraversalStep>) -> Option<Hit>,
+        tree: &mut RayTree,
+    ) -> u32 {
+        let first = tree.steps.len();
+        let hit = record(&mut tree.steps);
+        if !self.keeps_steps {
+            tree.steps.truncate(first);
+        }
+        tree.rays.push(TracedRay {
+            kind: start.kind,
+            parent: start.parent,
+            sample: start.sample,
+            light: start.light,
+            bounce: start.bounce,
+            ray: start.ray,
+            t_max: start.t_max,
+            hit,
+            node_visits: cost.node_visits as u32,
+            primitive_tests: cost.primitive_tests as u32,
+            time_ns,
+            contribution: Vec3::ZERO,
+            steps: first..tree.steps.len(),
+        });
+        tree.rays.len() as u32 - 1
+    }
+}

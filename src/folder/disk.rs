@@ -1,0 +1,154 @@
+//! Everything that changes the disk on the way to a commit, in one place: the
+//! tests make each of these calls fail, and each of them the last one.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::Path;
+
+pub(super) fn create_dir(path: &Path) -> io::Result<()> {
+    fault()?;
+    fs::create_dir(path)
+}
+
+/// Creates a folder that only this user may look into.
+pub(super) fn create_private_dir(path: &Path) -> io::Result<()> {
+    fault()?;
+    let mut builder = fs::DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(path)
+}
+
+/// Creates a file that is not there yet.
+pub(super) fn create_file(path: &Path) -> io::Result<File> {
+    fault()?;
+    File::create_new(path)
+}
+
+/// Writes to an open file.
+pub(super) fn write(mut file: &File, bytes: &[u8]) -> io::Result<usize> {
+    fault()?;
+    file.write(bytes)
+}
+
+pub(super) fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    fault()?;
+    fs::rename(from, to)
+}
+
+pub(super) fn hard_link(original: &Path, link: &Path) -> io::Result<()> {
+    fault()?;
+    fs::hard_link(original, link)
+}
+
+pub(super) fn remove_file(path: &Path) -> io::Result<()> {
+    fault()?;
+    fs::remove_file(path)
+}
+
+pub(super) fn remove_dir(path: &Path) -> io::Result<()> {
+    fault()?;
+    fs::remove_dir(path)
+}
+
+pub(super) fn set_permissions(path: &Path, permissions: fs::Permissions) -> io::Result<()> {
+    fault()?;
+    fs::set_permissions(path, permissions)
+}
+
+/// Waits until a file or a folder is on the disk as it is now.
+pub(super) fn sync(path: &Path) -> io::Result<()> {
+    fault()?;
+    File::open(path)?.sync_all()
+}
+
+/// Gives each of two folders of one file system the other's name, at once.
+#[cfg(any(target_os = "linux", target_os = "android", target_vendor = "apple"))]
+pub(super) fn exchange(one: &Path, other: &Path) -> io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    fault()?;
+    Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
+}
+
+#[cfg(not(any(target_os = "linux", target_os = "android", target_vendor = "apple")))]
+pub(super) fn exchange(_: &Path, _: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+/// Gives a folder the owner and the group of another.
+#[cfg(unix)]
+pub(super) fn set_owner(path: &Path, as_of: &fs::Metadata) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, chown};
+    let now = path.metadata()?;
+    if (now.uid(), now.gid()) == (as_of.uid(), as_of.gid()) {
+        return Ok(());
+    }
+    fault()?;
+    chown(path, Some(as_of.uid()), Some(as_of.gid()))
+}
+
+#[cfg(not(unix))]
+pub(super) fn set_owner(_: &Path, _: &fs::Metadata) -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(not(test))]
+#[inline]
+fn fault() -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+use faults::fault;
+
+/// Calls that fail because a test wants them to.
+#[cfg(test)]
+pub(super) mod faults {
+    use std::cell::Cell;
+    use std::io;
+
+    /// What becomes of a call.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub(in crate::folder) enum Fault {
+        /// The process is killed: neither this call nor any later one changes
+        /// the disk.
+        Kill,
+        /// The call fails with this error, later ones do not.
+        Error(i32),
+        /// The call and all later ones fail with this error.
+        Errors(i32),
+    }
+
+    thread_local! {
+        static PLAN: Cell<Option<(usize, Fault)>> = const { Cell::new(None) };
+        static N_CALLS: Cell<usize> = const { Cell::new(0) };
+    }
+
+    /// Does work in which the call with this number goes wrong; gives how many
+    /// calls there were, too.
+    pub(in crate::folder) fn with<T>(
+        number: usize,
+        fault: Fault,
+        work: impl FnOnce() -> T,
+    ) -> (T, usize) {
+        N_CALLS.set(0);
+        PLAN.set(Some((number, fault)));
+        let done = work();
+        PLAN.set(None);
+        (done, N_CALLS.get())
+    }
+
+    pub(super) fn fault() -> io::Result<()> {
+        let Some((number, fault)) = PLAN.get() else {
+            return Ok(());
+        };
+        let n = N_CALLS.get();
+        N_CALLS.set(n + 1);
+        match fault {
+            Fault::Kill if n >= number => Err(io::Error::other("killed")),
+            Fault::Error(code) if n == number => Err(io::Error::from_raw_os_error(code)),
+            Fault::Errors(code) if n >= number => Err(io::Error::from_raw_os_error(code)),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Which files of a folder are raycost's to replace.
+//!
+//! A rendering replaces what the `summary.json` of an earlier one lists. Other
+//! commands replace files that say by themselves that raycost wrote them. A file
+//! of one of raycost's names that is neither belongs to someone else: nothing is
+//! written to such a folder.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::SUMMARY;
+use super::error::WriteError;
+use crate::provenance;
+
+/// The mark of a file of raycost's stands in its first bytes.
+const MARKED: u64 = 1 << 16;
+/// The longest summary that is read.
+const MAX_SUMMARY: u64 = 256 << 20;
+
+/// Names of files that a command writes or removes, and how those of an earlier
+/// run are recognized.
+#[derive(Debug, Clone)]
+pub(crate) enum Own {
+    /// They are listed in `summary.json`.
+    Listed(Vec<&'static str>),
+    /// They hold the mark of [`run`].
+    Marked(Vec<&'static str>),
+}
+
+/// `summary.json`, as far as it lists files.
+#[derive(Deserialize)]
+struct Listing {
+    #[serde(rename = "raycost")]
+    _version: String,
+    files: Vec<Listed>,
+}
+
+#[derive(Deserialize)]
+struct Listed {
+    file: String,
+}
+
+impl Own {
+    /// The files of these names that are in the folder.
+    ///
+    /// # Errors
+    /// One that belongs to someone else, by its name.
+    pub(super) fn find(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
+        let (names, listed) = match self {
+            Self::Listed(names) => (names, listed(folder)),
+            Self::Marked(names) => (names, Vec::new()),
+        };
+        let mut found = Vec::new();
+        for name in names {
+            let path = folder.join(name);
+            let is_own = match fs::symlink_metadata(&path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) => return Err(WriteError::new(path, error)),
+                Ok(at) if !at.is_file() => false,
+                Ok(_) => match self {
+                    Self::Listed(_) => listed.iter().any(|listed| listed == name),
+                    Self::Marked(_) => {
+                        is_marked(&path).map_err(|error| WriteError::new(&path, error))?
+                    }
+                },
+            };
+            if !is_own {
+                return Err(foreign(&path));
+            }
+            found.push((*name).to_owned());
+        }
+        Ok(found)
+    }
+}
+
+/// What is there belongs to someone else.
+pub(crate) fn foreign(path: &Path) -> WriteError {
+    let why = match fs::symlink_metadata(path) {
+        Ok(at) if at.is_dir() => "a folder of this name is in the way",
+        Ok(at) if at.is_symlink() => "a symbolic link of this name is in the way",
+        Ok(at) if !at.is_file() => "it is no regular file",
+        _ => "raycost did not write the file that is there",
+    };
+    let help = match path.is_file() {
+        true => "move it away, or choose another place with `--out`",
+        false => "choose another place with `--out`",
+    };
+    WriteError::refused(path, why, help)
+}
+
+/// The names that the folder's summary lists, and its own; none without a
+/// summary of raycost's.
+fn listed(folder: &Path) -> Vec<String> {
+    let mut text = Vec::new();
+    let read = File::open(folder.join(SUMMARY))
+        .and_then(|file| file.take(MAX_SUMMARY).read_to_end(&mut text));
+    let listing = read
+        .ok()
+        .and_then(|_| serde_json::from_slice::<Listing>(&text).ok());
+    listing.map_or_else(Vec::new, |listing| {
+        let files = listing.files.into_iter().map(|listed| listed.file);
+        files.chain([SUMMARY.to_owned()]).collect()
+    })
+}
+
+/// Whether a file says that raycost wrote it.
+pub(super) fn is_marked(path: &Path) -> io::Result<bool> {
+    let mut begin = Vec::new();
+    File::open(path)?.take(MARKED).read_to_end(&mut begin)?;
+    let key = provenance::KEY.as_bytes();
+    Ok(begin.windows(key.len()).any(|bytes| bytes == key))
+}

@@ -1,0 +1,165 @@
+//! `profile.svg`: in which functions the processor was, as a flame graph
+//! (Gregg, "The Flame Graph", CACM 59(6), 2016).
+
+use std::io::{self, Write};
+
+use sampler::Sampler;
+
+use crate::provenance::RunId;
+
+/// The file's name.
+pub(crate) const FILE: &str = "profile.svg";
+
+/// Looks at the stacks of the threads that run, again and again, as the
+/// process uses up processor time.
+#[derive(Debug)]
+pub struct Profiler {
+    sampler: Sampler,
+}
+
+/// Why there is no profiler.
+#[derive(Debug)]
+pub enum NoProfiler {
+    /// The program was built without one.
+    NotBuilt,
+    /// There is none for this operating system.
+    Unknown,
+    /// The system says no.
+    Refused(String),
+}
+
+impl Profiler {
+    /// Takes samples from now on.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn start() -> Result<Self, NoProfiler> {
+        Sampler::start().map(|sampler| Self { sampler })
+    }
+
+    /// Writes what was seen so far as an SVG, the run's ID behind it.
+    pub(crate) fn write(&self, scene: &str, run: RunId, out: &mut impl Write) -> io::Result<()> {
+        out.write_all(&self.sampler.flame_graph(scene)?)?;
+        out.write_all(run.comment().as_bytes())
+    }
+}
+
+#[cfg(all(feature = "profile", any(target_os = "linux", target_os = "macos")))]
+mod sampler {
+    use std::io;
+
+    use pprof::flamegraph::Options;
+    use pprof::{Frames, ProfilerGuard, ProfilerGuardBuilder, Symbol};
+
+    use super::NoProfiler;
+    use crate::text::numbers::counted;
+
+    /// Samples a second of processor time: a prime, so as not to keep step with
+    /// the tiles. Systems whose clock ticks less often take fewer.
+    const FREQUENCY_HZ: i32 = 997;
+
+    /// Runs as long as it lives.
+    pub(super) struct Sampler(ProfilerGuard<'static>);
+
+    impl std::fmt::Debug for Sampler {
+        fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+            f.write_str("Sampler")
+        }
+    }
+
+    impl Sampler {
+        pub(super) fn start() -> Result<Self, NoProfiler> {
+            let builder = ProfilerGuardBuilder::default().frequency(FREQUENCY_HZ);
+            // A stack must not be unwound while the unwinder is at work.
+            let guard = builder.blocklist(&["libgcc", "libunwind"]).build();
+            guard
+                .map(Self)
+                .map_err(|error| NoProfiler::Refused(error.to_string()))
+        }
+
+        /// The stacks so far as an SVG.
+        pub(super) fn flame_graph(&self, scene: &str) -> io::Result<Vec<u8>> {
+            let mut report = self.0.report();
+            let report = report.frames_post_processor(tidy).build();
+            let report = report.map_err(io::Error::other)?;
+            let n_samples: isize = report.data.values().sum();
+            let mut svg = Vec::new();
+            if n_samples == 0 {
+                // No flame graph can be drawn of nothing.
+                svg.extend(NO_SAMPLE.as_bytes());
+                return Ok(svg);
+            }
+            let mut options = Options::default();
+            options.title = format!("raycost render: {scene}");
+            options.subtitle = Some(format!(
+                "{} of processor time; functions that were inlined are part of their callers",
+                counted(n_samples as u64, "sample"),
+            ));
+            options.hash = true;
+            report
+                .flamegraph_with_options(&mut svg, &mut options)
+                .map_err(io::Error::other)?;
+            Ok(svg)
+        }
+    }
+
+    const NO_SAMPLE: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="480" height="40">
+<text x="10" y="25" font-family="sans-serif">The run was too short: no sample was taken.</text>
+</svg>
+"#;
+
+    /// Leaves what a reader of the flame graph looks for: the program's own
+    /// functions, and whatever these call.
+    fn tidy(frames: &mut Frames) {
+        // The threads of a pool do the same.
+        "raycost".clone_into(&mut frames.thread_name);
+        let stack = &mut frames.frames;
+        for symbols in stack.iter_mut() {
+            // Samples are counted by the stack's functions, under the place of
+            // the first one in them: which calls were inlined is known of that
+            // place alone.
+            symbols.drain(..symbols.len().saturating_sub(1));
+        }
+        // A thread that waits for others takes their work, on top of its own
+        // stack: what is below a task of rayon does not call it.
+        let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
+        let Some(own) = stack.iter().position(|symbols| is("raycost::", symbols)) else {
+            return;
+        };
+        let task = stack[own..].iter().position(|symbols| is("rayon", symbols));
+        stack.truncate(task.map_or(stack.len(), |task| own + task));
+        let mut callers = stack.split_off(own);
+        callers.retain(|symbols| is("raycost::", symbols));
+        stack.append(&mut callers);
+    }
+
+    /// Whether a function is of a crate, as a method of a trait perhaps.
+    fn is_of(krate: &str, symbol: &Symbol) -> bool {
+        symbol.name().trim_start_matches('<').starts_with(krate)
+    }
+}
+
+#[cfg(not(all(feature = "profile", any(target_os = "linux", target_os = "macos"))))]
+mod sampler {
+    use std::io;
+
+    use super::NoProfiler;
+
+    /// There is none.
+    #[derive(Debug)]
+    pub(super) enum Sampler {}
+
+    impl Sampler {
+        pub(super) fn start() -> Result<Self, NoProfiler> {
+            Err(if cfg!(feature = "profile") {
+                NoProfiler::Unknown
+            } else {
+                NoProfiler::NotBuilt
+            })
+        }
+
+        pub(super) fn flame_graph(&self, _: &str) -> io::Result<Vec<u8>> {
+            match *self {}
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The stages of a run and their times.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use cpu_time::ProcessTime;
+use serde::Serialize;
+
+use super::hardware::{Counts, HardwareCounters};
+use super::resources::SystemWork;
+use crate::text::numbers::milliseconds;
+
+/// A stage of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stage {
+    /// Its name.
+    pub name: &'static str,
+    /// Its start and end.
+    #[serde(skip)]
+    pub span: Range<Instant>,
+    /// Wall time in milliseconds.
+    pub wall_ms: f64,
+    /// CPU time of all threads in milliseconds.
+    pub cpu_ms: f64,
+    /// The work of the operating system, if it is known.
+    #[serde(flatten)]
+    pub system: Option<SystemWork>,
+    /// Hardware counters; empty if there are none.
+    pub events: Counts,
+}
+
+/// Measures consecutive stages.
+#[derive(Debug)]
+pub struct Stages {
+    /// The start of the first stage.
+    pub begin: Instant,
+    wall: Instant,
+    cpu: ProcessTime,
+    system: Option<SystemWork>,
+    hardware: HardwareCounters,
+    counts: Counts,
+    /// The stages that have ended.
+    pub ended: Vec<Stage>,
+}
+
+impl Stages {
+    /// Starts the first stage.
+    pub fn start(mut hardware: HardwareCounters) -> Self {
+        let begin = Instant::now();
+        Self {
+            counts: hardware.read(),
+            hardware,
+            begin,
+            wall: begin,
+            cpu: ProcessTime::now(),
+            system: SystemWork::so_far(),
+            ended: Vec::new(),
+        }
+    }
+
+    /// Ends the running stage and starts the next one.
+    pub fn end(&mut self, name: &'static str) {
+        let (wall, cpu) = (Instant::now(), ProcessTime::now());
+        let (system, counts) = (SystemWork::so_far(), self.hardware.read());
+        let before = |name| self.counts.get(name).copied().unwrap_or_default();
+        let events = counts
+            .iter()
+            .map(|(name, count)| (*name, count - before(name)));
+        self.ended.push(Stage {
+            name,
+            span: self.wall..wall,
+            wall_ms: milliseconds(wall - self.wall),
+            cpu_ms: milliseconds(cpu.duration_since(self.cpu)),
+            system: system
+                .zip(self.system)
+                .map(|(now, before)| now.since(before)),
+            events: events.collect(),
+        });
+        (self.wall, self.cpu) = (wall, cpu);
+        (self.system, self.counts) = (system, counts);
+    }
+
+    /// Returns the wall time of the stage with this name; zero if there was none.
+    pub fn wall(&self, name: &str) -> Duration {
+        let stage = self.ended.iter().find(|stage| stage.name == name);
+        Duration::from_secs_f64(stage.map_or(0.0, |stage| stage.wall_ms / 1e3))
+    }
+
+    /// Returns the reason why there are no hardware counters, if there are none.
+    pub(crate) fn no_hardware_counters(&self) -> Option<&str> {
+        self.hardware.why_not()
+    }
+}

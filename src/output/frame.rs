@@ -1,0 +1,48 @@
+//! `frame.vti`: every pixel, hit or not.
+
+use std::io::{self, Seek, Write};
+
+use crate::film::{Column, Film, columns};
+use crate::vtk::appended;
+use crate::vtk::array::Array;
+use crate::vtk::encoding::Encoding;
+use crate::vtk::header::DataSet;
+
+/// The file's name.
+pub const FILE: &str = "frame.vti";
+
+/// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
+/// film's go down: its last row is written first.
+pub fn write(
+    film: &Film,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
+    let array = |column: &'static Column| Array {
+        name: column.name,
+        scalar: column.scalar,
+        n_components: column.n_components,
+        n_bytes: n_pixels * column.stride() as u64,
+        write: Box::new(|out| write_rows(film, column, out)),
+    };
+    let image = DataSet::Image {
+        size: [film.grid.width, film.grid.height],
+        point_data: columns(film.cost, film.repeats).map(array).collect(),
+    };
+    appended::write(&image, encoding.into(), out)
+}
+
+fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {
+    let row_bytes = film.grid.width as usize * column.stride();
+    let mut buffer = Vec::new();
+    for strip in film.strips.iter().rev() {
+        for row in (column.bytes)(film, strip, &mut buffer)
+            .chunks_exact(row_bytes)
+            .rev()
+        {
+            out.write_all(row)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! `hits.vtu`: the pixels that see something, as a cloud of points.
+
+use std::io::{self, Seek, Write};
+use std::ops::Range;
+
+use vtkio::model::{CellType, ScalarType};
+
+use crate::film::{Column, Film, Strip, columns};
+use crate::vtk::appended;
+use crate::vtk::array::{Array, Integers, separate_cells, types_of};
+use crate::vtk::encoding::Encoding;
+use crate::vtk::header::{DataSet, Mesh};
+
+/// The file's name.
+pub const FILE: &str = "hits.vtu";
+
+/// The points themselves, an array beside those of all pixels.
+const POINTS: Column = Column {
+    name: "Points",
+    scalar: ScalarType::F32,
+    n_components: 3,
+    is_stored: true,
+    bytes: |_, strip, _| bytemuck::cast_slice(&strip.position),
+};
+
+/// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
+/// order of the pixels, row 0 on top.
+pub fn write(
+    film: &Film,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let hits = Hits::of(film);
+    let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
+    let n = hits.n;
+    let column_array = |column| array(column, n, |out| hits.write_values(column, out));
+    let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(column_array).collect();
+    point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
+    let [connectivity, offsets] = separate_cells(1, n);
+    let cloud = Mesh {
+        n_points: n,
+        n_cells: n,
+        points: column_array(&POINTS),
+        point_data,
+        cell_data: Vec::new(),
+        cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
+    };
+    appended::write(&DataSet::Grid(cloud), encoding.into(), out)
+}
+
+/// Where a film's hits are. Found once: every array of the file walks them.
+struct Hits<'a> {
+    film: &'a Film,
+    /// The runs of adjacent hits in each strip, as indices into it.
+    runs: Vec<Vec<Range<usize>>>,
+    n: usize,
+}
+
+impl<'a> Hits<'a> {
+    fn of(film: &'a Film) -> Self {
+        let runs: Vec<Vec<_>> = film
+            .strips
+            .iter()
+            .map(|strip| hit_runs(&strip.object).collect())
+            .collect();
+        let n = runs.iter().flatten().map(Range::len).sum();
+        Self { film, runs, n }
+    }
+
+    /// Each strip that has hits, with its runs.
+    fn strips(&self) -> impl Iterator<Item = (&'a Strip, &[Range<usize>])> {
+        self.film
+            .strips
+            .iter()
+            .zip(self.runs.iter().map(Vec::as_slice))
+            .filter(|(_, runs)| !runs.is_empty())
+    }
+
+    fn write_values(&self, column: &Column, out: &mut dyn Write) -> io::Result<()> {
+        let stride = column.stride();
+        let mut buffer = Vec::new();
+        self.strips().try_for_each(|(strip, runs)| {
+            let bytes = (column.bytes)(self.film, strip, &mut buffer);
+            runs.iter()
+                .try_for_each(|run| out.write_all(&bytes[run.start * stride..run.end * stride]))
+        })
+    }
+
+    fn write_pixels(&self, integers: Integers, out: &mut dyn Write) -> io::Result<()> {
+        self.strips().try_for_each(|(strip, runs)| {
+            let first = strip.first_row as usize * self.film.grid.width as usize;
+            runs.iter().try_for_each(|run| {
+                integers.write_multiples(1, first + run.start..first + run.end, out)
+            })
+        })
+    }
+}
+
+/// Returns the runs of adjacent pixels whose object is not -1.
+fn hit_runs(objects: &[i32]) -> impl Iterator<Item = Range<usize>> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let start = next + objects[next..].iter().position(|&object| object >= 0)?;
+        let run = &objects[start..];
+        next = start
+            + run
+                .iter()
+                .position(|&object| object < 0)
+                .unwrap_or(run.len());
+        Some(start..next)
+    })
+}
+
+fn array<'a>(
+    column: &Column,
+    n: usize,
+    write: impl Fn(&mut dyn Write) -> io::Result<()> + 'a,
+) -> Array<'a> {
+    Array {
+        name: column.name,
+        scalar: column.scalar,
+        n_components: column.n_components,
+        n_bytes: (n * column.stride()) as u64,
+        write: Box::new(write),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_the_hits() {
+        let runs = |objects: &[i32]| hit_runs(objects).collect::<Vec<_>>();
+        assert_eq!(runs(&[]), []);
+        assert_eq!(runs(&[-1, -1]), []);
+        assert_eq!(runs(&[0, 3, -1, 2]), [0..2, 3..4]);
+        assert_eq!(runs(&[-1, 0, 0, -1, 0]), [1..3, 4..5]);
+    }
+}

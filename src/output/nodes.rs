@@ -1,0 +1,86 @@
+//! `bvh.vtu`: the boxes of the hierarchy and what each cost.
+
+use std::io::{self, Seek, Write};
+
+use vtkio::model::CellType;
+
+use crate::accel::BvhNode;
+use crate::attribution::{Hierarchy, Visits};
+use crate::config::{BvhLimits, CostMode};
+use crate::vtk::appended;
+use crate::vtk::array::{Array, Entry, separate_cells, types_of};
+use crate::vtk::encoding::Encoding;
+use crate::vtk::header::{DataSet, Mesh};
+
+/// The file's name.
+pub const FILE: &str = "bvh.vtu";
+
+/// A box that is shown.
+struct Shown<'a> {
+    node: &'a BvhNode,
+    visits: &'a Visits,
+    cost: f32,
+}
+
+/// Writes the nodes and leaves within the limits as an UnstructuredGrid of one
+/// VTK_VOXEL each, each before those below it; times only if `cost` has any.
+pub fn write(
+    hierarchy: &Hierarchy,
+    limits: BvhLimits,
+    cost: CostMode,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let shown = shown(hierarchy, limits);
+    let n = shown.len();
+    let [connectivity, offsets] = separate_cells(8, n);
+    let boxes = Mesh {
+        n_points: 8 * n,
+        n_cells: n,
+        point_data: Vec::new(),
+        cell_data: cell_data(&shown, cost),
+        points: Array::of("Points", 8 * n, || shown.iter().flat_map(corners)),
+        cells: vec![connectivity, offsets, types_of(CellType::Voxel, n)],
+    };
+    appended::write(&DataSet::Grid(boxes), encoding.into(), out)
+}
+
+fn shown(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {
+    let nodes = hierarchy.nodes.iter().zip(&hierarchy.visits);
+    let shown = nodes.zip(hierarchy.costs());
+    let shown = shown.map(|((node, visits), cost)| Shown { node, visits, cost });
+    shown
+        .filter(|shown| shown.node.depth <= limits.max_depth && shown.visits.n >= limits.min_visits)
+        .collect()
+}
+
+fn cell_data<'a>(shown: &'a [Shown], cost: CostMode) -> Vec<Array<'a>> {
+    let mut arrays = vec![
+        array("node", shown, |shown| shown.node.id),
+        array("depth", shown, |shown| shown.node.depth),
+        array("is_leaf", shown, |shown| u8::from(shown.node.is_leaf)),
+        array("primitives", shown, |shown| shown.node.n_primitives),
+        array("sah_cost", shown, |shown| shown.node.sah_cost),
+        array("measured_cost", shown, |shown| shown.cost),
+        array("visits", shown, |shown| shown.visits.n),
+        array("hits", shown, |shown| shown.visits.n_hits),
+        array("wasted_visits", shown, |shown| shown.visits.n_wasted()),
+    ];
+    if cost.has_time() {
+        arrays.push(array("time_ns", shown, |shown| shown.visits.time_ns()));
+    }
+    arrays
+}
+
+fn array<'a, E: Entry>(
+    name: &'static str,
+    shown: &'a [Shown],
+    entry: fn(&Shown) -> E,
+) -> Array<'a> {
+    Array::of(name, shown.len(), move || shown.iter().map(entry))
+}
+
+/// In the order of VTK_VOXEL: x goes first, z last.
+fn corners(shown: &Shown) -> [[f32; 3]; 8] {
+    shown.node.bounds.corners().map(|corner| corner.to_array())
+}

@@ -1,0 +1,158 @@
+//! `rays.vtp`: the rays of some pixels as lines.
+
+use std::io::{self, Seek, Write};
+
+use glam::Vec3;
+
+use super::Traced;
+use super::bounding_sphere::BoundingSphere;
+use crate::attribution::TracedRay;
+use crate::camera::ImagePlane;
+use crate::film::Film;
+use crate::scene::Primitive;
+use crate::vtk::appended;
+use crate::vtk::array::{Array, Entry, separate_cells};
+use crate::vtk::encoding::Encoding;
+use crate::vtk::header::{DataSet, Mesh};
+
+/// The file's name.
+pub const FILE: &str = "rays.vtp";
+
+/// The rays of traced pixels, in the order of the file.
+pub(super) struct Rays<'a> {
+    traced: Traced<'a>,
+    /// How far they go that meet nothing.
+    pub(super) bounding_sphere: BoundingSphere,
+    /// How many.
+    pub(super) n: usize,
+}
+
+impl<'a> Rays<'a> {
+    pub(super) fn of(traced: &Traced<'a>) -> Self {
+        let n_rays = traced.pixels.iter().map(|pixel| pixel.tree.rays.len());
+        Self {
+            traced: *traced,
+            bounding_sphere: BoundingSphere::of(traced.scene, traced.plane),
+            n: n_rays.sum(),
+        }
+    }
+
+    /// Where the picture's pixels lie.
+    pub(super) fn plane(&self) -> &'a ImagePlane {
+        self.traced.plane
+    }
+
+    /// What is around the rays.
+    pub(super) fn cloud(&self) -> &'a Film {
+        self.traced.cloud
+    }
+
+    /// Writes them as PolyData: one line a ray.
+    pub(super) fn write(
+        &self,
+        encoding: Encoding,
+        out: &mut (impl Write + Seek),
+    ) -> io::Result<()> {
+        let [connectivity, offsets] = separate_cells(2, self.n);
+        let lines = Mesh {
+            n_points: 2 * self.n,
+            n_cells: self.n,
+            point_data: Vec::new(),
+            cell_data: self.cell_data(),
+            points: Array::of("Points", 2 * self.n, || self.points()),
+            cells: vec![connectivity, offsets],
+        };
+        appended::write(&DataSet::Lines(lines), encoding, out)
+    }
+
+    fn cell_data(&self) -> Vec<Array<'_>> {
+        let mut arrays = vec![
+            self.array("kind", |ray| ray.kind as i32),
+            Array::of("parent", self.n, || self.parents()),
+            self.pixel_numbers(),
+            self.array("sample", |ray| ray.sample as i32),
+            self.array("bounce", |ray| ray.bounce as i32),
+            self.array("light", |ray| ray.light.map_or(-1, |light| light as i32)),
+            self.array("object", |ray| self.met(ray, |met| met.object.0)),
+            self.array("material", |ray| self.met(ray, |met| met.material.0)),
+            self.array("primitive", |ray| {
+                ray.hit.map_or(-1, |hit| hit.primitive as i32)
+            }),
+            self.array("distance", |ray| ray.hit.map_or(f32::NAN, |hit| hit.t)),
+            self.array("length", |ray| self.bounding_sphere.length(ray)),
+            self.array("node_visits", |ray| ray.node_visits),
+            self.array("primitive_tests", |ray| ray.primitive_tests),
+        ];
+        if self.traced.is_timed {
+            arrays.push(self.array("time_ns", |ray| ray.time_ns));
+        }
+        arrays.push(self.array("contribution", |ray| ray.contribution.to_array()));
+        arrays.push(self.array("direction", |ray| ray.ray.direction.to_array()));
+        arrays
+    }
+
+    /// The rays, pixel after pixel.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &'a TracedRay> + use<'a> {
+        self.traced.pixels.iter().flat_map(|pixel| &pixel.tree.rays)
+    }
+
+    /// The line that shows a ray.
+    pub(super) fn line(&self, ray: &TracedRay) -> [Vec3; 2] {
+        [ray.ray.origin, ray.ray.at(self.bounding_sphere.length(ray))]
+    }
+
+    fn array<'s, E: Entry>(
+        &'s self,
+        name: &'static str,
+        value: impl Fn(&TracedRay) -> E + Copy + 's,
+    ) -> Array<'s> {
+        Array::of(name, self.n, move || self.iter().map(value))
+    }
+
+    fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
+        self.iter().flat_map(|ray| self.line(ray).map(Vec3::into))
+    }
+
+    /// The number of each ray's parent in the file; -1 for none.
+    fn parents(&self) -> impl Iterator<Item = i32> + '_ {
+        let mut first = 0;
+        self.traced.pixels.iter().flat_map(move |pixel| {
+            let first_of_pixel = first;
+            first += pixel.tree.rays.len() as i32;
+            let number = move |parent: u32| first_of_pixel + parent as i32;
+            pixel
+                .tree
+                .rays
+                .iter()
+                .map(move |ray| ray.parent.map_or(-1, number))
+        })
+    }
+
+    /// Each ray's pixel, y * width + x, in as few bytes as the picture needs.
+    fn pixel_numbers(&self) -> Array<'_> {
+        let [width, height] = self.traced.plane.size.map(i64::from);
+        match i32::try_from(width * height) {
+            Ok(_) => self.pixel_array(move |x, y| (y * width + x) as i32),
+            Err(_) => self.pixel_array(move |x, y| y * width + x),
+        }
+    }
+
+    fn pixel_array<'s, E: Entry>(
+        &'s self,
+        number: impl Fn(i64, i64) -> E + Copy + 's,
+    ) -> Array<'s> {
+        Array::of("pixel", self.n, move || {
+            self.traced.pixels.iter().flat_map(move |pixel| {
+                let (x, y) = pixel.place;
+                std::iter::repeat_n(number(x.into(), y.into()), pixel.tree.rays.len())
+            })
+        })
+    }
+
+    /// A number of the primitive that a ray met; -1 for none.
+    fn met(&self, ray: &TracedRay, number: impl Fn(&Primitive) -> u32) -> i32 {
+        ray.hit.map_or(-1, |hit| {
+            number(&self.traced.scene.primitives[hit.primitive as usize]) as i32
+        })
+    }
+}

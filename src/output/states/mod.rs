@@ -1,0 +1,207 @@
+//! `geometry.pvsm`, `heatmap.pvsm` and the others: ParaView states for this
+//! output.
+
+mod attribution;
+mod tiles;
+mod rays;
+
+use attribution::AttributionValues;
+pub(super) use rays::of_rays;
+use tiles::TileValues;
+
+use super::measure::Measure;
+use super::{Rendering, frame, hits, nodes, surface, tiles as tile_image};
+use crate::chart::Range;
+use crate::film::Film;
+use crate::folder::OutputFolder;
+use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill, value_of_panels};
+
+const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
+const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
+const OVERVIEW: &str = include_str!("../../../paraview/overview.pvsm");
+const SCHEDULE: &str = include_str!("../../../paraview/schedule.pvsm");
+const SURFACE: &str = include_str!("../../../paraview/surface.pvsm");
+const BVH: &str = include_str!("../../../paraview/bvh.pvsm");
+
+/// The states of one output, in ASCII.
+pub(super) struct States {
+    hits: String,
+    frame: String,
+    tiles: String,
+    nodes: String,
+    surface: String,
+    /// The preferred cost metric; the distance if no cost was measured. Then the
+    /// second metric.
+    cost: Axis,
+    counter: Option<Axis>,
+    camera: Camera,
+    /// Width and height of the picture.
+    size: [f64; 2],
+    schedule: TileValues,
+    has_hits: bool,
+    /// Hits farther away are not shown.
+    max_distance: f64,
+    attribution: AttributionValues,
+}
+
+impl States {
+    /// The states that show this rendering's files in this folder.
+    pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
+        let film = rendering.film;
+        let size = [film.grid.width, film.grid.height].map(f64::from);
+        let n_labels = Panels::of(3, size).n_labels();
+        let measures = Measure::best_two(film);
+        let ((distances, counter), cost) = rayon::join(
+            || {
+                (
+                    Distances::of(film),
+                    measures.map(|[_, second]| counter_axis(film, second)),
+                )
+            },
+            || cost_axis(film, measures.map(|[first, _]| first)),
+        );
+        let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
+        Self {
+            hits: path_of(hits::FILE),
+            frame: path_of(frame::FILE),
+            tiles: path_of(tile_image::FILE),
+            nodes: path_of(nodes::FILE),
+            surface: path_of(surface::FILE),
+            cost: cost.with_labels(n_labels),
+            counter: counter.map(|counter| counter.with_labels(n_labels)),
+            camera: Camera::of(&rendering.scene.image_plane, distances.median),
+            size,
+            schedule: TileValues::of(rendering.schedule, n_labels),
+            has_hits: distances.median.is_some(),
+            max_distance: distances.max_shown,
+            attribution: AttributionValues::of(rendering),
+        }
+    }
+
+    /// The cloud in its colors and by its cost.
+    pub(super) fn geometry(&self) -> String {
+        fill(GEOMETRY, |key| self.value(key))
+    }
+
+    /// The cost of all pixels.
+    pub(super) fn heatmap(&self) -> String {
+        fill(HEATMAP, |key| self.value(key))
+    }
+
+    /// Picture, cost, cloud and histogram on one page.
+    pub(super) fn overview(&self) -> String {
+        fill(OVERVIEW, |key| self.value(key))
+    }
+
+    /// When each tile was rendered, and by which thread.
+    pub(super) fn schedule(&self) -> String {
+        fill(SCHEDULE, |key| self.value(key))
+    }
+
+    /// The scene's surface by its cost.
+    pub(super) fn surface(&self) -> String {
+        fill(SURFACE, |key| self.value(key))
+    }
+
+    /// The boxes of the hierarchy by their cost.
+    pub(super) fn bvh(&self) -> String {
+        fill(BVH, |key| self.value(key))
+    }
+
+    fn value(&self, key: &str) -> Option<Value> {
+        let path = match key {
+            nodes::FILE => Some(&self.nodes),
+            surface::FILE => Some(&self.surface),
+            hits::FILE => Some(&self.hits),
+            frame::FILE => Some(&self.frame),
+            tile_image::FILE => Some(&self.tiles),
+            _ => None,
+        };
+        if let Some(path) = path {
+            return Some(path.clone().into());
+        }
+        match key {
+            "hits.max_distance" => return Some(self.max_distance.to_string().into()),
+            "hits.caption" if !self.has_hits => {
+                return Some("True colors: no ray met anything".into());
+            }
+            _ => {}
+        }
+        if let Some(value) = self.camera.value(self.size, key) {
+            return Some(value);
+        }
+        let part = key.split_once('.');
+        match part? {
+            ("cost", key) => self.cost.value(key),
+            ("counter", key) => self.counter.as_ref()?.value(key),
+            ("tiles", key) => self.schedule.value(key),
+            _ => (self.attribution.value(key)).or_else(|| value_of_panels(self.size, key)),
+        }
+    }
+}
+
+/// Returns the axis of the preferred cost metric, without outliers as in
+/// `cost.png`.
+fn cost_axis(film: &Film, measure: Option<Measure>) -> Axis {
+    let axis =
+        |array, name, range: Range| Axis::new(array, name, Spread::Log, [range.low, range.high]);
+    let Some(measure) = measure else {
+        let range = Range::of(film.rows(|strip| &strip.distance).flatten());
+        return axis("distance", "Distance from the camera", range);
+    };
+    let range = Range::of(&measure.of(film));
+    match measure.axis.strip_suffix(" (ns)") {
+        Some(name) => axis(measure.array, name, range).of_time(),
+        None => axis(measure.array, measure.axis, range),
+    }
+}
+
+/// The measure without the one value in 200 that is least and the one that is
+/// greatest; the ends are at least 1 apart.
+fn counter_axis(film: &Film, measure: Measure) -> Axis {
+    let mut counts = measure.of(film);
+    let last = counts.len() - 1;
+    let mut quantile = |part: usize| {
+        let (_, count, _) = counts.select_nth_unstable_by(last * part / 200, f32::total_cmp);
+        f64::from(*count)
+    };
+    let [low, high] = [1, 199].map(&mut quantile);
+    let ends = [low, high.max(low + 1.0)];
+    Axis::new(measure.array, measure.axis, Spread::Linear, ends)
+}
+
+/// How far the hits are along their camera rays.
+struct Distances {
+    /// `None` without hits.
+    median: Option<f32>,
+    /// Where the cloud is cut off, so that the near hits are seen: ParaView
+    /// clips all that is 1000 times nearer than the farthest point, and a
+    /// plane has hits up to its horizon.
+    max_shown: f64,
+}
+
+impl Distances {
+    fn of(film: &Film) -> Self {
+        let mut distances: Vec<f32> = film
+            .values(|strip| &strip.distance)
+            .filter(|distance| distance.is_finite())
+            .collect();
+        if distances.is_empty() {
+            return Self {
+                median: None,
+                max_shown: 1.0,
+            };
+        }
+        let n = distances.len();
+        let mut quantile = |percent: usize| {
+            let rank = (n - 1) * percent / 100;
+            *distances.select_nth_unstable_by(rank, f32::total_cmp).1
+        };
+        let [near, median, far, farthest] = [1, 50, 99, 100].map(&mut quantile);
+        let cut = f64::from(near) * 300.0;
+        Self {
+            median: Some(median),
+            max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! `rays.pvsm`: rays in the cloud of the scene, by kind and by cost.
+
+use glam::Vec3;
+
+use super::Distances;
+use crate::attribution::TracedRay;
+use crate::folder::OutputFolder;
+use crate::output::bounding_sphere::BoundingSphere;
+use crate::output::rays::{FILE, Rays};
+use crate::output::traced::CLOUD;
+use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill};
+
+const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
+
+/// Rays longer than this, in radii of the scene, are not shown: a plane has
+/// hits up to its horizon, and ParaView clips all that is 1000 times nearer
+/// than the farthest point.
+const LONGEST: f32 = 50.0;
+/// How far from the middle the points are that the view is to hold, in radii:
+/// those of rays and those of the scene.
+const FRAMED: [f32; 2] = [1.5, 0.8];
+/// So many rays are drawn as wide lines; more would cover each other.
+const FEW: usize = 300;
+/// The view's vertical angle in degrees.
+const VIEW_ANGLE: f32 = 30.0;
+/// Length of an arrow's head as a fraction of the view's height, for few and for
+/// many rays.
+const HEADS: [f32; 2] = [0.03, 0.012];
+/// The kinds of rays in the order of their numbers, in a palette for
+/// color-blind readers (Okabe and Ito, 2008).
+const KINDS: [(&str, [f32; 3]); 4] = [
+    ("camera", [0.0, 0.45, 0.70]),
+    ("shadow", [0.90, 0.62, 0.0]),
+    ("reflection", [0.84, 0.37, 0.0]),
+    ("refraction", [0.0, 0.62, 0.45]),
+];
+
+/// The state that shows these rays.
+pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
+    let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
+    let size = rays.plane().size.map(f64::from);
+    let camera = Camera::of(rays.plane(), None);
+    // A plane's hits beyond the scene would make all else small.
+    let BoundingSphere { center, radius } = rays.bounding_sphere;
+    let beyond = f64::from(camera.position().distance(center) + radius);
+    let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
+    let view = SideView::of(rays, &camera, max_distance as f32);
+    let cost = cost_axis(rays);
+    let is_present = |kind: &usize| rays.iter().any(|ray| ray.kind as usize == *kind);
+    let kinds: Vec<usize> = (0..KINDS.len()).filter(is_present).collect();
+    let head = HEADS[usize::from(rays.n > FEW)] * view.height;
+    let number = |key: &str| -> Option<f64> {
+        match key {
+            "hits.max_distance" => Some(max_distance),
+            "rays.line_width" => Some(if rays.n <= FEW { 3.0 } else { 1.0 }),
+            "rays.max_length" => Some((LONGEST * rays.bounding_sphere.radius).into()),
+            "rays.head" => Some(head.into()),
+            _ => view.number(key.strip_prefix("rays.")?),
+        }
+    };
+    fill(RAYS, |key| {
+        let color = |kind: &usize| KINDS[*kind].1.map(|channel| channel.to_string());
+        let name = |kind: &usize| [kind.to_string(), KINDS[*kind].0.to_owned()];
+        match key {
+            FILE => Some(path_of(FILE).into()),
+            CLOUD => Some(path_of(CLOUD).into()),
+            "panels2.outer" => view.panels.direction("outer").map(|n| n.to_string().into()),
+            "rays.kinds" => Some(Value::Many(kinds.iter().flat_map(name).collect())),
+            "rays.kind_colors" => Some(Value::Many(kinds.iter().flat_map(color).collect())),
+            // Where the head begins that ends where the ray does.
+            "rays.to_head" => Some(format!("direction*(0.5*length-{})", 0.5 * head).into()),
+            _ => match key.strip_prefix("rays.cost.") {
+                Some(key) => cost.value(key),
+                None => match number(key) {
+                    Some(number) => Some(number.to_string().into()),
+                    None => camera.value(size, key),
+                },
+            },
+        }
+    })
+}
+
+/// The metric that colors the right view: the first measure that is not the same
+/// for all rays, since a small hierarchy is one node, and there may be no clock.
+fn cost_axis(rays: &Rays) -> Axis {
+    let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
+    let axis = |array, name, high: f32| Axis::new(array, name, Spread::Linear, [0.0, high.into()]);
+    if let Some(high) = high(|ray| ray.time_ns) {
+        return axis("time_ns", "Time of each ray", high).of_time();
+    }
+    if let Some(high) = high(|ray| ray.node_visits as f32) {
+        return axis("node_visits", "BVH nodes visited by each ray", high);
+    }
+    let high = high(|ray| ray.primitive_tests as f32);
+    axis(
+        "primitive_tests",
+        "Primitive tests of each ray",
+        high.unwrap_or(1.0),
+    )
+}
+
+/// Where the colors of these values end: at the greatest, but for one in 200,
+/// which may be an interruption by the system. `None` if all are the same.
+fn high(mut values: Vec<f32>) -> Option<f32> {
+    values.sort_unstable_by(f32::total_cmp);
+    let [low, .., high] = values[..] else {
+        return None;
+    };
+    let rank = values.len() - 1 - values.len() / 200;
+    (low < high).then(|| values[rank].max(1.0))
+}
+
+/// A camera that sees rays from their side, and the scene around them: from
+/// where they start they are points. In the world as ParaView shows it, mirrored
+/// for some scenes.
+struct SideView {
+    position: Vec3,
+    focal_point: Vec3,
+    up: Vec3,
+    /// World units from the lower to the upper edge, in the middle.
+    height: f32,
+    panels: Panels,
+}
+
+impl SideView {
+    fn of(rays: &Rays, camera: &Camera, max_distance: f32) -> Self {
+        let [right, up, forward] = camera.axes();
+        let back = (0.75 * right + 0.4 * up - 0.6 * forward).normalize();
+        let to_right = up.cross(back).normalize();
+        let axes = [to_right, back.cross(to_right), back];
+        // Each point's coordinates from the ball's middle along these axes.
+        let BoundingSphere { center, radius } = rays.bounding_sphere;
+        let center = camera.mirrored(center);
+        let ends = rays.iter().flat_map(|ray| rays.line(ray));
+        let ends = ends.map(|point| (point, FRAMED[0]));
+        let hits = hits(rays, max_distance).map(|point| (point, FRAMED[1]));
+        let seen: Vec<Vec3> = ends
+            .chain(hits)
+            .map(|(point, within)| (camera.mirrored(point) - center, within))
+            .filter(|(point, within)| point.length() <= within * radius)
+            .map(|(point, _)| Vec3::from(axes.map(|axis| axis.dot(point))))
+            .collect();
+        let least = seen.iter().copied().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
+        let most = seen.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
+        let middle = 0.5 * (least + most);
+        let extent = (most - least).max(Vec3::splat(0.05 * radius));
+        let panels = Panels::of(2, [extent.x, extent.y].map(f64::from));
+        let tangent = (0.5 * VIEW_ANGLE.to_radians()).tan();
+        let needed = |point: &Vec3| {
+            let size = (*point - middle).abs() * 2.0;
+            let half_height = panels.panel().half_height([size.x, size.y].map(f64::from));
+            half_height as f32 / tangent + point.z - middle.z
+        };
+        let distance = seen.iter().map(needed).fold(0.1 * radius, f32::max);
+        let in_world = |v: Vec3| v.x * axes[0] + v.y * axes[1] + v.z * axes[2];
+        let focal_point = center + in_world(middle);
+        Self {
+            position: focal_point + distance * back,
+            focal_point,
+            up,
+            height: 2.0 * distance * tangent,
+            panels,
+        }
+    }
+
+    /// The value of a key without its `rays.`.
+    fn number(&self, key: &str) -> Option<f64> {
+        let (name, index) = key.split_once('.')?;
+        let vector = match name {
+            "position" => self.position,
+            "focal_point" => self.focal_point,
+            "view_up" => self.up,
+            _ => return None,
+        };
+        let number = *vector.as_ref().get(index.parse::<usize>().ok()?)?;
+        Some(number.into())
+    }
+}
+
+/// The points of the cloud that are shown.
+fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = Vec3> + use<'a> {
+    let (plane, film) = (rays.plane(), rays.cloud());
+    let [columns, rows] = plane.size.map(|n| n as f32);
+    let scale = [
+        columns / film.grid.width as f32,
+        rows / film.grid.height as f32,
+    ];
+    let rows = film.rows(|strip| &strip.distance).zip(0_u16..);
+    rows.flat_map(move |(row, y)| {
+        let y = (f32::from(y) + 0.5) * scale[1] - 0.5;
+        let hits = row
+            .iter()
+            .zip(0_u16..)
+            .filter(move |(distance, _)| **distance <= max_distance);
+        hits.map(move |(distance, x)| {
+            plane
+                .ray((f32::from(x) + 0.5) * scale[0] - 0.5, y)
+                .at(*distance)
+        })
+    })
+}

@@ -1,0 +1,151 @@
+//! `surface.vtu`: what each primitive cost, on the scene's geometry.
+
+use std::io::{self, Seek, Write};
+
+use vtkio::model::{CellType, ScalarType};
+
+use crate::attribution::Visits;
+use crate::config::CostMode;
+use crate::geometry::Patch;
+use crate::scene::{Primitive, Scene};
+use crate::vtk::appended;
+use crate::vtk::array::{Array, Entry, Integers};
+use crate::vtk::encoding::Encoding;
+use crate::vtk::header::{DataSet, Mesh};
+
+/// The file's name.
+pub const FILE: &str = "surface.vtu";
+
+/// What the scene shows of itself.
+#[derive(Clone, Copy)]
+struct Surface<'a> {
+    primitives: &'a [Primitive],
+    visits: &'a [Visits],
+    n_cells: usize,
+}
+
+/// Writes the scene's primitives but for planes as an UnstructuredGrid of one
+/// cell each, in their order: triangles, polygons for disks, hexahedra for
+/// boxes, triangle strips for ellipsoids, and vertices with a `radius` for
+/// spheres. `visits` are those of all primitives; times are written only if
+/// `cost` has any.
+pub fn write(
+    scene: &Scene,
+    visits: &[Visits],
+    cost: CostMode,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let primitives = &scene.primitives;
+    let is_shown = |primitive: &&Primitive| !primitive.is_unbounded();
+    let surface = Surface {
+        primitives,
+        visits,
+        n_cells: primitives.iter().filter(is_shown).count(),
+    };
+    let n_points = surface.ends().last().unwrap_or(0);
+    let ids = Integers::up_to(n_points);
+    let mesh = Mesh {
+        n_points,
+        n_cells: surface.n_cells,
+        point_data: Vec::new(),
+        cell_data: surface.cell_data(cost),
+        points: surface.points(n_points),
+        cells: vec![
+            ids.array("connectivity", n_points, |out| {
+                ids.write_multiples(1, 0..n_points, out)
+            }),
+            surface.offsets(ids),
+            Array::of("types", surface.n_cells, || {
+                surface.patches().map(|patch| cell_type(&patch) as u8)
+            }),
+        ],
+    };
+    appended::write(&DataSet::Grid(mesh), encoding.into(), out)
+}
+
+impl<'a> Surface<'a> {
+    /// The primitives that are shown: their indices, themselves, their visits.
+    fn cells(self) -> impl Iterator<Item = (usize, &'a Primitive, &'a Visits)> {
+        let all = self.primitives.iter().zip(self.visits).enumerate();
+        all.map(|(index, (primitive, visits))| (index, primitive, visits))
+            .filter(|(_, primitive, _)| !primitive.is_unbounded())
+    }
+
+    fn patches(self) -> impl Iterator<Item = Patch> {
+        self.primitives.iter().filter_map(Primitive::patch)
+    }
+
+    /// Where each cell's points end among all points.
+    fn ends(self) -> impl Iterator<Item = usize> {
+        self.patches().scan(0, |end, patch| {
+            *end += patch.corners().len();
+            Some(*end)
+        })
+    }
+
+    fn points(self, n: usize) -> Array<'a> {
+        Array {
+            name: "Points",
+            scalar: ScalarType::F32,
+            n_components: 3,
+            n_bytes: (n * size_of::<glam::Vec3>()) as u64,
+            write: Box::new(move |out| {
+                self.patches()
+                    .try_for_each(|patch| out.write_all(bytemuck::cast_slice(patch.corners())))
+            }),
+        }
+    }
+
+    fn offsets(self, ids: Integers) -> Array<'a> {
+        let (name, n) = ("offsets", self.n_cells);
+        match ids {
+            Integers::I32 => Array::of(name, n, move || self.ends().map(|end| end as i32)),
+            Integers::I64 => Array::of(name, n, move || self.ends().map(|end| end as i64)),
+        }
+    }
+
+    fn cell_data(self, cost: CostMode) -> Vec<Array<'a>> {
+        let radii = move || self.patches().map(|patch| radius(&patch));
+        let mut arrays = vec![
+            self.array("primitive", |index, _, _| index as u32),
+            self.array("object", |_, primitive, _| primitive.object.0 as i32),
+            self.array("material", |_, primitive, _| primitive.material.0 as i32),
+            Array::of("radius", self.n_cells, radii),
+            self.array("tests", |_, _, visits| visits.n),
+            self.array("hits", |_, _, visits| visits.n_hits),
+            self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
+        ];
+        if cost.has_time() {
+            arrays.push(self.array("time_ns", |_, _, visits| visits.time_ns()));
+        }
+        arrays
+    }
+
+    fn array<E: Entry>(
+        self,
+        name: &'static str,
+        entry: fn(usize, &Primitive, &Visits) -> E,
+    ) -> Array<'a> {
+        let entry = move |(index, primitive, visits)| entry(index, primitive, visits);
+        Array::of(name, self.n_cells, move || self.cells().map(entry))
+    }
+}
+
+/// A sphere's radius, 0 for other shapes.
+fn radius(patch: &Patch) -> f32 {
+    match patch {
+        Patch::Ball { radius, .. } => *radius,
+        _ => 0.0,
+    }
+}
+
+fn cell_type(patch: &Patch) -> CellType {
+    match patch {
+        Patch::Ball { .. } => CellType::Vertex,
+        Patch::Triangle(_) => CellType::Triangle,
+        Patch::Polygon(_) => CellType::Polygon,
+        Patch::Box(_) => CellType::Hexahedron,
+        Patch::Strip(_) => CellType::TriangleStrip,
+    }
+}

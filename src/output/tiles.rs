@@ -1,0 +1,80 @@
+//! `tiles.vti`: every tile as a cell.
+
+use std::io::{self, Seek, Write};
+
+use crate::config::CostMode;
+use crate::cost::Cost;
+use crate::schedule::{Schedule, TileRun};
+use crate::vtk::appended;
+use crate::vtk::array::{Array, Entry};
+use crate::vtk::encoding::Encoding;
+use crate::vtk::header::DataSet;
+
+/// The file's name.
+pub const FILE: &str = "tiles.vti";
+
+/// Writes the schedule as ImageData with one cell a tile, which lies over the
+/// tile's pixels in `frame.vti`: a pixel's middle has whole numbers there. VTK's
+/// rows go up, the grid's go down: its last row is written first. The last tiles
+/// of a row, and those of the last row, stand out where they are less than a
+/// square.
+pub fn write(
+    schedule: &Schedule,
+    cost: CostMode,
+    encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let grid = &schedule.grid;
+    let spacing = f64::from(grid.tile_size);
+    let top = f64::from(grid.height) - 0.5;
+    let mut cell_data = times(schedule);
+    if cost.has_counters() {
+        cell_data.extend(counters(schedule));
+    }
+    let cells = DataSet::ImageCells {
+        size: [grid.n_columns, grid.n_rows],
+        origin: [-0.5, top - f64::from(grid.n_rows) * spacing],
+        spacing,
+        cell_data,
+    };
+    appended::write(&cells, encoding.into(), out)
+}
+
+/// When the tiles were rendered, and by whom.
+fn times(schedule: &Schedule) -> Vec<Array<'_>> {
+    vec![
+        array("start_ns", schedule, |_, run| run.start_ns as f64),
+        array("end_ns", schedule, |_, run| run.end_ns as f64),
+        array("duration_ns", schedule, |_, run| run.duration_ns() as f64),
+        array("film_ns", schedule, |_, run| run.film_ns as f64),
+        array("warm_up_ns", schedule, |_, run| run.warm_up_ns as f64),
+        array("thread", schedule, |_, run| run.thread as i32),
+        array("position", schedule, |_, run| run.position as i32),
+        array("tile", schedule, |number, _| number as i32),
+    ]
+}
+
+/// The sums of the pixels' counters; of the paths' lengths the greatest.
+fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
+    let names = Cost::default().by_name().map(|(name, _)| name);
+    names
+        .into_iter()
+        .enumerate()
+        .map(|(i, name)| array(name, schedule, move |_, run| run.counted.by_name()[i].1))
+}
+
+/// A value of each tile, given its number and its run.
+fn array<'a, E: Entry>(
+    name: &'static str,
+    schedule: &'a Schedule,
+    value: impl Fn(usize, &TileRun) -> E + Copy + 'a,
+) -> Array<'a> {
+    let n_columns = schedule.grid.n_columns as usize;
+    let runs = &schedule.runs;
+    Array::of(name, runs.len(), move || {
+        let upward = (0..runs.len()).step_by(n_columns).rev();
+        upward
+            .flat_map(move |first| first..first + n_columns)
+            .map(move |number| value(number, &runs[number]))
+    })
+}

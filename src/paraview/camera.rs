@@ -1,0 +1,186 @@
+//! Cameras of ParaView's views.
+
+use glam::Vec3;
+
+use super::panels::{Panel, Panels};
+use super::template::Value;
+use crate::camera::{ImagePlane, Projection};
+
+/// The scene's camera as ParaView has them: never off-axis, and right-handed.
+pub(crate) struct Camera {
+    position: Vec3,
+    focal_point: Vec3,
+    right: Vec3,
+    up: Vec3,
+    /// Tangents of half the picture's angles, or half its width and height if
+    /// parallel.
+    half: [f32; 2],
+    is_parallel: bool,
+    is_mirrored: bool,
+}
+
+impl Camera {
+    /// The camera of the plane's rays.
+    pub(crate) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
+        let center = plane.center();
+        let (position, forward, is_parallel) = match plane.projection {
+            Projection::Perspective { eye } => (eye, direction(plane, eye), false),
+            Projection::Parallel { direction } => (center, direction, true),
+        };
+        let right = plane.right.reject_from(forward).normalize();
+        let mirrored_up = right.cross(forward);
+        let is_mirrored = mirrored_up.dot(plane.down) > 0.0;
+        let up = if is_mirrored {
+            -mirrored_up
+        } else {
+            mirrored_up
+        };
+        let half = |axis: Vec3| {
+            let [w, h] = plane.size.map(|n| n as f32 - 0.5);
+            let corners = [(-0.5, -0.5), (w, -0.5), (-0.5, h), (w, h)];
+            let extent = |(x, y)| {
+                let corner = plane.point(x, y) - position;
+                let depth = if is_parallel {
+                    1.0
+                } else {
+                    corner.dot(forward)
+                };
+                corner.dot(axis).abs() / depth
+            };
+            corners.into_iter().map(extent).fold(0.0, f32::max)
+        };
+        let distance = median_distance.unwrap_or_else(|| center.distance(position).max(1.0));
+        Self {
+            position,
+            focal_point: position + distance * forward,
+            right,
+            up,
+            half: [half(right), half(up)],
+            is_parallel,
+            is_mirrored,
+        }
+    }
+
+    /// Where it is; the middle of the picture's plane if parallel.
+    pub(crate) fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    /// To the right, up and forward as ParaView's view has them, unit vectors.
+    pub(crate) fn axes(&self) -> [Vec3; 3] {
+        let forward = (self.focal_point - self.position).normalize();
+        [forward.cross(self.up), self.up, forward]
+    }
+
+    /// The point in the world as the view shows it.
+    pub(crate) fn mirrored(&self, point: Vec3) -> Vec3 {
+        if self.is_mirrored {
+            point - 2.0 * self.right.dot(point - self.position) * self.right
+        } else {
+            point
+        }
+    }
+
+    /// The value of a key such as `camera2.view_angle`: in one of two panels, for
+    /// a picture of this size.
+    pub(crate) fn value(&self, size: [f64; 2], key: &str) -> Option<Value> {
+        let (n, key) = Panels::split_key(key, "camera")?;
+        let number = self.number(key, Panels::of(n, size).panel())?;
+        Some(number.to_string().into())
+    }
+
+    /// The value of a key without its `camera2.`, for a view in which the
+    /// picture fills the panel.
+    fn number(&self, key: &str, panel: Panel) -> Option<f64> {
+        let (name, index) = match key.split_once('.') {
+            Some((name, index)) => (name, index.parse().ok()?),
+            None => (key, 0),
+        };
+        let distance = self.focal_point.distance(self.position);
+        let half_height = panel.half_height(self.half.map(|half| 2.0 * f64::from(half))) as f32;
+        let number = match name {
+            "position" => *self.position.as_ref().get(index)?,
+            "focal_point" => *self.focal_point.as_ref().get(index)?,
+            "view_up" => *self.up.as_ref().get(index)?,
+            "view_angle" if self.is_parallel => 30.0,
+            "view_angle" => 2.0 * half_height.atan().to_degrees(),
+            "parallel_projection" => f32::from(self.is_parallel),
+            "parallel_scale" if self.is_parallel => half_height,
+            "parallel_scale" => half_height * distance,
+            "mirror" => self.mirror(index),
+            _ => return None,
+        };
+        Some(number.into())
+    }
+
+    /// Entry `i` of the 4 x 4 matrix, row-major, that mirrors the scene for
+    /// a camera whose x, y and view direction are left-handed, in the plane
+    /// through the eye at right angles to x; else of the identity.
+    fn mirror(&self, i: usize) -> f32 {
+        let (row, column) = (i / 4, i % 4);
+        let identity = if row == column { 1.0 } else { 0.0 };
+        if !self.is_mirrored || row == 3 {
+            return identity;
+        }
+        let along_row = 2.0 * self.right[row];
+        match column {
+            3 => along_row * self.right.dot(self.position),
+            _ => identity - along_row * self.right[column],
+        }
+    }
+}
+
+/// Where to look from `eye`: straight at the plane, which shows the picture
+/// undistorted, if that meets the picture; else at the picture's middle.
+fn direction(plane: &ImagePlane, eye: Vec3) -> Vec3 {
+    let to_center = plane.center() - eye;
+    let normal = plane.right.normalize().cross(plane.down.normalize());
+    let straight = to_center.project_onto_normalized(normal);
+    let steps = |axis: Vec3| (to_center - straight).dot(axis).abs() / axis.length_squared();
+    let [width, height] = plane.size.map(|n| n as f32);
+    let meets_picture = steps(plane.right) <= 0.5 * width && steps(plane.down) <= 0.5 * height;
+    if meets_picture { straight } else { to_center }.normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_left_handed_plane_is_mirrored_about_the_eye() {
+        let camera: crate::camera::Camera =
+            crate::yaml::from_str("window: { eye: [3, 0, -1], x: [2, 4], y: [-1, 1], z: 0 }")
+                .unwrap();
+        let camera = Camera::of(&camera.image_plane(10, 10), None);
+        assert!(camera.is_mirrored);
+        let row: Vec<f32> = (0..4).map(|i| camera.mirror(i)).collect();
+        assert_eq!(row, [-1.0, 0.0, 0.0, 6.0]);
+        assert!((camera.up - Vec3::Y).length() < 1e-6);
+    }
+
+    #[test]
+    fn an_off_axis_camera_looks_straight_at_its_window_where_it_can() {
+        let focal_point = |eye: &str| {
+            let text = format!("window: {{ eye: {eye}, x: [-1, 1], y: [-1, 1], z: 0 }}");
+            let camera: crate::camera::Camera = crate::yaml::from_str(&text).unwrap();
+            Camera::of(&camera.image_plane(10, 10), Some(1.0)).focal_point
+        };
+        assert_eq!(focal_point("[0.9, -0.5, -1]"), Vec3::new(0.9, -0.5, 0.0));
+        let beside = focal_point("[4, 0, -3]");
+        let to_middle = Vec3::new(3.2, 0.0, -2.4);
+        assert!(beside.abs_diff_eq(to_middle, 1e-6), "{beside}");
+    }
+
+    #[test]
+    fn a_look_at_camera_is_not_mirrored() {
+        let camera: crate::camera::Camera =
+            crate::yaml::from_str("look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 90 }")
+                .unwrap();
+        let camera = Camera::of(&camera.image_plane(100, 100), Some(4.0));
+        assert!(!camera.is_mirrored);
+        assert!((camera.focal_point - Vec3::Z).length() < 1e-6);
+        let panel = Panels::of(2, [1.0, 1.0]).panel();
+        let angle = camera.number("view_angle", panel).unwrap();
+        assert!(angle > 90.0 && angle < 120.0, "{angle}");
+    }
+}

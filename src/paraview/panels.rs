@@ -1,0 +1,178 @@
+//! How the panels of a state are arranged, and how much of each a picture
+//! fills.
+
+use super::template::Value;
+
+/// Width over height of the area that ParaView's window has for all panels, at
+/// least: a narrower one would cut the pictures' sides off.
+const AREA_ASPECT: f64 = 1.55;
+/// Parts of that area's height that a title and a color bar take.
+const TITLE: f64 = 0.05;
+const COLOR_BAR: f64 = 0.085;
+/// Part of a panel's width that a picture fills at most.
+const FILLED_WIDTH: f64 = 0.96;
+/// Pictures wider than this are shown in rows, taller ones than [`TALL`] in
+/// columns.
+const WIDE: f64 = 2.1;
+const TALL: f64 = 0.64;
+/// ParaView's numbers of a split into rows and one into columns.
+const ROWS: u8 = 1;
+const COLUMNS: u8 = 2;
+
+/// The arrangement of two, three or four panels that show pictures of one
+/// shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Panels {
+    n: u32,
+    picture_aspect: f64,
+}
+
+impl Panels {
+    /// That of `n` panels for pictures of this width and height.
+    pub(crate) fn of(n: u32, [width, height]: [f64; 2]) -> Self {
+        Self {
+            n,
+            picture_aspect: width / height,
+        }
+    }
+
+    /// The number of panels that a key such as `image3.scale` names, and the
+    /// rest of the key.
+    pub(crate) fn split_key<'k>(key: &'k str, name: &str) -> Option<(u32, &'k str)> {
+        let (n, rest) = key.strip_prefix(name)?.split_once('.')?;
+        Some((n.parse().ok()?, rest))
+    }
+
+    /// How the first split (`outer`) or the others (`inner`) divide their space.
+    pub(crate) fn direction(self, split: &str) -> Option<u8> {
+        let (is_wide, is_tall) = (self.is_wide(), self.is_tall());
+        let is_in_rows = match (self.n, split) {
+            (2, "outer") | (3, "inner") => is_wide,
+            (3 | 4, "outer") => !is_tall,
+            (4, "inner") => false,
+            _ => return None,
+        };
+        Some(if is_in_rows { ROWS } else { COLUMNS })
+    }
+
+    /// The shape of a panel.
+    pub(crate) fn panel(self) -> Panel {
+        let [width, height] = match self.n {
+            2 if self.is_wide() => [1.0, 0.5],
+            2 => [0.5, 1.0],
+            3 if self.is_wide() => [1.0, 0.335],
+            3 if self.is_tall() => [0.335, 1.0],
+            3 => [0.5, 0.67],
+            _ if self.is_tall() => [0.25, 1.0],
+            _ => [0.5, 0.5],
+        };
+        Panel {
+            aspect: AREA_ASPECT * width / height,
+            title: TITLE / height,
+            color_bar: COLOR_BAR / height,
+        }
+    }
+
+    /// How many labels a panel's color bar has room for.
+    pub(crate) fn n_labels(self) -> usize {
+        if self.is_tall() && self.n > 2 { 4 } else { 6 }
+    }
+
+    fn is_wide(self) -> bool {
+        self.picture_aspect > WIDE
+    }
+
+    fn is_tall(self) -> bool {
+        self.picture_aspect < TALL
+    }
+}
+
+/// The shape of a panel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Panel {
+    aspect: f64,
+    /// Parts of its height that the title and the color bar take.
+    title: f64,
+    color_bar: f64,
+}
+
+impl Panel {
+    /// Half the height of the view, in units of a thing of this width and
+    /// height in its middle: the thing fills the panel between title and bar.
+    pub(crate) fn half_height(self, [width, height]: [f64; 2]) -> f64 {
+        let by_height = height / (2.0 * (1.0 - 2.0 * self.color_bar.max(self.title)));
+        by_height.max(self.half_height_for(width))
+    }
+
+    fn half_height_for(self, width: f64) -> f64 {
+        width / (2.0 * FILLED_WIDTH * self.aspect)
+    }
+
+    /// The value of a key of a flat picture's camera: it looks at a point below
+    /// the middle, since the color bar takes more room than the title.
+    pub(crate) fn picture_camera(self, [width, height]: [f64; 2], key: &str) -> Option<f64> {
+        let by_height = height / (2.0 * (1.0 - self.title - self.color_bar));
+        let scale = by_height.max(self.half_height_for(width));
+        match key {
+            "parallel_scale" => Some(scale),
+            "center.0" => Some(0.5 * (width - 1.0)),
+            "center.1" => Some(0.5 * (height - 1.0) - (self.color_bar - self.title) * scale),
+            _ => None,
+        }
+    }
+}
+
+/// The value of a key of an arrangement of panels, `panels3.outer`, or of the
+/// camera of a picture in one of them, `image3.parallel_scale`.
+pub(crate) fn value_of_panels(size: [f64; 2], key: &str) -> Option<Value> {
+    if let Some((n, split)) = Panels::split_key(key, "panels") {
+        return Some(Panels::of(n, size).direction(split)?.to_string().into());
+    }
+    let (n, key) = Panels::split_key(key, "image")?;
+    let number = Panels::of(n, size).panel().picture_camera(size, key)?;
+    Some(number.to_string().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_fits_between_title_and_color_bar_and_fills_its_panel() {
+        for n in 2..=4 {
+            for size in [[400.0, 300.0], [1600.0, 400.0], [300.0, 900.0], [1.0, 1.0]] {
+                let panel = Panels::of(n, size).panel();
+                let at = |key| panel.picture_camera(size, key).unwrap();
+                let scale = at("parallel_scale");
+                let [part_of_width, part_of_height] =
+                    [size[0] / panel.aspect, size[1]].map(|length| length / (2.0 * scale));
+                let room = 1.0 - panel.title - panel.color_bar;
+                assert!(part_of_width <= 0.961 && part_of_height <= room + 1e-9);
+                let filled = (part_of_width / 0.96).max(part_of_height / room);
+                assert!(filled > 0.999, "{n} panels, {size:?}: {filled}");
+                let bottom = at("center.1") - scale;
+                let free = (-0.5 - bottom) / (2.0 * scale);
+                assert!(
+                    free >= panel.color_bar - 1e-9,
+                    "{n} panels, {size:?}: {free}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn wide_pictures_stand_in_rows_and_tall_ones_in_columns() {
+        let splits = |n, size| {
+            let panels = Panels::of(n, size);
+            ["outer", "inner"].map(|split| panels.direction(split))
+        };
+        let (usual, wide, tall) = ([4.0, 3.0], [4.0, 1.0], [1.0, 3.0]);
+        assert_eq!(splits(2, usual)[0], Some(COLUMNS));
+        assert_eq!(splits(2, wide)[0], Some(ROWS));
+        assert_eq!(splits(3, usual), [Some(ROWS), Some(COLUMNS)]);
+        assert_eq!(splits(3, wide), [Some(ROWS), Some(ROWS)]);
+        assert_eq!(splits(3, tall), [Some(COLUMNS), Some(COLUMNS)]);
+        assert_eq!(splits(4, usual), [Some(ROWS), Some(COLUMNS)]);
+        assert_eq!(splits(4, tall), [Some(COLUMNS), Some(COLUMNS)]);
+    }
+}

@@ -1,0 +1,161 @@
+//! What ties the files of a run together.
+//!
+//! Each file says which run wrote it: VTK files in the attribute `raycost_run`
+//! of their root, PNGs in a text chunk, states, pages and profiles in an XML
+//! comment, JSON files by a key. A table of comma-separated values has no place
+//! for it that all readers pass over: it is known by its checksum alone, which
+//! `summary.json` has of every file.
+
+use std::fmt;
+use std::str::FromStr;
+
+use twox_hash::XxHash3_128;
+
+/// The key, attribute or keyword that a run's ID stands behind.
+pub(crate) const KEY: &str = "raycost_run";
+
+/// A hash of what a run was asked for and of what came of it: runs that write
+/// the same bytes have the same ID.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunId(u128);
+
+/// A checksum of a file: XXH3 of 128 bits, as `xxh128sum` prints it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Checksum(u128);
+
+/// The checksum of these bytes.
+pub(crate) fn checksum(bytes: &[u8]) -> Checksum {
+    Checksum(XxHash3_128::oneshot(bytes))
+}
+
+/// Adds up bytes for a checksum.
+#[derive(Clone)]
+pub(crate) struct Summer(XxHash3_128);
+
+impl Summer {
+    /// Of no bytes.
+    pub(crate) fn new() -> Self {
+        Self(XxHash3_128::new())
+    }
+
+    /// Takes more bytes.
+    pub(crate) fn add(&mut self, bytes: &[u8]) {
+        self.0.write(bytes);
+    }
+
+    /// Of all bytes so far.
+    pub(crate) fn checksum(&self) -> Checksum {
+        Checksum(self.0.finish_128())
+    }
+}
+
+impl fmt::Debug for Summer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Summer")
+    }
+}
+
+impl Checksum {
+    /// Its 128 bits.
+    pub(crate) fn bits(self) -> u128 {
+        self.0
+    }
+}
+
+impl From<Checksum> for RunId {
+    fn from(checksum: Checksum) -> Self {
+        Self(checksum.0)
+    }
+}
+
+impl RunId {
+    /// The ID as an XML comment, a line of its own.
+    pub(crate) fn comment(self) -> String {
+        format!("<!-- {KEY}={self} -->\n")
+    }
+}
+
+/// An XML text with the run's ID in a comment before its root.
+pub(crate) fn stamped(xml: &str, run: RunId) -> String {
+    // A declaration has to come first.
+    let begin = match xml.starts_with("<?xml") {
+        true => xml.find("?>\n").map_or(0, |at| at + 3),
+        false => 0,
+    };
+    format!("{}{}{}", &xml[..begin], run.comment(), &xml[begin..])
+}
+
+/// Makes a type print as 32 hexadecimal digits, and be read from them.
+macro_rules! as_digits {
+    ($kind:ident) => {
+        impl fmt::Display for $kind {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{:032x}", self.0)
+            }
+        }
+
+        impl FromStr for $kind {
+            type Err = String;
+
+            fn from_str(text: &str) -> Result<Self, String> {
+                let is_digit = |c: char| matches!(c, '0'..='9' | 'a'..='f');
+                match text.len() == 32 && text.chars().all(is_digit) {
+                    true => u128::from_str_radix(text, 16)
+                        .map(Self)
+                        .map_err(|error| error.to_string()),
+                    false => Err("expected 32 hexadecimal digits".to_owned()),
+                }
+            }
+        }
+
+        impl serde::Serialize for $kind {
+            fn serialize<S: serde::Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+                s.collect_str(self)
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $kind {
+            fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+                let text = String::deserialize(d)?;
+                text.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    };
+}
+
+as_digits!(RunId);
+as_digits!(Checksum);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_checksum_is_that_of_xxh128sum() {
+        // xxh128sum of xxHash 0.8, of no bytes and of "raycost\n".
+        assert_eq!(
+            checksum(b"").to_string(),
+            "99aa06d3014798d86001c324468d497f"
+        );
+        let mut summer = Summer::new();
+        summer.add(b"ray");
+        summer.add(b"cost\n");
+        assert_eq!(summer.checksum(), checksum(b"raycost\n"));
+        let text = summer.checksum().to_string();
+        assert_eq!(text.parse(), Ok(summer.checksum()));
+        assert!(text[1..].parse::<Checksum>().is_err());
+        assert!(text.to_uppercase().parse::<Checksum>().is_err());
+    }
+
+    #[test]
+    fn a_stamp_stands_behind_a_declaration() {
+        let run = RunId(7);
+        let stamp = run.comment();
+        assert_eq!(stamped("<a/>", run), format!("{stamp}<a/>"));
+        let declared = "<?xml version=\"1.0\"?>\n<a/>";
+        assert_eq!(
+            stamped(declared, run),
+            format!("<?xml version=\"1.0\"?>\n{stamp}<a/>")
+        );
+    }
+}

@@ -1,0 +1,15 @@
+//! Text for people: numbers, error messages, tables, and what is safe on a
+//! terminal.
+
+mod cell;
+mod diagnostic;
+pub mod numbers;
+mod suggestion;
+mod terminal;
+
+pub(crate) use cell::{text_cell, text_of_cell};
+pub use diagnostic::Diagnostic;
+pub(crate) use diagnostic::line_start;
+pub use suggestion::did_you_mean;
+pub(crate) use suggestion::number_meant;
+pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json};

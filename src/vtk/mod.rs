@@ -1,0 +1,20 @@
+//! VTK XML files: [`write`](appended::write) and [`VtkFile`](read::VtkFile).
+//!
+//! The header consists of vtkio's types, serialized by vtkio. The arrays follow
+//! it as appended data, raw or compressed a few blocks at a time, directly from
+//! their memory, so that no second copy of them exists. (vtkio's own writer
+//! would hold the whole file as base64 text, and loses what is beyond 2 GiB.)
+//! This module knows the format, and nothing of what the arrays mean.
+
+mod codec;
+mod compressor;
+pub(crate) mod array;
+pub(crate) mod header;
+pub(crate) mod encoding;
+mod compressed;
+pub(crate) mod appended;
+pub(crate) mod read;
+
+pub use codec::Codec;
+pub use encoding::Encoding;
+pub use read::{Number, Values};

@@ -1,0 +1,159 @@
+//! The XML in front of the arrays. vtkio's own types have no room for
+//! offsets beyond 4 GiB, and take a type they do not know for `Float64`.
+
+use quick_xml::events::Event;
+use serde::Deserialize;
+
+use crate::config::MAX_SIDE;
+
+/// Most elements of a header, and most attributes of one; raycost's headers
+/// have a few dozen elements of at most seven attributes.
+const MAX_ELEMENTS: usize = 512;
+const MAX_ATTRIBUTES: usize = 16;
+/// Most numbers a pixel or point in an array: those of a tensor.
+const MAX_COMPONENTS: u32 = 9;
+
+/// The root element.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Header {
+    #[serde(rename = "@byte_order")]
+    pub(crate) byte_order: String,
+    #[serde(rename = "@header_type")]
+    pub(crate) header_type: Option<String>,
+    #[serde(rename = "@compressor")]
+    pub(crate) compressor: Option<String>,
+    /// The run that wrote it.
+    #[serde(rename = "@raycost_run")]
+    pub(crate) run: Option<String>,
+    #[serde(rename = "ImageData")]
+    pub(crate) image: Option<Image>,
+    #[serde(rename = "UnstructuredGrid")]
+    pub(crate) grid: Option<Grid>,
+}
+
+/// A regular grid of points.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Image {
+    #[serde(rename = "Piece")]
+    pub(crate) piece: ImagePiece,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct ImagePiece {
+    #[serde(rename = "@Extent")]
+    pub(crate) extent: String,
+    #[serde(rename = "PointData", default)]
+    pub(crate) point_data: DataArrays,
+}
+
+/// Points and cells.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Grid {
+    #[serde(rename = "Piece")]
+    pub(crate) piece: GridPiece,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct GridPiece {
+    #[serde(rename = "@NumberOfPoints")]
+    pub(crate) n_points: u64,
+    #[serde(rename = "PointData", default)]
+    pub(crate) point_data: DataArrays,
+    #[serde(rename = "Points")]
+    pub(crate) points: DataArrays,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct DataArrays {
+    #[serde(rename = "DataArray", default)]
+    pub(crate) arrays: Vec<DataArray>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct DataArray {
+    #[serde(rename = "@type")]
+    pub(crate) scalar: String,
+    #[serde(rename = "@Name")]
+    pub(crate) name: String,
+    #[serde(rename = "@NumberOfComponents", default = "one")]
+    pub(crate) n_components: u32,
+    #[serde(rename = "@offset")]
+    pub(crate) offset: Option<u64>,
+}
+
+fn one() -> u32 {
+    1
+}
+
+impl Header {
+    /// Reads the text before the arrays, from the start of the file to the
+    /// element that holds them.
+    ///
+    /// # Errors
+    /// What is wrong with it, as the end of a sentence.
+    pub(crate) fn read(xml: &[u8]) -> Result<Self, String> {
+        let xml = String::from_utf8_lossy(xml) + "</VTKFile>";
+        check_size(&xml)?;
+        let damaged = |error| format!("its header is damaged: {error}");
+        let header: Self = quick_xml::de::from_str(&xml).map_err(damaged)?;
+        let wide = header.arrays().find(|array| {
+            let n = array.n_components;
+            n == 0 || n > MAX_COMPONENTS
+        });
+        match wide {
+            None => Ok(header),
+            Some(DataArray {
+                name, n_components, ..
+            }) => Err(format!(
+                "`{name}` has {n_components} numbers a point, expected 1 to {MAX_COMPONENTS}"
+            )),
+        }
+    }
+
+    fn arrays(&self) -> impl Iterator<Item = &DataArray> {
+        let of_image = self.image.iter().map(|image| &image.piece.point_data);
+        let of_grid = self.grid.iter();
+        let of_grid = of_grid.flat_map(|grid| [&grid.piece.point_data, &grid.piece.points]);
+        of_image.chain(of_grid).flat_map(|data| &data.arrays)
+    }
+}
+
+/// Makes sure that the text has no more elements and attributes than a header
+/// needs, before a reader compares or keeps any of them.
+fn check_size(xml: &str) -> Result<(), String> {
+    let mut reader = quick_xml::Reader::from_str(xml);
+    for _ in 0..2 * MAX_ELEMENTS {
+        let event = reader.read_event();
+        match event.map_err(|error| format!("its header is damaged: {error}"))? {
+            Event::Start(element) | Event::Empty(element) => {
+                let mut attributes = element.attributes();
+                let attributes = attributes.with_checks(false);
+                if attributes.nth(MAX_ATTRIBUTES).is_some() {
+                    return Err(format!(
+                        "an element of its header has more than {MAX_ATTRIBUTES} attributes"
+                    ));
+                }
+            }
+            Event::Eof => return Ok(()),
+            _ => {}
+        }
+    }
+    Err(format!("its header has more than {MAX_ELEMENTS} elements"))
+}
+
+impl ImagePiece {
+    /// Columns and rows of an image of one layer.
+    pub(crate) fn size(&self) -> Option<(u32, u32)> {
+        let ends = self.extent.split_ascii_whitespace().map(str::parse);
+        let ends: Vec<i64> = ends.collect::<Result<_, _>>().ok()?;
+        let [x0, x1, y0, y1, z0, z1] = ends[..] else {
+            return None;
+        };
+        let n = |from: i64, to: i64| {
+            let n = to.checked_sub(from)?.checked_add(1)?;
+            u32::try_from(n).ok().filter(|&n| n > 0 && n <= MAX_SIDE)
+        };
+        (n(z0, z1)? == 1).then_some(())?;
+        Some((n(x0, x1)?, n(y0, y1)?))
+    }
+}
