@@ -5,6 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use crate::attribution::{Observer, RayTree, TracedRay};
+use crate::statistics::upper_median;
 use crate::stop;
 
 /// Number of observations of a timed pixel. In the first one the caches are cold,
@@ -96,8 +97,8 @@ impl Observer<'_> {
                 }
             }
             for (ray, mut times) in tree.rays.iter_mut().zip(times) {
-                times.sort_by(f32::total_cmp);
-                ray.time_ns = times[N_TIMES / 2];
+                let median = upper_median(&mut times, f32::total_cmp);
+                ray.time_ns = median.unwrap_or(ray.time_ns);
             }
         }
         tree.rays.shrink_to_fit();

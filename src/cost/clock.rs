@@ -10,6 +10,7 @@
 use std::time::Instant as OsInstant;
 
 use super::cpu;
+use crate::statistics::median;
 
 /// Duration of the calibration. The operating system's clock is accurate to
 /// about 50 ns, so that the rate is accurate to 0.01 % after 0.5 ms.
@@ -124,8 +125,7 @@ impl Clock {
                 self.raw_ns(from, self.now())
             })
             .collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps[N_READINGS / 2]
+        median(&mut gaps).unwrap_or_default()
     }
 }
 

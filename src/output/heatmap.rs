@@ -6,6 +6,7 @@ use super::Rendering;
 use super::measure::Measure;
 use crate::chart::{CostMap, Scale, draw, png};
 use crate::provenance::{self, RunId};
+use crate::statistics::upper_median;
 use crate::text::numbers;
 
 /// Writes the map of the film's best measure; nothing for a film without cost.
@@ -33,20 +34,14 @@ pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> 
 fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {
     let image = &rendering.config.image;
     let n_threads = rendering.threads.used;
+    let median = upper_median(&mut values.to_vec(), f32::total_cmp);
     format!(
         "{} × {} pixels, {} per pixel, {}; median {}, sum {}",
         image.width,
         image.height,
         numbers::counted(image.samples_per_pixel.into(), "sample"),
         numbers::counted(n_threads as u64, "thread"),
-        measure.label(median(values).into()),
+        measure.label(median.unwrap_or_default().into()),
         measure.label(values.iter().copied().map(f64::from).sum()),
     )
-}
-
-/// The middle value.
-fn median(values: &[f32]) -> f32 {
-    let mut values = values.to_vec();
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }

@@ -55,6 +55,7 @@ use crate::instruments::{PROFILE, Profiler, Stages};
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
+use crate::statistics::upper_median;
 
 /// A finished rendering and what is known of it.
 #[derive(Debug)]
@@ -88,12 +89,10 @@ pub struct Rendering<'a> {
 }
 
 impl Rendering<'_> {
-    /// Time on the wall of one rendering: the median where there are several,
-    /// and of the two in the middle the longer one.
+    /// Wall time of one rendering: the [upper median](upper_median) of several.
     pub fn median_wall(&self) -> Duration {
         let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();
-        walls.sort_unstable();
-        walls.get(walls.len() / 2).copied().unwrap_or_default()
+        upper_median(&mut walls, Ord::cmp).unwrap_or_default()
     }
 }
 

@@ -19,6 +19,7 @@ use crate::config::CostMode;
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
+use crate::statistics::median;
 
 /// Rounds of four renderings: each variant has each position equally often.
 pub const N_ROUNDS: usize = 8;
@@ -80,7 +81,8 @@ impl Overhead {
 
     /// Computes the medians; `times_ms` has one entry per field, in their order.
     fn of(times_ms: [Vec<f64>; 4]) -> Self {
-        let [none_ms, counters_ms, single_ray_ms, time_ms] = times_ms.map(median);
+        let [none_ms, counters_ms, single_ray_ms, time_ms] =
+            times_ms.map(|mut times_ms| median(&mut times_ms).unwrap_or_default());
         Self {
             none_ms,
             counters_ms,
@@ -133,12 +135,6 @@ impl Variant {
 
 fn percent_more(ms: f64, base_ms: f64) -> f64 {
     100.0 * (ms / base_ms - 1.0)
-}
-
-/// Returns the median of at least one time.
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    (times[(times.len() - 1) / 2] + times[times.len() / 2]) / 2.0
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::film::{Film, Strip};
+use crate::statistics::median;
 
 /// Bytes of one sample of a pixel.
 pub(super) const SAMPLE_BYTES: usize = size_of::<Sample>();
@@ -82,30 +83,23 @@ struct Summary {
 }
 
 /// Computes the statistics of 1 to 255 samples; `kept` is a reused buffer.
-fn summary(samples: &[Sample], kept: &mut Vec<f32>) -> Summary {
+fn summary(samples: &[Sample], kept: &mut Vec<f64>) -> Summary {
     kept.clear();
     let is_kept = |sample: &&Sample| !sample.is_rejected();
-    kept.extend(samples.iter().filter(is_kept).map(|sample| sample.ns()));
+    let ns = |sample: &Sample| f64::from(sample.ns());
+    kept.extend(samples.iter().filter(is_kept).map(ns));
     let n_rejected = samples.len() - kept.len();
     if kept.is_empty() {
         // Without accepted samples, use the rejected ones.
-        kept.extend(samples.iter().map(|sample| sample.ns()));
+        kept.extend(samples.iter().map(ns));
     }
-    let median_ns = median(kept);
+    let median_ns = median(kept).unwrap_or_default();
     kept.iter_mut().for_each(|ns| *ns = (*ns - median_ns).abs());
     Summary {
-        median_ns,
-        mad_ns: median(kept),
+        median_ns: median_ns as f32,
+        mad_ns: median(kept).unwrap_or_default() as f32,
         n_rejected: n_rejected as u8,
     }
-}
-
-/// Returns the median of at least one value; sorts the values.
-fn median(values: &mut [f32]) -> f32 {
-    values.sort_unstable_by(f32::total_cmp);
-    let n = values.len();
-    let [low, high] = [values[(n - 1) / 2], values[n / 2]];
-    low + (high - low) / 2.0
 }
 
 #[cfg(test)]

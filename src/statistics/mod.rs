@@ -1,13 +1,15 @@
-//! What a sample of measurements says, whether two of them differ by more than
-//! noise, and by how much.
+//! Statistics of measurements: order statistics, the summary of a sample, and the
+//! comparison of two samples.
 //!
 //! Comparisons use ranks alone: an interrupted run is one high rank, however
-//! long it took, and no shape of the noise is assumed.
+//! long it took, and no distribution of the noise is assumed.
 
+mod order;
 mod rank_sum;
 mod ratio;
 mod sample;
 
+pub use order::{median, quantile, upper_median};
 pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};
 pub use sample::SampleStatistics;

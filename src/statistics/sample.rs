@@ -1,59 +1,57 @@
-//! Statistics of repeated runs.
+//! Descriptive statistics of a sample of repeated measurements.
 
 use serde::Serialize;
 
+use super::median;
 use crate::sampling::uniform;
 
-/// Resamples of the bootstrap.
+/// Number of bootstrap resamples.
 const N_RESAMPLES: u64 = 2000;
-/// Share of the resamples' medians outside of the confidence interval.
+/// Share of the resamples' medians outside the confidence interval.
 const LEFT_OUT: f64 = 0.05;
-/// Median absolute deviations that make one standard deviation of a normal
-/// distribution.
+/// Standard deviations per median absolute deviation of a normal distribution.
 const MAD_TO_SIGMA: f64 = 1.4826;
 /// Modified z-scores above this are outliers: Iglewicz and Hoaglin, "How to
 /// Detect and Handle Outliers", ASQC 1993.
 const OUTLIER: f64 = 3.5;
 
-/// Statistics of one value over the runs of a point.
+/// Statistics of one metric over the runs of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SampleStatistics {
     /// The number of runs.
     pub n: usize,
     /// Arithmetic mean.
     pub mean: f64,
-    /// Standard deviation of the sample; 0 for one run.
+    /// Standard deviation of the sample, with `n - 1` in the denominator; 0 for one
+    /// run.
     pub standard_deviation: f64,
-    /// Least value.
+    /// Smallest value.
     pub min: f64,
-    /// Greatest value.
+    /// Largest value.
     pub max: f64,
-    /// Median.
+    /// [Median](median()).
     pub median: f64,
     /// Median absolute deviation from the median.
     pub mad: f64,
-    /// Ends of the interval that holds the median with 95 % confidence, by
-    /// bootstrap percentiles: Efron and Tibshirani, "An Introduction to the
-    /// Bootstrap", 1993, section 13.3.
+    /// Lower end of the 95 % confidence interval of the median, by bootstrap
+    /// percentiles: Efron and Tibshirani, "An Introduction to the Bootstrap", 1993,
+    /// section 13.3.
     pub low_95: f64,
-    /// See `low_95`.
+    /// Upper end of the interval; see `low_95`.
     pub high_95: f64,
-    /// Values whose modified z-score is above 3.5.
+    /// Number of values whose modified z-score is above 3.5.
     pub n_outliers: usize,
 }
 
 impl SampleStatistics {
-    /// Of the values, in the order that they were measured; `None` without any.
+    /// Computes the statistics of the values; `None` without values.
     pub fn of(values: &[f64]) -> Option<Self> {
-        if values.is_empty() {
-            return None;
-        }
+        let median = median(&mut values.to_vec())?;
         let n = values.len();
         let mean = values.iter().sum::<f64>() / n as f64;
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let median = median(values.to_vec());
-        let mad = mad(values, median);
-        let [low_95, high_95] = interval(values);
+        let mad = mad(values, median)?;
+        let [low_95, high_95] = confidence_interval(values);
         let outliers = values
             .iter()
             .filter(|value| is_outlier(**value, median, mad));
@@ -71,39 +69,35 @@ impl SampleStatistics {
         })
     }
 
-    /// Whether a value is far from what the others are.
+    /// Whether a value is an outlier: whether its modified z-score is above 3.5.
     pub fn is_outlier(&self, value: f64) -> bool {
         is_outlier(value, self.median, self.mad)
     }
 }
 
-/// The middle value, or the mean of the two in the middle.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    (values[(n - 1) / 2] + values[n / 2]) / 2.0
-}
-
-fn mad(values: &[f64], center: f64) -> f64 {
-    median(values.iter().map(|value| (value - center).abs()).collect())
+/// The median absolute deviation from the `center`.
+fn mad(values: &[f64], center: f64) -> Option<f64> {
+    let mut deviations: Vec<f64> = values.iter().map(|value| (value - center).abs()).collect();
+    median(&mut deviations)
 }
 
 fn is_outlier(value: f64, median: f64, mad: f64) -> bool {
     mad > 0.0 && (value - median).abs() > OUTLIER * MAD_TO_SIGMA * mad
 }
 
-/// The percentile interval of the median's bootstrap distribution; the same on
-/// every call.
-fn interval(values: &[f64]) -> [f64; 2] {
+/// The percentile interval of the median's bootstrap distribution: of at least one
+/// value. The resamples are those of fixed random numbers, so that the same values
+/// give the same interval.
+fn confidence_interval(values: &[f64]) -> [f64; 2] {
     let n = values.len() as u64;
     let resample = |resample: u64| {
         let pick = |i: u64| {
             let [u, ..] = uniform([resample, i, n]);
             values[(f64::from(u) * n as f64) as usize]
         };
-        median((0..n).map(pick).collect())
+        median(&mut (0..n).map(pick).collect::<Vec<_>>())
     };
-    let mut medians: Vec<f64> = (0..N_RESAMPLES).map(resample).collect();
+    let mut medians: Vec<f64> = (0..N_RESAMPLES).filter_map(resample).collect();
     medians.sort_by(f64::total_cmp);
     let tail = (LEFT_OUT / 2.0 * N_RESAMPLES as f64) as usize;
     [medians[tail], medians[medians.len() - 1 - tail]]

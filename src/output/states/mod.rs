@@ -15,6 +15,7 @@ use crate::chart::Range;
 use crate::film::Film;
 use crate::folder::OutputFolder;
 use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill, value_of_panels};
+use crate::statistics::quantile;
 
 const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
@@ -160,19 +161,17 @@ fn cost_axis(film: &Film, measure: Option<Measure>) -> Axis {
 /// greatest; the ends are at least 1 apart.
 fn counter_axis(film: &Film, measure: Measure) -> Axis {
     let mut counts = measure.of(film);
-    let last = counts.len() - 1;
-    let mut quantile = |part: usize| {
-        let (_, count, _) = counts.select_nth_unstable_by(last * part / 200, f32::total_cmp);
-        f64::from(*count)
-    };
-    let [low, high] = [1, 199].map(&mut quantile);
+    let [low, high] = [1, 199].map(|part| {
+        let count = quantile(&mut counts, [part, 200], f32::total_cmp);
+        f64::from(count.unwrap_or_default())
+    });
     let ends = [low, high.max(low + 1.0)];
     Axis::new(measure.array, measure.axis, Spread::Linear, ends)
 }
 
 /// How far the hits are along their camera rays.
 struct Distances {
-    /// `None` without hits.
+    /// The 50 % [`quantile`]; `None` without hits.
     median: Option<f32>,
     /// Where the cloud is cut off, so that the near hits are seen: ParaView
     /// clips all that is 1000 times nearer than the farthest point, and a
@@ -186,21 +185,17 @@ impl Distances {
             .values(|strip| &strip.distance)
             .filter(|distance| distance.is_finite())
             .collect();
-        if distances.is_empty() {
+        let quantiles = [1, 50, 99, 100]
+            .map(|percent| quantile(&mut distances, [percent, 100], f32::total_cmp));
+        let [Some(near), median, Some(far), Some(farthest)] = quantiles else {
             return Self {
                 median: None,
                 max_shown: 1.0,
             };
-        }
-        let n = distances.len();
-        let mut quantile = |percent: usize| {
-            let rank = (n - 1) * percent / 100;
-            *distances.select_nth_unstable_by(rank, f32::total_cmp).1
         };
-        let [near, median, far, farthest] = [1, 50, 99, 100].map(&mut quantile);
         let cut = f64::from(near) * 300.0;
         Self {
-            median: Some(median),
+            median,
             max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
         }
     }

@@ -1,0 +1,89 @@
+//! Order statistics: the median, and quantiles that are values of the sample.
+
+use std::cmp::Ordering;
+
+/// The median: the middle value or, of an even number of values, the mean of the
+/// two in the middle; `None` without values. Reorders the values.
+pub fn median(values: &mut [f64]) -> Option<f64> {
+    let n = values.len();
+    let upper = upper_median(values, f64::total_cmp)?;
+    if n % 2 == 1 {
+        return Some(upper);
+    }
+    // The selection has left the lower half on the left.
+    let lower = values[..n / 2].iter().copied().max_by(f64::total_cmp)?;
+    Some((lower + upper) / 2.0)
+}
+
+/// The upper median: the middle value or, of an even number of values, the
+/// greater of the two in the middle. Unlike [`median`], it is always one of the
+/// values; `None` without values. Reorders the values.
+pub fn upper_median<T: Copy>(values: &mut [T], order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
+    order_statistic(values, values.len() / 2, order)
+}
+
+/// The `numerator / denominator` quantile, from 0 to 1, as one of the values: of
+/// `n` sorted values the one with index `(n - 1) * numerator / denominator`,
+/// rounded down; `None` without values. Reorders the values.
+pub fn quantile<T: Copy>(
+    values: &mut [T],
+    [numerator, denominator]: [usize; 2],
+    order: impl FnMut(&T, &T) -> Ordering,
+) -> Option<T> {
+    let last = values.len().checked_sub(1)?;
+    order_statistic(values, last * numerator / denominator, order)
+}
+
+/// The value that would have this index if the values were sorted; `None` beyond
+/// the last one. Smaller values end up on its left, greater ones on its right.
+fn order_statistic<T: Copy>(
+    values: &mut [T],
+    index: usize,
+    order: impl FnMut(&T, &T) -> Ordering,
+) -> Option<T> {
+    if index >= values.len() {
+        return None;
+    }
+    Some(*values.select_nth_unstable_by(index, order).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn no_values_have_no_median() {
+        assert_eq!(median(&mut []), None);
+        assert_eq!(upper_median(&mut [], f64::total_cmp), None);
+        assert_eq!(quantile(&mut [], [1, 2], f64::total_cmp), None);
+    }
+
+    #[test]
+    fn the_rules_differ_where_two_values_are_in_the_middle() {
+        let values = [4.0, 1.0, 3.0, 2.0];
+        assert_eq!(median(&mut values.clone()), Some(2.5));
+        assert_eq!(upper_median(&mut values.clone(), f64::total_cmp), Some(3.0));
+        let half = quantile(&mut values.clone(), [1, 2], f64::total_cmp);
+        assert_eq!(half, Some(2.0));
+    }
+
+    proptest! {
+        /// The reference: all values sorted.
+        #[test]
+        fn selection_finds_what_sorting_does(
+            values in prop::collection::vec(-9.0..9.0, 1..20),
+            percent in 0..=100_usize,
+        ) {
+            let mut sorted = values.clone();
+            sorted.sort_by(f64::total_cmp);
+            let n = sorted.len();
+            let mean = (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0;
+            prop_assert_eq!(median(&mut values.clone()), Some(mean));
+            prop_assert_eq!(upper_median(&mut values.clone(), f64::total_cmp), Some(sorted[n / 2]));
+            let found = quantile(&mut values.clone(), [percent, 100], f64::total_cmp);
+            prop_assert_eq!(found, Some(sorted[(n - 1) * percent / 100]));
+        }
+    }
+}
