@@ -20,7 +20,7 @@ use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
 use raycost::render::{Plan, render};
-use raycost::results::{Frame, Hits};
+use raycost::results::{FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
 use raycost::statistics::{Ratio, SampleStatistics};
 use raycost::vtk::Codec;
@@ -64,14 +64,14 @@ fn main() {
     let path = |name| folder.join(format!("raycost-bench-{name}"));
     let frame = path("frame.vti");
     let mut rows = compare("frame.vti", &film, write_frame, &frame, || {
-        let mut frame = Frame::open(&frame).unwrap();
+        let mut frame = FrameFile::open(&frame).unwrap();
         for info in frame.arrays().to_vec() {
             black_box(frame.read(&info.name).unwrap());
         }
     });
     let hits = path("hits.vtu");
     rows.extend(compare("hits.vtu", &film, write_hits, &hits, || {
-        let mut hits = Hits::open(&hits).unwrap();
+        let mut hits = HitsFile::open(&hits).unwrap();
         for info in hits.arrays().to_vec() {
             black_box(hits.read(&info.name).unwrap());
         }

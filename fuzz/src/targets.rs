@@ -7,11 +7,11 @@ use raycost::config::Config;
 use raycost::diff::{Diff, Side};
 use raycost::import::{MAX_BYTES_PER_BYTE, read_mesh, read_spheres};
 use raycost::memory::Memory;
-use raycost::results::{self, Frame, Hits};
+use raycost::results::{self, FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
 use raycost::study::{self, Plan, rows, write_csv};
 use raycost::text::Diagnostic;
-use raycost::view::View;
+use raycost::view::Page;
 use raycost::yaml::Source;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -84,18 +84,18 @@ pub fn geometry(input: &[u8]) {
 pub fn vtk(input: &[u8]) {
     FOLDERS.with(|[folder, _]| {
         let path = folder.write("a.vtk", input);
-        if let Ok(mut frame) = Frame::open(&path) {
+        if let Ok(mut frame) = FrameFile::open(&path) {
             let n_pixels = frame.width() as usize * frame.height() as usize;
             for info in frame.arrays().to_vec() {
                 if let Ok(array) = frame.read(&info.name) {
                     assert_eq!(array.values.len(), n_pixels * array.n_components);
                 }
-                if let Ok(array) = frame.read_picked(&info.name, &[0], &[0]) {
+                if let Ok(array) = frame.read_selected(&info.name, &[0], &[0]) {
                     assert_eq!(array.values.len(), array.n_components);
                 }
             }
         }
-        if let Ok(mut hits) = Hits::open(&path) {
+        if let Ok(mut hits) = HitsFile::open(&path) {
             for info in hits.arrays().to_vec() {
                 if let Ok(array) = hits.read(&info.name) {
                     let n_points = hits.n_points();
@@ -117,7 +117,7 @@ pub fn output(input: &[u8]) {
         let Ok(results) = results::Results::open(ours.path()) else {
             return;
         };
-        if let Ok(view) = View::of(&results) {
+        if let Ok(view) = Page::of(&results) {
             view.write(&mut std::io::sink()).expect("a sink takes all");
         }
         if let Ok(sides) = Side::open([ours.path(), other.path()]) {

@@ -1,19 +1,19 @@
-//! Tables of the cost of objects and materials on the terminal.
+//! Tables of the cost of objects and materials for the terminal.
 
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::output::{Group, Rendering};
 use crate::text::one_line;
 
 /// Most rows of a table; the last one sums up the rest.
-const N_ROWS: usize = 10;
+const MAX_ROWS: usize = 10;
 /// Most characters of a name.
-const MAX_NAME: usize = 30;
+const MAX_NAME_CHARS: usize = 30;
 
-/// The quantity that shares refer to, and its accessor.
-type Measure = (&'static str, fn(&Work) -> u64);
+/// The name of a quantity of work, and its accessor.
+type WorkQuantity = (&'static str, fn(&Work) -> u64);
 
-/// In order of preference.
-const MEASURES: [Measure; 4] = [
+/// The quantities that shares may refer to, in order of preference.
+const QUANTITIES: [WorkQuantity; 4] = [
     ("time", |work| work.time_ps),
     ("node visits", |work| work.node_visits),
     ("primitive tests", |work| work.primitive_tests),
@@ -21,7 +21,7 @@ const MEASURES: [Measure; 4] = [
 ];
 
 /// A row: shares of the picture and of the cost by both attribution rules.
-struct Row {
+struct ShareRow {
     name: String,
     /// From 0 to 1.
     shares: [f64; 3],
@@ -33,63 +33,63 @@ pub(super) fn tables(rendering: &Rendering, attribution: &CostAttribution) -> St
     let whole = attribution.objects.iter().copied();
     let whole = whole.fold(AttributedCost::default(), AttributedCost::with);
     let all = whole.all(AttributionRule::Hit);
-    let has_some = |measure: &&Measure| (measure.1)(&all) > 0;
-    let measure = MEASURES.iter().find(has_some).unwrap_or(&MEASURES[3]);
+    let has_some = |quantity: &&WorkQuantity| (quantity.1)(&all) > 0;
+    let quantity = QUANTITIES.iter().find(has_some).unwrap_or(&QUANTITIES[3]);
     let groups = Group::all(rendering, attribution);
     groups
         .iter()
-        .map(|group| table(group, &whole, measure))
+        .map(|group| table(group, &whole, quantity))
         .collect()
 }
 
-fn table(group: &Group, whole: &AttributedCost, (measure, amount): &Measure) -> String {
+fn table(group: &Group, whole: &AttributedCost, (quantity, amount): &WorkQuantity) -> String {
     let numbers = |account: &AttributedCost| {
-        let [seen, met] = AttributionRule::ALL.map(|charge| amount(&account.all(charge)));
-        [account.n_samples(), seen, met]
+        let [primary, hit] = AttributionRule::ALL.map(|rule| amount(&account.all(rule)));
+        [account.n_samples(), primary, hit]
     };
     let whole = numbers(whole);
     let row = |(name, account): (&String, &AttributedCost)| {
         let numbers = numbers(account);
         let share = |i: usize| numbers[i] as f64 / whole[i].max(1) as f64;
-        Row {
-            name: cut(name),
+        ShareRow {
+            name: truncated(name),
             shares: std::array::from_fn(share),
         }
     };
-    let mut rows: Vec<Row> = group.names.iter().zip(group.accounts).map(row).collect();
-    // A stable sort: what costs the same stays in the scene's order.
+    let mut rows: Vec<ShareRow> = group.names.iter().zip(group.accounts).map(row).collect();
+    // The sort is stable: equal costs keep the scene's order.
     rows.sort_by(|a, b| b.shares[1].total_cmp(&a.shares[1]));
     sum_up_the_rest(&mut rows, group.kind);
     let widest = rows.iter().map(|row| row.name.chars().count()).max();
     let width = widest.unwrap_or(0).max(group.kind.len());
     let mut text = format!(
-        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   {measure} of what it shows, of rays that met it\n",
-        "", group.kind, "pixels", "shows", "met"
+        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   {quantity} by primary hit, by ray hit\n",
+        "", group.kind, "pixels", "primary", "hit"
     );
-    for Row { name, shares } in rows {
-        let [pixels, seen, met] = shares.map(|share| format!("{:.1} %", 100.0 * share));
-        text += &format!("        {name:<width$}  {pixels:>8}  {seen:>8}  {met:>8}\n");
+    for ShareRow { name, shares } in rows {
+        let [pixels, primary, hit] = shares.map(|share| format!("{:.1} %", 100.0 * share));
+        text += &format!("        {name:<width$}  {pixels:>8}  {primary:>8}  {hit:>8}\n");
     }
     text
 }
 
 /// Sums up the rows beyond the limit in one row.
-fn sum_up_the_rest(rows: &mut Vec<Row>, kind: &str) {
-    if rows.len() <= N_ROWS + 1 {
+fn sum_up_the_rest(rows: &mut Vec<ShareRow>, kind: &str) {
+    if rows.len() <= MAX_ROWS + 1 {
         return;
     }
-    let rest = rows.split_off(N_ROWS);
-    rows.push(Row {
+    let rest = rows.split_off(MAX_ROWS);
+    rows.push(ShareRow {
         name: format!("{} more {kind}s", rest.len()),
         shares: std::array::from_fn(|i| rest.iter().map(|row| row.shares[i]).sum()),
     });
 }
 
 /// Returns the name on one line, truncated if it is long.
-fn cut(name: &str) -> String {
+fn truncated(name: &str) -> String {
     let name = one_line(name);
-    match name.char_indices().nth(MAX_NAME) {
+    match name.char_indices().nth(MAX_NAME_CHARS) {
         None => name.into_owned(),
-        Some(_) => name.chars().take(MAX_NAME - 1).chain(['…']).collect(),
+        Some(_) => name.chars().take(MAX_NAME_CHARS - 1).chain(['…']).collect(),
     }
 }

@@ -17,23 +17,25 @@ use crate::text::numbers::{bytes, count, counted};
 use crate::text::{self, Diagnostic};
 use crate::vtk::Codec;
 
-/// Say what rendering a scene would do, and render nothing; or verify an output
-/// folder
+/// Check a scene without rendering it, or verify an output folder
 ///
-/// Of a folder that `raycost render` wrote, every file is compared with its
-/// length and checksum in summary.json.
+/// For a scene, prints what `raycost render` would do. For a folder that `raycost
+/// render` wrote, compares every file with its length and checksum in summary.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   raycost check configs/seed_extended.yaml --width 3840 --height 2160
   raycost check out/seed_extended")]
-pub(super) struct Arguments {
+pub(super) struct CheckArguments {
     #[command(flatten)]
     scene: SceneArguments,
 }
 
-impl Arguments {
-    /// Finds what is wrong, and prints nothing.
-    pub(super) fn check_alone(&self) -> Result<(), Diagnostic> {
+impl CheckArguments {
+    /// Checks the scene without printing a report.
+    ///
+    /// # Errors
+    /// The first fault of the scene.
+    pub(super) fn find_fault(&self) -> Result<(), Diagnostic> {
         let Loaded {
             source,
             config,
@@ -44,7 +46,7 @@ impl Arguments {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     if arguments.scene.scene.join(SUMMARY).exists() {
         return verified(&arguments.scene.scene);
     }
@@ -146,7 +148,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
         .collect()
 }
 
-/// What would be written.
+/// The files that would be written.
 fn files(config: &Config, out: &Path) -> String {
     let wanted = Artifact::ALL.iter().filter(|file| file.is_wanted(config));
     let names: Vec<&str> = wanted.map(|file| file.file_name()).collect();
@@ -159,7 +161,7 @@ fn files(config: &Config, out: &Path) -> String {
     format!("{names}, summary.json in {out}{codec}")
 }
 
-/// How the picture would be dealt out.
+/// The tiles of the picture.
 fn tiles(config: &Config) -> String {
     let Image { width, height, .. } = config.image;
     let Tiling { size, order } = config.tiles;
@@ -167,13 +169,13 @@ fn tiles(config: &Config) -> String {
     let order = match order {
         TileOrder::Scanline => "along rows",
         TileOrder::Hilbert => "along a Hilbert curve",
-        TileOrder::Cost => "the most costly first",
+        TileOrder::Cost => "the most expensive first",
     };
     let n_tiles = counted(n_tiles.into(), "tile");
     format!("{n_tiles} of {size} x {size} pixels, {order}")
 }
 
-/// What would be measured, and how.
+/// The cost that would be measured, and how.
 fn cost(config: &Config) -> String {
     match (config.cost, config.repeats) {
         (CostMode::None, _) => "none; rays are traced in streams".to_owned(),
@@ -190,7 +192,8 @@ fn cost(config: &Config) -> String {
     }
 }
 
-/// "3 sphere, 1 plane", in the order of the file.
+/// The number of objects of each kind, such as "3 sphere, 1 plane", in the order of the
+/// file.
 fn kinds(config: &Config) -> String {
     let mut kinds: indexmap::IndexMap<String, u64> = indexmap::IndexMap::new();
     for object in &config.objects {

@@ -11,12 +11,12 @@ use crate::text;
 #[command(
     after_help = "Example:\n  raycost completions bash > ~/.local/share/bash-completion/completions/raycost"
 )]
-pub(super) struct Arguments {
+pub(super) struct CompletionsArguments {
     /// The shell
     shell: Shell,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &CompletionsArguments) -> Result<(), Failure> {
     let mut script = Vec::new();
     let mut command = Cli::command();
     clap_complete::generate(arguments.shell, &mut command, "raycost", &mut script);

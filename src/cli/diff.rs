@@ -16,29 +16,29 @@ use crate::text::{self, Diagnostic};
   raycost diff out/before out/after --fail-above 5%
 
 Exit code 3: B costs more than `--fail-above` allows.")]
-pub(super) struct Arguments {
-    /// The folder that `raycost render` wrote first
+pub(super) struct DiffArguments {
+    /// Output folder A, the baseline
     a: PathBuf,
 
-    /// The folder to compare with it, of the same size in pixels
+    /// Output folder B, with a picture of the same size
     b: PathBuf,
 
     /// Folder to write to [default: out/diff-<A>-<B>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Print all that is known as JSON
+    /// Print the whole comparison as JSON
     #[arg(long)]
     json: bool,
 
-    /// Fail if B's whole cost is above A's by more than this, such as `5%`:
-    /// its time, by more than noise explains, or node visits and primitive
-    /// tests where a time is missing
+    /// Fail if B's total cost exceeds A's by more than this, such as `5%`: its time,
+    /// by more than noise explains, or the sum of node visits and primitive tests if
+    /// a time is missing
     #[arg(long, value_name = "PERCENT")]
     fail_above: Option<Limit>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &DiffArguments) -> Result<(), Failure> {
     let folders: [&Path; 2] = [&arguments.a, &arguments.b];
     let (sides, diff) = read_unchanged(&folders, || {
         let sides = Side::open(folders)?;
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The folder to write to.
-fn out(arguments: &Arguments, [a, b]: &[Side; 2]) -> PathBuf {
+fn out(arguments: &DiffArguments, [a, b]: &[Side; 2]) -> PathBuf {
     match &arguments.out {
         Some(out) => out.clone(),
         None => {

@@ -1,23 +1,24 @@
-//! Why a command ended without success.
+//! The failure of a command: its message and its exit code.
 
 use crate::folder::WriteError;
 use crate::stop::Stopped;
 use crate::text::Diagnostic;
 
-/// One message and an exit code.
+/// Why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// The user's input is wrong: exit code 2.
     Input(Diagnostic),
     /// B costs more than the gate of `diff` allows: exit code 3.
     Gate(Diagnostic),
-    /// The machine could not do it: exit code 1.
+    /// The system refused, for example to write a file: exit code 1.
     Machine(Diagnostic),
-    /// The command line is wrong, as this styled text says: exit code 2.
+    /// The command line is wrong; clap's message with its styles: exit code 2.
     Usage(String),
-    /// A signal asked the program to end: exit code 128 and its number.
+    /// A signal stopped the program: exit code 128 plus its number.
     Stopped(Stopped),
-    /// Whoever read the output has gone, as `| head` does: end in silence.
+    /// The reader of the output has closed its pipe, as `| head` does: exit code 0,
+    /// without a message.
     ClosedOutput,
 }
 
@@ -39,7 +40,7 @@ impl From<WriteError> for Failure {
     }
 }
 
-/// A failure of writing to the terminal.
+/// Converts the error of writing to the terminal.
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
@@ -63,7 +64,7 @@ impl Failure {
         }
     }
 
-    /// What to print for the user, with styles, if anything.
+    /// The message with its styles; `None` if nothing is printed.
     pub fn message(&self) -> Option<String> {
         match self {
             Self::Input(diagnostic) | Self::Gate(diagnostic) | Self::Machine(diagnostic) => {

@@ -1,4 +1,4 @@
-//! The most expensive pixels: named after a rendering, and found for a trace.
+//! The most expensive pixels, for the run summary and for `raycost trace`.
 
 use std::time::Duration;
 
@@ -14,15 +14,15 @@ use crate::scene::Scene;
 use crate::text::Diagnostic;
 use crate::text::numbers::{count, counted, duration};
 
-/// A most expensive pixel, and what it is that by.
+/// The most expensive pixel by a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Hottest {
     metric: Metric,
     pixel: HotPixel,
 }
 
-/// The lines that name the most expensive pixel of a film: by its time, if that
-/// can be trusted, and by what was counted. None where nothing was measured.
+/// Returns lines with the most expensive pixel of a film by its time, if the times are
+/// reliable, and by its counters; empty if nothing was measured.
 pub(super) fn lines(film: &Film) -> String {
     let found = [by_time(film), by_count(film)];
     let texts: Vec<String> = match found {
@@ -39,7 +39,7 @@ pub(super) fn lines(film: &Film) -> String {
         .collect()
 }
 
-/// The command that shows the rays of the most expensive pixel.
+/// The command that traces the most expensive pixel; `None` if nothing was measured.
 pub(super) fn trace_command(scene: &SceneArguments, film: &Film) -> Option<String> {
     let Hottest { pixel, .. } = by_time(film).or_else(|| by_count(film))?;
     let (x, y) = pixel.place;
@@ -48,7 +48,7 @@ pub(super) fn trace_command(scene: &SceneArguments, film: &Film) -> Option<Strin
     Some(format!("raycost trace {scene_word} --pixel {x},{y}{flags}"))
 }
 
-/// The pixels that a trace was asked for by their cost, in words.
+/// Returns a line with the pixels that a trace has found by a metric.
 pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
     let named = |pixel: &HotPixel| {
         let ((x, y), value) = (pixel.place, shown(metric, pixel.value));
@@ -58,8 +58,8 @@ pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
     format!("hottest by {}: {}\n", metric.name(), pixels.join(", "))
 }
 
-/// The config of the rendering that finds the most expensive pixels: it times them
-/// or counts, and nothing else.
+/// The config of the rendering that finds the most expensive pixels: it measures only
+/// the metric.
 pub(super) fn searched(config: &Config, metric: Metric) -> Config {
     let (cost, repeats) = match metric {
         Metric::TimeNs => (CostMode::Time, config.repeats),
@@ -82,16 +82,16 @@ pub(super) fn search(config: &Config, scene: &Scene, accel: &Accel, quiet: bool)
     })
 }
 
-/// The `n` most expensive pixels, or fewer.
+/// Returns the `n` most expensive pixels, or fewer if fewer have a cost.
 ///
 /// # Errors
-/// Where no pixel costs anything, or no time can be trusted.
+/// No pixel has a cost, or no time is reliable.
 pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPixel>, Failure> {
     let pixels = film.hottest(metric, n);
     match (pixels.is_empty(), metric) {
         (false, _) => Ok(pixels),
         (true, Metric::TimeNs) => {
-            let message = "no pixel took the same time twice: the machine is too busy";
+            let message = "no pixel has a reliable time: the machine is too busy";
             let help = "ask for `--repeats 10`, or for counters, such as `--by node_visits`";
             Err(Failure::Machine(Diagnostic::new(message).with_help(help)))
         }
@@ -109,7 +109,7 @@ fn by_time(film: &Film) -> Option<Hottest> {
         .then(|| most_by(film, Metric::TimeNs))?
 }
 
-/// By node visits, or tests where there is no hierarchy.
+/// By node visits, or by primitive tests if there is no hierarchy.
 fn by_count(film: &Film) -> Option<Hottest> {
     let mut metrics = [Metric::NodeVisits, Metric::PrimitiveTests].into_iter();
     let find = || metrics.find_map(|metric| most_by(film, metric));
@@ -133,7 +133,7 @@ fn value(hottest: Hottest) -> String {
     shown(hottest.metric, hottest.pixel.value)
 }
 
-/// A cost with its unit.
+/// Formats a value of a metric with its unit.
 fn shown(metric: Metric, value: f64) -> String {
     match metric {
         Metric::TimeNs => duration(Duration::from_nanos(value as u64)),
@@ -142,7 +142,7 @@ fn shown(metric: Metric, value: f64) -> String {
     }
 }
 
-/// What is measured, in the plural.
+/// The name of a metric in a sentence, in the plural.
 fn noun(metric: Metric) -> &'static str {
     match metric {
         Metric::TimeNs => "time",

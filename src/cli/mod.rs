@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand.
+//! The command line: one file per subcommand.
 
 mod charges;
 mod check;
@@ -32,8 +32,8 @@ use crate::text::{self, Diagnostic, one_line};
 
 /// A ray tracer that shows its work
 ///
-/// Reads a scene from a YAML file; writes its picture, a map of what each
-/// pixel cost, and VTK files with ParaView states to look at both.
+/// Reads a scene from a YAML file; writes its picture, a map of the cost of each pixel,
+/// and VTK files with ParaView states that show both.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, subcommand_required = true)]
 #[command(after_help = "Start with:\n  raycost render configs/seed_sphere.yaml")]
@@ -46,25 +46,25 @@ pub struct Cli {
 enum Command {
     /// Render a scene and write its files
     Render(render::Arguments),
-    /// Say what rendering a scene would do, and render nothing; or verify an output folder
-    Check(check::Arguments),
+    /// Check a scene without rendering it, or verify an output folder
+    Check(check::CheckArguments),
     /// Write a page that shows an output folder in a browser
-    View(view::Arguments),
+    View(view::ViewArguments),
     /// Compare the costs of two outputs
-    Diff(diff::Arguments),
-    /// Show all rays of some pixels and what each costs
-    Trace(trace::Arguments),
-    /// Measure how the cost of scenes depends on what you vary
+    Diff(diff::DiffArguments),
+    /// Show all rays of some pixels and the cost of each
+    Trace(trace::TraceArguments),
+    /// Measure how the cost of scenes depends on the factors that you vary
     Study(study::Arguments),
     /// Print a completion script for a shell
-    Completions(completions::Arguments),
+    Completions(completions::CompletionsArguments),
 }
 
-/// Does what the arguments of the command line say; the first one is the
-/// program's name.
+/// Parses the command line and runs its subcommand; the first argument is the program's
+/// name.
 ///
 /// # Errors
-/// The one message and the exit code to end with.
+/// The message to print and the exit code.
 pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     let arguments: Vec<OsString> = arguments.collect();
     match Cli::try_parse_from(&arguments) {
@@ -74,8 +74,8 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     }
 }
 
-/// clap's text with its styles. It repeats arguments as they are: an error of
-/// those that hold what cannot be seen is that of the same arguments as text.
+/// Returns clap's text with its styles. clap repeats arguments verbatim, so that
+/// arguments with control characters are parsed again with these made visible.
 fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
     let visible = arguments
         .iter()
@@ -93,7 +93,7 @@ impl Cli {
             )))
         })?;
         match (self.run_command(), stop::check()) {
-            // Whatever failed, failed since it had to end.
+            // A command that fails after a signal fails because of the signal.
             (Err(_), Err(stopped)) => Err(stopped.into()),
             (ended, _) => ended,
         }
@@ -113,22 +113,22 @@ impl Cli {
 }
 
 impl Cli {
-    /// Finds what is wrong with the scene of a `check`, and prints nothing.
-    fn check_alone(&self) -> Result<(), Diagnostic> {
+    /// Checks the scene of a `check` without printing a report; other subcommands pass.
+    fn find_fault(&self) -> Result<(), Diagnostic> {
         match &self.command {
-            Command::Check(arguments) => arguments.check_alone(),
+            Command::Check(arguments) => arguments.find_fault(),
             _ => Ok(()),
         }
     }
 }
 
-/// Does work on threads of its own: rayon's would panic where the system
-/// refuses them.
+/// Runs `work` on a new thread pool: rayon's global pool would panic if the system
+/// refused its threads.
 fn on_threads(work: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
     render::thread_pool(None)?.install(work)
 }
 
-/// The path as it is shown on a terminal.
+/// The path, safe to print on a terminal.
 fn shown(path: &Path) -> String {
     one_line(&path.to_string_lossy()).into_owned()
 }

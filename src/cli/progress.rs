@@ -8,15 +8,16 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::render::Progress;
 use crate::text::one_line;
 
-/// How long a build goes on before it shows a bar.
-const SHORT: Duration = Duration::from_secs(1);
+/// A build shows no bar before this time.
+const BAR_DELAY: Duration = Duration::from_secs(1);
 
-/// A bar on standard error, on a terminal alone.
+/// A bar on standard error, if that is a terminal.
 fn bar(length: u64, quiet: bool) -> ProgressBar {
     // indicatif hides the bar where standard error is no terminal.
-    let target = match quiet {
-        true => ProgressDrawTarget::hidden(),
-        false => ProgressDrawTarget::stderr(),
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
     };
     let bar = ProgressBar::with_draw_target(Some(length), target);
     let template = "{bar:40.cyan} {percent:>3} %  {msg}  {eta} left";
@@ -26,7 +27,7 @@ fn bar(length: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A bar for the building of the hierarchy, if it takes long.
+/// A bar for building the hierarchy; drawn only if the build takes over a second.
 pub(super) struct BuildBar {
     bar: ProgressBar,
     n_millionths: AtomicU64,
@@ -41,29 +42,29 @@ impl BuildBar {
         }
     }
 
-    /// Moves the bar on by a part of the whole.
+    /// Advances the bar by a fraction of the build, from 0 to 1.
     pub(super) fn advance(&self, part: f64) {
         let n = (part * 1e6) as u64;
         let n_millionths = n + self.n_millionths.fetch_add(n, Ordering::Relaxed);
-        if self.bar.elapsed() > SHORT {
+        if self.bar.elapsed() > BAR_DELAY {
             self.bar.set_position(n_millionths);
         }
     }
 
-    /// Takes the bar off the terminal.
+    /// Removes the bar from the terminal.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// A bar of pixels for the rendering.
-pub(super) struct Bar {
+/// A bar for rendering, which counts pixels.
+pub(super) struct PixelBar {
     bar: ProgressBar,
     n_rays: AtomicU64,
 }
 
-impl Bar {
-    /// A bar of this many pixels; never drawn if `quiet`.
+impl PixelBar {
+    /// A bar of `n_pixels`; never drawn if `quiet`.
     pub(super) fn new(n_pixels: u64, quiet: bool) -> Self {
         Self {
             bar: bar(n_pixels, quiet),
@@ -71,7 +72,7 @@ impl Bar {
         }
     }
 
-    /// Moves the bar on.
+    /// Advances the bar.
     pub(super) fn advance(&self, progress: Progress) {
         if self.bar.is_hidden() {
             return;
@@ -85,36 +86,36 @@ impl Bar {
         self.bar.inc(progress.n_pixels);
     }
 
-    /// Takes the bar off the terminal.
+    /// Removes the bar from the terminal.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// A bar of runs for a study.
+/// A bar for a study, which counts runs.
 pub(super) struct StudyBar {
     bar: ProgressBar,
 }
 
 impl StudyBar {
-    /// A bar of this many runs; never drawn if `quiet`.
+    /// A bar of `n_runs`; never drawn if `quiet`.
     pub(super) fn new(n_runs: u64, quiet: bool) -> Self {
         Self {
             bar: bar(n_runs, quiet),
         }
     }
 
-    /// Tells which run is on.
+    /// Shows the label of the current run.
     pub(super) fn begin(&self, label: &str) {
         self.bar.set_message(one_line(label).into_owned());
     }
 
-    /// Moves the bar on by a run.
+    /// Advances the bar by one run.
     pub(super) fn advance(&self) {
         self.bar.inc(1);
     }
 
-    /// Takes the bar off the terminal.
+    /// Removes the bar from the terminal.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
     }

@@ -1,4 +1,4 @@
-//! Pixels as the command line names them.
+//! Rectangles of pixels on the command line.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -7,8 +7,8 @@ use std::str::FromStr;
 use crate::config::Image;
 use crate::text::Diagnostic;
 
-/// Some columns and rows of a picture, row 0 on top: `3,4`, `10..19,4` or
-/// `10..19,0..9`.
+/// A rectangle of pixels, row 0 on top, such as `3,4`, `10..19,4` or `10..19,0..9`; both
+/// ends are inclusive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Rectangle {
     columns: RangeInclusive<u32>,
@@ -16,7 +16,10 @@ pub(super) struct Rectangle {
 }
 
 impl Rectangle {
-    /// Makes sure that it lies in the picture.
+    /// Checks that the rectangle lies in the picture.
+    ///
+    /// # Errors
+    /// The rectangle, and the picture's size.
     pub(super) fn check(&self, image: &Image) -> Result<(), Diagnostic> {
         if *self.columns.end() < image.width && *self.rows.end() < image.height {
             return Ok(());
@@ -29,13 +32,13 @@ impl Rectangle {
         )))
     }
 
-    /// How many pixels.
+    /// The number of pixels.
     pub(super) fn n_pixels(&self) -> u64 {
         let n = |range: &RangeInclusive<u32>| u64::from(range.end() - range.start()) + 1;
         n(&self.columns) * n(&self.rows)
     }
 
-    /// The pixels of all rectangles, each once, row by row.
+    /// The pixels of all rectangles, each once, row by row of each rectangle.
     pub(super) fn pixels(rectangles: &[Self]) -> impl Iterator<Item = (u32, u32)> + '_ {
         rectangles
             .iter()
@@ -69,7 +72,7 @@ impl FromStr for Rectangle {
     }
 }
 
-/// A number, or two of them around two dots, the lower one first.
+/// Parses a number or a range `first..last` with `first <= last`.
 fn range(text: &str) -> Option<RangeInclusive<u32>> {
     let number = |text: &str| text.trim().parse::<u32>().ok();
     let (first, last) = match text.split_once("..") {
@@ -94,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pixels_and_ranges_are_read_as_they_are_shown() {
+    fn parsing_inverts_formatting() {
         for text in ["3,4", "10..19,4", "0,7..8", "10..19,0..9"] {
             assert_eq!(text.parse::<Rectangle>().unwrap().to_string(), text);
         }
@@ -102,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn all_else_is_refused() {
+    fn malformed_rectangles_are_refused() {
         for text in [
             "",
             "3",
@@ -121,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_of_two_rectangles_come_once() {
+    fn overlapping_rectangles_give_each_pixel_once() {
         let rectangles = ["1..2,1..2", "2..3,2"].map(|text| text.parse().unwrap());
         let pixels: Vec<_> = Rectangle::pixels(&rectangles).collect();
         assert_eq!(pixels, [(1, 1), (2, 1), (1, 2), (2, 2), (3, 2)]);

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::progress::{Bar, BuildBar};
+use super::progress::{BuildBar, PixelBar};
 use super::scene::{Loaded, SceneArguments};
 use super::{Failure, run_summary};
 use crate::accel::Accel;
@@ -175,7 +175,7 @@ fn start_profiler() -> Result<Profiler, Failure> {
 
 /// Does work on so many pixels, which tells of its progress, under a bar.
 pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
-    let bar = Bar::new(n_pixels, quiet);
+    let bar = PixelBar::new(n_pixels, quiet);
     let done = work(&|progress| bar.advance(progress));
     bar.clear();
     done

@@ -1,4 +1,4 @@
-//! A scene as the command line names and changes it.
+//! The arguments of the command line that name a scene and override its settings.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::text::Diagnostic;
 use crate::vtk::Codec;
 use crate::yaml::{self, Fault, Source};
 
-/// What names a scene and changes it.
+/// The scene file and the settings that override the file's.
 #[derive(Debug, clap::Args)]
 pub(super) struct SceneArguments {
     /// The scene's YAML file
@@ -44,7 +44,7 @@ pub(super) struct SceneArguments {
     #[arg(long, value_name = "BOUNCES")]
     max_depth: Option<u8>,
 
-    /// How hits are found, instead of the file's
+    /// Acceleration structure, instead of the file's
     #[arg(long, value_name = "STRUCTURE")]
     acceleration: Option<Structure>,
 
@@ -53,7 +53,7 @@ pub(super) struct SceneArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
     count: Option<u32>,
 
-    /// What is measured of each pixel, instead of the file's
+    /// Cost to measure for each pixel, instead of the file's
     #[arg(long, value_name = "MODE")]
     cost: Option<CostMode>,
 
@@ -70,20 +70,20 @@ pub(super) struct SceneArguments {
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(Tiling::MIN_SIZE as i64..=Tiling::MAX_SIZE as i64))]
     tile_size: Option<u32>,
 
-    /// In which order threads take tiles, instead of the file's
+    /// Order in which threads take tiles, instead of the file's
     #[arg(long, value_name = "ORDER")]
     tile_order: Option<TileOrder>,
 
-    /// Files to write beside those of every run, and those that the scene asks for
+    /// Optional outputs, in addition to those that the scene requests
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     also: Vec<OptionalOutput>,
 
-    /// How the arrays of VTK files are compressed, instead of the file's
+    /// Compression of the arrays in VTK files, instead of the file's
     #[arg(long, value_name = "CODEC")]
     compress: Option<Codec>,
 }
 
-/// A scene file, what it says, and what the files hold that it names.
+/// A scene file, its config, and the geometries of the files that it names.
 pub(super) struct Loaded {
     pub(super) source: Source,
     pub(super) config: Config,
@@ -91,12 +91,18 @@ pub(super) struct Loaded {
 }
 
 impl SceneArguments {
-    /// Reads the scene and makes sure that it fits into memory with its film.
+    /// Reads the scene and checks that it fits into memory with its film.
+    ///
+    /// # Errors
+    /// The first fault of the scene.
     pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
         self.load_for(Memory::of)
     }
 
-    /// Reads the scene and makes sure that what is done with it fits into memory.
+    /// Reads the scene and checks that the memory that a command needs is available.
+    ///
+    /// # Errors
+    /// The first fault of the scene.
     pub(super) fn load_for(
         &self,
         needed: impl Fn(&Config, &Geometries) -> Memory,
@@ -135,7 +141,8 @@ impl SceneArguments {
         let available = memory::available();
         let geometries = Geometries::read(&config, source.folder(), available)
             .map_err(|fault| source.point_at(fault))?;
-        // What was read is part of the need, and no longer of what is free.
+        // The geometries are part of the need, but were not yet allocated when
+        // `available` was measured.
         needed(&config, &geometries)
             .check(available)
             .map_err(|fault| source.point_at(fault))?;
@@ -146,8 +153,10 @@ impl SceneArguments {
         })
     }
 
-    /// For a command that has its own files: makes sure that no others are
-    /// asked for.
+    /// Refuses `--also`, for a command that writes only its own files.
+    ///
+    /// # Errors
+    /// `--also` is given.
     pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
         if self.also.is_empty() {
             Ok(())
@@ -159,7 +168,7 @@ impl SceneArguments {
         }
     }
 
-    /// What the command line says of the cost, if anything.
+    /// The cost mode of the command line, if given.
     fn cost(&self) -> Option<CostMode> {
         if self.no_cost {
             Some(CostMode::None)
@@ -168,11 +177,11 @@ impl SceneArguments {
         }
     }
 
-    /// Makes the config's repeats those of the command line.
+    /// Sets the config's repeats to those of the command line, if given.
     fn set_repeats(&self, config: &mut Config, source: &Source) -> Result<(), Diagnostic> {
         let of_file = config.repeats;
         config.repeats = self.repeats.unwrap_or(of_file);
-        // What the command line alone turns off, it turns off as a whole.
+        // A command line that disables times also disables the file's repeats.
         if self.repeats.is_none() && self.cost().is_some_and(|cost| !cost.has_time()) {
             config.repeats = Repeats::Auto;
         }
@@ -196,8 +205,8 @@ impl SceneArguments {
         }
     }
 
-    /// The flags that change the picture or where its files go, each with a blank
-    /// before it: with them, another command sees the same pixels.
+    /// The flags that determine the pixels and the output folder, each preceded by a
+    /// blank: with them, another command renders the same pixels.
     pub(super) fn flags_of_the_picture(&self) -> Vec<String> {
         let flag = |name: &str, value: Option<String>| value.map(|v| format!(" --{name} {v}"));
         let number = |n: Option<u32>| n.map(|n| n.to_string());
@@ -223,7 +232,7 @@ impl SceneArguments {
         }
     }
 
-    /// The scene's name.
+    /// The scene's name: the file's stem.
     pub(super) fn name(&self) -> String {
         let stem = self.scene.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()

@@ -235,7 +235,7 @@ fn check(plan: &Plan, point: &Point, folder: &Path) -> Result<(), Failure> {
             .with_help("see `raycost render --help` for the flags")
     };
     let cli = Cli::try_parse_from(words).map_err(refused)?;
-    Ok(cli.check_alone()?)
+    Ok(cli.find_fault()?)
 }
 
 /// Renders a point in a process of its own, into a folder that goes again. The

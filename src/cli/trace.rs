@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::progress::{Bar, BuildBar};
+use super::progress::{BuildBar, PixelBar};
 use super::rectangle::Rectangle;
 use super::render::thread_pool;
 use super::scene::{Loaded, SceneArguments};
@@ -22,37 +22,38 @@ use crate::stop;
 use crate::text::numbers::{bytes, counted};
 use crate::text::{self, Diagnostic};
 
-/// Show all rays of some pixels and what each costs
+/// Show all rays of some pixels and the cost of each
 ///
-/// Prints the rays of the first pixels as trees, and writes those of all, with
+/// Prints the rays of the first pixels as trees, and writes the rays of all pixels with
 /// a ParaView state that shows them in the scene.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Of each ray the tree tells what it met, how far away, what that cost, and what
-it brings to the pixel's color. What a shadow ray brings, in brackets, is its
-light's part of the ray above it. Times are medians of five.
+For each ray, the tree shows what it hit, the distance, the cost, and its
+contribution to the pixel's color. For a shadow ray, the contribution is in
+parentheses: the light's share of the color of the ray above it. Times are
+medians of five.
 
 Examples:
   raycost trace configs/seed_extended.yaml --pixel 120,190
   raycost trace configs/hall_of_mirrors.yaml --pixel 390..409,240..249 --spp 1
   raycost trace configs/spot.yaml --hottest 3 --by node_visits")]
-pub(super) struct Arguments {
+pub(super) struct TraceArguments {
     #[command(flatten)]
     scene: SceneArguments,
 
-    /// Pixels to trace; 0,0 is on the top left. X and Y are numbers, or ranges
-    /// such as 10..19, both ends included. May be given more than once
+    /// Pixels to trace; 0,0 is at the top left. X and Y are numbers, or ranges such as
+    /// 10..19, both ends included. Can be repeated
     #[arg(long, value_name = "X,Y", required_unless_present = "hottest")]
     pixel: Vec<Rectangle>,
 
-    /// Trace the N pixels that cost most instead, 1 to 10,000, which are found by
-    /// rendering the picture
+    /// Trace the N most expensive pixels instead, 1 to 10,000; renders the picture to
+    /// find them
     #[arg(long, value_name = "N", conflicts_with = "pixel")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     hottest: Option<u32>,
 
-    /// What they cost most of [default: time_ns, or node_visits where the scene
-    /// says that no time is taken]
+    /// Metric of the most expensive pixels [default: time_ns, or node_visits if the
+    /// scene does not measure times]
     #[arg(
         long,
         value_name = "METRIC",
@@ -61,23 +62,23 @@ pub(super) struct Arguments {
     )]
     by: Option<Metric>,
 
-    /// Threads to trace on [default: one for each processor]
+    /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// Print nothing but errors
+    /// Print only errors
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// Longest side of the cloud's picture: its dots lie close, and it takes no
-/// longer than the blink of an eye.
+/// Longest side of the cloud's picture in pixels: dense enough for `rays.pvsm`, and
+/// rendered in a fraction of a second.
 const CLOUD_SIDE: u32 = 320;
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     arguments.scene.refuse_also()?;
     let needed = |config: &Config, geometries: &Geometries| match arguments.metric(config) {
-        // A picture is rendered to find the pixels.
+        // The picture is rendered to find the pixels.
         Some(metric) => Memory::of(&hottest::searched(config, metric), geometries),
         None => Memory::of_scene(config, geometries),
     };
@@ -100,10 +101,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let accel = pool.install(|| Accel::build(&scene.primitives, config.acceleration, report));
     bar.clear();
     let accel = accel.map_err(|error| source.point_at(memory::too_large(error)))?;
-    let pixels = pool.install(|| Pixels::of(arguments, &config, &scene, &accel))?;
+    let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;
 
-    // The scene's own picture becomes the cloud; rays go through the plane of
-    // the picture that was asked for.
+    // The cloud is a small picture of the scene; the traced rays pass through the
+    // image plane of the requested picture.
     let plane = scene.image_plane;
     let small = small(&image);
     scene.image_plane = config.camera.image_plane(small.width, small.height);
@@ -133,18 +134,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The pixels to trace.
-enum Pixels<'a> {
-    /// As they were named.
+enum TracedPixels<'a> {
+    /// Those of `--pixel`.
     Named(&'a [Rectangle]),
-    /// The most expensive ones.
+    /// Those of `--hottest`.
     Hottest(Metric, Vec<HotPixel>),
 }
 
-impl<'a> Pixels<'a> {
-    /// Those of the arguments; renders the picture where that finds them, on the
+impl<'a> TracedPixels<'a> {
+    /// Returns the pixels of the arguments; for `--hottest` renders the picture on the
     /// current rayon pool.
     fn of(
-        arguments: &'a Arguments,
+        arguments: &'a TraceArguments,
         config: &Config,
         scene: &Scene,
         accel: &Accel,
@@ -158,7 +159,7 @@ impl<'a> Pixels<'a> {
         Ok(Self::Hottest(metric, found))
     }
 
-    /// How many.
+    /// The number of pixels.
     fn n(&self) -> u64 {
         match self {
             Self::Named(rectangles) => rectangles.iter().map(Rectangle::n_pixels).sum(),
@@ -166,7 +167,7 @@ impl<'a> Pixels<'a> {
         }
     }
 
-    /// Their columns and rows.
+    /// The column and row of each pixel.
     fn places(&self) -> Box<dyn Iterator<Item = (u32, u32)> + '_> {
         match self {
             Self::Named(rectangles) => Box::new(Rectangle::pixels(rectangles)),
@@ -174,7 +175,7 @@ impl<'a> Pixels<'a> {
         }
     }
 
-    /// What was found, in words; nothing where the pixels were named.
+    /// A line with the pixels that `--hottest` found; empty for `--pixel`.
     fn found(&self) -> String {
         match self {
             Self::Named(_) => String::new(),
@@ -183,24 +184,28 @@ impl<'a> Pixels<'a> {
     }
 }
 
-impl Arguments {
-    /// What the most expensive pixels are to be found by, if they are.
+impl TraceArguments {
+    /// The metric of `--hottest`; `None` without it.
     fn metric(&self, config: &Config) -> Option<Metric> {
         self.hottest?;
-        let by_default = match config.cost.has_time() {
-            true => Metric::TimeNs,
-            false => Metric::NodeVisits,
+        let by_default = if config.cost.has_time() {
+            Metric::TimeNs
+        } else {
+            Metric::NodeVisits
         };
         Some(self.by.unwrap_or(by_default))
     }
 }
 
-/// An image of the same shape, small.
+/// A small image with the same aspect ratio and one sample per pixel.
 fn small(image: &Image) -> Image {
     let longest = image.width.max(image.height);
-    let shrunk = |side: u32| match longest <= CLOUD_SIDE {
-        true => side,
-        false => (side * CLOUD_SIDE).div_ceil(longest),
+    let shrunk = |side: u32| {
+        if longest <= CLOUD_SIDE {
+            side
+        } else {
+            (side * CLOUD_SIDE).div_ceil(longest)
+        }
     };
     Image {
         width: shrunk(image.width),
@@ -210,15 +215,15 @@ fn small(image: &Image) -> Image {
     }
 }
 
-/// The rays of all pixels, if half of the memory that is left holds them: the
-/// rest is for what is made of them.
+/// Traces the rays of all pixels, if they fit into half of the free memory; the other
+/// half is for writing them.
 fn observe(
     observer: &Observer,
-    pixels: &Pixels,
+    pixels: &TracedPixels,
     quiet: bool,
 ) -> Result<Vec<ObservedPixel>, Failure> {
     let n_pixels = pixels.n();
-    let bar = Bar::new(n_pixels, quiet);
+    let bar = PixelBar::new(n_pixels, quiet);
     let report = |n_pixels| {
         bar.advance(Progress {
             n_pixels,
@@ -232,13 +237,13 @@ fn observe(
 
 fn too_many(error: TooManyRays, n_pixels: u64) -> Failure {
     let help = format!(
-        "ask for fewer than {}, or for fewer samples with `--spp N`",
+        "trace fewer than {}, or fewer samples with `--spp N`",
         counted(n_pixels, "pixel")
     );
     Failure::Machine(Diagnostic::new(error.to_string()).with_help(help))
 }
 
-/// What was written and what to type next.
+/// The written files and the next command.
 fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> String {
     let n_rays: usize = pixels.iter().map(|pixel| pixel.tree.rays.len()).sum();
     let files: Vec<String> = written

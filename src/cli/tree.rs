@@ -1,4 +1,4 @@
-//! The rays of a pixel as a tree on the terminal.
+//! The rays of pixels as trees for the terminal.
 
 use std::time::Duration;
 
@@ -13,28 +13,29 @@ use crate::output::Traced;
 use crate::text::numbers::{count, counted, duration};
 use crate::text::one_line;
 
-/// Pixels that are shown.
-const MOST_PIXELS: usize = 3;
-/// Rays of a pixel that are shown.
-const MOST_RAYS: usize = 40;
-/// Characters of a name that are shown.
-const MOST_CHARACTERS: usize = 24;
+/// Most pixels that are shown.
+const MAX_PIXELS: usize = 3;
+/// Most rays of a pixel that are shown.
+const MAX_RAYS: usize = 40;
+/// Most characters of a name.
+const MAX_NAME_CHARS: usize = 24;
 
 const BOLD: Style = Style::new().bold();
 const DIMMED: Style = Style::new().dimmed();
 
-/// Traced pixels and the names of what their rays met.
+/// Traced pixels and the scene's config, which names what their rays hit.
 pub(super) struct Trees<'a> {
     config: &'a Config,
     traced: &'a Traced<'a>,
 }
 
 /// A line of the table.
-struct Row {
-    /// The branches of the tree before the kind.
+struct TreeRow {
+    /// The branches of the tree before the first cell.
     branches: String,
+    /// The first cell and its style.
     first: (String, Style),
-    /// What the ray met, the numbers, and the color.
+    /// The other cells: what the ray hit, the numbers, and the color.
     cells: Vec<String>,
 }
 
@@ -43,10 +44,10 @@ impl<'a> Trees<'a> {
         Self { config, traced }
     }
 
-    /// The trees of the first pixels, with styles.
+    /// Returns the trees of the first pixels, with styles.
     pub(super) fn text(&self) -> String {
         let (shown, others) = {
-            let n = MOST_PIXELS.min(self.traced.pixels.len());
+            let n = MAX_PIXELS.min(self.traced.pixels.len());
             self.traced.pixels.split_at(n)
         };
         let tables = shown
@@ -60,15 +61,15 @@ impl<'a> Trees<'a> {
         text
     }
 
-    /// A header, the rays, and their sums.
-    fn table(&self, pixel: &ObservedPixel) -> Vec<Row> {
+    /// The table of a pixel: a header, the rays, and their sums.
+    fn table(&self, pixel: &ObservedPixel) -> Vec<TreeRow> {
         let ((x, y), tree) = (pixel.place, &pixel.tree);
         let mut header = vec!["meets", "distance", "nodes", "tests"];
         if self.traced.is_timed {
             header.push("time");
         }
         header.extend(["red", "green", "blue"]);
-        let mut rows = vec![Row {
+        let mut rows = vec![TreeRow {
             branches: String::new(),
             first: (format!("pixel {x},{y}"), BOLD),
             cells: header.into_iter().map(str::to_owned).collect(),
@@ -78,8 +79,8 @@ impl<'a> Trees<'a> {
         rows
     }
 
-    /// The rays, each above those that start from its hit.
-    fn rays(&self, tree: &RayTree) -> Vec<Row> {
+    /// The rays, each above the rays that start from its hit.
+    fn rays(&self, tree: &RayTree) -> Vec<TreeRow> {
         let mut children = vec![Vec::new(); tree.rays.len()];
         let mut next = Vec::new();
         for (number, ray) in tree.rays.iter().enumerate() {
@@ -91,9 +92,9 @@ impl<'a> Trees<'a> {
         next.reverse();
         let mut rows = Vec::new();
         while let Some((number, branches, below)) = next.pop() {
-            if rows.len() == MOST_RAYS {
+            if rows.len() == MAX_RAYS {
                 let n = counted((tree.rays.len() - rows.len()) as u64, "more ray");
-                rows.push(Row::of_text(format!("and {n} in rays.vtp")));
+                rows.push(TreeRow::of_text(format!("and {n} in rays.vtp")));
                 break;
             }
             rows.push(self.ray(&tree.rays[number], branches, tree));
@@ -109,7 +110,7 @@ impl<'a> Trees<'a> {
         rows
     }
 
-    fn ray(&self, ray: &TracedRay, branches: String, tree: &RayTree) -> Row {
+    fn ray(&self, ray: &TracedRay, branches: String, tree: &RayTree) -> TreeRow {
         let is_shadow = ray.kind == RayKind::Shadow;
         let distance = match ray.hit {
             Some(hit) => hit.t,
@@ -129,14 +130,14 @@ impl<'a> Trees<'a> {
         } else {
             String::new()
         };
-        Row {
+        TreeRow {
             branches,
             first: (format!("{kind}{sample}"), color.on_default()),
             cells,
         }
     }
 
-    /// What the ray met, in words.
+    /// The name of what the ray hit.
     fn meets(&self, ray: &TracedRay) -> String {
         let met = ray.hit.map(|hit| {
             let primitive = &self.traced.scene.primitives[hit.primitive as usize];
@@ -167,18 +168,18 @@ impl<'a> Trees<'a> {
         material.map_or_else(|| id.to_string(), |(name, _)| short(name))
     }
 
-    /// The sums over all rays, and what becomes of their color.
-    fn sums(&self, tree: &RayTree) -> Vec<Row> {
+    /// The sums over all rays, and the color in the picture.
+    fn sums(&self, tree: &RayTree) -> Vec<TreeRow> {
         let cost = tree.cost();
         let time_ns = tree.rays.iter().map(|ray| ray.time_ns).sum();
         let mut cells = vec![String::new(), String::new()];
         cells.extend(self.costs([cost.node_visits, cost.primitive_tests], time_ns));
         cells.extend(channels(tree.color()));
         let n_rays = counted(tree.rays.len() as u64, "ray");
-        let sums = Row {
+        let sums = TreeRow {
             first: (n_rays, BOLD),
             cells,
-            ..Row::of_text(String::new())
+            ..TreeRow::of_text(String::new())
         };
         let limited = tree.clamped_color();
         let [red, green, blue] = to_rgb8(limited);
@@ -188,7 +189,7 @@ impl<'a> Trees<'a> {
         } else {
             format!("{shown}, each sample limited to 1")
         };
-        vec![sums, Row::of_text(remark)]
+        vec![sums, TreeRow::of_text(remark)]
     }
 
     fn costs<N: Into<u64>>(&self, counts: [N; 2], time_ns: f32) -> Vec<String> {
@@ -199,7 +200,7 @@ impl<'a> Trees<'a> {
     }
 }
 
-impl Row {
+impl TreeRow {
     /// A remark below the table.
     fn of_text(text: String) -> Self {
         Self {
@@ -210,8 +211,8 @@ impl Row {
     }
 }
 
-/// What a kind of rays is called, and its color, which is that of `rays.pvsm`
-/// as far as terminals go.
+/// The name of a kind of rays and its color, the terminal's nearest to that in
+/// `rays.pvsm`.
 fn kind(kind: RayKind) -> (&'static str, AnsiColor) {
     match kind {
         RayKind::Camera => ("camera", AnsiColor::Blue),
@@ -225,7 +226,7 @@ fn channels(color: Vec3) -> [String; 3] {
     color.to_array().map(|channel| format!("{channel:.3} "))
 }
 
-/// Three digits or more; nothing for what is infinite.
+/// Formats a number with fewer decimals the larger it is; empty for infinity.
 fn significant(number: f32) -> String {
     match number {
         n if n.is_infinite() => String::new(),
@@ -236,25 +237,25 @@ fn significant(number: f32) -> String {
     }
 }
 
-/// The beginning of a name, on one line.
+/// A name on one line, truncated if it is long.
 fn short(name: &str) -> String {
     let mut short = one_line(name).into_owned();
-    if let Some((end, _)) = short.char_indices().nth(MOST_CHARACTERS) {
+    if let Some((end, _)) = short.char_indices().nth(MAX_NAME_CHARS) {
         short.truncate(end);
         short.push('…');
     }
     short
 }
 
-/// Rows in columns, the first two from the left and the numbers from the right.
-fn in_columns(rows: &[Row]) -> String {
-    let cell = |row: &Row, i: usize| row.cells.get(i).map_or(0, |cell| cell.chars().count());
+/// Aligns rows in columns: the first two flush left, the numbers flush right.
+fn in_columns(rows: &[TreeRow]) -> String {
+    let cell = |row: &TreeRow, i: usize| row.cells.get(i).map_or(0, |cell| cell.chars().count());
     let n_columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..n_columns)
         .map(|i| rows.iter().map(|row| cell(row, i)).max().unwrap_or(0))
         .collect();
     let with_cells = rows.iter().filter(|row| !row.cells.is_empty());
-    let first = with_cells.map(Row::first_width).max().unwrap_or(0);
+    let first = with_cells.map(TreeRow::first_width).max().unwrap_or(0);
     let mut lines = String::new();
     for row in rows {
         let (text, style) = &row.first;
@@ -276,7 +277,7 @@ fn in_columns(rows: &[Row]) -> String {
     lines
 }
 
-impl Row {
+impl TreeRow {
     fn first_width(&self) -> usize {
         self.branches.chars().count() + self.first.0.chars().count()
     }

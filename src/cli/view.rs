@@ -7,16 +7,16 @@ use crate::folder::{Replace, target, write_file};
 use crate::results::{Results, read_unchanged};
 use crate::text;
 use crate::text::numbers::bytes;
-use crate::view::{self, View};
+use crate::view::{self, Page};
 
 /// Write a page that shows an output folder in a browser
 ///
-/// The page stands alone: it needs no server and no network.
+/// The page is self-contained: it needs no server and no network.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   raycost view out/seed_extended
   raycost view out/seed_extended --max-mb 10 --out page.html")]
-pub(super) struct Arguments {
+pub(super) struct ViewArguments {
     /// A folder that `raycost render` wrote
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -25,13 +25,13 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
-    /// Largest size of the page in MB (1,000,000 bytes), as for a mail: shows
-    /// fewer pixels until it fits
+    /// Largest size of the page in MB (1,000,000 bytes), such as a limit for mail:
+    /// shows fewer pixels until the page fits
     #[arg(long, value_name = "N", value_parser = megabytes, allow_negative_numbers = true)]
     max_mb: Option<u64>,
 }
 
-/// A number of megabytes as bytes.
+/// Parses a number of megabytes as bytes.
 fn megabytes(text: &str) -> Result<u64, String> {
     let wrong = "expected a number above 0, such as 10 or 0.5";
     let n_bytes = text.parse::<f64>().map_err(|_| wrong)? * 1e6;
@@ -42,23 +42,23 @@ fn megabytes(text: &str) -> Result<u64, String> {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),
     };
     target(&path, Replace::Marked)?;
     let folder = &arguments.folder;
-    let view = read_unchanged(&[folder], || {
+    let page = read_unchanged(&[folder], || {
         let results = Results::open(folder)?;
         match arguments.max_mb {
-            Some(max_bytes) => View::within(max_bytes, &results),
-            None => View::of(&results),
+            Some(max_bytes) => Page::within(max_bytes, &results),
+            None => Page::of(&results),
         }
     })?;
-    let written = write_file(&path, Replace::Marked, |out| view.write(out))?;
+    let written = write_file(&path, Replace::Marked, |out| page.write(out))?;
     let mut text = String::new();
-    for note in view.notes() {
+    for note in page.notes() {
         text += &format!("note    {note}\n");
     }
     text += &format!("wrote   {} ({})\n", shown(&path), bytes(written.bytes));

@@ -1,4 +1,4 @@
-//! The files of a diff.
+//! Writes the files of a diff.
 
 use std::io::Write;
 
@@ -9,27 +9,27 @@ use super::{Diff, Side, map, state, to_json, volume};
 use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
 use crate::provenance::{self, RunId, checksum, stamped};
 
-/// The files, in the order of the report.
+/// A file of a diff, in the order of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Artifact {
-    /// The change as a picture.
+enum DiffFile {
+    /// The change of one metric as a picture.
     Png,
-    /// The change as an image of many arrays.
+    /// The change of every metric as ImageData.
     Vti,
     /// A ParaView state that shows them.
     State,
-    /// All that the report says, and more.
+    /// The whole diff as JSON.
     Json,
 }
 
-const ALL: [Artifact; 4] = [
-    Artifact::Png,
-    Artifact::Vti,
-    Artifact::State,
-    Artifact::Json,
+const ALL: [DiffFile; 4] = [
+    DiffFile::Png,
+    DiffFile::Vti,
+    DiffFile::State,
+    DiffFile::Json,
 ];
 
-impl Artifact {
+impl DiffFile {
     fn file_name(self) -> &'static str {
         match self {
             Self::Png => "diff.png",
@@ -40,10 +40,10 @@ impl Artifact {
     }
 }
 
-/// Writes the files of a diff; gives them in their order.
+/// Writes the files of a diff and returns them in the order of the report.
 ///
 /// # Errors
-/// The first file that could not be written; then no file has changed.
+/// The first file that could not be written; then no file of the folder has changed.
 pub fn write(
     diff: &Diff,
     sides: &[Side; 2],
@@ -57,12 +57,12 @@ pub fn write(
         entries.shift_insert(0, provenance::KEY.to_owned(), serde_json::json!(run));
     }
     let staging = folder.stage_files()?;
-    let stage = |artifact: &Artifact| {
+    let stage = |artifact: &DiffFile| {
         staging.stage(artifact.file_name(), |out| match artifact {
-            Artifact::Png => map::write(diff, sides, run, out),
-            Artifact::Vti => volume::write(diff, sides, run, out),
-            Artifact::State => out.write_all(stamped(&state::text(diff, folder), run).as_bytes()),
-            Artifact::Json => {
+            DiffFile::Png => map::write(diff, sides, run, out),
+            DiffFile::Vti => volume::write(diff, sides, run, out),
+            DiffFile::State => out.write_all(stamped(&state::text(diff, folder), run).as_bytes()),
+            DiffFile::Json => {
                 serde_json::to_writer_pretty(&mut *out, &json)?;
                 writeln!(out)
             }
@@ -74,15 +74,14 @@ pub fn write(
     Ok(written)
 }
 
-/// Makes sure that no file in the folder is someone else's of a name that
-/// [`write()`] writes.
+/// Checks that [`write()`] would not overwrite a file of another program.
 ///
 /// # Errors
-/// Such a file.
+/// The first such file.
 pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
     folder.refuse_foreign(&own())
 }
 
 fn own() -> Own {
-    Own::Marked(ALL.into_iter().map(Artifact::file_name).collect())
+    Own::Marked(ALL.into_iter().map(DiffFile::file_name).collect())
 }

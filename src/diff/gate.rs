@@ -1,28 +1,30 @@
-//! The gate of `--fail-above`: whether B costs more than may be.
+//! The gate of `--fail-above`: whether B costs more than the limit allows.
 
 use serde::Serialize;
 
 use super::Diff;
-use super::measure::ratio;
+use super::metric::ratio;
 use super::noise::Noise;
 use crate::text::Diagnostic;
 
-/// The cost that may be added, in percent of A's.
+/// The greatest increase of the cost that passes, in percent of A's cost; at least 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit(f64);
 
-/// What the gate found.
+/// The verdict of the gate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gate {
-    /// What may be added, in percent of A's cost.
+    /// The greatest increase that passes, in percent of A's cost.
     pub limit_percent: f64,
-    /// What was held against it: `time`, or `node visits + primitive tests`.
-    pub measure: &'static str,
-    /// B over A.
+    /// What was compared: `time`, or `node visits + primitive tests`.
+    #[serde(rename = "measure")]
+    pub metric: &'static str,
+    /// The ratio B / A.
     pub ratio: f64,
-    /// The ratio is at least this; of a time the lower end of its interval.
+    /// The lower bound of the ratio: of a time the lower end of its confidence
+    /// interval, of counters the ratio itself.
     pub at_least: f64,
-    /// Whether B may pass.
+    /// Whether B passes.
     pub passed: bool,
 }
 
@@ -41,21 +43,21 @@ impl std::str::FromStr for Limit {
 }
 
 impl Limit {
-    /// Whether B over A may be this.
+    /// Whether the ratio B / A passes.
     fn allows(self, ratio: f64) -> bool {
         ratio <= 1.0 + self.0 / 100.0
     }
 }
 
 impl Gate {
-    /// Holds the whole cost against the limit. A time is too high if all of its
-    /// interval is: where no more was added than may be, noise closes the gate
-    /// in one of forty comparisons at most. Counters are exact.
+    /// Compares the whole cost with the limit. A time fails if its confidence
+    /// interval lies above the limit: noise alone fails one of forty comparisons
+    /// at most. Counters are exact.
     ///
     /// # Errors
-    /// Times that were not repeated often enough to tell.
+    /// The times have too few repeats for a confidence interval.
     pub fn of(diff: &Diff, limit: Limit) -> Result<Self, Diagnostic> {
-        let (measure, ratio, at_least) = match &diff.noise {
+        let (metric, ratio, at_least) = match &diff.noise {
             None => {
                 let ratio = ratio(diff.totals.steps());
                 ("node visits + primitive tests", ratio, ratio)
@@ -67,16 +69,16 @@ impl Gate {
         };
         Ok(Self {
             limit_percent: limit.0,
-            measure,
+            metric,
             ratio,
             at_least,
             passed: limit.allows(at_least),
         })
     }
 
-    /// What was found, in a sentence.
+    /// Returns the verdict as a sentence.
     pub fn sentence(&self) -> String {
-        let measure = self.measure;
+        let metric = self.metric;
         let [change, at_least] =
             [self.ratio, self.at_least].map(|ratio| format!("{:+.1} %", added_percent(ratio)));
         let limit = format!("{} %", self.limit_percent);
@@ -85,39 +87,37 @@ impl Gate {
         } else {
             format!(", {at_least} at least")
         };
-        match self.passed {
-            true if !Limit(self.limit_percent).allows(self.ratio) => format!(
-                "passed, though not clearly: {change} of {measure}{least}; {limit} may be added"
-            ),
-            true => format!("passed: {change} of {measure}; {limit} may be added"),
-            false => {
-                format!("B costs too much: {change} of {measure}{least}; {limit} may be added")
-            }
+        if !self.passed {
+            format!("B costs too much: {change} of {metric}{least}; {limit} may be added")
+        } else if Limit(self.limit_percent).allows(self.ratio) {
+            format!("passed: {change} of {metric}; {limit} may be added")
+        } else {
+            format!("passed, though not clearly: {change} of {metric}{least}; {limit} may be added")
         }
     }
 }
 
-/// What a ratio adds: 5 for 1.05.
+/// The increase of a ratio in percent: 5 for 1.05.
 fn added_percent(ratio: f64) -> f64 {
     100.0 * (ratio - 1.0)
 }
 
-/// The estimate and the lower end of its interval.
+/// Returns the estimate of the ratio of the times and the lower end of its
+/// confidence interval.
 fn time_ratio(noise: &Noise) -> Result<(f64, f64), Diagnostic> {
     let found = noise
         .test()
         .and_then(|test| Some((test.ratio.estimate, test.ratio.interval?[0])));
     found.ok_or_else(|| {
         let message = match noise.test() {
-            None => "`--fail-above` cannot tell a slower time from noise: there are no repeats"
-                .to_owned(),
+            None => "`--fail-above` cannot test a change of time: there are no repeats".to_owned(),
             Some(test) => format!(
-                "`--fail-above` cannot tell a slower time from noise with {} and {} repeats",
+                "`--fail-above` cannot test a change of time with only {} and {} repeats",
                 test.n[0], test.n[1]
             ),
         };
         Diagnostic::new(message).with_help(
-            "render both with `--repeats 10`, or with `--cost counters`, which are exact",
+            "render both with `--repeats 10`, or with `--cost counters`: counters are exact",
         )
     })
 }

@@ -1,20 +1,20 @@
-//! Pixels that belong together: those of an object, those of a tile.
+//! Sums the cost over the pixels of each object and of each tile.
 
 use std::collections::HashMap;
 
-use super::measure::Measure;
-use super::{Group, Side, Total, Totals};
+use super::metric::CostMetric;
+use super::{CostGroup, Side, Total, Totals};
 use crate::text::Diagnostic;
 
-/// The pixels by object and tile, and what is summed of them so far.
+/// The pixels grouped by object and by tile, and the sums of the metrics added so far.
 pub(super) struct Groups {
-    /// Each side's own, since objects may have moved.
+    /// One partition per side, since objects may have moved.
     by_object: [Partition; 2],
-    /// B's: a tile is a part of the picture, whoever rendered it.
+    /// The tiles of B.
     by_tile: Partition,
-    object_totals: Vec<(Measure, [Vec<f64>; 2])>,
-    tile_totals: Vec<(Measure, [Vec<f64>; 2])>,
-    /// Pixels that are not of the same object on both sides.
+    object_totals: Vec<(CostMetric, [Vec<f64>; 2])>,
+    tile_totals: Vec<(CostMetric, [Vec<f64>; 2])>,
+    /// Pixels that show different objects in A and B.
     pub(super) n_other_objects: u64,
 }
 
@@ -31,54 +31,55 @@ impl Groups {
         })
     }
 
-    /// Sums another cost.
-    pub(super) fn add(&mut self, measure: Measure, values: &[Vec<f64>; 2]) {
-        let objects = [0, 1].map(|side| self.by_object[side].totals(measure, &values[side]));
-        let tiles = [0, 1].map(|side| self.by_tile.totals(measure, &values[side]));
-        self.object_totals.push((measure, objects));
-        self.tile_totals.push((measure, tiles));
+    /// Sums another metric over each group.
+    pub(super) fn add(&mut self, metric: CostMetric, values: &[Vec<f64>; 2]) {
+        let objects = [0, 1].map(|side| self.by_object[side].totals(metric, &values[side]));
+        let tiles = [0, 1].map(|side| self.by_tile.totals(metric, &values[side]));
+        self.object_totals.push((metric, objects));
+        self.tile_totals.push((metric, tiles));
     }
 
-    /// The objects of both sides, those of one name together.
-    pub(super) fn objects(&self, sides: &[Side; 2]) -> Vec<Group> {
-        let mut groups: Vec<Group> = Vec::new();
-        let mut place_of: HashMap<String, usize> = HashMap::new();
+    /// Returns the objects of both sides; objects with the same name are one group.
+    pub(super) fn objects(&self, sides: &[Side; 2]) -> Vec<CostGroup> {
+        let mut groups: Vec<CostGroup> = Vec::new();
+        let mut group_of: HashMap<String, usize> = HashMap::new();
         for (side, output) in sides.iter().enumerate() {
             for (index, &id) in self.by_object[side].ids.iter().enumerate() {
                 let name = output.object_name(id);
-                let place = *place_of.entry(name.clone()).or_insert_with(|| {
-                    let nothing = |(measure, _): &(Measure, _)| Total {
-                        measure: *measure,
+                let group = *group_of.entry(name.clone()).or_insert_with(|| {
+                    let nothing = |(metric, _): &(CostMetric, _)| Total {
+                        metric: *metric,
                         cost: [0.0; 2],
                     };
                     let totals = Totals(self.object_totals.iter().map(nothing).collect());
-                    groups.push(Group {
+                    groups.push(CostGroup {
                         name,
                         bounds: None,
                         totals,
                     });
                     groups.len() - 1
                 });
-                let totals = &mut groups[place].totals.0;
-                for (total, (measure, sums)) in totals.iter_mut().zip(&self.object_totals) {
+                let totals = &mut groups[group].totals.0;
+                for (total, (metric, sums)) in totals.iter_mut().zip(&self.object_totals) {
                     let cost = &mut total.cost[side];
-                    *cost = measure.add(*cost, sums[side][index]);
+                    *cost = metric.add(*cost, sums[side][index]);
                 }
             }
         }
         groups
     }
 
-    pub(super) fn tiles(&self, [width, _]: [u32; 2]) -> Vec<Group> {
+    /// Returns the tiles of B with their bounds in a frame of this size.
+    pub(super) fn tiles(&self, [width, _]: [u32; 2]) -> Vec<CostGroup> {
         let bounds = self.by_tile.bounds(width as usize);
-        let group = |(index, id): (usize, &i32)| Group {
+        let group = |(index, id): (usize, &i32)| CostGroup {
             name: format!("tile {id}"),
             bounds: Some(bounds[index]),
             totals: Totals(
                 self.tile_totals
                     .iter()
-                    .map(|(measure, sums)| Total {
-                        measure: *measure,
+                    .map(|(metric, sums)| Total {
+                        metric: *metric,
                         cost: [sums[0][index], sums[1][index]],
                     })
                     .collect(),
@@ -88,26 +89,26 @@ impl Groups {
     }
 }
 
-/// The greatest change first; of equal ones as they came.
-pub(super) fn sorted(mut groups: Vec<Group>) -> Vec<Group> {
+/// Sorts groups by their change, the greatest first; the sort is stable.
+pub(super) fn sorted(mut groups: Vec<CostGroup>) -> Vec<CostGroup> {
     groups.sort_by(|x, y| y.change().abs().total_cmp(&x.change().abs()));
     groups
 }
 
-/// The pixels of a frame, dealt out to groups.
+/// A partition of the pixels of a frame into groups.
 struct Partition {
-    /// What each group is called in the array, in the order of first sight.
+    /// The id of each group in the array, in the order of its first pixel.
     ids: Vec<i32>,
     /// The group of each pixel, as an index into `ids`.
     of_pixel: Vec<u32>,
 }
 
 impl Partition {
-    /// Pixels with the same id are a group.
+    /// Groups pixels with the same id.
     fn by(pixel_ids: &[i32]) -> Self {
         let mut ids = Vec::new();
         let mut index_of: HashMap<i32, u32> = HashMap::new();
-        // Neighbors mostly belong together.
+        // Neighbors are mostly in the same group.
         let mut last = None;
         let mut group_of = |id: i32| match last {
             Some((last_id, group)) if last_id == id => group,
@@ -124,19 +125,19 @@ impl Partition {
         Self { ids, of_pixel }
     }
 
-    /// What the pixels of each group cost together.
-    fn totals(&self, measure: Measure, values: &[f64]) -> Vec<f64> {
+    /// Returns the total of each group.
+    fn totals(&self, metric: CostMetric, values: &[f64]) -> Vec<f64> {
         let mut totals = vec![0.0; self.ids.len()];
         for (&group, &value) in self.of_pixel.iter().zip(values) {
             let total = &mut totals[group as usize];
-            *total = measure.add(*total, value);
+            *total = metric.add(*total, value);
         }
         totals
     }
 
-    /// The least rectangle around each group in a frame of this width.
-    fn bounds(&self, width: usize) -> Vec<Rectangle> {
-        let mut bounds = vec![Rectangle::EMPTY; self.ids.len()];
+    /// Returns the bounds of each group in a frame of this width.
+    fn bounds(&self, width: usize) -> Vec<PixelBounds> {
+        let mut bounds = vec![PixelBounds::EMPTY; self.ids.len()];
         for (i, &group) in self.of_pixel.iter().enumerate() {
             bounds[group as usize].include(i % width, i / width);
         }
@@ -144,16 +145,16 @@ impl Partition {
     }
 }
 
-/// Some columns and rows of a frame, the last ones included.
+/// A rectangle of pixels in a frame; both ends are inclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub struct Rectangle {
+pub struct PixelBounds {
     /// First and last column.
     pub x: [usize; 2],
     /// First and last row, row 0 on top.
     pub y: [usize; 2],
 }
 
-impl Rectangle {
+impl PixelBounds {
     const EMPTY: Self = Self {
         x: [usize::MAX, 0],
         y: [usize::MAX, 0],
@@ -174,19 +175,25 @@ mod tests {
         let partition = Partition::by(&[7, 7, -1, 7, -1, 3]);
         assert_eq!(partition.ids, [7, -1, 3]);
         let values = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-        assert_eq!(partition.totals(Measure::TIME, &values), [11.0, 20.0, 32.0]);
-        assert_eq!(partition.totals(Measure::DEPTH, &values), [8.0, 16.0, 32.0]);
+        assert_eq!(
+            partition.totals(CostMetric::TIME, &values),
+            [11.0, 20.0, 32.0]
+        );
+        assert_eq!(
+            partition.totals(CostMetric::DEPTH, &values),
+            [8.0, 16.0, 32.0]
+        );
         let bounds = partition.bounds(3);
         assert_eq!(
             bounds[0],
-            Rectangle {
+            PixelBounds {
                 x: [0, 1],
                 y: [0, 1]
             }
         );
         assert_eq!(
             bounds[2],
-            Rectangle {
+            PixelBounds {
                 x: [2, 2],
                 y: [1, 1]
             }

@@ -1,13 +1,14 @@
-//! A diff as JSON: what the terminal shows, and all groups.
+//! A diff as JSON: the content of the report, and all groups.
 
 use serde_json::{Value, json};
 
 use super::gate::Gate;
-use super::measure::{Measure, ratio};
-use super::{Diff, Group, Side, Total, Totals};
+use super::metric::{CostMetric, ratio};
+use super::{CostGroup, Diff, Side, Total, Totals};
 use crate::statistics::CONFIDENCE;
 
-/// The whole diff. A ratio to nothing, which is infinite, is null.
+/// Returns the whole diff as JSON. A ratio B / A with A = 0 < B is infinite: null in
+/// JSON.
 pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
     let [a, b] = sides.each_ref().map(side);
     json!({
@@ -33,24 +34,24 @@ fn side(side: &Side) -> Value {
     json!({ "folder": side.name(), "scene": side.summary().get("scene") })
 }
 
-/// By the arrays' names.
+/// The totals by the names of the arrays.
 fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> Value {
     let total = |total: &Total| {
         let [a, b] = total.cost;
-        let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.measure {
-            Measure::TIME => json!(value),
+        let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.metric {
+            CostMetric::TIME => json!(value),
             _ => json!(value as i64),
         });
         let value = json!({
             "a": number_a, "b": number_b, "difference": difference, "ratio": ratio_of(total),
         });
-        (total.measure.array.to_owned(), value)
+        (total.metric.array.to_owned(), value)
     };
     Value::Object(totals.0.iter().map(total).collect())
 }
 
-fn groups(groups: &[Group]) -> Value {
-    let group = |group: &Group| {
+fn groups(groups: &[CostGroup]) -> Value {
+    let group = |group: &CostGroup| {
         let totals = totals(&group.totals, |total| ratio(total.cost));
         match group.bounds {
             Some(bounds) => {

@@ -1,4 +1,4 @@
-//! `diff.png`: what each pixel's cost changed by.
+//! `diff.png`: a map of the change of the cost per pixel.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use super::{Diff, Noise, Side};
 use crate::chart::{CostMap, Scale, draw, png};
 use crate::provenance::{self, RunId};
 
-/// Writes the map of the change that tells most.
+/// Writes the map of [`Diff::change`].
 pub(super) fn write(
     diff: &Diff,
     [a, b]: &[Side; 2],
@@ -25,9 +25,9 @@ pub(super) fn write(
             "{} − {}: {} per pixel",
             b.label(),
             a.label(),
-            change.measure.name
+            change.metric.name
         ),
-        unit: change.measure.unit,
+        unit: change.metric.unit,
         subtitle: &subtitle(diff),
     });
     let (width, height) = picture.dimensions();
@@ -37,12 +37,12 @@ pub(super) fn write(
 }
 
 fn subtitle(diff: &Diff) -> String {
-    let measure = diff.change.measure;
-    let cost = diff.totals.cost(measure).unwrap_or_default();
-    let [a, b] = cost.map(|cost| measure.label(cost));
+    let metric = diff.change.metric;
+    let cost = diff.totals.cost(metric).unwrap_or_default();
+    let [a, b] = cost.map(|cost| metric.label(cost));
     let ratio = ratio_label(
         diff.totals
-            .total(measure)
+            .total(metric)
             .map_or(1.0, |total| diff.ratio(total)),
     );
     let noise = match diff.noise.as_ref().and_then(Noise::test) {

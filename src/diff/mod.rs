@@ -1,12 +1,12 @@
-//! Two outputs of the same size → what changed from the first, A, to the
-//! second, B.
+//! Two outputs of the same size → the change of their costs from the first, A, to
+//! the second, B.
 //!
-//! Takes two folders that `raycost render` wrote; gives a [`Diff`], which tells
-//! of itself on the terminal, as JSON and in the files of [`write()`]. Counters
-//! are exact: any change of them is one of the work. Times are noisy: whether
-//! they changed is asked of the repeats.
+//! Compares two folders that `raycost render` wrote. A [`Diff`] is printed by
+//! [`report()`], serialized by [`to_json`] and written to files by [`write()`].
+//! Counters are exact: any change of a counter is a change of the work. Times are
+//! noisy: a statistical test of the repeats decides whether they changed.
 
-mod measure;
+mod metric;
 mod noise;
 mod group;
 mod picture;
@@ -25,9 +25,9 @@ mod files;
 pub use change::Change;
 pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
-pub use group::Rectangle;
+pub use group::PixelBounds;
 pub use json::to_json;
-pub use measure::{Measure, ratio};
+pub use metric::{CostMetric, ratio};
 pub use noise::{Noise, Test};
 pub use picture::PictureDifference;
 pub use report::report;
@@ -41,83 +41,86 @@ use crate::text::Diagnostic;
 /// What changed from A to B.
 #[derive(Debug)]
 pub struct Diff {
-    /// Columns and rows of both.
+    /// Columns and rows of both outputs.
     pub size: [u32; 2],
-    /// What the whole frame costs.
+    /// The costs of the whole frame.
     pub totals: Totals,
-    /// Whether the time changed by more than noise; `None` unless both have it.
+    /// Whether the change of the time is significant; `None` unless both outputs
+    /// have times.
     pub noise: Option<Noise>,
-    /// The change of what is shown: the time, or node visits or primitive tests,
-    /// whichever changed more.
+    /// The change per pixel of one metric: of the time or, where one is missing,
+    /// of node visits or primitive tests, whichever changed more.
     pub change: Change,
-    /// What the camera sees, object by object, the greatest change first.
-    pub objects: Vec<Group>,
-    /// What any ray meets, object by object, the greatest change first; empty
-    /// unless both have `objects.csv`.
-    pub reached: Vec<Group>,
+    /// The cost of the pixels that show each object, the greatest change first.
+    pub objects: Vec<CostGroup>,
+    /// The cost of all rays that hit each object, the greatest change first; empty
+    /// unless both outputs have `objects.csv`.
+    pub reached: Vec<CostGroup>,
     /// The tiles of B, the greatest change first.
-    pub tiles: Vec<Group>,
-    /// How far the pictures are apart.
+    pub tiles: Vec<CostGroup>,
+    /// The difference of the pictures.
     pub picture: PictureDifference,
-    /// Pixels where the camera sees another object.
+    /// Pixels that show different objects in A and B.
     pub n_other_objects: u64,
-    /// What was asked for otherwise.
+    /// The settings that differ.
     pub settings: Vec<Setting>,
-    /// What machine or program are not the same.
+    /// The properties of machine and program that differ.
     pub machine: Vec<Setting>,
 }
 
-/// One cost of some pixels, in A and in B.
+/// The total of one metric over some pixels, in A and in B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Total {
-    /// Which cost.
-    pub measure: Measure,
-    /// A's and B's.
+    /// The metric.
+    pub metric: CostMetric,
+    /// The totals of A and B.
     pub cost: [f64; 2],
 }
 
-/// The costs that both outputs have, in the order of [`Measure::ALL`].
+/// The totals of the metrics that both outputs have, in the order of
+/// [`CostMetric::ALL`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Totals(pub Vec<Total>);
 
-/// Pixels that belong together, and their costs.
+/// The pixels of an object or of a tile, or the rays that hit an object, and their
+/// costs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Group {
-    /// What it is called.
+pub struct CostGroup {
+    /// The name of the object or tile.
     pub name: String,
-    /// Where it is; of a tile.
-    pub bounds: Option<Rectangle>,
+    /// The bounds of a tile; `None` for an object.
+    pub bounds: Option<PixelBounds>,
     /// Its costs.
     pub totals: Totals,
 }
 
 impl Totals {
-    /// A's and B's value of a measure, if they have it.
-    pub fn cost(&self, measure: Measure) -> Option<[f64; 2]> {
-        self.total(measure).map(|total| total.cost)
+    /// The totals of a metric in A and B, if both have it.
+    pub fn cost(&self, metric: CostMetric) -> Option<[f64; 2]> {
+        self.total(metric).map(|total| total.cost)
     }
 
-    /// The total of a measure, if both have it.
-    pub fn total(&self, measure: Measure) -> Option<&Total> {
-        self.0.iter().find(|total| total.measure == measure)
+    /// The total of a metric, if both have it.
+    pub fn total(&self, metric: CostMetric) -> Option<&Total> {
+        self.0.iter().find(|total| total.metric == metric)
     }
 
-    /// Node visits and primitive tests together.
+    /// The sums of node visits and primitive tests in A and B.
     pub fn steps(&self) -> [f64; 2] {
-        let costs = [Measure::NODE_VISITS, Measure::PRIMITIVE_TESTS];
-        let [visits, tests] = costs.map(|measure| self.cost(measure).unwrap_or_default());
+        let costs = [CostMetric::NODE_VISITS, CostMetric::PRIMITIVE_TESTS];
+        let [visits, tests] = costs.map(|metric| self.cost(metric).unwrap_or_default());
         [visits[0] + tests[0], visits[1] + tests[1]]
     }
 
-    /// What tells most of the cost: the time, or [`Self::steps`] where a time
-    /// is missing.
+    /// The main cost in A and B: the time, or [`Self::steps`] where a time is
+    /// missing.
     pub fn main(&self) -> [f64; 2] {
-        self.cost(Measure::TIME).unwrap_or_else(|| self.steps())
+        self.cost(CostMetric::TIME).unwrap_or_else(|| self.steps())
     }
 }
 
-impl Group {
-    /// B - A of what tells most of the cost.
+impl CostGroup {
+    /// The change B - A of the main cost ([`Totals::main`]).
     pub fn change(&self) -> f64 {
         let [a, b] = self.totals.main();
         b - a
@@ -125,14 +128,13 @@ impl Group {
 }
 
 impl Diff {
-    /// B over A of a cost of the whole frame, the only one that is shown
-    /// anywhere: of the time the Hodges-Lehmann estimate, which lies within the
-    /// interval that stands beside it, wherever there are repeats to estimate
-    /// from; of the rest, and of times without repeats, the ratio of the sums.
+    /// The ratio B / A of a metric of the whole frame, as all reports show it: for
+    /// times with repeats the Hodges-Lehmann estimate, which lies within the
+    /// confidence interval shown beside it; otherwise the ratio of the totals.
     pub fn ratio(&self, total: &Total) -> f64 {
         let test = self.noise.as_ref().and_then(Noise::test);
         match test {
-            Some(test) if total.measure == Measure::TIME => test.ratio.estimate,
+            Some(test) if total.metric == CostMetric::TIME => test.ratio.estimate,
             _ => ratio(total.cost),
         }
     }
@@ -140,25 +142,25 @@ impl Diff {
     /// Compares two outputs.
     ///
     /// # Errors
-    /// What keeps them from being compared, and what to do about it.
+    /// The outputs differ in size, or have no cost in common, or cannot be read.
     pub fn of(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
         let size = common_size(sides)?;
-        let measures = common_measures(sides)?;
+        let metrics = common_metrics(sides)?;
         let [a, b] = sides;
         let mut groups = Groups::of(sides)?;
         let mut totals = Totals::default();
-        for measure in measures {
-            let values = [a.values(measure)?, b.values(measure)?];
+        for metric in metrics {
+            let values = [a.values(metric)?, b.values(metric)?];
             let cost = values.each_ref().map(|values| {
                 let values = values.iter();
-                values.fold(0.0, |sum, &value| measure.add(sum, value))
+                values.fold(0.0, |sum, &value| metric.add(sum, value))
             });
-            totals.0.push(Total { measure, cost });
-            groups.add(measure, &values);
+            totals.0.push(Total { metric, cost });
+            groups.add(metric, &values);
         }
-        let shown = shown_measure(&totals);
+        let shown = shown_metric(&totals);
         let change = Change::of(shown, &[a.values(shown)?, b.values(shown)?]);
-        let noise = match totals.cost(Measure::TIME) {
+        let noise = match totals.cost(CostMetric::TIME) {
             Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
             None => None,
         };
@@ -178,37 +180,36 @@ impl Diff {
     }
 }
 
-/// The time or, where one is missing, that of node visits and primitive tests
-/// which changed more. What one side has nothing of is not shown: without a
-/// hierarchy, say, there are no node visits.
-fn shown_measure(totals: &Totals) -> Measure {
+/// Chooses the metric of [`Diff::change`]. A metric whose total is 0 in A or B is not
+/// chosen: without a hierarchy, for example, there are no node visits.
+fn shown_metric(totals: &Totals) -> CostMetric {
     let is_in_both = |total: &&Total| total.cost.iter().all(|&cost| cost > 0.0);
     let change = |total: &Total| (total.cost[1] - total.cost[0]).abs();
-    let steps = [Measure::PRIMITIVE_TESTS, Measure::NODE_VISITS];
+    let steps = [CostMetric::PRIMITIVE_TESTS, CostMetric::NODE_VISITS];
     let in_both = || totals.0.iter().filter(is_in_both);
-    let shown = in_both().find(|total| total.measure == Measure::TIME);
+    let shown = in_both().find(|total| total.metric == CostMetric::TIME);
     let shown = shown.or_else(|| {
-        let steps = in_both().filter(|total| steps.contains(&total.measure));
+        let steps = in_both().filter(|total| steps.contains(&total.metric));
         steps.max_by(|x, y| change(x).total_cmp(&change(y)))
     });
     let shown = shown.or(totals.0.first());
-    shown.map_or(Measure::NODE_VISITS, |total| total.measure)
+    shown.map_or(CostMetric::NODE_VISITS, |total| total.metric)
 }
 
-/// The costs that both outputs have.
+/// Returns the metrics that both outputs have.
 ///
 /// # Errors
-/// If there are none.
-fn common_measures(sides: &[Side; 2]) -> Result<Vec<Measure>, Diagnostic> {
+/// An output has no metric at all.
+fn common_metrics(sides: &[Side; 2]) -> Result<Vec<CostMetric>, Diagnostic> {
     for side in sides {
-        if !Measure::ALL.iter().any(|measure| side.has(*measure)) {
+        if !CostMetric::ALL.iter().any(|metric| side.has(*metric)) {
             let message = format!("`{}` holds no cost to compare", side.name());
             let help = "render it again without `--no-cost`";
             return Err(Diagnostic::new(message).with_help(help));
         }
     }
-    let is_common = |measure: &Measure| sides.iter().all(|side| side.has(*measure));
-    Ok(Measure::ALL.into_iter().filter(is_common).collect())
+    let is_common = |metric: &CostMetric| sides.iter().all(|side| side.has(*metric));
+    Ok(CostMetric::ALL.into_iter().filter(is_common).collect())
 }
 
 fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {

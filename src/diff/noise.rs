@@ -1,38 +1,38 @@
-//! Whether the change of the time is more than noise.
+//! Tests whether the change of the time is significant.
 
 use serde::Serialize;
 
 use crate::statistics::{CONFIDENCE, Ratio, mann_whitney_p};
 
-/// What the repeats of both runs say of their times.
+/// The result of the test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "verdict", rename_all = "snake_case")]
 pub enum Noise {
     /// A run was not repeated.
     Unknown,
-    /// So few repeats that no difference could ever be significant.
+    /// There are so few repeats that no difference would be significant.
     TooFew(Test),
-    /// The times are as far apart as noise alone makes them.
+    /// The difference is not significant.
     WithinNoise(Test),
-    /// B is slower.
+    /// B is significantly slower.
     Slower(Test),
-    /// B is faster.
+    /// B is significantly faster.
     Faster(Test),
 }
 
-/// A comparison of the repeats, each by the time of all its pixels.
+/// A comparison of the repeats by their times, each the sum over all pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Test {
-    /// How many repeats A and B have.
+    /// The numbers of repeats of A and B.
     pub n: [usize; 2],
-    /// Of the two-sided Mann-Whitney U test.
+    /// The p-value of the two-sided Mann-Whitney U test.
     pub p: f64,
-    /// B's time over A's.
+    /// The ratio of the times B / A.
     pub ratio: Ratio,
 }
 
 impl Test {
-    /// `p = 0.03`, with digits that tell.
+    /// Formats the p-value, such as `p = 0.03`.
     pub(super) fn p_label(&self) -> String {
         match self.p {
             p if p < 1e-4 => "p < 0.0001".to_owned(),
@@ -43,8 +43,8 @@ impl Test {
 }
 
 impl Noise {
-    /// Compares the times of the repeats, positive numbers; of a run that was
-    /// not repeated there is at most one.
+    /// Compares the times of the repeats, which are positive; a run that was not
+    /// repeated has one time at most.
     pub fn of(a: &[f64], b: &[f64]) -> Self {
         let Some(ratio) = Ratio::of(a, b).filter(|_| a.len().min(b.len()) > 1) else {
             return Self::Unknown;
@@ -62,7 +62,7 @@ impl Noise {
         }
     }
 
-    /// What was compared, if anything was.
+    /// The comparison; `None` for [`Self::Unknown`].
     pub fn test(&self) -> Option<&Test> {
         match self {
             Self::Unknown => None,
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_told_from_noise() {
+    fn a_significant_change_is_found() {
         let base = times(1e9, 10);
         assert!(matches!(
             Noise::of(&base, &times(1.002e9, 10)),
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_not() {
+    fn too_few_repeats_give_no_verdict() {
         let base = times(1e9, 10);
         assert_eq!(Noise::of(&base, &[]), Noise::Unknown);
         assert_eq!(Noise::of(&base, &[2e9]), Noise::Unknown);

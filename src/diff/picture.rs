@@ -1,16 +1,16 @@
-//! How far two pictures are apart.
+//! The difference of two pictures.
 
 use serde::Serialize;
 
-/// The difference of two pictures of one size, in steps of the 255 of a
-/// color channel.
+/// The difference of two pictures of the same size; color channels range from 0 to
+/// 255.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PictureDifference {
     /// Pixels whose colors differ.
     pub n_pixels: u64,
-    /// The greatest difference of a channel.
+    /// The greatest difference of a channel, 0 to 255.
     pub max: u8,
-    /// The root of the mean square over all channels of all pixels.
+    /// The root mean square of the differences over all channels of all pixels.
     pub rms: f64,
 }
 
@@ -21,9 +21,9 @@ impl PictureDifference {
         for (a, b) in a.iter().zip(b).filter(|(a, b)| a != b) {
             n_pixels += 1;
             for (a, b) in a.iter().zip(b) {
-                let apart = a.abs_diff(*b);
-                max = max.max(apart);
-                squares += u64::from(apart).pow(2);
+                let difference = a.abs_diff(*b);
+                max = max.max(difference);
+                squares += u64::from(difference).pow(2);
             }
         }
         let n_channels = 3 * a.len().max(1);
@@ -35,13 +35,13 @@ impl PictureDifference {
     }
 }
 
-/// The greatest difference of a channel in each pixel.
+/// Returns the greatest difference of a channel for each pixel.
 pub(super) fn by_pixel(a: &[[u8; 3]], b: &[[u8; 3]]) -> Vec<u8> {
-    let apart = |(a, b): (&[u8; 3], &[u8; 3])| {
+    let difference = |(a, b): (&[u8; 3], &[u8; 3])| {
         let channels = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b));
         channels.max().unwrap_or(0)
     };
-    a.iter().zip(b).map(apart).collect()
+    a.iter().zip(b).map(difference).collect()
 }
 
 #[cfg(test)]

@@ -1,50 +1,50 @@
-//! `objects.csv`: what any ray meets.
+//! The cost of all rays that hit each object, from `objects.csv`.
 
 use indexmap::IndexMap;
 
-use super::{Group, Measure, Side, Total, Totals};
+use super::{CostGroup, CostMetric, Side, Total, Totals};
 use crate::text::Diagnostic;
 
-/// What the rays cost that met something.
-type Costs = Vec<(Measure, f64)>;
+/// The costs of the rays that hit an object, by metric.
+type Costs = Vec<(CostMetric, f64)>;
 
-/// The objects of both tables; none unless both are there.
+/// Returns the objects of both tables; none unless both outputs have a table.
 ///
 /// # Errors
-/// A table that cannot be read.
-pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<Group>, Diagnostic> {
+/// A table cannot be read.
+pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<CostGroup>, Diagnostic> {
     let (Some(a), Some(b)) = (costs(a)?, costs(b)?) else {
         return Ok(Vec::new());
     };
     let sides = [&a, &b];
-    let has = |costs: &IndexMap<String, Costs>, measure| {
+    let has = |costs: &IndexMap<String, Costs>, metric| {
         let mut all = costs.values().flatten();
-        all.any(|(other, _)| *other == measure)
+        all.any(|(other, _)| *other == metric)
     };
-    let is_common = |measure: &Measure| sides.iter().all(|costs| has(costs, *measure));
-    let measures: Vec<Measure> = Measure::ALL.into_iter().filter(is_common).collect();
+    let is_common = |metric: &CostMetric| sides.iter().all(|costs| has(costs, *metric));
+    let metrics: Vec<CostMetric> = CostMetric::ALL.into_iter().filter(is_common).collect();
     let group = |name: &String| {
-        let total = |&measure: &Measure| Total {
-            measure,
-            cost: sides.map(|costs| costs.get(name).map_or(0.0, |costs| sum(costs, measure))),
+        let total = |&metric: &CostMetric| Total {
+            metric,
+            cost: sides.map(|costs| costs.get(name).map_or(0.0, |costs| sum(costs, metric))),
         };
-        Group {
+        CostGroup {
             name: name.clone(),
             bounds: None,
-            totals: Totals(measures.iter().map(total).collect()),
+            totals: Totals(metrics.iter().map(total).collect()),
         }
     };
     let of_b_alone = b.keys().filter(|name| !a.contains_key(*name));
     Ok(a.keys().chain(of_b_alone).map(group).collect())
 }
 
-fn sum(costs: &Costs, measure: Measure) -> f64 {
-    let of_measure = costs.iter().filter(|(other, _)| *other == measure);
-    of_measure.map(|(_, cost)| cost).sum()
+fn sum(costs: &Costs, metric: CostMetric) -> f64 {
+    let of_metric = costs.iter().filter(|(other, _)| *other == metric);
+    of_metric.map(|(_, cost)| cost).sum()
 }
 
-/// What all rays cost that met an object, by the object's name, those of one
-/// name together; `None` without a table.
+/// Reads the costs of all rays that hit each object, by the object's name; objects
+/// with the same name may repeat a metric. `None` without a table.
 fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
     let Some(table) = side.objects()? else {
         return Ok(None);
@@ -55,16 +55,16 @@ fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
     };
     let kinds = [needed("kind")?, needed("charge")?, needed("ray_kind")?];
     let name = needed("name")?;
-    let columns: Vec<(Measure, usize)> = Measure::ALL
+    let columns: Vec<(CostMetric, usize)> = CostMetric::ALL
         .into_iter()
-        .filter_map(|measure| Some((measure, table.column(measure.array)?)))
+        .filter_map(|metric| Some((metric, table.column(metric.array)?)))
         .collect();
     let mut costs: IndexMap<String, Costs> = IndexMap::new();
     for row in &table.rows {
         if kinds.map(|column| row[column].as_str()) == ["object", "hit", "all"] {
-            let cost = |&(measure, column): &(Measure, usize)| {
+            let cost = |&(metric, column): &(CostMetric, usize)| {
                 let cost = row[column].parse().ok()?;
-                Some((measure, cost))
+                Some((metric, cost))
             };
             let of_name = costs.entry(row[name].clone()).or_default();
             of_name.extend(columns.iter().filter_map(cost));

@@ -1,21 +1,21 @@
 //! A diff as text for the terminal.
 
 use super::gate::Gate;
-use super::group::Rectangle;
-use super::measure::{Measure, ratio};
+use super::group::PixelBounds;
+use super::metric::{CostMetric, ratio};
 use super::noise::{Noise, Test};
 use super::settings::Setting;
-use super::{Diff, Group, Side, Total};
+use super::{CostGroup, Diff, Side, Total};
 use crate::statistics::CONFIDENCE;
 use crate::text::numbers::{count, counted};
 use crate::text::one_line;
 
-/// Rows that are shown of a table of objects or tiles.
+/// Most rows of a table of objects or tiles.
 const MAX_ROWS: usize = 5;
-/// Settings that are shown; more are told by their number.
+/// Most settings that are listed; the rest is counted.
 const MAX_SETTINGS: usize = 12;
 
-/// What changed, for the terminal; most important first.
+/// Returns the report for the terminal, the most important part first.
 pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     let mut text = String::new();
     for (letter, side) in ["A", "B"].into_iter().zip(sides) {
@@ -36,7 +36,7 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     text
 }
 
-/// `name    first line`, the further ones below the first.
+/// `name    first line`, with the other lines below the first.
 fn entry(name: &str, lines: &[String]) -> String {
     let names = std::iter::once(name).chain(std::iter::repeat(""));
     let line = |(name, line): (&str, &String)| format!("{name:<10}{line}\n");
@@ -47,12 +47,12 @@ fn totals_table(diff: &Diff) -> String {
     let heading = ["cost", "A", "B", "B - A", "B / A"].map(str::to_owned);
     let row = |total: &Total| {
         let [a, b] = total.cost;
-        let name = total.measure.name.to_owned();
+        let name = total.metric.name.to_owned();
         [
             name,
-            total.measure.label(a),
-            total.measure.label(b),
-            total.measure.change_label(b - a),
+            total.metric.label(a),
+            total.metric.label(b),
+            total.metric.change_label(b - a),
             ratio_label(diff.ratio(total)),
         ]
     };
@@ -61,14 +61,14 @@ fn totals_table(diff: &Diff) -> String {
     format!("\n{}\n", table(std::iter::once(heading).chain(rows)))
 }
 
-/// The groups that changed most, by what tells most of the cost.
-fn groups_table(title: &str, groups: &[Group]) -> String {
+/// A table of the groups whose main cost changed most.
+fn groups_table(title: &str, groups: &[CostGroup]) -> String {
     let Some(first) = groups.first() else {
         return String::new();
     };
-    let (measure, name) = match first.totals.cost(Measure::TIME) {
-        Some(_) => (Measure::TIME, "time"),
-        None => (Measure::NODE_VISITS, "nodes + tests"),
+    let (metric, name) = match first.totals.cost(CostMetric::TIME) {
+        Some(_) => (CostMetric::TIME, "time"),
+        None => (CostMetric::NODE_VISITS, "nodes + tests"),
     };
     let n_changed = groups.iter().filter(|group| group.change() != 0.0).count();
     let (shown, rest) = groups.split_at(n_changed.min(MAX_ROWS));
@@ -77,43 +77,43 @@ fn groups_table(title: &str, groups: &[Group]) -> String {
     }
     let title = &format!("{name} {title}");
     let heading = [title, "A", "B", "B - A", "B / A", "nodes", "tests"].map(str::to_owned);
-    let row = |group: &Group| {
+    let row = |group: &CostGroup| {
         let [a, b] = group.totals.main();
-        let ratio_of = |measure| {
+        let ratio_of = |metric| {
             group
                 .totals
-                .cost(measure)
+                .cost(metric)
                 .map(|cost| ratio_label(ratio(cost)))
         };
         [
             name_and_place(group),
-            measure.label(a),
-            measure.label(b),
-            measure.change_label(group.change()),
+            metric.label(a),
+            metric.label(b),
+            metric.change_label(group.change()),
             ratio_label(ratio([a, b])),
-            ratio_of(Measure::NODE_VISITS).unwrap_or_default(),
-            ratio_of(Measure::PRIMITIVE_TESTS).unwrap_or_default(),
+            ratio_of(CostMetric::NODE_VISITS).unwrap_or_default(),
+            ratio_of(CostMetric::PRIMITIVE_TESTS).unwrap_or_default(),
         ]
     };
     let rows = shown.iter().map(row);
     let mut text = format!("\n{}", table(std::iter::once(heading).chain(rows)));
     if !rest.is_empty() {
-        let change = measure.change_label(rest.iter().map(Group::change).sum());
+        let change = metric.change_label(rest.iter().map(CostGroup::change).sum());
         text += &format!("and {} more: {change} together\n", count(rest.len() as u64));
     }
     text
 }
 
-fn name_and_place(group: &Group) -> String {
+fn name_and_place(group: &CostGroup) -> String {
     match group.bounds {
         None => one_line(&group.name).into_owned(),
-        Some(Rectangle { x, y }) => {
+        Some(PixelBounds { x, y }) => {
             format!("{}, x {}..{}, y {}..{}", group.name, x[0], x[1], y[0], y[1])
         }
     }
 }
 
-/// `0.902`; `new` where there was nothing.
+/// Formats a ratio, such as `0.902`; `new` if A's cost is 0.
 pub(super) fn ratio_label(ratio: f64) -> String {
     if ratio.is_finite() {
         format!("{ratio:.3}")
@@ -144,35 +144,34 @@ fn noise_lines(diff: &Diff) -> Vec<String> {
     let mut lines = vec![noise_sentence(diff)];
     let is_hardware = |setting: &Setting| setting.name.starts_with("machine.");
     if diff.noise.is_some() && diff.machine.iter().any(is_hardware) {
-        lines.push("A and B are of different machines: so are their times".to_owned());
+        lines.push("A and B ran on different machines, which changes their times too".to_owned());
     }
     lines
 }
 
-/// Whether the times differ.
+/// The result of the test of the times.
 fn noise_sentence(diff: &Diff) -> String {
     let Some(noise) = &diff.noise else {
         return "none: counters are exact; a time is missing in A or B".to_owned();
     };
     let advice = "render both with `--repeats 10`";
     match noise {
-        Noise::Unknown => {
-            format!("cannot be told of the time without repeats: {advice}; counters are exact")
-        }
+        Noise::Unknown => format!(
+            "a change of time cannot be tested without repeats: {advice}; counters are exact"
+        ),
         Noise::TooFew(test) => format!(
-            "cannot be told of the time from so few repeats, {advice}: {}",
+            "a change of time cannot be tested with so few repeats, {advice}: {}",
             evidence(test)
         ),
-        Noise::WithinNoise(test) => format!(
-            "the time changed no more than noise does: {}",
-            evidence(test)
-        ),
+        Noise::WithinNoise(test) => {
+            format!("the change of time is within noise: {}", evidence(test))
+        }
         Noise::Slower(test) => format!("B is slower by more than noise: {}", evidence(test)),
         Noise::Faster(test) => format!("B is faster by more than noise: {}", evidence(test)),
     }
 }
 
-/// The estimate, its interval, the test.
+/// The estimate, its confidence interval and the test.
 fn evidence(test: &Test) -> String {
     let estimate = ratio_label(test.ratio.estimate);
     let interval = test.ratio.interval.map_or(String::new(), |[low, high]| {

@@ -1,23 +1,23 @@
-//! What two summaries say of how the outputs were made.
+//! The settings and the machines of two outputs, from their summaries.
 
 use serde::Serialize;
 use serde_json::Value;
 
-/// Something that is not the same in both runs.
+/// A setting, or a property of the machine, that differs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
     /// Its path in `summary.json`.
     pub name: String,
-    /// Its value in A; null where it is not there.
+    /// Its value in A; null if A does not have it.
     pub a: Value,
-    /// Its value in B; null where it is not there.
+    /// Its value in B; null if B does not have it.
     pub b: Value,
 }
 
-/// What describes the machine and the program.
+/// Paths in `summary.json` that describe the machine and the program.
 const MACHINE: [&str; 4] = ["raycost", "machine", "cost/kernel", "cost/clock/source"];
 
-/// What was asked for.
+/// Paths in `summary.json` that describe the settings.
 const SETTINGS: [&str; 13] = [
     "scene",
     "image",
@@ -34,12 +34,12 @@ const SETTINGS: [&str; 13] = [
     "schedule/order",
 ];
 
-/// The differences of machine and program.
+/// Returns the differences of machine and program.
 pub(super) fn of_machine(a: &Value, b: &Value) -> Vec<Setting> {
     differences(&MACHINE, a, b)
 }
 
-/// The differences of what was asked for.
+/// Returns the differences of the settings.
 pub(super) fn of_run(a: &Value, b: &Value) -> Vec<Setting> {
     differences(&SETTINGS, a, b)
 }
@@ -59,7 +59,7 @@ fn differences(paths: &[&str], a: &Value, b: &Value) -> Vec<Setting> {
     found
 }
 
-/// Goes into mappings, so that `image.seed` differs and not `image`.
+/// Compares mappings key by key, so that `image.seed` differs and not `image`.
 fn compare(name: String, a: &Value, b: &Value, found: &mut Vec<Setting>) {
     if a == b {
         return;

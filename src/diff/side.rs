@@ -1,15 +1,15 @@
-//! One of the two outputs.
+//! One of the two outputs that a diff compares.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::Measure;
+use super::CostMetric;
 use crate::results::{ObjectsTable, Results};
 use crate::text::Diagnostic;
-use crate::vtk::Number;
+use crate::vtk::Scalar;
 
-/// An output folder that is compared with another.
+/// An output folder, A or B.
 #[derive(Debug)]
 pub struct Side {
     results: Results,
@@ -24,7 +24,7 @@ impl Side {
     /// Opens two folders, A and B.
     ///
     /// # Errors
-    /// A folder that holds no output, or none that can be read.
+    /// A folder does not hold an output, or its files cannot be read.
     pub fn open([a, b]: [&Path; 2]) -> Result<[Self; 2], Diagnostic> {
         let labels = labels([a, b]);
         let [label_a, label_b] = labels;
@@ -44,12 +44,12 @@ impl Side {
         })
     }
 
-    /// The folder as the user typed it.
+    /// The folder's path as the user typed it.
     pub fn name(&self) -> String {
         self.results.folder().display().to_string()
     }
 
-    /// A short name that the other one does not have.
+    /// A short name that differs from the other side's.
     pub fn label(&self) -> &str {
         &self.label
     }
@@ -64,12 +64,12 @@ impl Side {
         &self.summary
     }
 
-    /// What each object and each material cost; `None` without a table.
+    /// Reads `objects.csv`; `None` if the folder has none.
     pub(super) fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
         self.results.objects()
     }
 
-    /// The table of objects and materials cannot be used.
+    /// The error for an unusable `objects.csv`.
     pub(super) fn no_table(&self, why: &str) -> Diagnostic {
         self.results.no_table(why)
     }
@@ -79,21 +79,21 @@ impl Side {
         self.results.folder().join(file)
     }
 
-    /// Whether the output has this cost.
-    pub fn has(&self, measure: Measure) -> bool {
-        self.arrays.iter().any(|array| array == measure.array)
+    /// Whether the output has this metric.
+    pub fn has(&self, metric: CostMetric) -> bool {
+        self.arrays.iter().any(|array| array == metric.array)
     }
 
-    /// The cost of every pixel, row-major, row 0 on top.
-    pub(super) fn values(&self, measure: Measure) -> Result<Vec<f64>, Diagnostic> {
-        let array = self.results.frame()?.read(measure.array)?;
+    /// Reads a metric of every pixel, row-major, row 0 on top.
+    pub(super) fn values(&self, metric: CostMetric) -> Result<Vec<f64>, Diagnostic> {
+        let array = self.results.frame()?.read(metric.array)?;
         match array.n_components {
             1 => Ok(array.values.iter().collect()),
-            _ => Err(self.foreign(measure.array)),
+            _ => Err(self.foreign(metric.array)),
         }
     }
 
-    /// An array of ids, one a pixel, row-major, row 0 on top.
+    /// Reads an array of ids, one per pixel, row-major, row 0 on top.
     pub(super) fn ids(&self, array: &str) -> Result<Vec<i32>, Diagnostic> {
         self.numbers(array, 1)
     }
@@ -104,7 +104,7 @@ impl Side {
         Ok(channels.as_chunks().0.to_vec())
     }
 
-    fn numbers<T: Number>(&self, name: &str, n_components: usize) -> Result<Vec<T>, Diagnostic> {
+    fn numbers<T: Scalar>(&self, name: &str, n_components: usize) -> Result<Vec<T>, Diagnostic> {
         let array = self.results.frame()?.read(name)?;
         let numbers = array
             .values
@@ -113,11 +113,11 @@ impl Side {
         Ok(numbers.ok_or_else(|| self.foreign(name))?.to_vec())
     }
 
-    /// The time of all pixels in each repeat, in nanoseconds; none where the
+    /// The summed time of all pixels in each repeat, in nanoseconds; empty if the
     /// run was not repeated.
     ///
     /// # Errors
-    /// Times that are not positive.
+    /// A time is not positive.
     pub(super) fn repeats(&self) -> Result<Vec<f64>, Diagnostic> {
         let repeats = self.results.summary.repeats.as_ref();
         let times = repeats.map_or(&[][..], |repeats| &repeats.busy_ns);
@@ -125,12 +125,12 @@ impl Side {
             return Ok(times.to_vec());
         }
         let path = self.path_of("summary.json");
-        let message = format!("`{}`: a repeat took no time", path.display());
+        let message = format!("`{}`: the time of a repeat is not positive", path.display());
         Err(Diagnostic::new(message).with_help("render the scene again"))
     }
 
-    /// What an object is called: its name, or its kind and its place in the
-    /// scene file.
+    /// The label of an object: its name, or its kind and its index in the scene
+    /// file.
     pub(super) fn object_name(&self, id: i32) -> String {
         let objects = &self.results.summary.objects;
         let object = usize::try_from(id)
@@ -146,7 +146,7 @@ impl Side {
         }
     }
 
-    /// The folder, what it shows and what rendered it.
+    /// The folder, the scene and the version of raycost, as one line.
     pub(super) fn sentence(&self) -> String {
         let version = self.summary.get("raycost").and_then(Value::as_str);
         format!(
@@ -160,7 +160,7 @@ impl Side {
     fn foreign(&self, array: &str) -> Diagnostic {
         let path = self.path_of("frame.vti");
         let message = format!(
-            "`{}`: `{array}` is not as raycost writes it",
+            "`{}`: `{array}` does not have the type that raycost writes",
             path.display()
         );
         Diagnostic::new(message).with_help("render the scene again")
@@ -176,19 +176,19 @@ fn summary(path: &Path) -> Result<Value, Diagnostic> {
     serde_json::from_slice(&text).map_err(|error| fail(error.to_string()))
 }
 
-/// The ends of two paths, as short as tells them apart: `fast` and `high`, but
+/// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but
 /// `before/spot` and `after/spot`.
 fn labels(paths: [&Path; 2]) -> [String; 2] {
     let names = paths.map(|path| {
-        // `.` has a name of its own only when it is resolved.
+        // `.` has a name only after it is resolved.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let names = path.iter().map(|name| name.to_string_lossy().into_owned());
         names.collect::<Vec<_>>()
     });
     let end = |names: &[String], n: usize| names[names.len().saturating_sub(n)..].join("/");
     let longest = names.iter().map(Vec::len).max().unwrap_or(0);
-    let apart = |n: &usize| end(&names[0], *n) != end(&names[1], *n);
-    let n = (1..=longest).find(apart).unwrap_or(1);
+    let differ = |n: &usize| end(&names[0], *n) != end(&names[1], *n);
+    let n = (1..=longest).find(differ).unwrap_or(1);
     names.each_ref().map(|names| end(names, n))
 }
 
@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_tell_folders_apart() {
+    fn labels_of_different_folders_differ() {
         let labels = |a: &str, b: &str| labels([a, b].map(Path::new));
         assert_eq!(labels("/no/fast", "/no/high"), ["fast", "high"]);
         assert_eq!(labels("/no/a/spot", "/no/b/spot"), ["a/spot", "b/spot"]);

@@ -1,4 +1,4 @@
-//! `diff.pvsm`: the change of the cost in ParaView.
+//! `diff.pvsm`: a ParaView state that shows the change of the cost.
 
 use super::{Diff, volume};
 use crate::chart::{Range, Scale};
@@ -7,27 +7,31 @@ use crate::paraview::{Axis, Panels, Spread, fill, value_of_panels};
 
 const TEMPLATE: &str = include_str!("../../paraview/diff.pvsm");
 
-/// The state of a diff in this folder, in ASCII.
+/// Returns the state of a diff in this folder, in ASCII.
 pub(super) fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let change = &diff.change;
     let size = diff.size.map(f64::from);
     let n_labels = Panels::of(3, size).n_labels();
-    let reach = Range::on(Scale::Diverging, &change.differences).high;
+    let max_difference = Range::on(Scale::Diverging, &change.differences).high;
     let axis = |what, spread, ends| {
-        let measure = change.measure;
-        let array = format!("{}_{what}", measure.array);
+        let metric = change.metric;
+        let array = format!("{}_{what}", metric.array);
         let sign = if what == "ratio" { "B / A" } else { "B - A" };
-        let name = format!("{sign}: {} per pixel", measure.name);
+        let name = format!("{sign}: {} per pixel", metric.name);
         let axis = Axis::new(&array, &name, spread, ends).with_labels(n_labels);
-        if measure.unit == "ns" && what == "difference" {
+        if metric.unit == "ns" && what == "difference" {
             axis.of_time()
         } else {
             axis
         }
     };
-    let difference = axis("difference", Spread::AroundZero, [-reach, reach]);
-    let most = change.ratio_of_most;
-    let ratio = axis("ratio", Spread::Log, [most.recip(), most]);
+    let difference = axis(
+        "difference",
+        Spread::AroundZero,
+        [-max_difference, max_difference],
+    );
+    let max_ratio = change.max_ratio;
+    let ratio = axis("ratio", Spread::Log, [max_ratio.recip(), max_ratio]);
     fill(TEMPLATE, |key| {
         if key == volume::FILE {
             return Some(folder.path_of(key).to_string_lossy().into_owned().into());

@@ -1,10 +1,10 @@
-//! `diff.vti`: what every cost of every pixel changed by.
+//! `diff.vti`: the change of every metric in every pixel.
 
 use std::io::{self, Seek, Write};
 
 use vtkio::model::ScalarType;
 
-use super::measure::{Measure, ratio};
+use super::metric::{CostMetric, ratio};
 use super::{Diff, Side, picture};
 use crate::provenance::RunId;
 use crate::vtk::array::Array;
@@ -14,9 +14,9 @@ use crate::vtk::{Codec, Encoding, appended};
 /// The file's name.
 pub(super) const FILE: &str = "diff.vti";
 
-/// Writes an ImageData with one point a pixel, as `frame.vti`: `…_difference`,
-/// B - A, and `…_ratio`, B / A, of every cost; the greatest difference of a
-/// color channel; B's objects and tiles.
+/// Writes an ImageData with one point per pixel, as `frame.vti`: `…_difference`,
+/// B - A, and `…_ratio`, B / A, of every metric; `RGB_difference`, the greatest
+/// difference of a color channel; `object` and `tile` of B.
 pub(super) fn write(
     diff: &Diff,
     sides: &[Side; 2],
@@ -25,21 +25,21 @@ pub(super) fn write(
 ) -> io::Result<()> {
     let [width, height] = diff.size;
     let n_pixels = u64::from(width) * u64::from(height);
-    let in_frame = Upward(width as usize);
-    let names: Vec<(Measure, [String; 2])> = diff
+    let rows = BottomUp(width as usize);
+    let names: Vec<(CostMetric, [String; 2])> = diff
         .totals
         .0
         .iter()
         .map(|total| {
             let names =
-                ["difference", "ratio"].map(|what| format!("{}_{what}", total.measure.array));
-            (total.measure, names)
+                ["difference", "ratio"].map(|what| format!("{}_{what}", total.metric.array));
+            (total.metric, names)
         })
         .collect();
     let mut arrays = Vec::new();
-    for (measure, [difference, ratio]) in &names {
-        arrays.push(differences(*measure, difference, sides, in_frame, n_pixels));
-        arrays.push(ratios(*measure, ratio, sides, in_frame, n_pixels));
+    for (metric, [difference, ratio]) in &names {
+        arrays.push(differences(*metric, difference, sides, rows, n_pixels));
+        arrays.push(ratios(*metric, ratio, sides, rows, n_pixels));
     }
     arrays.push(Array {
         name: "RGB_difference",
@@ -48,8 +48,8 @@ pub(super) fn write(
         n_bytes: n_pixels,
         write: Box::new(move |out| {
             let [a, b] = sides;
-            let apart = picture::by_pixel(&read(a.colors())?, &read(b.colors())?);
-            in_frame.write(&apart, out)
+            let difference = picture::by_pixel(&read(a.colors())?, &read(b.colors())?);
+            rows.write(&difference, out)
         }),
     });
     for name in ["object", "tile"] {
@@ -58,7 +58,7 @@ pub(super) fn write(
             scalar: ScalarType::I32,
             n_components: 1,
             n_bytes: 4 * n_pixels,
-            write: Box::new(move |out| in_frame.write(&read(sides[1].ids(name))?, out)),
+            write: Box::new(move |out| rows.write(&read(sides[1].ids(name))?, out)),
         });
     }
     let image = DataSet::Image {
@@ -72,17 +72,17 @@ pub(super) fn write(
     appended::write(&image, encoding, out)
 }
 
-/// Exact: of times as 32-bit floats, as the times are; of counts as integers
-/// wide enough for any.
+/// The differences of a metric: of times as 32-bit floats, as in `frame.vti`, of
+/// counters as 64-bit integers.
 fn differences<'a>(
-    measure: Measure,
+    metric: CostMetric,
     name: &'a str,
     sides: &'a [Side; 2],
-    in_frame: Upward,
+    rows: BottomUp,
     n_pixels: u64,
 ) -> Array<'a> {
-    let (scalar, width) = match measure {
-        Measure::TIME => (ScalarType::F32, 4),
+    let (scalar, width) = match metric {
+        CostMetric::TIME => (ScalarType::F32, 4),
         _ => (ScalarType::I64, 8),
     };
     Array {
@@ -91,16 +91,16 @@ fn differences<'a>(
         n_components: 1,
         n_bytes: width * n_pixels,
         write: Box::new(move |out| {
-            let [a, b] = values(sides, measure)?;
+            let [a, b] = values(sides, metric)?;
             let difference = a.iter().zip(&b).map(|(a, b)| b - a);
-            match measure {
-                Measure::TIME => {
+            match metric {
+                CostMetric::TIME => {
                     let times: Vec<f32> = difference.map(|time| time as f32).collect();
-                    in_frame.write(&times, out)
+                    rows.write(&times, out)
                 }
                 _ => {
                     let counts: Vec<i64> = difference.map(|count| count as i64).collect();
-                    in_frame.write(&counts, out)
+                    rows.write(&counts, out)
                 }
             }
         }),
@@ -108,10 +108,10 @@ fn differences<'a>(
 }
 
 fn ratios<'a>(
-    measure: Measure,
+    metric: CostMetric,
     name: &'a str,
     sides: &'a [Side; 2],
-    in_frame: Upward,
+    rows: BottomUp,
     n_pixels: u64,
 ) -> Array<'a> {
     Array {
@@ -120,30 +120,31 @@ fn ratios<'a>(
         n_components: 1,
         n_bytes: 4 * n_pixels,
         write: Box::new(move |out| {
-            let [a, b] = values(sides, measure)?;
+            let [a, b] = values(sides, metric)?;
             let pairs = a.iter().zip(&b);
             let ratios: Vec<f32> = pairs.map(|(&a, &b)| ratio([a, b]) as f32).collect();
-            in_frame.write(&ratios, out)
+            rows.write(&ratios, out)
         }),
     }
 }
 
-fn values([a, b]: &[Side; 2], measure: Measure) -> io::Result<[Vec<f64>; 2]> {
-    Ok([read(a.values(measure))?, read(b.values(measure))?])
+fn values([a, b]: &[Side; 2], metric: CostMetric) -> io::Result<[Vec<f64>; 2]> {
+    Ok([read(a.values(metric))?, read(b.values(metric))?])
 }
 
-/// What was read before, so that only a change behind our back is an error.
+/// Converts the error of reading an array again, which happens only if another
+/// program has changed the file since.
 fn read<T>(found: Result<T, crate::text::Diagnostic>) -> io::Result<T> {
     found.map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// Rows of this many pixels, the last one first: VTK's rows go up.
+/// Writes rows of this many pixels, the bottom row first, as VTK orders them.
 #[derive(Clone, Copy)]
-struct Upward(usize);
+struct BottomUp(usize);
 
-impl Upward {
+impl BottomUp {
     fn write<T: bytemuck::NoUninit>(self, values: &[T], out: &mut dyn Write) -> io::Result<()> {
-        let mut rows = values.chunks_exact(self.0).rev();
-        rows.try_for_each(|row| out.write_all(bytemuck::cast_slice(row)))
+        let mut bottom_up = values.chunks_exact(self.0).rev();
+        bottom_up.try_for_each(|row| out.write_all(bytemuck::cast_slice(row)))
     }
 }

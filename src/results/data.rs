@@ -1,70 +1,72 @@
-//! The two files of a rendering.
+//! The two VTK files of a rendering, `frame.vti` and `hits.vtu`.
 
 use std::path::Path;
 
 use crate::config::{CostMode, Repeats};
 use crate::film::columns;
 use crate::text::Diagnostic;
-use crate::vtk::read::{DataArray, DataArrays, Number, Pick, Place, Values, VtkFile};
+use crate::vtk::read::{
+    ArrayLocation, ArrayValues, DataArrayElement, DataArraysElement, Scalar, Selection, VtkReader,
+};
 
-/// What is known of an array before it is read.
+/// The header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArrayInfo {
     /// Its name.
     pub name: String,
-    /// What VTK calls its numbers: `Float32`, `UInt32`, …
+    /// The VTK type of its numbers: `Float32`, `UInt32`, …
     pub vtk_type: String,
-    /// How many numbers a pixel or point.
+    /// Numbers per pixel or point.
     pub n_components: usize,
 }
 
-/// An array that was read.
+/// An array in memory.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Array {
+pub struct LoadedArray {
     /// Its name.
     pub name: String,
-    /// How many numbers a pixel or point.
+    /// Numbers per pixel or point.
     pub n_components: usize,
-    /// Its numbers, those of a pixel or point together.
-    pub values: Values,
+    /// Its numbers, with the components of a pixel or point interleaved.
+    pub values: ArrayValues,
 }
 
-/// `frame.vti`: every pixel, hit or not.
+/// An open `frame.vti`: arrays of all pixels.
 #[derive(Debug)]
-pub struct Frame {
+pub struct FrameFile {
     width: u32,
     height: u32,
     arrays: Arrays,
 }
 
-/// `hits.vtu`: the pixels that see something.
+/// An open `hits.vtu`: a point for each pixel with a hit.
 #[derive(Debug)]
-pub struct Hits {
+pub struct HitsFile {
     n_points: usize,
     arrays: Arrays,
-    points: Place,
+    points: ArrayLocation,
 }
 
 /// The point arrays of a file.
 #[derive(Debug)]
 struct Arrays {
-    file: VtkFile,
+    file: VtkReader,
     infos: Vec<ArrayInfo>,
-    places: Vec<Place>,
+    places: Vec<ArrayLocation>,
 }
 
-impl Frame {
+impl FrameFile {
     /// Opens the file at `path`.
     ///
     /// # Errors
-    /// A diagnostic where it cannot be read, is damaged or none of raycost's.
+    /// The file cannot be read, is damaged, or raycost did not write it.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
-        let (file, header) = VtkFile::open(path)?;
+        let (file, header) = VtkReader::open(path)?;
         let Some(image) = header.image else {
             return Err(file.foreign("it holds no ImageData"));
         };
         let Some((width, height)) = image.piece.size() else {
-            let why = format!("`{}` is no extent of a picture", image.piece.extent);
+            let why = format!("`{}` is not the extent of a picture", image.piece.extent);
             return Err(file.foreign(&why));
         };
         let n_pixels = u64::from(width) * u64::from(height);
@@ -76,7 +78,7 @@ impl Frame {
         })
     }
 
-    /// The run that wrote it, where it says so.
+    /// The id of the run that wrote the file, if the file has one.
     pub fn run(&self) -> Option<&str> {
         self.arrays.file.run.as_deref()
     }
@@ -91,69 +93,68 @@ impl Frame {
         self.height
     }
 
-    /// The arrays that are there, in the file's order.
+    /// The headers of the arrays, in the file's order.
     pub fn arrays(&self) -> &[ArrayInfo] {
         &self.arrays.infos
     }
 
-    /// Whether there is an array of this name.
+    /// Whether the file has an array of this name.
     pub fn has(&self, name: &str) -> bool {
         self.arrays.position(name).is_some()
     }
 
-    /// Reads an array, row-major, `width * height` tuples, row 0 on top as in
-    /// the film: the file's rows go up.
+    /// Reads an array, row-major, `width * height` tuples, row 0 on top as in the
+    /// film; the file stores the bottom row first.
     ///
     /// # Errors
-    /// A diagnostic where it is missing (it says which flag left it out) or
-    /// damaged.
-    pub fn read(&mut self, name: &str) -> Result<Array, Diagnostic> {
+    /// The array is missing, with the option that writes it, or damaged.
+    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
         self.arrays.read(name, self.height as usize)
     }
 
-    /// Reads the pixels of an array in these columns of these rows, both
-    /// ascending; otherwise as [`Self::read`] does. Takes no more memory than
-    /// they do, and a row.
+    /// Reads the pixels of an array at the intersections of `columns` and `rows`,
+    /// both ascending, as [`Self::read`] does. Takes the memory of these pixels and
+    /// of one row of the array.
     ///
     /// # Errors
-    /// A diagnostic where the array is missing or damaged.
-    pub fn read_picked(
+    /// As [`Self::read`].
+    pub fn read_selected(
         &mut self,
         name: &str,
         columns: &[u32],
         rows: &[u32],
-    ) -> Result<Array, Diagnostic> {
+    ) -> Result<LoadedArray, Diagnostic> {
         let index = self.arrays.index(name)?;
         let n_components = self.arrays.infos[index].n_components;
-        let pick = Pick {
+        let selection = Selection {
             size: [self.width as usize, self.height as usize],
             n_components,
             columns,
             rows,
         };
-        Ok(Array {
+        Ok(LoadedArray {
             name: name.to_owned(),
             n_components,
             values: self
                 .arrays
                 .file
-                .read_picked(&self.arrays.places[index], &pick)?,
+                .read_selected(&self.arrays.places[index], &selection)?,
         })
     }
 }
 
-impl Hits {
+impl HitsFile {
     /// Opens the file at `path`.
     ///
     /// # Errors
-    /// A diagnostic where it cannot be read, is damaged or none of raycost's.
+    /// The file cannot be read, is damaged, or raycost did not write it.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
-        let (file, header) = VtkFile::open(path)?;
+        let (file, header) = VtkReader::open(path)?;
         let Some(grid) = header.grid else {
             return Err(file.foreign("it holds no UnstructuredGrid"));
         };
         let [
-            points @ DataArray {
+            points @ DataArrayElement {
                 n_components: 3, ..
             },
         ] = &grid.piece.points.arrays[..]
@@ -175,22 +176,22 @@ impl Hits {
         })
     }
 
-    /// The run that wrote it, where it says so.
+    /// The id of the run that wrote the file, if the file has one.
     pub fn run(&self) -> Option<&str> {
         self.arrays.file.run.as_deref()
     }
 
-    /// How many pixels see something.
+    /// The number of pixels with a hit.
     pub fn n_points(&self) -> usize {
         self.n_points
     }
 
-    /// The arrays that are there, in the file's order, the points left out.
+    /// The headers of the arrays except the points, in the file's order.
     pub fn arrays(&self) -> &[ArrayInfo] {
         &self.arrays.infos
     }
 
-    /// Whether there is an array of this name.
+    /// Whether the file has an array of this name.
     pub fn has(&self, name: &str) -> bool {
         self.arrays.position(name).is_some()
     }
@@ -198,35 +199,35 @@ impl Hits {
     /// Reads an array, in the order of the pixels, row 0 on top.
     ///
     /// # Errors
-    /// A diagnostic where it is missing (it says which flag left it out) or
-    /// damaged.
-    pub fn read(&mut self, name: &str) -> Result<Array, Diagnostic> {
+    /// The array is missing, with the option that writes it, or damaged.
+    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
         self.arrays.read(name, 1)
     }
 
     /// Reads the points in world space, in the order of the pixels.
     ///
     /// # Errors
-    /// A diagnostic where they are damaged or no `Float32`.
+    /// The points are damaged, or are not `Float32`.
     pub fn read_points(&mut self) -> Result<Vec<[f32; 3]>, Diagnostic> {
         let values = self.arrays.file.read(&self.points, 1)?;
         match f32::of(&values) {
             Some(numbers) => Ok(bytemuck::cast_slice(numbers).to_vec()),
-            None => Err(self.arrays.file.foreign("its points are no Float32")),
+            None => Err(self.arrays.file.foreign("its points are not Float32")),
         }
     }
 }
 
 impl Arrays {
-    fn of(file: VtkFile, arrays: &DataArrays, n_tuples: u64) -> Result<Self, Diagnostic> {
-        let info = |array: &DataArray| ArrayInfo {
+    fn of(file: VtkReader, arrays: &DataArraysElement, n_tuples: u64) -> Result<Self, Diagnostic> {
+        let info = |array: &DataArrayElement| ArrayInfo {
             name: array.name.clone(),
             vtk_type: array.scalar.clone(),
             n_components: array.n_components as usize,
         };
         let infos = arrays.arrays.iter().map(info).collect();
         let place = |array| file.place(array, n_tuples);
-        let places: Vec<Place> = arrays.arrays.iter().map(place).collect::<Result<_, _>>()?;
+        let places: Vec<ArrayLocation> =
+            arrays.arrays.iter().map(place).collect::<Result<_, _>>()?;
         file.check_overlap(&places)?;
         Ok(Self {
             file,
@@ -243,18 +244,18 @@ impl Arrays {
         self.position(name).ok_or_else(|| self.missing(name))
     }
 
-    fn read(&mut self, name: &str, n_rows: usize) -> Result<Array, Diagnostic> {
+    fn read(&mut self, name: &str, n_rows: usize) -> Result<LoadedArray, Diagnostic> {
         let index = self.index(name)?;
-        Ok(Array {
+        Ok(LoadedArray {
             name: name.to_owned(),
             n_components: self.infos[index].n_components,
             values: self.file.read(&self.places[index], n_rows)?,
         })
     }
 
-    /// The array is not there: which run would have written it.
+    /// The error for a missing array, with the option that writes it.
     fn missing(&self, name: &str) -> Diagnostic {
-        let path = self.file.path().display();
+        let path = self.file.path.display();
         let error = Diagnostic::new(format!("`{path}` has no array `{name}`"));
         let written_with = |mode, repeats| columns(mode, repeats).any(|column| column.name == name);
         if written_with(CostMode::Counters, Repeats::ONCE) {

@@ -1,10 +1,9 @@
-//! An output folder → what `raycost render` wrote into it.
+//! An output folder → its summary and the arrays of its VTK files.
 //!
-//! Takes a folder; gives its summary at once and, where asked for, the arrays
-//! of its VTK files. Whatever does not hold together is an error that says what
-//! to do. The arrays are read as the writer of [`crate::output`] puts them:
-//! behind an XML header, raw or in compressed blocks. A real VTK reads more, and
-//! costs an installation.
+//! [`Results::open`] reads the summary; arrays are read on request. Files that are
+//! missing, damaged or of different runs are errors that say what to do. The
+//! reader supports only the VTK XML files that [`crate::output`] writes: arrays in
+//! appended raw data, with or without compressed blocks.
 
 mod objects;
 mod summary;
@@ -15,7 +14,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-pub use data::{Array, ArrayInfo, Frame, Hits};
+pub use data::{ArrayInfo, FrameFile, HitsFile, LoadedArray};
 pub use objects::ObjectsTable;
 pub use summary::{
     Acceleration, Camera, Clock, Cost, Image, ListedFile, Machine, Object, Repeats, SceneName,
@@ -33,7 +32,7 @@ use crate::text::numbers::{self, count, counted};
 #[derive(Debug, Clone)]
 pub struct Results {
     folder: PathBuf,
-    /// What was done, on what, and what it cost in all.
+    /// The content of `summary.json`.
     pub summary: Summary,
 }
 
@@ -41,8 +40,7 @@ impl Results {
     /// Opens a folder and reads its `summary.json`.
     ///
     /// # Errors
-    /// A diagnostic where there is no folder, or none that `raycost render`
-    /// wrote.
+    /// There is no folder, or `raycost render` did not write it.
     pub fn open(folder: &Path) -> Result<Self, Diagnostic> {
         let shown = folder.display();
         let hint = "give a folder that `raycost render` wrote, such as out/seed_sphere";
@@ -68,7 +66,7 @@ impl Results {
         })
     }
 
-    /// The folder as it was given.
+    /// The folder's path as the user typed it.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -76,15 +74,15 @@ impl Results {
     /// Opens `frame.vti`.
     ///
     /// # Errors
-    /// A diagnostic where it is missing, damaged, none of raycost's, or has
-    /// other pixels than the summary tells.
-    pub fn frame(&self) -> Result<Frame, Diagnostic> {
-        let frame = Frame::open(&self.file(crate::output::FRAME)?)?;
+    /// The file is missing, damaged or not written by raycost, or its size differs
+    /// from the summary's.
+    pub fn frame(&self) -> Result<FrameFile, Diagnostic> {
+        let frame = FrameFile::open(&self.file(crate::output::FRAME)?)?;
         let Image { width, height, .. } = self.summary.image;
         let found = (frame.width(), frame.height());
         if found != (width, height) {
             return Err(self.mixed(format!(
-                "frame.vti has {} x {} pixels, summary.json tells of {width} x {height}",
+                "frame.vti has {} x {} pixels, summary.json says {width} x {height}",
                 found.0, found.1
             )));
         }
@@ -95,13 +93,13 @@ impl Results {
     /// Opens `hits.vtu`.
     ///
     /// # Errors
-    /// A diagnostic where it is missing, damaged, none of raycost's, or has
-    /// another number of points than the summary tells.
-    pub fn hits(&self) -> Result<Hits, Diagnostic> {
-        let hits = Hits::open(&self.file(crate::output::HITS)?)?;
+    /// The file is missing, damaged or not written by raycost, or its number of
+    /// points differs from the summary's.
+    pub fn hits(&self) -> Result<HitsFile, Diagnostic> {
+        let hits = HitsFile::open(&self.file(crate::output::HITS)?)?;
         if hits.n_points() as u64 != self.summary.n_hits {
             return Err(self.mixed(format!(
-                "hits.vtu has {}, summary.json tells of {}",
+                "hits.vtu has {}, summary.json says {}",
                 counted(hits.n_points() as u64, "point"),
                 counted(self.summary.n_hits, "hit")
             )));
@@ -110,20 +108,19 @@ impl Results {
         Ok(hits)
     }
 
-    /// The path of a file that has to be there.
+    /// The path of a file in the folder.
     ///
     /// # Errors
-    /// A diagnostic where it is missing.
+    /// The file is missing.
     pub fn file(&self, name: &str) -> Result<PathBuf, Diagnostic> {
         let path = self.folder.join(name);
-        match path.is_file() {
-            true => Ok(path),
-            false => Err(Diagnostic::new(format!("`{}` is missing", path.display()))
-                .with_help(self.advice())),
+        if path.is_file() {
+            return Ok(path);
         }
+        Err(Diagnostic::new(format!("`{}` is missing", path.display())).with_help(self.advice()))
     }
 
-    /// Makes sure that a file was written by the run of the summary.
+    /// Checks that the run of the summary wrote the file.
     fn check_run(&self, name: &str, run: Option<&str>) -> Result<(), Diagnostic> {
         let expected = self.summary.run.map(|run| run.to_string());
         if run != expected.as_deref() {
@@ -132,7 +129,7 @@ impl Results {
         self.check_length(name)
     }
 
-    /// Makes sure that a file is as long as the summary says.
+    /// Checks the length of a file against the summary.
     fn check_length(&self, name: &str) -> Result<(), Diagnostic> {
         let path = self.folder.join(name);
         let shown = path.display();
@@ -170,10 +167,11 @@ impl Results {
     }
 }
 
-/// Reads folders, anew if a run has changed one of them meanwhile.
+/// Calls `read`, and again if another run has changed one of the folders meanwhile, up
+/// to [`MAX_RETRIES`] times.
 ///
 /// # Errors
-/// What `read` says of folders that stay as they are.
+/// The error of the last call of `read`.
 pub fn read_unchanged<T>(
     folders: &[&Path],
     read: impl Fn() -> Result<T, Diagnostic>,
@@ -183,7 +181,7 @@ pub fn read_unchanged<T>(
         let texts = folders.iter().map(text);
         texts.map(|text| text.map(|text| checksum(&text))).collect()
     };
-    for _ in 0..N_TRIES {
+    for _ in 0..MAX_RETRIES {
         let before = states();
         let done = read();
         if states() == before {
@@ -193,14 +191,17 @@ pub fn read_unchanged<T>(
     read()
 }
 
-/// How often folders may change while they are read.
-const N_TRIES: usize = 5;
+/// Most calls of `read` that are repeated because a folder has changed.
+const MAX_RETRIES: usize = 5;
 
-/// Bytes of memory that a byte of JSON may become: a value for every other one.
+/// Most bytes of memory per byte of JSON: a list of digits has a value for every
+/// other byte.
 const MEMORY_PER_BYTE: u64 = 40;
 
-/// The whole text of a JSON file of at most `max_bytes`, whose values fit into
-/// the free memory.
+/// Reads a JSON file of at most `max_bytes`, whose values fit into the free memory.
+///
+/// # Errors
+/// The file is longer, or cannot be read.
 pub(crate) fn read_json(path: &Path, max_bytes: u64) -> io::Result<String> {
     let too_long = |n_bytes: u64| {
         let message = format!("it is longer than {}", numbers::bytes(n_bytes));

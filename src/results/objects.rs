@@ -1,4 +1,4 @@
-//! `objects.csv`: what each object and each material cost.
+//! `objects.csv`: the cost of each object and each material.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -8,11 +8,10 @@ use crate::output::{OBJECTS, rows_per_thing};
 use crate::text::{Diagnostic, numbers, text_of_cell};
 use crate::yaml::MAX_NAME;
 
-/// Most bytes of a row: a name, quoted and each of its characters as long as
-/// may be, and what a row has besides.
+/// Most bytes of a row: a quoted name of the longest characters, and the numbers.
 const MAX_ROW: u64 = 2 * 4 * MAX_NAME as u64 + 1024;
 
-/// The table as text, names as they are in the scene.
+/// The cells of the table as text; names are unescaped.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjectsTable {
     /// The columns' names.
@@ -22,18 +21,18 @@ pub struct ObjectsTable {
 }
 
 impl ObjectsTable {
-    /// Where the column of this name stands.
+    /// The index of the column with this name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column == name)
     }
 }
 
 impl Results {
-    /// Reads `objects.csv`; `None` where there is none.
+    /// Reads `objects.csv`; `None` if the folder has none.
     ///
     /// # Errors
-    /// A diagnostic where it cannot be read, is damaged, or is longer than a
-    /// table of the objects and materials that the summary names can be.
+    /// The file cannot be read, is damaged, or has more rows than the objects and
+    /// materials of the summary allow.
     pub fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
         let file = match File::open(self.folder().join(OBJECTS)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -65,8 +64,8 @@ impl Results {
         Ok(Some(ObjectsTable { columns, rows }))
     }
 
-    /// Rows that a table of this scene has at most: "nothing" is one more
-    /// object and one more material.
+    /// Most rows of a table of this scene; "nothing" counts as one more object and
+    /// one more material.
     fn most_rows(&self) -> usize {
         let summary = &self.summary;
         (summary.objects.len() + summary.materials.len() + 2) * rows_per_thing()
@@ -79,7 +78,7 @@ impl Results {
         ))
     }
 
-    /// The table cannot be read.
+    /// The error for an unusable table.
     pub(crate) fn no_table(&self, why: &str) -> Diagnostic {
         let path = self.folder().join(OBJECTS);
         Diagnostic::new(format!("cannot read `{}`: {why}", path.display()))

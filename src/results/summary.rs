@@ -1,4 +1,4 @@
-//! `summary.json`, as far as it is needed; other keys are passed over.
+//! The part of `summary.json` that raycost reads; other keys are ignored.
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,26 +13,26 @@ use crate::provenance::{Checksum, RunId};
 use crate::text::Diagnostic;
 use crate::yaml::{Fault, Source};
 
-/// Longest summary that is read, in bytes: a short name for each of a million
-/// objects fits.
+/// Most bytes of a summary; a million objects with short names fit.
 pub(super) const MAX_BYTES: u64 = 256 << 20;
 
-/// What was done, on what, and what it cost in all.
+/// The content of `summary.json`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Summary {
     /// The version of raycost that rendered.
     pub raycost: String,
-    /// The run, as its files name it; `None` of versions that gave none.
+    /// The id of the run, which its files repeat; `None` in files of versions
+    /// without ids.
     #[serde(rename = "raycost_run")]
     pub run: Option<RunId>,
-    /// The files that it wrote, but for the summary itself.
+    /// The files of the run except the summary itself.
     #[serde(default)]
     pub files: Vec<ListedFile>,
     /// The scene.
     pub scene: SceneName,
     /// The picture's size and sampling.
     pub image: Image,
-    /// Where the pixels lie in the world.
+    /// The pixels' positions in world space.
     pub camera: Option<Camera>,
     /// The objects in the file's order: `object` is an index into them.
     pub objects: Vec<Object>,
@@ -40,19 +40,19 @@ pub struct Summary {
     pub materials: Vec<String>,
     /// Primitives in the scene.
     pub n_primitives: u64,
-    /// How hits were found.
+    /// The acceleration structure.
     pub acceleration: Acceleration,
-    /// On what.
+    /// The machine.
     pub machine: Machine,
-    /// How many threads rendered.
+    /// The number of threads.
     pub threads: Threads,
-    /// The parts of the run in their order.
+    /// The stages of the run in their order.
     pub stages: Vec<Stage>,
-    /// The times of a picture that was rendered more than once.
+    /// The times of the repeats; `None` if the picture was rendered once.
     pub repeats: Option<Repeats>,
-    /// How many pixels see something.
+    /// The number of pixels with a hit.
     pub n_hits: u64,
-    /// What was measured.
+    /// The measured cost.
     pub cost: Cost,
 }
 
@@ -62,13 +62,13 @@ pub struct ListedFile {
     /// Its name in the folder.
     #[serde(rename = "file")]
     pub name: String,
-    /// Its length.
+    /// Its length in bytes.
     pub bytes: u64,
-    /// Its checksum; `None` of versions that gave none.
+    /// Its checksum; `None` in files of versions without checksums.
     pub checksum: Option<Checksum>,
 }
 
-/// A scene's names.
+/// The names of a scene.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct SceneName {
     /// The file's stem.
@@ -84,31 +84,31 @@ pub struct Image {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern.
     pub seed: u64,
 }
 
-/// Where the pixels lie in the world. There is an `eye` or a `direction`.
+/// The pixels' positions in world space. A camera has either an `eye` or a `direction`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
-    /// Where all rays come from.
+    /// The common origin of all rays, of a perspective camera.
     pub eye: Option<[f32; 3]>,
-    /// Where all rays go, a unit vector.
+    /// The common direction of all rays, a unit vector, of an orthographic camera.
     pub direction: Option<[f32; 3]>,
-    /// The sample point of the pixel on top left.
+    /// The sample point of the top left pixel.
     pub origin: [f32; 3],
-    /// From one column's sample point to the next one's.
+    /// The vector from a sample point to that of the next column.
     pub right: [f32; 3],
-    /// From one row's sample point to that of the row below.
+    /// The vector from a sample point to that of the row below.
     pub down: [f32; 3],
 }
 
 /// An object of the scene file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Object {
-    /// Its name, where it has one.
+    /// Its name, if it has one.
     pub name: Option<String>,
     /// Its shape: `sphere`, `mesh`, …
     pub kind: String,
@@ -116,7 +116,7 @@ pub struct Object {
     pub materials: Vec<String>,
 }
 
-/// How hits were found.
+/// The acceleration structure.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Acceleration {
     /// `bvh` or `brute_force`.
@@ -125,7 +125,7 @@ pub struct Acceleration {
     pub quality: Option<String>,
 }
 
-/// What rendered, as far as it could be told.
+/// The machine, as far as the system reports it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Machine {
     /// The operating system with its version.
@@ -136,46 +136,46 @@ pub struct Machine {
     pub cpu: Option<String>,
 }
 
-/// How many threads rendered.
+/// Numbers of threads.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Threads {
-    /// In this run.
+    /// The number that rendered.
     pub used: usize,
-    /// That the machine has.
+    /// The number that the machine offers.
     pub available: usize,
 }
 
-/// A part of the run and its time.
+/// A stage of the run and its time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Stage {
-    /// What was done.
+    /// Its name.
     pub name: String,
-    /// Time on the wall, in milliseconds.
+    /// Wall time in milliseconds.
     pub wall_ms: f64,
-    /// Time of all threads together, in milliseconds.
+    /// CPU time of all threads in milliseconds.
     pub cpu_ms: f64,
 }
 
-/// The times of a picture that was rendered more than once.
+/// The times of the repeats of a picture.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Repeats {
-    /// How often.
+    /// The number of repeats.
     pub n: usize,
-    /// The sum of all pixels' times of each, in nanoseconds.
+    /// For each repeat the sum of all pixels' times, in nanoseconds.
     pub busy_ns: Vec<f64>,
-    /// Time on the wall of each, in milliseconds.
+    /// For each repeat the wall time, in milliseconds.
     pub wall_ms: Vec<f64>,
 }
 
-/// What was measured, and the sums of it.
+/// The measured cost and its totals.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Cost {
-    /// Which arrays there are.
+    /// The mode of measurement.
     pub mode: CostMode,
-    /// What took the time, if anything did.
+    /// The clock; `None` without times.
     pub clock: Option<Clock>,
-    /// The sums of the frame's arrays by the arrays' names; `None` without
-    /// counters, and a `None` within where time was not taken.
+    /// The totals of the frame's arrays by the arrays' names; `None` without
+    /// counters. A value is `None` if it was not measured.
     pub totals: Option<IndexMap<String, Option<f64>>>,
 }
 
@@ -184,7 +184,8 @@ pub struct Cost {
 pub struct Clock {
     /// `tsc` or `os`.
     pub source: String,
-    /// What it costs to read, in nanoseconds; taken off every pixel.
+    /// The cost of one reading in nanoseconds, which is subtracted from every pixel's
+    /// time.
     pub overhead_ns: f64,
 }
 
@@ -192,13 +193,13 @@ impl Summary {
     /// Reads a summary.
     ///
     /// # Errors
-    /// A diagnostic that points at the line where it is none.
+    /// The file cannot be read, or is not a summary: points at the line.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         let name = path.display().to_string();
         let text = read_json(path, MAX_BYTES)
             .map_err(|error| Diagnostic::new(format!("cannot read `{name}`: {error}")))?;
         serde_json::from_str(&text).map_err(|error| {
-            let message = format!("`{name}` is no summary of a rendering: {error}");
+            let message = format!("`{name}` is not a summary of a rendering: {error}");
             let fault = Fault::of_bytes(place(&text, &error), message, "not as raycost writes it")
                 .with_help("render the scene again");
             Source::new(name, text.as_str()).point_at(fault)
@@ -206,7 +207,7 @@ impl Summary {
     }
 }
 
-/// The byte that an error points at; its column counts bytes from 1.
+/// Returns the byte that an error points at; its column counts bytes from 1.
 fn place(text: &str, error: &serde_json::Error) -> Range<usize> {
     let lines = text.split_inclusive('\n').take(error.line().max(1) - 1);
     let begin: usize = lines.map(str::len).sum();
@@ -244,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_keys_are_passed_over() {
+    fn unknown_keys_are_ignored() {
         let summary = read(SUMMARY).unwrap();
         assert_eq!((summary.image.width, summary.n_hits), (4, 7));
         let totals = summary.cost.totals.unwrap();
@@ -254,7 +255,7 @@ mod tests {
     #[test]
     fn a_mistake_is_shown_with_its_line() {
         let error = read(&SUMMARY.replace("\"height\": 3", "\"height\": -3")).unwrap_err();
-        assert!(error.contains("no summary of a rendering"), "{error}");
+        assert!(error.contains("not a summary of a rendering"), "{error}");
         assert!(error.contains("summary.json:4:"), "{error}");
         for n in 0..SUMMARY.len() {
             assert!(read(&SUMMARY[..n]).is_err());

@@ -1,4 +1,4 @@
-//! An output folder against its summary, byte by byte.
+//! Verifies an output folder by the lengths and checksums in its summary.
 
 use std::path::Path;
 
@@ -10,20 +10,19 @@ use crate::output::is_whole;
 use crate::text::Diagnostic;
 use crate::text::numbers::count;
 
-/// What became of a file.
+/// The result for one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
     /// Its name in the folder.
     pub name: String,
-    /// What is wrong with it; `None` if it is as it was written.
+    /// How the file differs from the one that was written; `None` if it does not.
     pub fault: Option<String>,
 }
 
-/// Compares every file that the folder's summary lists, and the summary itself,
-/// with their lengths and checksums.
+/// Verifies every file that the folder's summary lists, and the summary itself.
 ///
 /// # Errors
-/// A folder that holds no output, or a summary that cannot be read.
+/// The folder does not hold an output, or its summary cannot be read.
 pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
     let results = Results::open(folder)?;
     let files = results.summary.files.par_iter();
@@ -42,12 +41,12 @@ pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
 fn fault(folder: &Path, listed: &ListedFile) -> Result<(), String> {
     let is_name = Path::new(&listed.name).file_name() == Some(listed.name.as_ref());
     if !is_name {
-        return Err("this is no name of a file".to_owned());
+        return Err("this is not a file name".to_owned());
     }
     let path = folder.join(&listed.name);
     let at = path.symlink_metadata().map_err(|_| "it is missing")?;
     if !at.is_file() {
-        return Err("it is no regular file".to_owned());
+        return Err("it is not a regular file".to_owned());
     }
     if at.len() != listed.bytes {
         let (found, expected) = (count(at.len()), count(listed.bytes));
@@ -66,7 +65,7 @@ fn fault(folder: &Path, listed: &ListedFile) -> Result<(), String> {
 fn fault_of_summary(folder: &Path) -> Option<String> {
     match read_json(&folder.join(summary::FILE), summary::MAX_BYTES) {
         Err(error) => Some(format!("it cannot be read: {error}")),
-        // Older versions gave it no checksum.
+        // Summaries of older versions have no checksum.
         Ok(text) => (is_whole(&text) == Some(false)).then(|| "it was changed".to_owned()),
     }
 }

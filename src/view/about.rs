@@ -1,27 +1,27 @@
-//! What the page's script is told of the rendering.
+//! The JSON that the page's script reads about the rendering.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use super::cloud::Cloud;
-use super::frame::Pixels;
+use super::frame::ShownPixels;
 use super::hottest;
 use super::payload::type_name;
 use crate::config::CostMode;
-use crate::results::{Array, Summary};
+use crate::results::{LoadedArray, Summary};
 use crate::text::numbers::counted;
 
-/// All of it as JSON.
+/// Returns the JSON.
 pub(super) fn json(
     summary: &Summary,
-    pixels: &Pixels,
-    arrays: &[Array],
+    pixels: &ShownPixels,
+    arrays: &[LoadedArray],
     cloud: &Cloud,
     notes: &[String],
     hottest: Value,
 ) -> String {
-    let array = |(i, array): (usize, &Array)| {
+    let array = |(i, array): (usize, &LoadedArray)| {
         json!({
             "id": array_id(i),
             "name": array.name,
@@ -50,13 +50,13 @@ pub(super) fn json(
     about.to_string()
 }
 
-/// The id of the frame's array with this position. Its name would not do: it
-/// may hold anything.
+/// The id of the frame's array at this position. Names of arrays are no ids: they may
+/// contain any characters.
 pub(super) fn array_id(position: usize) -> String {
     format!("array-{position}")
 }
 
-/// What was not measured, if anything.
+/// A note on what was not measured; `None` if everything was.
 pub(super) fn missing(summary: &Summary) -> Option<String> {
     let note = match summary.cost.mode {
         CostMode::Time => return None,
@@ -68,7 +68,7 @@ pub(super) fn missing(summary: &Summary) -> Option<String> {
     Some(note.to_owned())
 }
 
-/// Short words on the rendering, most important first.
+/// Short facts about the rendering, the most important first.
 fn facts(summary: &Summary) -> Vec<String> {
     let image = &summary.image;
     let structure = match (&*summary.acceleration.kind, &summary.acceleration.quality) {
@@ -79,7 +79,7 @@ fn facts(summary: &Summary) -> Vec<String> {
     let mut facts = vec![
         format!("{} × {} pixels", image.width, image.height),
         format!(
-            "{} a pixel",
+            "{} per pixel",
             counted(image.samples_per_pixel.into(), "sample")
         ),
         counted(summary.n_primitives, "primitive"),
@@ -94,7 +94,7 @@ fn facts(summary: &Summary) -> Vec<String> {
     facts
 }
 
-/// What to call each object: its name, or else its shape.
+/// The label of each object: its name, or its shape if it has none.
 fn objects(summary: &Summary) -> Vec<Value> {
     let label = |object: &crate::results::Object| {
         let label = object.name.as_deref().unwrap_or(&object.kind);

@@ -1,27 +1,27 @@
-//! The hit points of the pixels that a page shows.
+//! The hit points of the shown pixels.
 
-use super::frame::Pixels;
+use super::frame::ShownPixels;
 use super::payload::Payload;
-use crate::results::Hits;
+use crate::results::HitsFile;
 use crate::text::Diagnostic;
 use crate::text::numbers::count;
-use crate::vtk::Values;
+use crate::vtk::ArrayValues;
 
-/// Points and the pixels that they belong to.
+/// Hit points and their pixels.
 #[derive(Debug)]
 pub(super) struct Cloud {
-    /// Three numbers a point, in world space.
+    /// Three coordinates per point, in world space.
     positions: Vec<f32>,
-    /// Indices into the pixels that are shown, ascending.
+    /// Indices into the shown pixels, ascending.
     pixels: Vec<u32>,
-    /// How many the rendering has.
+    /// The number of points of the rendering.
     n_all: usize,
 }
 
 impl Cloud {
-    /// Reads the points of the pixels that are shown: all of them, so that what
-    /// is marked or probed in the picture has its point.
-    pub(super) fn read(hits: &mut Hits, pixels: &Pixels) -> Result<Self, Diagnostic> {
+    /// Reads the points of all shown pixels, so that each pixel that is marked or
+    /// probed in the picture has its point.
+    pub(super) fn read(hits: &mut HitsFile, pixels: &ShownPixels) -> Result<Self, Diagnostic> {
         let points = hits.read_points()?;
         let of_points = hits.read("pixel")?.values;
         let of_points = of_points.iter().map(|pixel| pixels.index(pixel as u64));
@@ -39,28 +39,30 @@ impl Cloud {
         }
     }
 
-    /// How many points are shown.
+    /// The number of shown points.
     pub(super) fn len(&self) -> usize {
         self.pixels.len()
     }
 
-    /// How many the rendering has.
+    /// The number of points of the rendering.
     pub(super) fn n_all(&self) -> usize {
         self.n_all
     }
 
+    /// The positions and the pixels as payloads of the page.
     pub(super) fn payloads(self) -> [Payload; 2] {
         [
-            Payload::of_numbers("cloud-positions", &Values::F32(self.positions)),
-            Payload::of_numbers("cloud-pixels", &Values::U32(self.pixels)),
+            Payload::of_numbers("cloud-positions", &ArrayValues::F32(self.positions)),
+            Payload::of_numbers("cloud-pixels", &ArrayValues::U32(self.pixels)),
         ]
     }
 
-    /// What is left out, if anything.
+    /// A note on the omitted points, if any.
     pub(super) fn note(&self) -> Option<String> {
         let [shown, all] = [self.len(), self.n_all].map(|n| count(n as u64));
-        (self.len() < self.n_all)
-            .then(|| format!("The cloud shows {shown} of {all} hit points: those of these pixels."))
+        (self.len() < self.n_all).then(|| {
+            format!("The cloud shows {shown} of {all} hit points: those of the shown pixels.")
+        })
     }
 }
 
@@ -69,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_pixel_that_is_shown_has_its_point() {
+    fn each_shown_pixel_has_its_point() {
         let points: Vec<[f32; 3]> = (0..100_u8).map(|i| [i.into(); 3]).collect();
         let pixels = (0..100).map(|i: u32| i.is_multiple_of(2).then_some(i));
         let cloud = Cloud::of(&points, pixels);

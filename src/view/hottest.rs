@@ -4,26 +4,26 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::frame::Pixels;
+use super::frame::ShownPixels;
 use crate::film::{HotPixel, Times, highest_counts};
-use crate::results::{Frame, Summary};
+use crate::results::{FrameFile, Summary};
 use crate::text::Diagnostic;
 use crate::text::numbers::shell_word;
-use crate::vtk::Values;
+use crate::vtk::ArrayValues;
 
-/// How many of each array are named.
-const N_NAMED: usize = 3;
+/// Most pixels listed for each metric.
+const MAX_PIXELS_LISTED: usize = 3;
 
-/// What the page's script reads: of the time and of the node visits, as far as they
-/// are there, the most expensive pixels, each with its column, its row, its value
-/// and its place on the page, null where it is not shown.
+/// Returns the most expensive pixels by time and by node visits, each if measured. A
+/// pixel has its column, its row, its value, and its index among the shown pixels, or
+/// null if it is not shown.
 ///
 /// # Errors
-/// A diagnostic where the frame is damaged.
+/// The frame is damaged.
 pub(super) fn json(
     summary: &Summary,
-    frame: &mut Frame,
-    pixels: &Pixels,
+    frame: &mut FrameFile,
+    pixels: &ShownPixels,
 ) -> Result<Value, Diagnostic> {
     let found = [
         ("time_ns", by_time(summary, frame)?),
@@ -40,7 +40,7 @@ pub(super) fn json(
     Ok(found.iter().filter(is_found).map(by_array).collect())
 }
 
-/// The command that traces pixels of this rendering, but for `--pixel`.
+/// The command that traces pixels of this rendering, without `--pixel`.
 pub(super) fn trace_command(summary: &Summary) -> String {
     let image = &summary.image;
     format!(
@@ -53,11 +53,14 @@ pub(super) fn trace_command(summary: &Summary) -> String {
     )
 }
 
-fn by_time(summary: &Summary, frame: &mut Frame) -> Result<Vec<HotPixel>, Diagnostic> {
+fn by_time(summary: &Summary, frame: &mut FrameFile) -> Result<Vec<HotPixel>, Diagnostic> {
     let width = frame.width() as usize;
-    let mut read = |name: &str| match frame.has(name) {
-        true => frame.read(name).map(|array| Some(array.values)),
-        false => Ok(None),
+    let mut read = |name: &str| {
+        if frame.has(name) {
+            frame.read(name).map(|array| Some(array.values))
+        } else {
+            Ok(None)
+        }
     };
     let [ns, mad_ns, n_rejected] = ["time_ns", "time_mad_ns", "n_rejected"].map(&mut read);
     let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
@@ -66,29 +69,29 @@ fn by_time(summary: &Summary, frame: &mut Frame) -> Result<Vec<HotPixel>, Diagno
         ns: rows_of_f32(ns.as_ref(), width),
         mad_ns: rows_of_f32(mad_ns.as_ref(), width),
         n_rejected: match &n_rejected {
-            Some(Values::U8(all)) => all.chunks_exact(width).collect(),
+            Some(ArrayValues::U8(all)) => all.chunks_exact(width).collect(),
             _ => Vec::new(),
         },
         n_repeats: n_repeats.try_into().unwrap_or(u8::MAX),
     };
-    Ok(times.hottest(N_NAMED))
+    Ok(times.hottest(MAX_PIXELS_LISTED))
 }
 
-fn rows_of_f32(values: Option<&Values>, width: usize) -> Vec<&[f32]> {
+fn rows_of_f32(values: Option<&ArrayValues>, width: usize) -> Vec<&[f32]> {
     match values {
-        Some(Values::F32(all)) => all.chunks_exact(width).collect(),
+        Some(ArrayValues::F32(all)) => all.chunks_exact(width).collect(),
         _ => Vec::new(),
     }
 }
 
-fn by_count(frame: &mut Frame, name: &str) -> Result<Vec<HotPixel>, Diagnostic> {
+fn by_count(frame: &mut FrameFile, name: &str) -> Result<Vec<HotPixel>, Diagnostic> {
     if !frame.has(name) {
         return Ok(Vec::new());
     }
     match frame.read(name)?.values {
-        Values::U32(all) => {
+        ArrayValues::U32(all) => {
             let rows = all.chunks_exact(frame.width() as usize);
-            Ok(highest_counts(rows, N_NAMED))
+            Ok(highest_counts(rows, MAX_PIXELS_LISTED))
         }
         _ => Ok(Vec::new()),
     }

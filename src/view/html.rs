@@ -1,14 +1,14 @@
-//! The page: its template, style and script, and what is put into them.
+//! Fills the page's template with its style, script and content.
 
 use std::io::{self, Write};
 
 use super::payload::Payload;
 use crate::provenance::RunId;
 
-/// Marks like `{{about}}` are filled in.
+/// Placeholders such as `{{about}}` are replaced.
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
-/// The parts of the script; each uses only those above it.
+/// The parts of the script; each uses only names of the parts above it.
 const SCRIPT: [&str; 15] = [
     include_str!("page/payload.js"),
     include_str!("page/dom.js"),
@@ -36,30 +36,30 @@ pub(super) fn write(
     out: &mut impl Write,
 ) -> io::Result<()> {
     for piece in TEMPLATE.split("{{") {
-        let Some((mark, text)) = piece.split_once("}}") else {
+        let Some((placeholder, text)) = piece.split_once("}}") else {
             out.write_all(piece.as_bytes())?;
             continue;
         };
-        match mark {
+        match placeholder {
             "title" => out.write_all(escaped(title).as_bytes())?,
             "run" => write!(out, "{run}")?,
             "about" => out.write_all(inert(about).as_bytes())?,
             "style" => out.write_all(STYLE.as_bytes())?,
             "script" => out.write_all(SCRIPT.join("\n").as_bytes())?,
             "payloads" => payloads.iter().try_for_each(|payload| payload.write(out))?,
-            _ => unreachable!("the template has no other marks"),
+            _ => unreachable!("the template has no other placeholders"),
         }
         out.write_all(text.as_bytes())?;
     }
     Ok(())
 }
 
-/// Text between tags.
+/// Escapes text between tags.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
-/// JSON within a script element, which nothing in it can end.
+/// Escapes JSON within a script element, so that it cannot end the element.
 fn inert(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
@@ -70,7 +70,7 @@ mod tests {
     use crate::provenance::checksum;
 
     #[test]
-    fn names_cannot_leave_their_places() {
+    fn names_cannot_inject_markup() {
         let evil = "</script><img src=x onerror=alert(1)>&amp;";
         let about = serde_json::json!({ "name": evil }).to_string();
         let mut page = Vec::new();
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_asks_for_nothing_from_elsewhere() {
+    fn the_page_loads_nothing_from_elsewhere() {
         let parts = [TEMPLATE, STYLE].into_iter().chain(SCRIPT);
         for part in parts {
             for word in ["http://", "https://", "@import", "fetch(", "XMLHttpRequest"] {

@@ -1,10 +1,9 @@
-//! An output folder → `view.html`, one page to look at all of it in a browser.
+//! An output folder → `view.html`, a page that shows all of it in a browser.
 //!
-//! Takes [`Results`]; gives a page that needs no server and no network: the
-//! arrays stand in it as text, the script that shows them beside them. What is
-//! too much for a page, or for the size that was asked for, is thinned out,
-//! evenly and the same way each time, and the page says so: a value that it
-//! shows is always one of the rendering's.
+//! Converts [`Results`] to a page that needs no server and no network: it embeds the
+//! arrays as text and the script that shows them. A rendering that is too large for a
+//! page, or for the requested size, is subsampled evenly and deterministically, and the
+//! page says so: every shown value is an exact value of the rendering.
 
 mod about;
 mod budget;
@@ -24,41 +23,42 @@ use crate::results::Results;
 use crate::text::Diagnostic;
 
 use cloud::Cloud;
-use frame::{MAX_PIXELS, Pixels};
+use frame::{MAX_PIXELS, ShownPixels};
 use payload::Payload;
 
 /// The page's name in the output folder.
 pub const FILE: &str = "view.html";
 
-/// All that goes into a page.
+/// The content of a page.
 #[derive(Debug)]
-pub struct View {
+pub struct Page {
     title: String,
-    /// The run that it shows.
+    /// The id of the run.
     run: RunId,
-    /// What the script reads, as JSON.
+    /// The JSON that the script reads.
     about: String,
     payloads: Vec<Payload>,
     notes: Vec<String>,
-    /// Pixels that are shown, and how many bytes of the page are theirs.
+    /// The number of shown pixels.
     n_pixels: u64,
+    /// The bytes of the page that depend on the shown pixels.
     n_pixel_bytes: u64,
 }
 
-impl View {
-    /// Reads what the page shows.
+impl Page {
+    /// Reads the content of a page, with at most as many pixels as full HD has.
     ///
     /// # Errors
-    /// A diagnostic where a file of the folder is missing or damaged.
+    /// A file of the folder is missing or damaged.
     pub fn of(results: &Results) -> Result<Self, Diagnostic> {
         Self::of_at_most(MAX_PIXELS, results)
     }
 
-    /// Reads what a page of at most this many pixels shows.
+    /// Reads the content of a page with at most `n_pixels` pixels.
     fn of_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
         let mut frame = results.frame()?;
-        let pixels = Pixels::at_most(n_pixels, [frame.width(), frame.height()]);
-        // Without these there is nothing to draw: say so.
+        let pixels = ShownPixels::at_most(n_pixels, [frame.width(), frame.height()]);
+        // The page cannot be drawn without these arrays: report the missing one.
         if let Some(missing) = ["RGB", "footprint"].iter().find(|name| !frame.has(name)) {
             frame.read(missing)?;
         }
@@ -83,7 +83,7 @@ impl View {
         payloads.extend(table.as_ref().map(table::payload));
         Ok(Self {
             title: results.summary.scene.name.clone(),
-            // Outputs of older versions have no ID: the page needs one.
+            // Outputs of older versions have no id: the page needs one.
             run: (results.summary.run).unwrap_or_else(|| checksum(about.as_bytes()).into()),
             about,
             payloads,
@@ -96,12 +96,12 @@ impl View {
     /// Writes the page.
     ///
     /// # Errors
-    /// What `out` says.
+    /// `out` fails.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         html::write(&self.title, self.run, &self.about, &self.payloads, out)
     }
 
-    /// What the page does not show, and why; one sentence or two each.
+    /// Notes on what the page does not show, and why; one or two sentences each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

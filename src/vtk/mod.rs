@@ -1,4 +1,4 @@
-//! VTK XML files: [`write`](appended::write) and [`VtkFile`](read::VtkFile).
+//! VTK XML files: [`write`](appended::write) and [`VtkReader`](read::VtkReader).
 //!
 //! The header consists of vtkio's types, serialized by vtkio. The arrays follow
 //! it as appended data, raw or compressed a few blocks at a time, directly from
@@ -17,4 +17,4 @@ pub(crate) mod read;
 
 pub use codec::Codec;
 pub use encoding::Encoding;
-pub use read::{Number, Values};
+pub use read::{ArrayValues, Scalar};

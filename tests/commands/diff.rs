@@ -387,15 +387,15 @@ fn the_gate_is_exact_for_counters() {
 }
 
 #[test]
-fn a_gate_that_cannot_tell_says_so() {
+fn a_gate_without_enough_repeats_is_refused() {
     let folder = outputs(&["--repeats=1"]);
     let arguments = ["a", "b", "--fail-above", "5%"];
-    let advice = "render both with `--repeats 10`, or with `--cost counters`, which are exact";
+    let advice = "render both with `--repeats 10`, or with `--cost counters`: counters are exact";
     for (times, reason) in [
-        (None, "from noise: there are no repeats"),
+        (None, "a change of time: there are no repeats"),
         (
             Some(json!([1e9, 1.1e9, 1.2e9])),
-            "from noise with 3 and 3 repeats",
+            "a change of time with only 3 and 3 repeats",
         ),
     ] {
         if let Some(times) = times {
@@ -428,14 +428,14 @@ fn repeats_and_none_are_told_apart_on_the_terminal() {
     };
     assert_eq!(
         noise(),
-        "noise     cannot be told of the time without repeats: render both with `--repeats 10`; \
+        "noise     a change of time cannot be tested without repeats: render both with `--repeats 10`; \
          counters are exact"
     );
     let times: Value = (100..105).map(|time| f64::from(time) * 1e6).collect();
     repeat_both(&folder, &times);
     assert_eq!(
         noise(),
-        "noise     the time changed no more than noise does: B / A is 1.000 (95 %: 0.971 to \
+        "noise     the change of time is within noise: B / A is 1.000 (95 %: 0.971 to \
          1.030); Mann-Whitney p = 1.00, 5 and 5 repeats"
     );
 }
@@ -540,7 +540,7 @@ fn another_machine_is_told() {
     let output = diff(folder.path(), &["a", "b"]);
     assert_success(&output);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("A and B are of different machines"), "{text}");
+    assert!(text.contains("A and B ran on different machines"), "{text}");
     assert!(text.contains(" → \"Babbage 1\"\n"), "{text}");
 }
 

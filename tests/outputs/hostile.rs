@@ -8,7 +8,7 @@ use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
 use raycost::config::CostMode;
 use raycost::output::write_frame;
-use raycost::results::{Frame, Results};
+use raycost::results::{FrameFile, Results};
 use raycost::vtk::Codec;
 
 /// A frame whose header `change` has changed.
@@ -22,7 +22,7 @@ fn frame(folder: &Path, change: impl FnOnce(&str) -> String) -> String {
     let (header, rest) = bytes.split_at(end.unwrap());
     let header = change(std::str::from_utf8(header).unwrap());
     fs::write(&path, [header.as_bytes(), rest].concat()).unwrap();
-    match Frame::open(&path) {
+    match FrameFile::open(&path) {
         Ok(_) => "fine".to_owned(),
         Err(error) => error.to_string(),
     }
@@ -204,7 +204,7 @@ fn blocks_that_are_too_short_for_their_array_are_refused() {
             let mut bytes = bytes.clone();
             bytes[begin + 24..begin + 32].copy_from_slice(&u64::to_ne_bytes(length));
             fs::write(&path, bytes).unwrap();
-            let error = Frame::open(&path).err().map(|error| error.to_string());
+            let error = FrameFile::open(&path).err().map(|error| error.to_string());
             let is_refused = error
                 .as_ref()
                 .is_some_and(|error| error.contains("hold no"));
@@ -221,7 +221,7 @@ fn picked_pixels_are_those_of_the_frame() {
     for codec in [Codec::None, Codec::Lz4, Codec::Zlib] {
         let film = noise(37, 23, CostMode::Time, 1);
         write_frame(&film, codec, &mut fs::File::create(&path).unwrap()).unwrap();
-        let mut frame = Frame::open(&path).unwrap();
+        let mut frame = FrameFile::open(&path).unwrap();
         for (columns, rows) in [
             (vec![0, 5, 36], vec![0, 1, 22]),
             (vec![3], vec![7]),
@@ -231,7 +231,7 @@ fn picked_pixels_are_those_of_the_frame() {
         ] {
             for name in ["RGB", "object", "distance"] {
                 let all = frame.read(name).unwrap();
-                let picked = frame.read_picked(name, &columns, &rows).unwrap();
+                let picked = frame.read_selected(name, &columns, &rows).unwrap();
                 let n = all.n_components;
                 let mut expected = Vec::new();
                 for y in &rows {

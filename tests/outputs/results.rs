@@ -11,7 +11,7 @@ use crate::common::{assert_success, in_repository, raycost};
 use raycost::config::CostMode;
 use raycost::film::{Film, columns};
 use raycost::output::{write_frame, write_hits};
-use raycost::results::{Frame, Hits, Results};
+use raycost::results::{FrameFile, HitsFile, Results};
 use raycost::schedule::TileGrid;
 use raycost::vtk::Codec;
 
@@ -46,12 +46,12 @@ proptest! {
             bytes[from + at] = byte;
             fs::write(path, bytes).unwrap();
         }
-        if let Ok(mut frame) = Frame::open(&frame) {
+        if let Ok(mut frame) = FrameFile::open(&frame) {
             for info in frame.arrays().to_vec() {
                 let _ = frame.read(&info.name);
             }
         }
-        if let Ok(mut hits) = Hits::open(&hits) {
+        if let Ok(mut hits) = HitsFile::open(&hits) {
             for info in hits.arrays().to_vec() {
                 let _ = hits.read(&info.name);
             }
@@ -71,7 +71,10 @@ fn write(film: &Film, codec: Codec, folder: &Path) -> (PathBuf, PathBuf) {
 fn check(film: &Film, codec: Codec) {
     let folder = tempfile::tempdir().unwrap();
     let (frame, hits) = write(film, codec, folder.path());
-    let (mut frame, mut hits) = (Frame::open(&frame).unwrap(), Hits::open(&hits).unwrap());
+    let (mut frame, mut hits) = (
+        FrameFile::open(&frame).unwrap(),
+        HitsFile::open(&hits).unwrap(),
+    );
     assert_eq!(
         (frame.width(), frame.height()),
         (film.grid.width, film.grid.height)
@@ -223,7 +226,7 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (frame, hits) = write(&noise(9, 5, CostMode::Time, 1), Codec::None, folder.path());
     // Behind the last array that is read stand three of cells and two tags.
-    let n_hits = Hits::open(&hits).unwrap().n_points();
+    let n_hits = HitsFile::open(&hits).unwrap().n_points();
     let tail = "\n</AppendedData>\n</VTKFile>\n".len();
     let mut files = vec![(frame, tail), (hits, tail + 3 * 8 + n_hits * 9)];
     for codec in [Codec::Lz4, Codec::Zlib] {
@@ -240,11 +243,11 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
         {
             fs::write(&path, &whole[..n]).unwrap();
             let error = match path.ends_with("frame.vti") {
-                true => Frame::open(&path).map(drop),
-                false => Hits::open(&path).map(drop),
+                true => FrameFile::open(&path).map(drop),
+                false => HitsFile::open(&path).map(drop),
             };
             let error = error.unwrap_err().to_string();
-            assert!(error.contains("cut short") || n == 0, "{n}: {error}");
+            assert!(error.contains("truncated") || n == 0, "{n}: {error}");
         }
     }
 }
@@ -263,7 +266,7 @@ fn a_damaged_block_is_told() {
         // Within `thread`, the last array.
         bytes[end - 20..end].fill(0xff);
         fs::write(&path, bytes).unwrap();
-        let found = Frame::open(&path).unwrap().read("thread").map(drop);
+        let found = FrameFile::open(&path).unwrap().read("thread").map(drop);
         let error = found.unwrap_err();
         let what = "is damaged: a block of `thread` cannot be decompressed";
         assert!(error.to_string().contains(what), "{codec:?}: {error}");
@@ -283,8 +286,11 @@ fn a_foreign_file_is_refused() {
     let opened = |text: &str| {
         let bytes: Vec<u8> = text.chars().map(|c| c as u8).collect();
         fs::write(&path, bytes).unwrap();
-        let read = |mut frame: Frame| frame.read("RGB").map(drop);
-        Frame::open(&path).and_then(read).unwrap_err().to_string()
+        let read = |mut frame: FrameFile| frame.read("RGB").map(drop);
+        FrameFile::open(&path)
+            .and_then(read)
+            .unwrap_err()
+            .to_string()
     };
     for (ours, theirs, why) in [
         ("<?xml", "# vtk", "does not begin"),
@@ -309,7 +315,7 @@ fn a_foreign_file_is_refused() {
             "offset=\"18446744073709551615\"",
             "no file is as long",
         ),
-        ("offset=\"0\"", "offset=\"99999999\"", "cut short"),
+        ("offset=\"0\"", "offset=\"99999999\"", "truncated"),
         ("offset=\"0\"", "offset=\"4\"", "share bytes of it"),
         ("_\u{c}\0\0\0", "_\u{b}\0\0\0", "has 11 bytes instead of 12"),
         (
@@ -329,7 +335,7 @@ fn a_foreign_file_is_refused() {
         assert!(error.contains(why), "{theirs}: {error}");
     }
     assert!(
-        Frame::open(&hits)
+        FrameFile::open(&hits)
             .unwrap_err()
             .to_string()
             .contains("no ImageData")

@@ -1,4 +1,4 @@
-// A camera that goes around the hit points, and what moves it.
+// A camera that orbits the hit points, and its controls.
 
 const add = (a, b) => a.map((x, i) => x + b[i]);
 const scaled = (a, factor) => a.map((x) => x * factor);
@@ -7,14 +7,14 @@ const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 const normalized = (a) => scaled(a, 1 / Math.hypot(...a));
 
-/** The vector turned around a unit axis. */
-function turned(a, axis, angle) {
+/** Rotates a vector around a unit axis by an angle in radians (Rodrigues). */
+function rotated(a, axis, angle) {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   return add(add(scaled(a, c), scaled(cross(axis, a), s)), scaled(axis, dot(axis, a) * (1 - c)));
 }
 
-/** The rendering's camera, aimed at the middle of the points. It keeps the
- * picture's sides: where the scene is left-handed, so is this. */
+/** The start: the rendering's camera, with its target at the median depth of the points.
+ * It keeps the picture's handedness: left-handed if the scene's camera is. */
 function startCamera(positions) {
   const { low, high } = bounds(positions);
   const middle = scaled(add(low, high), 0.5);
@@ -44,6 +44,7 @@ function startCamera(positions) {
   return { right, up, back, target, distance, start_distance: distance, half, parallel, radius, middle };
 }
 
+/** The bounding box of points. */
 function bounds(positions) {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
   for (let i = 0; i < positions.length; i++) {
@@ -53,6 +54,7 @@ function bounds(positions) {
   return { low, high };
 }
 
+/** The median distance of points from the eye along `forward`; greater than 0. */
 function medianDepth(positions, eye, forward) {
   const depths = new Float32Array(positions.length / 3);
   const [[x, y, z], start] = [forward, dot(forward, eye)];
@@ -62,8 +64,8 @@ function medianDepth(positions, eye, forward) {
   return Math.max(1e-12, depths.sort()[depths.length >> 1]);
 }
 
-/** The matrix, column-major for WebGL, and the height of its view in clip
- * space: of one world unit, at a depth of one unit where it is perspective. */
+/** The matrix from world to clip space, column-major for WebGL, and `y`, the height in
+ * clip space of one world unit (of a perspective camera at depth 1). */
 function clipFromWorld(camera, aspect) {
   const { right, up, back, target, distance, start_distance, half, parallel, radius, middle } = camera;
   const eye = add(target, scaled(back, distance));
@@ -71,7 +73,7 @@ function clipFromWorld(camera, aspect) {
   const half_height = 1.04 * Math.max(half[1], half[0] / aspect) * (parallel ? distance / start_distance : 1);
   const [x, y] = [1 / (half_height * aspect), 1 / half_height];
   const far = Math.hypot(...minus(middle, eye)) + 1.1 * radius;
-  // Not by the cloud's size: a floor may reach to the horizon.
+  // Independent of the cloud's size: a floor may reach to the horizon.
   const near = parallel ? -far : Math.min(distance / 1000, far / 2);
   const [stretch, shift] = parallel ? [2, far + near] : [far + near, 2 * far * near];
   const z_row = scaled(add(scaled(depth_row, stretch), [0, 0, 0, -shift]), 1 / (far - near));
@@ -79,23 +81,24 @@ function clipFromWorld(camera, aspect) {
   return { matrix: new Float32Array([0, 1, 2, 3].flatMap((column) => clip.map((row) => row[column]))), y };
 }
 
-/** The camera turned by shares of the view's height. */
+/** Rotates the camera around its target; `dx` and `dy` are fractions of the view's
+ * height, and a full height is 180 degrees. */
 function orbited(camera, start_up, dx, dy) {
-  // Up is the axis that the picture's up is nearest to.
+  // The pole is the world axis nearest to the picture's up vector.
   const sizes = start_up.map(Math.abs);
   const nearest = sizes.indexOf(Math.max(...sizes));
   const pole = start_up.map((x, i) => (i === nearest ? Math.sign(x) : 0));
-  const hand = Math.sign(dot(cross(camera.up, camera.back), camera.right));
-  const around = (axes, by, angle) => axes.map((a) => normalized(turned(a, by, angle)));
-  let axes = around([camera.right, camera.up, camera.back], pole, -hand * dx * Math.PI);
-  const tilted = around(axes, axes[0], -hand * dy * Math.PI);
-  // Not over the pole.
+  const handedness = Math.sign(dot(cross(camera.up, camera.back), camera.right));
+  const around = (axes, by, angle) => axes.map((a) => normalized(rotated(a, by, angle)));
+  let axes = around([camera.right, camera.up, camera.back], pole, -handedness * dx * Math.PI);
+  const tilted = around(axes, axes[0], -handedness * dy * Math.PI);
+  // Do not tilt over the pole.
   if (dot(tilted[1], pole) > 0.02) axes = tilted;
   const [right, up, back] = axes;
   return { ...camera, right, up, back };
 }
 
-/** Turns pointer, wheel and keys into `orbit`, `pan`, `zoom` and `home`. */
+/** Maps pointer, wheel and keys to calls of `orbit`, `pan`, `zoom` and `home`. */
 function listen(canvas, { orbit, pan, zoom, home }) {
   const pointers = new Map();
   canvas.addEventListener("pointerdown", (event) => {

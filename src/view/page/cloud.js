@@ -1,6 +1,6 @@
-// The hit points in space.
+// The panel of the hit points.
 
-/** Shows the cloud. */
+/** Creates the panel; explains in it why if there is nothing to draw. */
 async function createCloud(section) {
   const canvas = section.querySelector("canvas");
   const unavailable = (why) => {
@@ -9,7 +9,7 @@ async function createCloud(section) {
     for (const unused of section.querySelectorAll("canvas, label, .hint")) unused.hidden = true;
     return { update() {}, mark() {}, probe() {} };
   };
-  if (about.cloud.n === 0) return unavailable("No pixel sees anything: there are no hit points.");
+  if (about.cloud.n === 0) return unavailable("There are no hit points: every ray of the camera missed.");
   const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
   if (!gl) return unavailable("This browser has no WebGL 2, which draws the hit points.");
 
@@ -32,11 +32,11 @@ async function createCloud(section) {
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.round(n * devicePixelRatio));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     const { matrix, y } = clipFromWorld(camera, width / height);
-    // A point is as wide as what it stands for, and half more to close gaps.
-    const stands_for = Math.sqrt(about.cloud.n_all / about.cloud.n);
+    // A point is as wide as the pixels that it represents, and half more to close gaps.
+    const pixels_per_point_side = Math.sqrt(about.cloud.n_all / about.cloud.n);
     const well = getComputedStyle(document.body).getPropertyValue("--well").trim();
     const background = [1, 3, 5].map((i) => parseInt(well.slice(i, i + 2), 16) / 255);
-    points.draw(matrix, 1.5 * stands_for * y * 0.5 * height, background, ringed);
+    points.draw(matrix, 1.5 * pixels_per_point_side * y * 0.5 * height, background, ringed);
   });
   const look = (moved) => {
     camera = { ...camera, ...moved };
@@ -45,8 +45,8 @@ async function createCloud(section) {
   listen(canvas, {
     orbit: (dx, dy) => look(orbited(camera, start.up, dx, dy)),
     pan(dx, dy) {
-      const reach = 2 * camera.half[1] * (camera.parallel ? camera.distance / start.distance : camera.distance);
-      const shift = add(scaled(camera.right, -dx * reach), scaled(camera.up, dy * reach));
+      const view_height = 2 * camera.half[1] * (camera.parallel ? camera.distance / start.distance : camera.distance);
+      const shift = add(scaled(camera.right, -dx * view_height), scaled(camera.up, dy * view_height));
       look({ target: add(camera.target, shift) });
     },
     zoom(factor) {
@@ -70,12 +70,12 @@ async function createCloud(section) {
       points.setScale(scale, table);
       draw();
     },
-    /** Lets all points fade but those of marked pixels; null ends it. */
+    /** Fades all points except those of marked pixels; null unmarks all. */
     mark(isMarked) {
       points.setMarks(isMarked && Uint8Array.from(pixels, (pixel) => (isMarked(pixel) ? 255 : 0)));
       draw();
     },
-    /** Rings the point of a pixel, if it is among them. */
+    /** Draws a ring around the point of a pixel, if it has one. */
     probe(pixel) {
       ringed = find(pixels, pixel);
       draw();
@@ -83,7 +83,7 @@ async function createCloud(section) {
   };
 }
 
-/** Where a number is in a sorted list; -1 for nowhere. */
+/** The index of a number in a sorted array, by binary search; -1 if it is not there. */
 function find(sorted, wanted) {
   let [from, to] = [0, sorted.length];
   while (from < to) {

@@ -1,6 +1,6 @@
-// What all parts of the page are made with.
+// Helpers for the document, used by all parts of the page.
 
-/** An element with attributes and children; text is never read as markup. */
+/** Creates an element with attributes and children; text is never parsed as markup. */
 function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
@@ -8,12 +8,12 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-/** Puts work off to the next frame; what is asked for twice is done once. */
+/** Returns a function that runs `work` in the next frame, once for any number of calls. */
 function oncePerFrame(work) {
-  let asked = 0;
+  let request = 0;
   return () => {
-    asked ||= requestAnimationFrame(() => {
-      asked = 0;
+    request ||= requestAnimationFrame(() => {
+      request = 0;
       work();
     });
   };

@@ -1,6 +1,6 @@
-// Arrays and numbers in words.
+// Labels of arrays and formats of numbers.
 
-/** What the arrays of a rendering are, in the order of the menu. */
+/** The known arrays of a rendering, in the order of the menu. */
 const ARRAYS = {
   time_ns: { group: "Cost", label: "Time", about: "thread time spent in the pixel", log: true },
   node_visits: { group: "Cost", label: "Node visits", about: "BVH nodes entered by all rays of the pixel", log: true },
@@ -16,31 +16,31 @@ const ARRAYS = {
   footprint: { group: "Geometry", label: "Footprint", about: "world size of the pixel where it hits" },
   object: { group: "Geometry", label: "Object", about: "position in the scene's list; -1 for none", names: about.objects },
   material: { group: "Geometry", label: "Material", about: "position in the scene's list; -1 for none", names: about.materials },
-  Normals: { group: "Geometry", label: "Normal", about: "unit normal on the side that is seen", components: ["x", "y", "z"] },
+  Normals: { group: "Geometry", label: "Normal", about: "unit normal on the visible side", components: ["x", "y", "z"] },
   RGB: { group: "Picture", label: "Color", about: "8 bits a channel", components: ["red", "green", "blue"] },
 };
 
-/** Names of arrays in the order of the menu, those that are not known last. */
+/** Sorts names of arrays in the order of the menu, unknown ones last. */
 function inOrder(names) {
   const known = Object.keys(ARRAYS);
   const place = (name) => (known.includes(name) ? known.indexOf(name) : known.length);
   return names.sort((a, b) => place(a) - place(b));
 }
 
-/** How to call an array; one that is not known keeps its name. */
+/** The description of an array; the label of an unknown one is its name. */
 function described(name) {
   const unit = name.endsWith("_ns") ? "ns" : "";
   return { group: "Other", label: name, about: "", unit, ...ARRAYS[name] };
 }
 
-/** The name of a field in the menu. */
+/** The label of a field in the menu. */
 function labelOf(key) {
   const { name, n, component } = FIELDS.get(key);
   const { label, components } = described(name);
   return n === 1 ? label : `${label} ${components?.[component] ?? component}`;
 }
 
-/** A number as it is read best. */
+/** Formats a value of an array. */
 function format(value, name = "") {
   if (Number.isNaN(value)) return "none";
   const { names, unit } = described(name);
@@ -57,7 +57,7 @@ function formatTime(ns, digits = 4) {
   return `${Number(ns.toPrecision(digits))} ${units[unit]}`;
 }
 
-/** A short number for an axis. */
+/** Formats a value as a short label of a tick. */
 function formatTick(value, name) {
   if (described(name).unit === "ns") return formatTime(value, 6);
   const size = Math.abs(value);
@@ -67,7 +67,7 @@ function formatTick(value, name) {
   return String(Number(value.toPrecision(6)));
 }
 
-/** A number for a text field. */
+/** Formats a value for a text field. */
 function formatInput(value) {
   return String(Number(value.toPrecision(6)));
 }

@@ -1,7 +1,7 @@
 // The most expensive pixels, and the commands that trace them.
 
-/** A button that marks them: `onMark(field)`, which is 1 there, or null; `onShow(x, y)`
- * moves the probe to one of them. */
+/** Creates the list and its button. The button calls `onMark(field)` with a field that is
+ * 1 at these pixels, or with null to unmark them; an entry calls `onShow(x, y)`. */
 function createHottest(section, { onMark, onShow }) {
   const button = section.querySelector("button");
   const list = section.querySelector("ol");

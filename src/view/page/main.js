@@ -1,11 +1,11 @@
-// The state of the page, and what happens when it changes.
+// The state of the page and its changes.
 
 const byId = (id) => document.getElementById(id);
 
-/** What is shown: a field, its axis and colors, marked values, a pixel and
- * whether it stays when the pointer moves. */
+/** The shown field, its axis and color scale, the marked range of values, the probed
+ * pixel, and whether the probe is pinned. */
 const state = { field: null, axis: null, scale: null, table: null, mark: null, x: WIDTH >> 1, y: HEIGHT >> 1, pinned: false };
-/** Counts choices of the menu: one that has been overtaken is not shown. */
+/** Counts choices of the menu, so that an outdated choice is not shown. */
 let n_choices = 0;
 let rgb = null;
 let cloud = null;
@@ -16,7 +16,7 @@ const map = createPane(byId("map"), pane_events);
 const probe = createProbe(byId("probe"));
 const ruler = createRuler(byId("ruler"), { onScale: setScale, onMark: (from, to) => mark(state.field, from, to) });
 
-/** Moves the probe; one that is pinned follows keys and clicks alone. */
+/** Moves the probe; a pinned probe follows only keys and clicks. */
 function moveProbe(x, y, how) {
   if (state.pinned && how === "pointer") return;
   Object.assign(state, { x, y });
@@ -25,7 +25,7 @@ function moveProbe(x, y, how) {
   showProbe(how === "key" ? "" : null);
 }
 
-/** Holds the probe where it is, or lets it follow the pointer again. */
+/** Pins the probe, or lets it follow the pointer again. */
 function pin(isPinned) {
   state.pinned = isPinned;
   document.body.classList.toggle("pinned", isPinned);
@@ -37,10 +37,11 @@ function placeCursors() {
   for (const pane of [picture, map]) pane.place(state.x, state.y);
 }
 
-/** Shows the probe's values; says them aloud, after some words, if there are any. */
-function showProbe(spoken_first = null) {
+/** Shows the probe's values; announces them to screen readers after `prefix`, unless it
+ * is null. */
+function showProbe(prefix = null) {
   const index = state.y * WIDTH + state.x;
-  probe.update(state.x, state.y, state.field, spoken_first);
+  probe.update(state.x, state.y, state.field, prefix);
   cloud?.probe(index);
   drawRuler();
 }
@@ -56,7 +57,7 @@ const paintPixels = oncePerFrame(() => {
   cloud?.update(state);
 });
 
-/** Shows what hangs on the colors. */
+/** Updates what depends on the colors. */
 function paintMap() {
   paintPixels();
   drawRuler();
@@ -70,11 +71,11 @@ function setScale(low, high) {
   paintMap();
 }
 
-/** Takes the range that is chosen for both the histogram and the colors. */
+/** Applies the chosen range to the histogram and the colors. */
 function setAxis() {
   const all = axisOf(state.field, byId("log").checked);
   const isAll = byId("range-all").checked;
-  state.axis = isAll ? all : unsqueezed(state.field, all);
+  state.axis = isAll ? all : withoutOutliers(state.field, all);
   state.scale = isAll ? all : fitted(state.field, all);
   paintMap();
 }
@@ -83,20 +84,20 @@ const paintMarks = oncePerFrame(() => {
   const { field, from, to } = state.mark ?? {};
   const isMarked = field && ((i) => field.values[i] >= from && field.values[i] <= to);
   picture.paint(pictureColor(rgb, isMarked));
-  const few = field ? fewOf(field.values.length, isMarked) : null;
-  for (const pane of [picture, map]) pane.outline(few);
+  const indices = field ? outlined(field.values.length, isMarked) : null;
+  for (const pane of [picture, map]) pane.outline(indices);
   cloud?.mark(isMarked);
   byId("marked").textContent = field ? describeMark(state.mark) : "Drag over the histogram.";
 });
 
-/** The numbers below `n` that are marked; null if they are not few. */
-function fewOf(n, isMarked) {
-  const few = [];
-  for (let i = 0; i < n && few.length <= MAX_MARKED; i++) if (isMarked(i)) few.push(i);
-  return few.length <= MAX_MARKED ? few : null;
+/** The indices below `n` that are marked; null if there are more than MAX_MARKED. */
+function outlined(n, isMarked) {
+  const indices = [];
+  for (let i = 0; i < n && indices.length <= MAX_MARKED; i++) if (isMarked(i)) indices.push(i);
+  return indices.length <= MAX_MARKED ? indices : null;
 }
 
-/** Marks the pixels whose value of a field is within a range; null ends it. */
+/** Marks the pixels whose value of a field is within a range; a null range unmarks all. */
 function mark(field, from, to, name = "") {
   state.mark = from === null ? null : { field, from, to, name };
   paintMarks();
@@ -106,7 +107,7 @@ function mark(field, from, to, name = "") {
   byId("mark-to").value = isShown ? formatInput(to) : "";
 }
 
-/** How many pixels are marked, and which part of the whole cost is theirs. */
+/** The number of marked pixels and their share of the total cost. */
 function describeMark({ field, from, to, name }) {
   let [n, sum, total] = [0, 0, 0];
   for (const value of field.values) {
@@ -120,6 +121,7 @@ function describeMark({ field, from, to, name }) {
   return (name ? `${name}: ` : "") + share + cost;
 }
 
+/** Shows the field with this key of the menu. */
 async function chooseArray(key) {
   const choice = ++n_choices;
   const chosen = await field(key);
@@ -137,7 +139,7 @@ async function chooseArray(key) {
   if (state.mark) mark(state.mark.field, state.mark.from, state.mark.to, state.mark.name);
 }
 
-/** Marks an object or a material of the table. */
+/** Marks the pixels of an object or a material of the table. */
 async function pick(kind, id, name) {
   mark(await field(kind), id, id, name || kind);
   byId("picture").scrollIntoView({ block: "nearest" });
@@ -155,12 +157,12 @@ function fillMenus() {
   byId("color-map").append(...Object.keys(about.color_maps).map((name) => element("option", {}, name)));
 }
 
-/** Takes numbers typed into two fields when both are some. */
-function onTyped(ids, take) {
+/** Calls `accept(from, to)` when two fields hold a valid range; flags invalid fields. */
+function onTyped(ids, accept) {
   const typed = () => {
     const [from, to] = ids.map((id) => (byId(id).value.trim() === "" ? NaN : Number(byId(id).value)));
     ids.forEach((id, i) => byId(id).setAttribute("aria-invalid", Number.isNaN([from, to][i]) || from > to));
-    if (from <= to) take(from, to);
+    if (from <= to) accept(from, to);
   };
   for (const id of ids) byId(id).addEventListener("change", typed);
 }
@@ -203,7 +205,7 @@ async function start() {
       pin(true);
     },
   });
-  for (const { name } of about.arrays) probe.learn(name, await frameArray(name));
+  for (const { name } of about.arrays) probe.add(name, await frameArray(name));
   showProbe();
   await createTable(byId("objects"), { onPick: pick });
   cloud = await createCloud(byId("cloud"));
@@ -215,7 +217,7 @@ async function start() {
 
 function fail(error) {
   const failure = byId("failure");
-  const old = typeof DecompressionStream === "undefined" ? " This browser is too old to unpack the page's data." : "";
+  const old = typeof DecompressionStream === "undefined" ? " This browser is too old to decompress the page's data." : "";
   failure.textContent = `The page could not be shown: ${error?.message ?? error}.${old}`;
   failure.hidden = false;
 }

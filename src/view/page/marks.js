@@ -1,24 +1,25 @@
-// Marked pixels that are few: outlined, since a pixel alone cannot be seen.
+// Outlines of marked pixels, since a single pixel is too small to see.
 
-/** Most marked pixels that are looked at one by one. */
+/** Most marked pixels that are outlined. */
 const MAX_MARKED = 20_000;
-/** Most outlines: where there are more, their pixels are seen without. */
+/** Most outlines; more marked regions are visible without them. */
 const MAX_OUTLINES = 200;
-/** Room in screen pixels around what is outlined, and its smallest side. */
-const OUTLINE_ROOM = 3;
-const OUTLINE_SIDE = 11;
+/** Padding of an outline, in pixels of the screen. */
+const OUTLINE_PADDING = 3;
+/** Least side of an outline, in pixels of the screen. */
+const MIN_OUTLINE_SIDE = 11;
 
-/** The smallest boxes [left, top, right, bottom] around pixels that touch each
- * other; `indices` ascend. */
+/** The bounding boxes [left, top, right, bottom] of the connected regions (8 neighbors)
+ * of pixels with these ascending indices. */
 function boxesAround(indices) {
-  const left_over = new Set(indices);
+  const remaining = new Set(indices);
   const boxes = [];
   for (const first of indices) {
-    if (!left_over.delete(first)) continue;
+    if (!remaining.delete(first)) continue;
     const box = [WIDTH, HEIGHT, -1, -1];
-    const todo = [first];
-    while (todo.length) {
-      const at = todo.pop();
+    const stack = [first];
+    while (stack.length) {
+      const at = stack.pop();
       const [x, y] = [at % WIDTH, Math.floor(at / WIDTH)];
       box[0] = Math.min(box[0], x);
       box[1] = Math.min(box[1], y);
@@ -27,7 +28,7 @@ function boxesAround(indices) {
       for (const dy of [-1, 0, 1]) {
         for (const dx of [-1, 0, 1]) {
           const next = at + dy * WIDTH + dx;
-          if (x + dx >= 0 && x + dx < WIDTH && left_over.delete(next)) todo.push(next);
+          if (x + dx >= 0 && x + dx < WIDTH && remaining.delete(next)) stack.push(next);
         }
       }
     }
@@ -36,7 +37,7 @@ function boxesAround(indices) {
   return boxes;
 }
 
-/** A layer over a pane that outlines marked pixels. */
+/** Creates a layer over a pane that outlines marked pixels. */
 function createMarks(box) {
   const canvas = element("canvas", { class: "marks", "aria-hidden": "true" });
   let boxes = [];
@@ -53,10 +54,10 @@ function createMarks(box) {
     for (const [left, top, right, bottom] of boxes) {
       const [x0, x1] = [left, right + 1].map((x) => (x / WIDTH - from_x) * zoom * width);
       const [y0, y1] = [top, bottom + 1].map((y) => (y / HEIGHT - from_y) * zoom * height);
-      const [w, h] = [x1 - x0, y1 - y0].map((side) => Math.max(OUTLINE_SIDE, side + 2 * OUTLINE_ROOM));
+      const [w, h] = [x1 - x0, y1 - y0].map((side) => Math.max(MIN_OUTLINE_SIDE, side + 2 * OUTLINE_PADDING));
       outlines.rect((x0 + x1 - w) / 2, (y0 + y1 - h) / 2, w, h);
     }
-    // Two tones are seen on any color.
+    // A light line on a dark one is visible on any color.
     for (const [style, line] of [["#000000", 4], ["#5fe3ff", 2]]) {
       Object.assign(context, { strokeStyle: style, lineWidth: line });
       context.stroke(outlines);
@@ -65,7 +66,7 @@ function createMarks(box) {
 
   return {
     canvas,
-    /** Outlines these pixels, by ascending indices; null ends it. */
+    /** Outlines the pixels with these ascending indices; null removes the outlines. */
     set(indices) {
       const some = indices && indices.length <= MAX_MARKED ? boxesAround(indices) : [];
       boxes = some.length <= MAX_OUTLINES ? some : [];

@@ -1,11 +1,10 @@
-// The picture and the map, side by side under one probe and one zoom.
+// The picture and the map, side by side, with a common probe and a common zoom.
 
-/** Pixels of the screen that a pointer may move while it clicks. */
-const CLICK_REACH = 4;
+/** Most pixels of the screen that the pointer moves during a click. */
+const CLICK_TOLERANCE = 4;
 
-/** A canvas of the picture's pixels. Calls `onProbe(x, y, how)` where the
- * probe goes by "pointer", "click" or "key", `onPin()` where it is to be pinned
- * or released, and `onZoom()`. */
+/** Creates a canvas of the picture's pixels. Calls `onProbe(x, y, how)` when a "pointer",
+ * "click" or "key" moves the probe, `onPin()` to pin or release it, and `onZoom()`. */
 function createPane(figure, { onProbe, onPin, onZoom }) {
   const box = figure.querySelector(".pane");
   const canvas = element("canvas", { width: WIDTH, height: HEIGHT });
@@ -19,7 +18,7 @@ function createPane(figure, { onProbe, onPin, onZoom }) {
   const pixels = new Uint32Array(image.data.buffer);
   let probe = { x: 0, y: 0 };
 
-  /** The event's place in shares of the picture. */
+  /** The position of an event, as fractions of the picture's size. */
   const placeOf = (event) => {
     const { left, top, width, height } = canvas.getBoundingClientRect();
     return { x: (event.clientX - left) / width, y: (event.clientY - top) / height };
@@ -47,7 +46,7 @@ function createPane(figure, { onProbe, onPin, onZoom }) {
   });
   for (const end of ["pointerup", "pointercancel"]) box.addEventListener(end, () => (dragged = null));
   box.addEventListener("click", (event) => {
-    if (pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > CLICK_REACH) return;
+    if (pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > CLICK_TOLERANCE) return;
     const { x, y } = placeOf(event);
     clamp(Math.floor(x * WIDTH), Math.floor(y * HEIGHT), "click");
     onPin();
@@ -87,7 +86,7 @@ function createPane(figure, { onProbe, onPin, onZoom }) {
     },
     /** Outlines marked pixels: their indices, or null for none. */
     outline: marks.set,
-    /** Puts the cursor on a pixel and the canvas where the zoom wants it. */
+    /** Moves the cursor to a pixel, and the canvas to the zoomed part. */
     place(x, y) {
       probe = { x, y };
       const { zoom } = zoomed;
@@ -105,14 +104,15 @@ function createPane(figure, { onProbe, onPin, onZoom }) {
   };
 }
 
-/** The picture's colors; where something is marked, the rest fades. */
+/** Returns a function from a pixel's index to its color; unmarked pixels fade if there
+ * are marked ones. */
 function pictureColor(rgb, isMarked) {
   const [r, g, b] = [(i) => rgb[3 * i], (i) => rgb[3 * i + 1], (i) => rgb[3 * i + 2]];
   const pack = (red, green, blue) => 0xff000000 | (blue << 16) | (green << 8) | red;
   if (!isMarked) return (i) => pack(r(i), g(i), b(i));
   return (i) => {
-    const grey = 0.2 * r(i) + 0.7 * g(i) + 0.1 * b(i);
-    if (isMarked(i)) return pack(0.5 * grey, 0.4 * grey + 140, 0.3 * grey + 178);
-    return pack(30 + 0.3 * grey, 30 + 0.3 * grey, 30 + 0.3 * grey);
+    const luma = 0.2 * r(i) + 0.7 * g(i) + 0.1 * b(i);
+    if (isMarked(i)) return pack(0.5 * luma, 0.4 * luma + 140, 0.3 * luma + 178);
+    return pack(30 + 0.3 * luma, 30 + 0.3 * luma, 30 + 0.3 * luma);
   };
 }

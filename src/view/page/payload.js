@@ -1,4 +1,4 @@
-// The page's numbers: zlib in base64, bytes of equal weight together.
+// Decodes the page's numbers: byte planes, compressed by zlib and encoded in base64.
 
 const about = JSON.parse(document.getElementById("about").textContent);
 
@@ -12,40 +12,40 @@ const TYPES = {
   f64: Float64Array,
 };
 
-const unpacked = new Map();
+const decoded = new Map();
 
-/** The numbers under an id, unpacked when they are first asked for. */
+/** The numbers under an id, decoded at the first call. */
 function numbers(id, type) {
-  if (!unpacked.has(id)) {
-    unpacked.set(id, bytes(id).then((planes) => gather(planes, TYPES[type])));
+  if (!decoded.has(id)) {
+    decoded.set(id, bytes(id).then((planes) => gather(planes, TYPES[type])));
   }
-  return unpacked.get(id);
+  return decoded.get(id);
 }
 
-/** The bytes under an id, which can be had once; the text goes. */
+/** Decodes the bytes under an id; works once, since it removes the text. */
 async function bytes(id) {
   const element = document.getElementById(id);
-  const packed = atob(element.textContent);
+  const text = atob(element.textContent);
   element.remove();
-  const zlib = new Uint8Array(packed.length);
-  for (let i = 0; i < zlib.length; i++) zlib[i] = packed.charCodeAt(i);
+  const zlib = new Uint8Array(text.length);
+  for (let i = 0; i < zlib.length; i++) zlib[i] = text.charCodeAt(i);
   const plain = new Blob([zlib]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(plain).arrayBuffer());
 }
 
-/** Puts each number's bytes side by side again. */
+/** Transposes byte planes to numbers. */
 function gather(planes, Type) {
   const width = Type.BYTES_PER_ELEMENT;
   const n = planes.length / width;
-  const together = new Uint8Array(planes.length);
+  const interleaved = new Uint8Array(planes.length);
   for (let plane = 0, from = 0; plane < width; plane++) {
-    for (let to = plane; from < n * (plane + 1); from++, to += width) together[to] = planes[from];
+    for (let to = plane; from < n * (plane + 1); from++, to += width) interleaved[to] = planes[from];
   }
-  const values = new Type(together.buffer);
+  const values = new Type(interleaved.buffer);
   return typeof values[0] === "bigint" ? Float64Array.from(values, Number) : values;
 }
 
-/** Three bytes a color, for 256 of them. */
+/** The 256 colors of a color map, three bytes each. */
 function colorTable(name) {
   return Uint8Array.from(atob(about.color_maps[name]), (c) => c.charCodeAt(0));
 }
@@ -56,8 +56,8 @@ function frameArray(name) {
   return numbers(id, type);
 }
 
-/** What can be shown, by the keys of the menu: arrays of one number a pixel,
- * and the components of the others. */
+/** The fields that can be shown, by their keys in the menu: arrays with one number per
+ * pixel, and the components of the others. */
 const FIELDS = new Map(
   about.arrays.flatMap(({ name, type, n_components: n }) =>
     Array.from({ length: n }, (_, component) => {
@@ -65,7 +65,7 @@ const FIELDS = new Map(
       return [key, { key, name, n, component, whole: !type.startsWith("f") }];
     })));
 
-/** A field with its values, one a pixel. */
+/** A field with its values, one per pixel. */
 async function field(key) {
   const { name, n, component } = FIELDS.get(key);
   const all = await frameArray(name);

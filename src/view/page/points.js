@@ -1,4 +1,4 @@
-// Points on the graphics card.
+// Draws points with WebGL 2.
 
 const VERTEX_SHADER = `#version 300 es
 uniform mat4 clip_from_world;
@@ -15,8 +15,8 @@ void main() {
   gl_Position = clip_from_world * vec4(position, 1.0);
   gl_PointSize = clamp(point_scale * footprint / gl_Position.w, 1.5, max_size);
   float at = is_log ? log(value / low) / log(high / low) : (value - low) / (high - low);
-  bool has_place = is_log ? value > 0.0 : value == value;
-  vec3 of_value = has_place ? texture(ramp, vec2((clamp(at, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb : vec3(0.5);
+  bool is_on_axis = is_log ? value > 0.0 : value == value;
+  vec3 of_value = is_on_axis ? texture(ramp, vec2((clamp(at, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb : vec3(0.5);
   color = vec4(in_picture_colors ? rgb : of_value, 1.0);
   if (is_marking && marked < 0.5) color = vec4(mix(vec3(dot(color.rgb, vec3(0.2, 0.7, 0.1))), vec3(0.5), 0.75), 1.0);
   is_ring = 0.0;
@@ -50,7 +50,7 @@ void main() {
   }
 }`;
 
-/** Points of these `position`s, with a `footprint` and an `rgb` each. */
+/** Creates points from arrays of positions, footprints and colors. */
 function createPoints(gl, { position, footprint, rgb }) {
   const program = link(gl);
   gl.useProgram(program);
@@ -76,24 +76,24 @@ function createPoints(gl, { position, footprint, rgb }) {
   const [, largest] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
 
   return {
-    /** A number a point, Float32. */
+    /** Sets the values, one Float32 per point. */
     setValues: (values) => set("value", 1, values),
-    /** A byte a point, not 0 where it is marked; null where nothing is. */
+    /** Sets the marks, one byte per point, 0 for unmarked; null unmarks all. */
     setMarks(marks) {
       gl.uniform1i(at("is_marking"), marks ? 1 : 0);
       n_marked = marks ? marks.reduce((n, mark) => n + (mark ? 1 : 0), 0) : 0;
       if (marks) set("marked", 1, marks);
     },
-    /** How values become colors. */
+    /** Sets the mapping from values to colors. */
     setScale(scale, table) {
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB8, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, table);
       gl.uniform1f(at("low"), scale.low);
       gl.uniform1f(at("high"), scale.high);
       gl.uniform1i(at("is_log"), scale.log ? 1 : 0);
     },
-    /** Whether colors are those of the picture. */
+    /** Selects the colors: those of the picture, or those of the values. */
     setPictureColors: (are) => gl.uniform1i(at("in_picture_colors"), are ? 1 : 0),
-    /** Draws all points on a background, and a ring around that of an index;
+    /** Draws all points, and a ring around the point with index `ringed` (-1 for none);
      * `point_scale` is the size in pixels of a footprint of 1. */
     draw(matrix, point_scale, background, ringed) {
       gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
@@ -107,7 +107,7 @@ function createPoints(gl, { position, footprint, rgb }) {
       gl.uniform1f(at("ring_size"), 0);
       gl.drawArrays(gl.POINTS, 0, footprint.length);
       gl.disable(gl.DEPTH_TEST);
-      // Points that are marked and few are ringed, in front or not.
+      // A few marked points have rings, which other points do not hide.
       if (n_marked > 0 && n_marked <= MAX_OUTLINES) {
         gl.uniform1f(at("ring_size"), 13 * devicePixelRatio);
         gl.drawArrays(gl.POINTS, 0, footprint.length);

@@ -1,10 +1,10 @@
-// All values of the pixel under the pointer.
+// The panel with all values of the probed pixel.
 
-/** Shows the pixel's values as they become known. */
+/** Creates the panel; values appear as their arrays are decoded. */
 function createProbe(section) {
   const body = section.querySelector("tbody");
   const title = section.querySelector("h2");
-  const spoken = section.querySelector("[aria-live]");
+  const announcement = section.querySelector("[aria-live]");
   const rows = new Map();
   const known = new Map();
   for (const name of inOrder(about.arrays.map((array) => array.name))) {
@@ -15,10 +15,10 @@ function createProbe(section) {
     body.append(row);
   }
 
-  /** The column and row in the rendering. */
+  /** The column (`axis` 0) or row (1) in the rendering of a shown one. */
   const fullPlace = (place, axis) => Math.floor(((2 * place + 1) * about.full_size[axis]) / (2 * about.size[axis]));
 
-  /** A name may be long: it gives way, its number does not. */
+  /** Splits a label such as `name (3)`, so that a long name is truncated, not its number. */
   const named = (text) => {
     const [, name, id] = text.match(/^(.*)( \(-?\d+\))$/s) ?? [null, text, ""];
     return [element("span", { class: "name" }, name), element("span", {}, id)];
@@ -35,13 +35,13 @@ function createProbe(section) {
   };
 
   return {
-    /** Learns an array. */
-    learn(name, values) {
+    /** Adds the values of an array. */
+    add(name, values) {
       known.set(name, values);
     },
-    /** Shows a pixel; `field` is that of the map. Says it aloud if asked to,
-     * after what happened. */
-    update(x, y, field, spoken_first = null) {
+    /** Shows a pixel; `field` is the map's field. Announces it to screen readers after
+     * `prefix`, unless it is null. */
+    update(x, y, field, prefix = null) {
       const place = `${fullPlace(x, 0)}, ${fullPlace(y, 1)}`;
       title.textContent = `Pixel ${place}`;
       title.title = "column and row from the top left";
@@ -57,9 +57,9 @@ function createProbe(section) {
         }
         cell.replaceChildren(...parts);
       }
-      if (spoken_first !== null) {
+      if (prefix !== null) {
         const value = rows.get(field.name).cell.textContent;
-        spoken.textContent = `${spoken_first}Pixel ${place}: ${labelOf(field.key)} ${value}`;
+        announcement.textContent = `${prefix}Pixel ${place}: ${labelOf(field.key)} ${value}`;
       }
     },
   };

@@ -1,11 +1,11 @@
-// Histogram and color bar on one axis.
+// The histogram and the color bar on a common axis.
 
 const BARS_HEIGHT = 96;
 const BAR_TOP = BARS_HEIGHT + 4;
 const BAR_HEIGHT = 16;
 const RULER_HEIGHT = BAR_TOP + BAR_HEIGHT + 30;
 const SVG = document.querySelector("svg").namespaceURI;
-/** Room beside the axis for the handles. */
+/** Space at both ends of the axis for the handles. */
 const MARGIN = 14;
 
 function svg(name, attributes = {}, ...children) {
@@ -15,7 +15,8 @@ function svg(name, attributes = {}, ...children) {
   return made;
 }
 
-/** Draws the ruler; tells `onScale(low, high)` and `onMark(from, to)`. */
+/** Creates the histogram with its color bar. Handles call `onScale(low, high)`, dragging
+ * over the histogram calls `onMark(from, to)`. */
 function createRuler(section, { onScale, onMark }) {
   const root = section.querySelector("svg");
   let shown = null;
@@ -27,7 +28,7 @@ function createRuler(section, { onScale, onMark }) {
 
   const move = (end, position) => {
     const { scale, axis } = shown;
-    // The ends may meet, but not pass each other.
+    // The ends may touch, but not cross.
     const beside = (value, step) => axis.value(axis.position(value) + step);
     if (end === "low") onScale(Math.min(axis.value(position), beside(scale.high, -1e-3)), scale.high);
     else onScale(scale.low, Math.max(axis.value(position), beside(scale.low, 1e-3)));
@@ -47,7 +48,7 @@ function createRuler(section, { onScale, onMark }) {
     const ends = [brush.from, positionAt(event)].sort((a, b) => a - b);
     if (ends[1] - ends[0] > 0.004) onMark(...marked(ends));
   });
-  // At an end of the axis, all that is beyond it is marked with it.
+  // A range that reaches an end of the axis includes all values beyond it.
   const marked = ([from, to]) => {
     const { low, high } = extent(shown.field);
     return [from > 0 ? shown.axis.value(from) : Math.min(low, shown.axis.low), to < 1 ? shown.axis.value(to) : Math.max(high, shown.axis.high)];
@@ -76,14 +77,14 @@ function createRuler(section, { onScale, onMark }) {
     const outline = bars(shown, width);
     section.querySelector(".hint").textContent = `Pixels, on a logarithmic scale${unplaced(shown)}`;
     const below = [outline, ...band(shown, width), ...colorBar(shown, width), ticks(shown, width), ...pointer(shown, width), grip];
-    // The handles stay where they are, or they would lose the focus.
+    // The handles stay in the document, or they would lose the focus.
     for (const old of Array.from(root.children)) if (!handles.includes(old)) old.remove();
     if (!handles[0].isConnected) root.append(...handles);
     root.prepend(...below);
   }
 
   return {
-    /** Draws anew; `axis`, `field`, `scale`, `table`, `mark`, `probed`. */
+    /** Draws a new state: `axis`, `field`, `scale`, `table`, `mark`, `probed`. */
     update(state) {
       const same = shown?.field === state.field && shown?.axis === state.axis;
       shown = { ...state, bins: same ? shown.bins : null };
@@ -92,7 +93,7 @@ function createRuler(section, { onScale, onMark }) {
   };
 }
 
-/** A handle on the color bar; `at` returns its position, `move` changes it. */
+/** Creates a handle on the color bar; `at` returns its position, `move` changes it. */
 function createHandle(end, { positionAt, at, move }) {
   const handle = svg("g", { class: "handle", tabindex: 0, role: "slider" });
   handle.setAttribute("aria-label", end === "low" ? "Low end of the colors" : "High end of the colors");
@@ -116,7 +117,7 @@ function createHandle(end, { positionAt, at, move }) {
   return handle;
 }
 
-/** The bars' outline; whole values that are few have a bar each. */
+/** The bars as one path; each of a few integer values has its own bar. */
 function bars(shown, width) {
   const { field, axis } = shown;
   const n_values = axis.high - axis.low;
@@ -134,7 +135,7 @@ function bars(shown, width) {
   return svg("path", { class: "bars", d: path });
 }
 
-/** What the axis has no place for. */
+/** A text on the values that are not on the axis. */
 function unplaced({ field, axis, bins: { counts, n_below, n_above } }) {
   const n = field.values.length - n_below - n_above - counts.reduce((sum, n) => sum + n, 0);
   const why = axis.log ? "have no value above 0" : "have no value";
@@ -145,6 +146,7 @@ function unplaced({ field, axis, bins: { counts, n_below, n_above } }) {
   return parts.map((part) => `; ${part}`).join("");
 }
 
+/** The color bar, as elements. */
 function colorBar(shown, width) {
   const { scale, axis, table } = shown;
   const gradient = svg("linearGradient", { id: "ramp" });
@@ -157,6 +159,7 @@ function colorBar(shown, width) {
   return [svg("defs", {}, gradient), bar];
 }
 
+/** The ticks with their labels, as an element. */
 function ticks(shown, width) {
   const group = svg("g", { class: "ticks" });
   const whole = shown.field.whole;
@@ -172,6 +175,7 @@ function ticks(shown, width) {
   return group;
 }
 
+/** The marked range, as elements. */
 function band({ mark, axis, field }, width) {
   if (!mark || mark.field.key !== field.key) return [];
   const [from, to] = [mark.from, mark.to].map((value) => Math.max(0, Math.min(1, axis.position(value) || 0)));
@@ -179,13 +183,14 @@ function band({ mark, axis, field }, width) {
   return [svg("rect", { class: "brush", ...box })];
 }
 
+/** The line at the probed value, as elements. */
 function pointer({ axis, probed }, width) {
   const position = axis.position(probed);
   if (Number.isNaN(position)) return [];
   const x = MARGIN + Math.max(0, Math.min(1, position)) * width;
   const line = svg("line", { class: "pointer", x1: x, x2: x, y1: 0, y2: BAR_TOP + BAR_HEIGHT });
   if (position >= 0 && position <= 1) return [line];
-  // An arrow to what is beyond the end.
+  // An arrow points to a value beyond the end.
   const tip = position < 0 ? -10 : 10;
   return [line, svg("path", { class: "pointer", d: `M${x} 8 h${tip} m${-tip / 2} -4 l${tip / 2} 4 l${-tip / 2} 4` })];
 }

@@ -1,4 +1,4 @@
-// From values to positions between 0 and 1.
+// Scales: from values to positions between 0 and 1.
 
 /** A range of values, linear or logarithmic. */
 class Scale {
@@ -7,17 +7,19 @@ class Scale {
     Object.assign(this, { low, high, log, span });
   }
 
-  /** 0 at the low end, 1 at the high one; NaN for what has no place. */
+  /** The position of a value: 0 at the low end, 1 at the high end; NaN for NaN, and on a
+   * logarithmic scale for values that are not positive. */
   position(value) {
     if (!this.log) return (value - this.low) / this.span;
     return value > 0 ? Math.log(value / this.low) / this.span : NaN;
   }
 
+  /** The value at a position. */
   value(position) {
     return this.log ? this.low * Math.exp(position * this.span) : this.low + position * this.span;
   }
 
-  /** Round values within, each with its position. */
+  /** About `n` round values within the range, each with its position. */
   ticks(n) {
     const values = this.log ? logTicks(this, n) : linearTicks(this, n);
     return values.map((value) => [value, this.position(value)]);
@@ -45,7 +47,7 @@ function logTicks({ low, high }, n) {
   return values.filter((value) => value >= low && value <= high);
 }
 
-/** The ends of a field's values, as far as they are numbers. */
+/** The least, the greatest and the least positive of a field's finite values. */
 function extent({ values }) {
   let [low, high, positive] = [Infinity, -Infinity, Infinity];
   for (const value of values) {
@@ -56,7 +58,7 @@ function extent({ values }) {
   return { low, high, positive };
 }
 
-/** The axis that has all values of a field on it. */
+/** The axis that contains all values of a field; a logarithmic axis all positive ones. */
 function axisOf(field, log) {
   let { low, high, positive } = extent(field);
   if (log) [low, high] = low < high && low <= 0 ? [positive, high] : [low, high];
@@ -66,13 +68,12 @@ function axisOf(field, log) {
   return low < high ? new Scale(low, high, false) : new Scale(low - 0.5, high + 0.5, false);
 }
 
-/** Whether a logarithmic axis has a place for some value. */
+/** Whether a field has a positive value, so that a logarithmic axis is possible. */
 function hasPositive(field) {
   return extent(field).positive < Infinity;
 }
 
-/** How many values fall into each of equal pieces of an axis, and how many are
- * beyond its ends. */
+/** Counts the values in each of `n_bins` equal bins of an axis, and those beyond its ends. */
 function histogram({ values }, axis, n_bins) {
   const counts = new Uint32Array(n_bins);
   let [n_below, n_above] = [0, 0];
@@ -87,14 +88,14 @@ function histogram({ values }, axis, n_bins) {
 
 const sorted = new WeakMap();
 
-/** A field's numbers, ascending; sorted when they are first asked for. */
+/** A field's finite values, ascending; sorted at the first call. */
 function sortedValues({ values }) {
   if (!sorted.has(values)) sorted.set(values, Float64Array.from(values).filter(Number.isFinite).sort());
   return sorted.get(values);
 }
 
-/** The range that leaves one value in two hundred outside at each end, so that
- * interrupted pixels do not flatten the rest; all of the axis if it is empty. */
+/** The range from the 0.5 % quantile to the 99.5 % quantile, so that outliers such as
+ * interrupted pixels do not compress the color scale; the whole axis if it is empty. */
 function fitted(field, axis) {
   const all = sortedValues(field);
   const values = axis.log ? all.subarray(all.findIndex((value) => value > 0)) : all;
@@ -103,30 +104,31 @@ function fitted(field, axis) {
   return low < high ? new Scale(low, high, axis.log) : axis;
 }
 
-/** The axis of all values, or where outliers take more than half of it, one for
- * the rest. */
-function unsqueezed(field, axis) {
+/** The axis of all values or, if outliers take more than half of it, an axis of the
+ * others. */
+function withoutOutliers(field, axis) {
   const { names, group } = described(field.name);
   if (names || group === "Work") return axis;
   const middle = fitted(field, axis);
   const [from, to] = [middle.low, middle.high].map((value) => axis.position(value));
   if (to - from > 0.5) return axis;
-  const room = 0.03 * (to - from);
-  let [low, high] = [from - room, to + room].map((at) => axis.value(Math.max(0, Math.min(1, at))));
+  const margin = 0.03 * (to - from);
+  let [low, high] = [from - margin, to + margin].map((at) => axis.value(Math.max(0, Math.min(1, at))));
   if (field.whole && !axis.log) [low, high] = [Math.ceil(low) - 0.5, Math.floor(high) + 0.5];
   return new Scale(low, high, axis.log);
 }
 
-/** The table's color at each value, 0xAABBGGRR; grey without a place. */
+/** Returns a function from a value to its color in the table, 0xAABBGGRR; gray for a
+ * value that the scale cannot place. */
 function painter(scale, table) {
-  const ladder = new Uint32Array(256);
+  const colors = new Uint32Array(256);
   for (let i = 0; i < 256; i++) {
     const [r, g, b] = table.subarray(3 * i, 3 * i + 3);
-    ladder[i] = 0xff000000 | (b << 16) | (g << 8) | r;
+    colors[i] = 0xff000000 | (b << 16) | (g << 8) | r;
   }
   return (value) => {
     const position = scale.position(value);
     if (Number.isNaN(position)) return 0xff808080;
-    return ladder[Math.max(0, Math.min(255, Math.round(position * 255)))];
+    return colors[Math.max(0, Math.min(255, Math.round(position * 255)))];
   };
 }

@@ -1,20 +1,21 @@
-// What each object and each material cost.
+// The table of the cost of each object and each material.
 
-/** Most rows that are laid out at once. */
+/** Most rows in the document. */
 const MAX_ROWS = 500;
-/** Columns of words; the first ones are chosen from, not shown. */
+/** Columns that filter the rows; they are not shown. */
 const CHOICES = ["kind", "charge", "ray_kind"];
+/** Columns of text. */
 const WORDS = [...CHOICES, "name"];
 
-/** A column's name in words; its values tell the unit. */
+/** The header of a column; its values show the unit. */
 const headed = (name) => name.replace("_ns", "").replaceAll("_", " ");
 
-/** Shows the table; tells `onPick(kind, id)`. */
+/** Creates the table; a click on a name calls `onPick(kind, id, name)`. */
 async function createTable(section, { onPick }) {
   const placeholder = section.querySelector(".placeholder");
   if (!document.getElementById("objects-table")) {
     const flag = element("code", {}, "--also objects");
-    placeholder.append("Render again with ", flag, " to see what each object and each material cost.");
+    placeholder.append("Render again with ", flag, " to see the cost of each object and each material.");
     return;
   }
   document.querySelector("main").classList.add("wide-table");
@@ -22,7 +23,7 @@ async function createTable(section, { onPick }) {
   const { columns, rows } = JSON.parse(text);
   const column = (name) => columns.indexOf(name);
   const valueOf = (row, name) => (WORDS.includes(name) ? row[column(name)] : Number(row[column(name)]));
-  // A share stands beside its number, not in a column of its own.
+  // A share is shown beside its number, not in its own column.
   const shareOf = (name) => `${name}_share`;
   const isShare = (name) => columns.some((other) => name === shareOf(other));
   const shown = columns.filter((name) => !CHOICES.includes(name) && !isShare(name));
@@ -82,9 +83,9 @@ async function createTable(section, { onPick }) {
       const arrow = { none: "", ascending: " ↑", descending: " ↓" }[order];
       headers[i].firstChild.textContent = headed(name) + arrow;
     });
-    const laidOut = chosen.slice(0, MAX_ROWS);
-    body.replaceChildren(...laidOut.map((row) => element("tr", {}, ...shown.map((name) => cell(row, name)))));
-    const n_left = chosen.length - laidOut.length;
+    const inDocument = chosen.slice(0, MAX_ROWS);
+    body.replaceChildren(...inDocument.map((row) => element("tr", {}, ...shown.map((name) => cell(row, name)))));
+    const n_left = chosen.length - inDocument.length;
     placeholder.textContent = n_left ? `${format(n_left)} more rows are in objects.csv.` : "";
   }
   draw();

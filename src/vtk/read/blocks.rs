@@ -1,36 +1,36 @@
-//! The blocks of a compressed array.
+//! Decompresses the blocks of an array.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 use crate::vtk::compressor::{BLOCK, Compressor, table_head};
 
-/// Most bytes of a packed block: noise takes a little more than before.
-const MAX_PACKED: u64 = (BLOCK + BLOCK / 64) as u64;
-/// Bytes of a number of a table.
+/// Most bytes of a compressed block: noise grows a little when it is compressed.
+const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
+/// Bytes of a number in a block table.
 const NUMBER_BYTES: u64 = size_of::<u64>() as u64;
 
-/// Where the blocks of an array are.
+/// The compressed blocks of an array.
 #[derive(Debug)]
-pub(super) struct Blocks {
+pub(super) struct CompressedBlocks {
     compressor: Compressor,
-    /// Bytes before they were packed.
+    /// Bytes of the array, uncompressed.
     n_bytes: u64,
-    /// Where the first one begins in the file.
+    /// Offset of the first block in the file.
     begin: u64,
-    /// Those of the packed blocks.
+    /// Bytes of each compressed block.
     lengths: Vec<u64>,
-    /// Where the last one ends in the file.
+    /// Offset of the end of the last block in the file.
     pub(super) end: u64,
 }
 
-impl Blocks {
-    /// Reads the table at `begin` of an array of `n_bytes`; `None` if there is
-    /// none of such an array: its blocks are too few, or so short or long that
-    /// no packing makes such of so many bytes.
+impl CompressedBlocks {
+    /// Reads the block table at offset `begin` of an array of `n_bytes`; `None` if
+    /// the table does not fit such an array: the number of blocks is wrong, or the
+    /// compression ratio is impossible.
     ///
     /// # Errors
-    /// If the file ends before it does, or what the system says.
+    /// The file ends before the table does, or cannot be read.
     pub(super) fn at(
         begin: u64,
         n_bytes: u64,
@@ -45,13 +45,13 @@ impl Blocks {
                 return Ok(None);
             }
         }
-        // One by one: a table that the file does not hold takes no memory.
+        // Read one by one, so that a damaged count allocates no more than the file holds.
         let lengths = (0..head[0]).map(|_| read_number(&mut from));
         let lengths = lengths.collect::<io::Result<Vec<u64>>>()?;
         let begin = begin + NUMBER_BYTES * (head.len() + lengths.len()) as u64;
-        let n_packed: u64 = lengths.iter().map(|&n| n.min(MAX_PACKED + 1)).sum();
-        let is_too_long = lengths.iter().any(|&n| n > MAX_PACKED);
-        if is_too_long || n_packed.saturating_mul(compressor.max_ratio()) < n_bytes {
+        let n_compressed: u64 = lengths.iter().map(|&n| n.min(MAX_COMPRESSED + 1)).sum();
+        let is_too_long = lengths.iter().any(|&n| n > MAX_COMPRESSED);
+        if is_too_long || n_compressed.saturating_mul(compressor.max_ratio()) < n_bytes {
             return Ok(None);
         }
         Ok(Some(Self {
@@ -59,19 +59,19 @@ impl Blocks {
             n_bytes,
             begin,
             lengths,
-            end: begin + n_packed,
+            end: begin + n_compressed,
         }))
     }
 
-    /// Gives the array's bytes as they were before they were packed.
-    pub(super) fn unpack<'a>(&'a self, mut file: &'a File) -> io::Result<Unpacked<'a>> {
+    /// Returns a reader of the array's uncompressed bytes.
+    pub(super) fn decompress<'a>(&'a self, mut file: &'a File) -> io::Result<Decompressed<'a>> {
         file.seek(SeekFrom::Start(self.begin))?;
-        Ok(Unpacked {
+        Ok(Decompressed {
             from: file,
             compressor: self.compressor,
             n_left: self.n_bytes,
             lengths: self.lengths.iter(),
-            packed: Vec::new(),
+            compressed: Vec::new(),
             block: Vec::new(),
             n_read: 0,
         })
@@ -84,37 +84,37 @@ fn read_number(from: &mut impl Read) -> io::Result<u64> {
     Ok(u64::from_ne_bytes(bytes))
 }
 
-/// The bytes of an array, unpacked block by block.
-pub(super) struct Unpacked<'a> {
+/// Reads the bytes of an array, decompressing one block at a time.
+pub(super) struct Decompressed<'a> {
     from: &'a File,
     compressor: Compressor,
-    /// Bytes of blocks that are still packed, once they are not.
+    /// Uncompressed bytes of the blocks not yet read.
     n_left: u64,
-    /// Those of these blocks.
+    /// Compressed bytes of the blocks not yet read.
     lengths: std::slice::Iter<'a, u64>,
-    packed: Vec<u8>,
+    compressed: Vec<u8>,
     block: Vec<u8>,
-    /// Bytes of the block that were given away.
+    /// Bytes of `block` already returned.
     n_read: usize,
 }
 
-impl Unpacked<'_> {
-    /// Unpacks the next block, or an empty one at the end.
+impl Decompressed<'_> {
+    /// Decompresses the next block; at the end `block` is empty.
     fn advance(&mut self) -> io::Result<()> {
         let n_bytes = self.n_left.min(BLOCK as u64);
         self.n_left -= n_bytes;
         self.n_read = 0;
         self.block.resize(n_bytes as usize, 0);
         if let Some(&length) = self.lengths.next() {
-            self.packed.clear();
-            self.from.take(length).read_to_end(&mut self.packed)?;
-            self.compressor.unpack(&self.packed, &mut self.block)?;
+            self.compressed.clear();
+            self.from.take(length).read_to_end(&mut self.compressed)?;
+            self.compressor.unpack(&self.compressed, &mut self.block)?;
         }
         Ok(())
     }
 }
 
-impl Read for Unpacked<'_> {
+impl Read for Decompressed<'_> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.n_read == self.block.len() {
             self.advance()?;
@@ -132,13 +132,13 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::results::Hits;
+    use crate::results::HitsFile;
     use crate::vtk::Codec;
     use crate::vtk::appended;
     use crate::vtk::array::Array;
     use crate::vtk::header::{DataSet, Mesh};
 
-    /// Lengths around the ends of blocks, and any others.
+    /// Lengths around multiples of the block size, and any others.
     fn lengths() -> impl Strategy<Value = usize> {
         let blocks = prop::sample::select(vec![0, 1, 2, 15, 16, 17, 32]);
         let near = (blocks, -1..=1_isize);
@@ -151,9 +151,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
 
-        /// Stretches of noise and of nothing come back as they were written.
+        /// Runs of noise and of zeros survive compression.
         #[test]
-        fn what_is_packed_is_unpacked(n in lengths(), stretch in 1..1000_usize, seed: u32) {
+        fn decompression_inverts_compression(n in lengths(), stretch in 1..1000_usize, seed: u32) {
             let noise = |i: usize| (seed ^ i as u32).wrapping_mul(2_654_435_761) >> 24;
             let is_noise = |i: usize| (i / stretch).is_multiple_of(2);
             let bytes: Vec<u8> = (0..n).map(|i| is_noise(i) as u8 * noise(i) as u8).collect();
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// The bytes as an array of points, and the points.
+    /// Writes and reads the bytes as a point array; also returns the points.
     fn written_and_read(bytes: &[u8], codec: Codec) -> (Vec<u8>, Vec<[f32; 3]>) {
         let n = bytes.len();
         let point = |i: usize| [0, 1, 2].map(|j| (3 * i + j) as f32);
@@ -180,7 +180,7 @@ mod tests {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         appended::write(&DataSet::Grid(cloud), codec.into(), &mut file).unwrap();
         file.flush().unwrap();
-        let mut hits = Hits::open(file.path()).unwrap();
+        let mut hits = HitsFile::open(file.path()).unwrap();
         assert_eq!(hits.n_points(), n);
         let array = hits.read("bytes").unwrap();
         (array.values.bytes().to_vec(), hits.read_points().unwrap())

@@ -1,5 +1,5 @@
-//! The XML in front of the arrays. vtkio's own types have no room for
-//! offsets beyond 4 GiB, and take a type they do not know for `Float64`.
+//! The XML header of a VTK file. vtkio's types do not support offsets beyond 4 GiB, and
+//! read an unknown number type as `Float64`.
 
 use quick_xml::events::Event;
 use serde::Deserialize;
@@ -10,67 +10,71 @@ use crate::config::MAX_SIDE;
 /// have a few dozen elements of at most seven attributes.
 const MAX_ELEMENTS: usize = 512;
 const MAX_ATTRIBUTES: usize = 16;
-/// Most numbers a pixel or point in an array: those of a tensor.
+/// Most numbers per pixel or point: those of a tensor.
 const MAX_COMPONENTS: u32 = 9;
 
-/// The root element.
+/// The root element, `VTKFile`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct Header {
+pub(crate) struct VtkHeader {
     #[serde(rename = "@byte_order")]
     pub(crate) byte_order: String,
     #[serde(rename = "@header_type")]
     pub(crate) header_type: Option<String>,
     #[serde(rename = "@compressor")]
     pub(crate) compressor: Option<String>,
-    /// The run that wrote it.
+    /// The id of the run that wrote the file.
     #[serde(rename = "@raycost_run")]
     pub(crate) run: Option<String>,
     #[serde(rename = "ImageData")]
-    pub(crate) image: Option<Image>,
+    pub(crate) image: Option<ImageDataElement>,
     #[serde(rename = "UnstructuredGrid")]
-    pub(crate) grid: Option<Grid>,
+    pub(crate) grid: Option<UnstructuredGridElement>,
 }
 
-/// A regular grid of points.
+/// The element `ImageData`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct Image {
+pub(crate) struct ImageDataElement {
     #[serde(rename = "Piece")]
-    pub(crate) piece: ImagePiece,
+    pub(crate) piece: ImagePieceElement,
 }
 
+/// The element `Piece` of an `ImageData`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct ImagePiece {
+pub(crate) struct ImagePieceElement {
     #[serde(rename = "@Extent")]
     pub(crate) extent: String,
     #[serde(rename = "PointData", default)]
-    pub(crate) point_data: DataArrays,
+    pub(crate) point_data: DataArraysElement,
 }
 
-/// Points and cells.
+/// The element `UnstructuredGrid`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct Grid {
+pub(crate) struct UnstructuredGridElement {
     #[serde(rename = "Piece")]
-    pub(crate) piece: GridPiece,
+    pub(crate) piece: GridPieceElement,
 }
 
+/// The element `Piece` of an `UnstructuredGrid`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct GridPiece {
+pub(crate) struct GridPieceElement {
     #[serde(rename = "@NumberOfPoints")]
     pub(crate) n_points: u64,
     #[serde(rename = "PointData", default)]
-    pub(crate) point_data: DataArrays,
+    pub(crate) point_data: DataArraysElement,
     #[serde(rename = "Points")]
-    pub(crate) points: DataArrays,
+    pub(crate) points: DataArraysElement,
 }
 
+/// The elements `PointData` and `Points`: lists of arrays.
 #[derive(Debug, Default, Deserialize)]
-pub(crate) struct DataArrays {
+pub(crate) struct DataArraysElement {
     #[serde(rename = "DataArray", default)]
-    pub(crate) arrays: Vec<DataArray>,
+    pub(crate) arrays: Vec<DataArrayElement>,
 }
 
+/// The element `DataArray`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct DataArray {
+pub(crate) struct DataArrayElement {
     #[serde(rename = "@type")]
     pub(crate) scalar: String,
     #[serde(rename = "@Name")]
@@ -85,12 +89,11 @@ fn one() -> u32 {
     1
 }
 
-impl Header {
-    /// Reads the text before the arrays, from the start of the file to the
-    /// element that holds them.
+impl VtkHeader {
+    /// Parses the text from the start of the file to the element `AppendedData`.
     ///
     /// # Errors
-    /// What is wrong with it, as the end of a sentence.
+    /// The fault, as the end of a sentence.
     pub(crate) fn read(xml: &[u8]) -> Result<Self, String> {
         let xml = String::from_utf8_lossy(xml) + "</VTKFile>";
         check_size(&xml)?;
@@ -102,15 +105,15 @@ impl Header {
         });
         match wide {
             None => Ok(header),
-            Some(DataArray {
+            Some(DataArrayElement {
                 name, n_components, ..
             }) => Err(format!(
-                "`{name}` has {n_components} numbers a point, expected 1 to {MAX_COMPONENTS}"
+                "`{name}` has {n_components} numbers per point, expected 1 to {MAX_COMPONENTS}"
             )),
         }
     }
 
-    fn arrays(&self) -> impl Iterator<Item = &DataArray> {
+    fn arrays(&self) -> impl Iterator<Item = &DataArrayElement> {
         let of_image = self.image.iter().map(|image| &image.piece.point_data);
         let of_grid = self.grid.iter();
         let of_grid = of_grid.flat_map(|grid| [&grid.piece.point_data, &grid.piece.points]);
@@ -118,8 +121,8 @@ impl Header {
     }
 }
 
-/// Makes sure that the text has no more elements and attributes than a header
-/// needs, before a reader compares or keeps any of them.
+/// Checks that the text has no more elements and attributes than a header needs,
+/// before a parser compares or stores any of them.
 fn check_size(xml: &str) -> Result<(), String> {
     let mut reader = quick_xml::Reader::from_str(xml);
     for _ in 0..2 * MAX_ELEMENTS {
@@ -141,8 +144,8 @@ fn check_size(xml: &str) -> Result<(), String> {
     Err(format!("its header has more than {MAX_ELEMENTS} elements"))
 }
 
-impl ImagePiece {
-    /// Columns and rows of an image of one layer.
+impl ImagePieceElement {
+    /// Columns and rows; `None` unless the extent is that of an image with one layer.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         let ends = self.extent.split_ascii_whitespace().map(str::parse);
         let ends: Vec<i64> = ends.collect::<Result<_, _>>().ok()?;

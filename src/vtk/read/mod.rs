@@ -1,16 +1,16 @@
 //! VTK XML files → arrays by name.
 //!
-//! A file is opened by its header, which is checked against the file's length:
-//! one that was cut short is found then, and no damaged number makes a reader
-//! take more memory than the arrays have that the file holds. An array is read,
-//! and decompressed, when asked for.
+//! Opening a file checks its header against the file's length, which detects
+//! truncated files. A damaged number never makes the reader allocate more memory
+//! than the arrays in the file have. Arrays are read and decompressed on request.
 
 mod blocks;
-mod file;
+mod contents;
 mod header;
+mod reader;
 mod values;
 
-pub(crate) use file::{Place, VtkFile};
-pub(crate) use header::{DataArray, DataArrays};
-pub(crate) use values::Pick;
-pub use values::{Number, Values};
+pub(crate) use header::{DataArrayElement, DataArraysElement};
+pub(crate) use reader::{ArrayLocation, VtkReader};
+pub(crate) use values::Selection;
+pub use values::{ArrayValues, Scalar};

@@ -3,26 +3,26 @@
 use std::collections::TryReserveError;
 use std::io::{self, Read};
 
-/// A number that arrays are made of.
-pub trait Number: bytemuck::Pod {
-    /// The numbers, where they are of this type.
-    fn of(values: &Values) -> Option<&[Self]>;
+/// The type of the numbers of an array.
+pub trait Scalar: bytemuck::Pod {
+    /// The numbers, if they have this type.
+    fn of(values: &ArrayValues) -> Option<&[Self]>;
 }
 
-/// Makes [`Values`] of the types that raycost writes.
+/// Defines [`ArrayValues`] for the number types that raycost writes.
 macro_rules! values {
     ($($kind:ident($number:ty) is $vtk:literal,)*) => {
-        /// Numbers of one type, named as in Rust.
+        /// The numbers of an array; a variant for each type, named as in Rust.
         #[derive(Debug, Clone, PartialEq)]
-        #[expect(missing_docs, reason = "the name says it")]
-        pub enum Values { $($kind(Vec<$number>),)* }
+        #[expect(missing_docs, reason = "each variant is named as its type")]
+        pub enum ArrayValues { $($kind(Vec<$number>),)* }
 
-        impl Values {
-            /// `n` zeros of the type that VTK calls `vtk`; `None` for a type
-            /// that raycost does not write.
+        impl ArrayValues {
+            /// Allocates `n` zeros of the VTK type `vtk`; `None` if raycost does not
+            /// write this type.
             ///
             /// # Errors
-            /// Where memory does not suffice.
+            /// There is not enough memory.
             pub(crate) fn zeros(vtk: &str, n: usize) -> Result<Option<Self>, TryReserveError> {
                 Ok(match vtk {
                     $($vtk => Some(Self::$kind(zeros(n)?)),)*
@@ -30,20 +30,20 @@ macro_rules! values {
                 })
             }
 
-            /// How many.
+            /// The number of numbers.
             pub fn len(&self) -> usize {
                 match self { $(Self::$kind(numbers) => numbers.len(),)* }
             }
 
-            /// One of them. Those of 64 bits are rounded beyond 2^53.
+            /// The number at `index`; 64-bit integers beyond 2^53 are rounded.
             ///
             /// # Panics
-            /// If there are `index` or fewer.
+            /// If `index` is out of bounds.
             pub fn at(&self, index: usize) -> f64 {
                 match self { $(Self::$kind(numbers) => numbers[index] as f64,)* }
             }
 
-            /// Their bytes in native order.
+            /// The bytes of the numbers in native order.
             pub fn bytes(&self) -> &[u8] {
                 match self { $(Self::$kind(numbers) => bytemuck::cast_slice(numbers),)* }
             }
@@ -52,23 +52,23 @@ macro_rules! values {
                 match self { $(Self::$kind(numbers) => bytemuck::cast_slice_mut(numbers),)* }
             }
 
-            /// What VTK calls their type.
+            /// The VTK name of their type.
             pub fn vtk_type(&self) -> &'static str {
                 match self { $(Self::$kind(_) => $vtk,)* }
             }
         }
 
-        $(impl Number for $number {
-            fn of(values: &Values) -> Option<&[Self]> {
+        $(impl Scalar for $number {
+            fn of(values: &ArrayValues) -> Option<&[Self]> {
                 match values {
-                    Values::$kind(numbers) => Some(numbers),
+                    ArrayValues::$kind(numbers) => Some(numbers),
                     _ => None,
                 }
             }
         })*
 
-        /// Bytes of a number of the type that VTK calls `vtk`; `None` for a
-        /// type that raycost does not write.
+        /// The bytes of a number of the VTK type `vtk`; `None` if raycost does not
+        /// write this type.
         pub(crate) fn n_bytes(vtk: &str) -> Option<u64> {
             match vtk {
                 $($vtk => Some(size_of::<$number>() as u64),)*
@@ -88,42 +88,42 @@ values! {
     F64(f64) is "Float64",
 }
 
-/// Some pixels of an image.
-pub(crate) struct Pick<'a> {
+/// A selection of pixels of an image.
+pub(crate) struct Selection<'a> {
     /// Columns and rows of the image.
     pub(crate) size: [usize; 2],
-    /// How many numbers a pixel.
+    /// Numbers per pixel.
     pub(crate) n_components: usize,
-    /// Which columns of which rows, both ascending.
+    /// The columns of the selection, ascending.
     pub(crate) columns: &'a [u32],
+    /// The rows of the selection, ascending.
     pub(crate) rows: &'a [u32],
 }
 
-impl Pick<'_> {
-    /// How many numbers are picked.
+impl Selection<'_> {
+    /// The number of selected numbers.
     pub(crate) fn n_numbers(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64 * self.n_components as u64
     }
 }
 
-impl Values {
-    /// Whether there are none.
+impl ArrayValues {
+    /// Whether there are no numbers.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// All of them, where they are of this type.
-    pub fn as_slice<T: Number>(&self) -> Option<&[T]> {
+    /// The numbers, if they have type `T`.
+    pub fn as_slice<T: Scalar>(&self) -> Option<&[T]> {
         T::of(self)
     }
 
-    /// All of them as [`Self::at`] gives them.
+    /// Iterates over the numbers as [`Self::at`] converts them.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(|index| self.at(index))
     }
 
-    /// Fills them from a file that has them in `n_rows` equal rows, the last
-    /// one first.
+    /// Reads them from a file that stores `n_rows` equal rows, the last one first.
     pub(crate) fn read_rows(&mut self, n_rows: usize, from: &mut dyn Read) -> io::Result<()> {
         let bytes = self.bytes_mut();
         let row_bytes = (bytes.len() / n_rows.max(1)).max(1);
@@ -131,21 +131,27 @@ impl Values {
         rows.try_for_each(|row| from.read_exact(row))
     }
 
-    /// Fills them with the pixels that are picked, from a file that has all of
-    /// them, the last row first; one row is in memory at a time.
-    pub(crate) fn read_picked(&mut self, pick: &Pick, from: &mut dyn Read) -> io::Result<()> {
-        let [n_columns, n_rows] = pick.size;
-        let n_picked = pick.columns.len() * pick.rows.len();
+    /// Reads the selected pixels from a file that stores all rows of the image, the
+    /// last one first; one row is in memory at a time.
+    pub(crate) fn read_selected(
+        &mut self,
+        selection: &Selection,
+        from: &mut dyn Read,
+    ) -> io::Result<()> {
+        let [n_columns, n_rows] = selection.size;
+        let n_selected = selection.columns.len() * selection.rows.len();
         let bytes = self.bytes_mut();
-        let pixel_bytes = bytes.len() / n_picked.max(1);
+        let pixel_bytes = bytes.len() / n_selected.max(1);
         let mut row = vec![0; n_columns * pixel_bytes];
-        let picked_row_bytes = (pick.columns.len() * pixel_bytes).max(1);
-        let picked = bytes.chunks_exact_mut(picked_row_bytes).zip(pick.rows);
-        let mut picked = picked.rev().peekable();
+        let selected_row_bytes = (selection.columns.len() * pixel_bytes).max(1);
+        let selected = bytes
+            .chunks_exact_mut(selected_row_bytes)
+            .zip(selection.rows);
+        let mut selected = selected.rev().peekable();
         for y in (0..n_rows).rev() {
             from.read_exact(&mut row)?;
-            if let Some((into, _)) = picked.next_if(|(_, wanted)| **wanted as usize == y) {
-                for (into, &x) in into.chunks_exact_mut(pixel_bytes).zip(pick.columns) {
+            if let Some((into, _)) = selected.next_if(|(_, wanted)| **wanted as usize == y) {
+                for (into, &x) in into.chunks_exact_mut(pixel_bytes).zip(selection.columns) {
                     let begin = x as usize * pixel_bytes;
                     into.copy_from_slice(&row[begin..begin + pixel_bytes]);
                 }
@@ -155,7 +161,7 @@ impl Values {
     }
 }
 
-fn zeros<T: Number>(n: usize) -> Result<Vec<T>, TryReserveError> {
+fn zeros<T: Scalar>(n: usize) -> Result<Vec<T>, TryReserveError> {
     let mut numbers = Vec::new();
     numbers.try_reserve_exact(n)?;
     numbers.resize(n, T::zeroed());

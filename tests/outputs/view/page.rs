@@ -71,7 +71,7 @@ fn an_output_that_is_not_whole_is_refused() {
     let frame = folder.path().join("frame.vti");
     let bytes = fs::read(&frame).unwrap();
     fs::write(&frame, &bytes[..bytes.len() / 2]).unwrap();
-    assert!(refusal(folder.path()).contains("was cut short"));
+    assert!(refusal(folder.path()).contains("is truncated"));
     fs::remove_file(&frame).unwrap();
     assert!(refusal(folder.path()).contains("frame.vti` is missing"));
     fs::write(&frame, &bytes).unwrap();

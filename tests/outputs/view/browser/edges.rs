@@ -104,7 +104,7 @@ fn a_large_rendering_is_thinned_out_and_says_so() {
     let notes = browser.text("#notes");
     assert!(notes.contains("2,400 x 1,600 pixels"), "{notes}");
     assert!(
-        notes.contains("hit points: those of these pixels"),
+        notes.contains("hit points: those of the shown pixels"),
         "{notes}"
     );
     let [width, height] = [0, 1].map(|axis| {

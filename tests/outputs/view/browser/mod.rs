@@ -13,13 +13,13 @@ use serde_json::Value;
 
 use crate::common::chromium::Chromium;
 use crate::view::SIZE;
-use raycost::results::{Array, Results};
+use raycost::results::{LoadedArray, Results};
 
 /// A usual window.
 pub const WINDOW: [u32; 2] = [1400, 1000];
 
 /// All arrays of a rendering.
-pub fn arrays(folder: &Path) -> Vec<Array> {
+pub fn arrays(folder: &Path) -> Vec<LoadedArray> {
     let mut frame = Results::open(folder).unwrap().frame().unwrap();
     let names: Vec<String> = frame
         .arrays()
@@ -29,7 +29,7 @@ pub fn arrays(folder: &Path) -> Vec<Array> {
     names.iter().map(|name| frame.read(name).unwrap()).collect()
 }
 
-pub fn array<'a>(arrays: &'a [Array], name: &str) -> &'a Array {
+pub fn array<'a>(arrays: &'a [LoadedArray], name: &str) -> &'a LoadedArray {
     arrays.iter().find(|array| array.name == name).unwrap()
 }
 

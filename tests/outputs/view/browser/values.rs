@@ -6,7 +6,7 @@ use super::{OBJECTS, WINDOW, array, arrays, choose, pixels, point_at_pixel, prob
 use crate::common::chromium::Chromium;
 use crate::common::replace_file;
 use crate::view::{SIZE, rendered, viewed};
-use raycost::results::Array;
+use raycost::results::LoadedArray;
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
@@ -25,7 +25,7 @@ fn values_under_the_pointer_are_those_of_the_arrays() {
         let [x, y] = [i * 13 % width, i * 7 % height];
         point_at_pixel(&mut browser, pane, [x, y]);
         let pixel = (y * width + x) as usize;
-        for Array {
+        for LoadedArray {
             name,
             n_components: n,
             values,
@@ -88,7 +88,7 @@ fn every_array_has_its_place_in_the_menu_and_its_map() {
     let entries =
         browser.value("Array.from(document.querySelectorAll('#array option'), (o) => o.value)");
     let entries: Vec<String> = serde_json::from_value(entries).unwrap();
-    for Array {
+    for LoadedArray {
         name, n_components, ..
     } in arrays(folder.path())
     {

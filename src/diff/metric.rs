@@ -4,27 +4,27 @@ use std::time::Duration;
 
 use crate::text::numbers;
 
-/// A cost that every pixel has.
+/// A cost metric of pixels: an array of `frame.vti`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Measure {
+pub struct CostMetric {
     /// The array's name in `frame.vti`.
     pub array: &'static str,
-    /// What it is called in tables.
+    /// Its name in tables.
     pub name: &'static str,
     /// Its unit in pictures.
     pub(super) unit: &'static str,
 }
 
-const fn count(array: &'static str, name: &'static str) -> Measure {
-    Measure {
+const fn count(array: &'static str, name: &'static str) -> CostMetric {
+    CostMetric {
         array,
         name,
         unit: name,
     }
 }
 
-impl Measure {
-    /// Thread time: the only one that noise touches.
+impl CostMetric {
+    /// Thread time: the only metric with noise.
     pub const TIME: Self = Self {
         array: "time_ns",
         name: "time",
@@ -34,10 +34,10 @@ impl Measure {
     pub const NODE_VISITS: Self = count("node_visits", "node visits");
     /// Ray-primitive tests.
     pub const PRIMITIVE_TESTS: Self = count("primitive_tests", "primitive tests");
-    /// Longest path: of several pixels the longest, not the sum.
+    /// Longest path in bounces: aggregated by maximum, not by sum.
     pub const DEPTH: Self = count("depth", "longest path");
 
-    /// All of them, in the order of the tables.
+    /// All metrics, in the order of the tables.
     pub const ALL: [Self; 8] = [
         Self::TIME,
         Self::NODE_VISITS,
@@ -49,7 +49,7 @@ impl Measure {
         Self::DEPTH,
     ];
 
-    /// What several pixels cost together, one value of them and the next.
+    /// Adds a pixel's value to the total of several pixels.
     pub(super) fn add(self, sum: f64, value: f64) -> f64 {
         match self {
             Self::DEPTH => sum.max(value),
@@ -57,7 +57,7 @@ impl Measure {
         }
     }
 
-    /// A value, or some together, as people read it.
+    /// Formats a value or a total.
     pub(super) fn label(self, value: f64) -> String {
         match self {
             Self::TIME => numbers::duration(Duration::from_nanos(value as u64)),
@@ -65,7 +65,7 @@ impl Measure {
         }
     }
 
-    /// The same of a change, with its sign.
+    /// Formats a change, with its sign.
     pub(super) fn change_label(self, change: f64) -> String {
         match change {
             0.0 => "0".to_owned(),
@@ -75,8 +75,7 @@ impl Measure {
     }
 }
 
-/// `b / a`, where nothing and nothing is 1, no change, and something instead
-/// of nothing is infinite.
+/// Returns `b / a`; 1 if both are equal, even 0, and infinity if only `a` is 0.
 pub fn ratio([a, b]: [f64; 2]) -> f64 {
     if a == b { 1.0 } else { b / a }
 }
@@ -88,7 +87,7 @@ mod tests {
     use crate::film::columns;
 
     #[test]
-    fn every_array_of_the_film_is_a_cost_or_known_not_to_be() {
+    fn every_array_of_the_film_is_a_cost_metric_or_a_known_other_array() {
         let others = [
             "RGB",
             "Normals",
@@ -99,7 +98,7 @@ mod tests {
             "tile",
             "thread",
         ];
-        let costs = Measure::ALL.map(|measure| measure.array);
+        let costs = CostMetric::ALL.map(|metric| metric.array);
         for column in columns(CostMode::Time, Repeats::ONCE) {
             let n = costs
                 .iter()
@@ -110,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn ratios_of_nothing_are_told() {
+    fn ratios_of_zero_are_defined() {
         assert_eq!(ratio([0.0, 0.0]), 1.0);
         assert_eq!(ratio([0.0, 3.0]), f64::INFINITY);
         assert_eq!(ratio([3.0, 0.0]), 0.0);

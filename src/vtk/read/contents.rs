@@ -1,0 +1,96 @@
+//! Reads the numbers of an array from an open VTK file.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+
+use super::reader::{ArrayLocation, LENGTH_BYTES, Storage, VtkReader, cannot_read};
+use super::values::{ArrayValues, Selection};
+use crate::host::{available_memory, may_fail};
+use crate::text::Diagnostic;
+use crate::text::numbers::{self, count};
+
+impl VtkReader {
+    /// Reads an array that the file stores in `n_rows` equal rows, the last row first.
+    pub(crate) fn read(
+        &self,
+        place: &ArrayLocation,
+        n_rows: usize,
+    ) -> Result<ArrayValues, Diagnostic> {
+        let fill = |values: &mut ArrayValues, from: &mut dyn Read| values.read_rows(n_rows, from);
+        self.read_by(place, place.n_numbers, fill)
+    }
+
+    /// Reads the selected pixels of an array of an image.
+    pub(crate) fn read_selected(
+        &self,
+        place: &ArrayLocation,
+        selection: &Selection,
+    ) -> Result<ArrayValues, Diagnostic> {
+        let fill =
+            |values: &mut ArrayValues, from: &mut dyn Read| values.read_selected(selection, from);
+        self.read_by(place, selection.n_numbers(), fill)
+    }
+
+    /// Allocates `n_numbers` zeros and calls `fill` with them and a reader of the
+    /// array's bytes.
+    fn read_by(
+        &self,
+        place: &ArrayLocation,
+        n_numbers: u64,
+        fill: impl FnOnce(&mut ArrayValues, &mut dyn Read) -> io::Result<()>,
+    ) -> Result<ArrayValues, Diagnostic> {
+        let name = &place.name;
+        let mut values = self.zeros(place, n_numbers)?;
+        let filled = match &place.storage {
+            Storage::Raw(begin) => self.raw(*begin).and_then(|(length, mut from)| {
+                if length != place.n_bytes {
+                    return Ok(Some(length));
+                }
+                fill(&mut values, &mut from).map(|()| None)
+            }),
+            Storage::Compressed(blocks) => blocks
+                .decompress(&self.file)
+                .and_then(|mut from| fill(&mut values, &mut from).map(|()| None)),
+        };
+        match filled {
+            Ok(None) => Ok(values),
+            Ok(Some(length)) => {
+                let [length, n_bytes] = [length, place.n_bytes].map(count);
+                Err(self.foreign(&format!("`{name}` has {length} bytes instead of {n_bytes}")))
+            }
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(self.damaged(name)),
+            Err(error) => Err(cannot_read(&self.path, &error)),
+        }
+    }
+
+    /// Allocates zeros for an array, if they fit into memory.
+    fn zeros(&self, place: &ArrayLocation, n_numbers: u64) -> Result<ArrayValues, Diagnostic> {
+        let name = &place.name;
+        let n_bytes = n_numbers.saturating_mul(place.n_bytes / place.n_numbers.max(1));
+        // The other half of the free memory is for what the caller makes of them.
+        let n = usize::try_from(n_numbers).ok();
+        let n = n.filter(|_| n_bytes <= available_memory() / 2);
+        let values = n.map(|n| may_fail(|| ArrayValues::zeros(&place.vtk_type, n)));
+        match values {
+            Some(Ok(Some(values))) => Ok(values),
+            Some(Ok(None)) => {
+                Err(self.foreign(&format!("`{name}` has numbers of an unknown type")))
+            }
+            Some(Err(_)) | None => {
+                let (shown, n_bytes) = (self.path.display(), numbers::bytes(n_bytes));
+                Err(Diagnostic::new(format!(
+                    "not enough memory: the array `{name}` of `{shown}` takes {n_bytes}"
+                )))
+            }
+        }
+    }
+
+    /// Reads the length at `begin`; returns it and a reader of the bytes after it.
+    fn raw(&self, begin: u64) -> io::Result<(u64, BufReader<&File>)> {
+        (&self.file).seek(SeekFrom::Start(begin))?;
+        let mut from = BufReader::new(&self.file);
+        let mut length = [0; LENGTH_BYTES as usize];
+        from.read_exact(&mut length)?;
+        Ok((u64::from_ne_bytes(length), from))
+    }
+}
