@@ -411,7 +411,7 @@ fn a_gate_without_enough_repeats_is_refused() {
     repeat(&folder.path().join("a"), &json!([1e9, -1e9]));
     let message = error(folder.path(), &["a", "b"]);
     assert!(
-        message.contains("`a/summary.json`: a repeat took no time"),
+        message.contains("`a/summary.json`: the time of a repeat is not positive"),
         "{message}"
     );
 }

@@ -50,7 +50,10 @@ fn a_header_of_many_attributes_is_refused_by_their_number() {
 fn a_long_header_is_refused_by_its_length() {
     for n in [20_000, 90_000] {
         let error = with_attributes(n);
-        assert!(error.contains("no raw arrays behind its header"), "{error}");
+        assert!(
+            error.contains("no appended data after its header"),
+            "{error}"
+        );
     }
 }
 
@@ -76,7 +79,7 @@ fn numbers_a_point_are_few() {
             header.replacen(one, &format!("NumberOfComponents=\"{n}\""), 1)
         });
         assert!(
-            error.contains("numbers a point, expected 1 to 9"),
+            error.contains("numbers per point, expected 1 to 9"),
             "{error}"
         );
     }
@@ -207,7 +210,7 @@ fn blocks_that_are_too_short_for_their_array_are_refused() {
             let error = FrameFile::open(&path).err().map(|error| error.to_string());
             let is_refused = error
                 .as_ref()
-                .is_some_and(|error| error.contains("hold no"));
+                .is_some_and(|error| error.contains("do not hold"));
             assert!(is_refused || length == 1, "{codec:?}, {length}: {error:?}");
         }
     }

@@ -294,9 +294,9 @@ fn a_foreign_file_is_refused() {
     };
     for (ours, theirs, why) in [
         ("<?xml", "# vtk", "does not begin"),
-        ("raw", "base64", "no raw arrays"),
-        ("LittleEndian", "BigEndian", "another machine"),
-        ("UInt64", "UInt32", "no UInt64"),
+        ("raw", "base64", "no appended data"),
+        ("LittleEndian", "BigEndian", "is not this machine's"),
+        ("UInt64", "UInt32", "not UInt64"),
         (
             "header_type",
             "compressor=\"vtkLZMADataCompressor\" header_type",
@@ -305,11 +305,11 @@ fn a_foreign_file_is_refused() {
         (
             "header_type",
             "compressor=\"vtkZLibDataCompressor\" header_type",
-            "the blocks of `RGB` hold no 12 bytes",
+            "the blocks of `RGB` do not hold 12 bytes",
         ),
         ("ImageData", "PolyData", "no ImageData"),
         ("type=\"UInt8\"", "type=\"Int16\"", "the type `Int16`"),
-        ("offset=\"0\"", "", "not among its raw arrays"),
+        ("offset=\"0\"", "", "not in its appended data"),
         (
             "offset=\"0\"",
             "offset=\"18446744073709551615\"",
@@ -321,12 +321,12 @@ fn a_foreign_file_is_refused() {
         (
             " Extent=\"0 1 0 1",
             " Extent=\"0 1 0 -1",
-            "no extent of a picture",
+            "not the extent of a picture",
         ),
         (
             " Extent=\"0 1 0 1",
             " Extent=\"0 65535 0 1",
-            "no extent of a picture",
+            "not the extent of a picture",
         ),
         ("</Piece>", "</Peace>", "its header is damaged"),
     ] {

@@ -40,7 +40,12 @@ fn nothing_and_almost_nothing_can_be_shown() {
         let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
         browser.screenshot(name, false);
         let placeholder = browser.place("#cloud .placeholder");
-        assert!(placeholder[3] > 0.0 && browser.text("#cloud .placeholder").contains("No pixel"));
+        assert!(
+            placeholder[3] > 0.0
+                && browser
+                    .text("#cloud .placeholder")
+                    .contains("no hit points")
+        );
         browser.assert_calm();
     }
 }
