@@ -85,6 +85,17 @@ pub(crate) fn stamped(xml: &str, run: RunId) -> String {
     format!("{}{}{}", &xml[..begin], run.comment(), &xml[begin..])
 }
 
+/// The first key of an object whose value differs between two provenances, such as
+/// `machine`; `None` if `before` has all values of `now`.
+pub(crate) fn differing_key<'a>(
+    before: &'a serde_json::Value,
+    now: &'a serde_json::Value,
+) -> Option<&'a str> {
+    let mut now = now.as_object()?.iter();
+    let differing = now.find(|(key, value)| before.get(key.as_str()) != Some(*value));
+    differing.map(|(key, _)| key.as_str())
+}
+
 /// Makes a type print as 32 hexadecimal digits, and be read from them.
 macro_rules! as_digits {
     ($kind:ident) => {

@@ -9,7 +9,7 @@ use raycost::import::{MAX_BYTES_PER_BYTE, read_mesh, read_spheres};
 use raycost::memory::Memory;
 use raycost::results::{self, FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
-use raycost::study::{self, Plan, rows, write_csv};
+use raycost::study::{self, StudyPlan, rows, write_csv};
 use raycost::text::Diagnostic;
 use raycost::view::Page;
 use raycost::yaml::Source;
@@ -132,8 +132,8 @@ pub fn study(input: &[u8]) {
     let Ok(study) = str::from_utf8(study) else {
         return;
     };
-    let plan = match Source::new("study.yaml", study).parse::<Plan>() {
-        Ok(plan) => plan.quickened(),
+    let plan = match Source::new("study.yaml", study).parse::<StudyPlan>() {
+        Ok(plan) => plan.into_quick(),
         Err(diagnostic) => {
             assert!(diagnostic.render(true).contains("error"));
             return;
@@ -142,10 +142,10 @@ pub fn study(input: &[u8]) {
     if plan.n_runs() > MOST_RUNS {
         return;
     }
-    assert_eq!(plan.turns().len() as u64, plan.n_runs());
+    assert_eq!(plan.runs().len() as u64, plan.n_runs());
     FOLDERS.with(|[folder, _]| {
         let path = folder.write("runs.jsonl", runs);
-        if let Ok(results) = study::Results::open(&path, &Value::Null) {
+        if let Ok(results) = study::RunLog::open(&path, &Value::Null) {
             let rows = rows(&plan, &results, None);
             write_csv(&rows, &mut std::io::sink()).expect("a sink takes all");
         }

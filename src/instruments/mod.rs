@@ -1,12 +1,16 @@
 //! Instruments that watch the whole process: stages and their times, resources
-//! of the operating system, hardware counters, and a sampling profiler.
+//! of the operating system, hardware counters, a sampling profiler, and
+//! the limits of the machine for the roofline model.
 
 mod hardware;
+mod machine_limits;
+mod memory_benchmark;
 mod resources;
 mod profile;
 mod stages;
 
 pub use hardware::{Counts, HardwareCounters};
+pub use machine_limits::{DataCache, MachineLimits, MemoryBlock, MemoryLevel};
 pub(crate) use profile::FILE as PROFILE;
 pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;

@@ -1,39 +1,35 @@
-//! A study file → many runs of `raycost render` → statistics.
+//! A study file → many runs of `raycost render` → statistics and plots.
 //!
-//! Takes a [`Plan`]: scenes, what to vary, how often. Each run is a process of
-//! its own, so that none leaves memory, caches or threads to the next, and what
-//! is measured is what users run. The runs of all points are shuffled round by
-//! round: what drifts in the machine falls on all alike (Hoefler and Belli,
-//! "Scientific Benchmarking of Parallel Computing Systems", SC15, rules 4 and
-//! 9). Every run is appended to [`Results`] when it ends, and never made again.
+//! Takes a [`StudyPlan`]: scenes, factors to vary and the number of repeats. Each run
+//! is a process of its own, so that no run inherits memory, caches or threads from
+//! another one, and the study measures the program that users run. Each round runs
+//! all points once, in a random order of its own, so that a drift of the machine
+//! affects all points equally (Hoefler and Belli, "Scientific Benchmarking of Parallel
+//! Computing Systems", SC15, rules 4 and 9). The [`RunLog`] gets each run as soon as it
+//! ends, and a logged run is never repeated.
 
+mod factor_level;
 mod factor;
-mod plan;
 mod point;
-mod results;
-mod metrics;
+mod plot_spec;
+mod plan;
+mod run_metrics;
+mod run_log;
 mod table;
-mod fit;
-mod limits;
-mod sweep;
-mod bound;
-mod apart;
-mod figure;
-mod roofline;
-mod ink;
-mod axis;
-mod label;
-mod ceiling;
-mod legend;
+mod cost_law;
+mod limits_file;
+mod roofline_point;
 mod plot;
 
-pub use bound::{Bound, Standing, standings, verdict};
-pub use factor::{Factor, Level};
-pub use figure::{Ceiling, Figure, Mark, Plot, Scale, Series};
-pub use fit::{CostLaw, PowerLaw, Sample};
-pub use limits::{Block, Cache, Limits, MemoryLevel};
-pub use metrics::Metrics;
-pub use plan::{Case, Plan, Quick, Turn, Vary};
-pub use point::Point;
-pub use results::{Results, Run};
-pub use table::{Row, rows, write_csv};
+pub use cost_law::{CostLaw, CostSample, PowerLaw};
+pub use factor::Factor;
+pub use factor_level::FactorLevel;
+pub use limits_file::LimitsFile;
+pub use plan::{Case, PlannedRun, QuickPlan, StudyPlan, Vary};
+pub use plot::{Ceiling, Figure, PlotPoint, Series};
+pub use plot_spec::{AxisScale, PlotSpec};
+pub use point::{StudyPoint, label_of};
+pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_points};
+pub use run_log::{Run, RunLog};
+pub use run_metrics::RunMetrics;
+pub use table::{StatisticsRow, rows, write_csv};

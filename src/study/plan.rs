@@ -6,16 +6,16 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
-use super::factor::Form;
-use super::{Factor, Level, Plot, Point};
+use super::factor_level::FactorForm;
+use super::{Factor, FactorLevel, PlotSpec, StudyPoint};
 use crate::sampling::uniform;
 use crate::yaml;
 
-/// A whole study file.
+/// A study file.
 ///
 /// ```
-/// # use raycost::{study::Plan, yaml};
-/// let plan: Plan = yaml::from_str("
+/// # use raycost::{study::StudyPlan, yaml};
+/// let plan: StudyPlan = yaml::from_str("
 /// title: Threads
 /// scenes: [../seed_extended.yaml]
 /// vary: { threads: [1, 2], cost: [counters, time] }
@@ -25,85 +25,85 @@ use crate::yaml;
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Plan {
-    /// What the study is about, in a few words.
+pub struct StudyPlan {
+    /// The title of tables and plots.
     #[serde(deserialize_with = "yaml::name")]
     pub title: String,
-    /// Scene files, relative to the study's folder, at least one.
+    /// Scene files, relative to the study's folder; at least one.
     #[serde(deserialize_with = "scenes")]
     pub scenes: Vec<PathBuf>,
-    /// What is varied; every choice of one with every choice of the others.
+    /// The factors that are crossed: each level of one with each level of the others.
     #[serde(default)]
     pub vary: Vary,
-    /// What changes together, such as the size with the threads: each case with
-    /// every choice of what is varied.
+    /// Levels that change together, such as the image size with the threads; each case
+    /// is crossed with [`vary`](Self::vary).
     #[serde(default)]
     pub cases: Vec<Case>,
-    /// Flags that all runs have.
+    /// Flags of `raycost render` for all runs.
     #[serde(default)]
     pub flags: Vec<String>,
-    /// Runs of each point that count; 10 if not given.
+    /// Runs of each point that enter the statistics; 10 if not given.
     #[serde(default = "ten", deserialize_with = "repeats")]
     pub repeats: u32,
-    /// Runs of each point before them, which do not; 1 if not given.
+    /// Earlier runs of each point that do not; 1 if not given.
     #[serde(default = "one", deserialize_with = "warm_up")]
     pub warm_up: u32,
-    /// Seconds after which no further run begins; no limit if not given.
+    /// Time in seconds after which no further run starts; no limit if not given.
     #[serde(default, deserialize_with = "budget")]
     pub time_budget_s: Option<f32>,
-    /// What is drawn of it.
+    /// The plots to draw.
     #[serde(default)]
-    pub plots: Vec<Plot>,
-    /// Whether the runs are held against what the machine gives at most, which is
-    /// measured once: `roofline.svg`. No if not given.
+    pub plots: Vec<PlotSpec>,
+    /// Whether to measure the machine's limits once and to draw the points below them,
+    /// as `roofline.svg`; no if not given.
     #[serde(default)]
     pub roofline: bool,
-    /// What `--quick` takes instead, to see the study work.
+    /// The replacements that `--quick` selects, to test the study.
     #[serde(default)]
-    pub quick: Option<Quick>,
+    pub quick: Option<QuickPlan>,
 }
 
-/// A smaller matrix.
+/// Replacements for a smaller study.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Quick {
-    /// Takes the place of all that is varied.
+pub struct QuickPlan {
+    /// Replaces [`StudyPlan::vary`].
     #[serde(default)]
     pub vary: Option<Vary>,
-    /// Takes the place of all cases.
+    /// Replaces [`StudyPlan::cases`].
     #[serde(default)]
     pub cases: Option<Vec<Case>>,
-    /// Takes the place of the flags, for smaller pictures.
+    /// Replaces [`StudyPlan::flags`], for smaller images.
     #[serde(default)]
     pub flags: Option<Vec<String>>,
-    /// Takes the place of the repeats.
+    /// Replaces [`StudyPlan::repeats`]; 3 if not given.
     #[serde(default = "three", deserialize_with = "repeats")]
     pub repeats: u32,
 }
 
-/// The factors and their levels, in the order of the file.
+/// Factors and their levels, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Vary(pub Vec<(Factor, Vec<Level>)>);
+pub struct Vary(pub Vec<(Factor, Vec<FactorLevel>)>);
 
-/// A level of each of some factors.
+/// One level of each of some factors.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Case(pub Vec<(Factor, Level)>);
+pub struct Case(pub Vec<(Factor, FactorLevel)>);
 
-/// One turn of a study: a point to run.
+/// One run that a study makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Turn {
-    /// The point's index.
+pub struct PlannedRun {
+    /// The index of its point in [`StudyPlan::points`].
     pub point: usize,
-    /// Which run of the point; the first ones are for warming up.
+    /// The round, from 0; the first [`StudyPlan::warm_up`] rounds are warm-up.
     pub round: u32,
 }
 
-impl Plan {
-    /// Most runs of a study: at a second each they take a day.
+impl StudyPlan {
+    /// Maximum number of runs of a study: at one second each, a little more than a day.
     pub const MAX_RUNS: u64 = 100_000;
 
-    /// The plan with what `quick` says.
-    pub fn quickened(mut self) -> Self {
+    /// The plan with the replacements for `--quick`.
+    pub fn into_quick(mut self) -> Self {
         let quick = self.quick.take();
         self.repeats = quick.as_ref().map_or_else(three, |quick| quick.repeats);
         self.warm_up = self.warm_up.min(1);
@@ -115,8 +115,7 @@ impl Plan {
         self
     }
 
-    /// How many runs the plan makes in all, warm-up included; `u64::MAX` for
-    /// more than that.
+    /// The total number of runs, warm-up included, saturating.
     pub fn n_runs(&self) -> u64 {
         let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
         let counts = [self.scenes.len(), self.cases.len().max(1)].into_iter();
@@ -126,32 +125,37 @@ impl Plan {
             .fold(rounds, |n, count| n.saturating_mul(count as u64))
     }
 
-    /// All combinations, scene by scene and case by case.
-    pub fn points(&self) -> Vec<Point> {
-        let scenes = self.scenes.iter().map(|scene| Point::of_scene(scene));
-        let cases = scenes.flat_map(|point| match self.cases.is_empty() {
-            true => vec![point],
-            false => self.cases.iter().map(|case| case.of(&point)).collect(),
+    /// All points: scene by scene, then case by case, then level by level.
+    pub fn points(&self) -> Vec<StudyPoint> {
+        let scenes = self.scenes.iter().map(|scene| StudyPoint::of_scene(scene));
+        let cases = scenes.flat_map(|point| {
+            if self.cases.is_empty() {
+                vec![point]
+            } else {
+                self.cases.iter().map(|case| case.of(&point)).collect()
+            }
         });
-        let choose = |points: Vec<Point>, (factor, levels): &(Factor, Vec<Level>)| {
-            let with_levels = |point: &Point| {
+        let cross = |points: Vec<StudyPoint>, (factor, levels): &(Factor, Vec<FactorLevel>)| {
+            let with_levels = |point: &StudyPoint| {
                 let points = levels.iter().map(|level| point.with(*factor, level));
                 points.collect::<Vec<_>>()
             };
             points.iter().flat_map(with_levels).collect()
         };
-        self.vary.0.iter().fold(cases.collect(), choose)
+        self.vary.0.iter().fold(cases.collect(), cross)
     }
 
-    /// Every run, round after round; each round has all points once, in an
-    /// order of its own, which is always the same.
-    pub fn turns(&self) -> Vec<Turn> {
+    /// All runs, round by round. Each round has all points once, in a pseudo-random order
+    /// that depends on the round alone.
+    pub fn runs(&self) -> Vec<PlannedRun> {
         let n_points = self.points().len();
         let round_of = |round: u32| {
             let mut points: Vec<usize> = (0..n_points).collect();
             let key = |point: usize| uniform([u64::from(round), point as u64, 0])[0];
             points.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
-            points.into_iter().map(move |point| Turn { point, round })
+            points
+                .into_iter()
+                .map(move |point| PlannedRun { point, round })
         };
         (0..self.warm_up + self.repeats)
             .flat_map(round_of)
@@ -160,37 +164,42 @@ impl Plan {
 }
 
 impl Case {
-    /// The point with all of its levels.
-    fn of(&self, point: &Point) -> Point {
-        let with = |point: Point, (factor, level): &(Factor, Level)| point.with(*factor, level);
+    /// The point with all levels of the case.
+    fn of(&self, point: &StudyPoint) -> StudyPoint {
+        let with =
+            |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(*factor, level);
         self.0.iter().fold(point.clone(), with)
     }
 }
 
 impl<'de> Deserialize<'de> for Vary {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_map(FactorsVisitor(Form::List)).map(Self)
+        d.deserialize_map(FactorsVisitor(FactorForm::List))
+            .map(Self)
     }
 }
 
 impl<'de> Deserialize<'de> for Case {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        let factors = d.deserialize_map(FactorsVisitor(Form::One))?.into_iter();
-        let one =
-            |(factor, levels): (Factor, Vec<Level>)| Some((factor, levels.into_iter().next()?));
+        let factors = d
+            .deserialize_map(FactorsVisitor(FactorForm::One))?
+            .into_iter();
+        let one = |(factor, levels): (Factor, Vec<FactorLevel>)| {
+            Some((factor, levels.into_iter().next()?))
+        };
         Ok(Self(factors.filter_map(one).collect()))
     }
 }
 
-struct FactorsVisitor(Form);
+struct FactorsVisitor(FactorForm);
 
 impl<'de> Visitor<'de> for FactorsVisitor {
-    type Value = Vec<(Factor, Vec<Level>)>;
+    type Value = Vec<(Factor, Vec<FactorLevel>)>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self.0 {
-            Form::List => "lists by name, such as { threads: [1, 2] }",
-            Form::One => "values by name, such as { threads: 1, image_size: [512, 512] }",
+            FactorForm::List => "lists by name, such as { threads: [1, 2] }",
+            FactorForm::One => "values by name, such as { threads: 1, image_size: [512, 512] }",
         })
     }
 

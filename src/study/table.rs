@@ -1,4 +1,4 @@
-//! Results as a table: a row for each point and each number.
+//! Statistics of a study as a table: one row per point and metric.
 
 use std::io::{self, Write};
 
@@ -6,30 +6,30 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{Plan, Results, Run};
+use super::{Run, RunLog, StudyPlan};
 use crate::statistics::SampleStatistics;
 use crate::text::text_cell;
 
-/// One number of one point.
+/// The statistics of one metric at one point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
-    /// The point's values by factor.
+pub struct StatisticsRow {
+    /// The point's values, by factor name.
     pub point: Map<String, Value>,
-    /// What was measured, with its unit at the end.
+    /// The metric's name, which ends with its unit.
     pub metric: String,
-    /// Over the runs that count.
+    /// Over the runs after the warm-up.
     #[serde(flatten)]
     pub statistics: SampleStatistics,
-    /// Whether the first run of all, warm-up left out, is an outlier above.
+    /// Whether the first run after the warm-up is an outlier above the median.
     pub first_is_slow: bool,
-    /// Whether the point's runs had more threads than there are processors:
-    /// threads took turns.
+    /// Whether the runs had more threads than there are processors, so that threads
+    /// shared processors.
     pub oversubscribed: bool,
 }
 
-/// The rows of all points of the plan that have been measured, in its order, on
-/// a machine with so many processors, if that is known.
-pub fn rows(plan: &Plan, results: &Results, n_processors: Option<u64>) -> Vec<Row> {
+/// The rows of all measured points in the plan's order, on a machine with `n_processors`
+/// (`None` if unknown, then no point counts as oversubscribed).
+pub fn rows(plan: &StudyPlan, results: &RunLog, n_processors: Option<u64>) -> Vec<StatisticsRow> {
     let rows_of = |values: Map<String, Value>| {
         let counts = |run: &&Run| run.round >= plan.warm_up && run.point == values;
         let mut columns: IndexMap<&str, Vec<f64>> = IndexMap::new();
@@ -45,7 +45,7 @@ pub fn rows(plan: &Plan, results: &Results, n_processors: Option<u64>) -> Vec<Ro
         let row = |(metric, measured): (&str, Vec<f64>)| {
             let statistics = SampleStatistics::of(&measured)?;
             let first = measured[0];
-            Some(Row {
+            Some(StatisticsRow {
                 point: values.clone(),
                 metric: metric.to_owned(),
                 statistics,
@@ -59,11 +59,11 @@ pub fn rows(plan: &Plan, results: &Results, n_processors: Option<u64>) -> Vec<Ro
     points.flat_map(|point| rows_of(point.values)).collect()
 }
 
-/// Writes the rows as CSV, a column for each factor.
+/// Writes the rows as CSV with one column per factor.
 ///
 /// # Errors
 /// If `out` cannot be written to.
-pub fn write_csv(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
+pub fn write_csv(rows: &[StatisticsRow], out: &mut impl Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
     if let Some(row) = rows.first() {
         let factors = row.point.keys().map(String::as_str);
@@ -76,8 +76,8 @@ pub fn write_csv(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     table.flush()
 }
 
-/// What a row has besides its factors, by name.
-fn columns(row: &Row) -> [(&'static str, String); 13] {
+/// The columns of a row after its factors: name and value.
+fn columns(row: &StatisticsRow) -> [(&'static str, String); 13] {
     let of = &row.statistics;
     [
         ("metric", row.metric.clone()),

@@ -9,7 +9,7 @@ use serde_yaml::{Mapping, Value};
 use crate::common::{film, in_repository, parse};
 use raycost::config::{Config, CostMode, Repeats};
 use raycost::film::columns;
-use raycost::study::Plan;
+use raycost::study::StudyPlan;
 use raycost::yaml::Source;
 
 /// The README and all pages of the book, by their paths in the repository.
@@ -82,7 +82,7 @@ fn every_scene_and_study_parses_and_its_files_are_read() {
             if sections.contains_key("scenes") {
                 let file = folder.join("of_the_book.yaml");
                 let source = Source::new(file.display().to_string(), block.as_str());
-                let plan: Result<Plan, _> = source.parse();
+                let plan: Result<StudyPlan, _> = source.parse();
                 plan.unwrap_or_else(|error| panic!("{path}: {error}"));
                 continue;
             }

@@ -3,11 +3,11 @@
 
 use proptest::prelude::*;
 use raycost::sampling::uniform;
-use raycost::study::{CostLaw, Sample};
+use raycost::study::{CostLaw, CostSample};
 
 /// Points of `fixed + factor * n^exponent`, each with its own noise, relative
 /// and roughly normal, whose interval is the one that repeats would give.
-fn samples(law: [f64; 3], sizes: &[f64], noise: f64, seed: u64) -> Vec<Sample> {
+fn samples(law: [f64; 3], sizes: &[f64], noise: f64, seed: u64) -> Vec<CostSample> {
     let [fixed, factor, exponent] = law;
     let sample = |(i, &n): (usize, &f64)| {
         let normal: f32 = (0..3)
@@ -15,7 +15,7 @@ fn samples(law: [f64; 3], sizes: &[f64], noise: f64, seed: u64) -> Vec<Sample> {
             .sum();
         let exact = fixed + factor * n.powf(exponent);
         let cost = exact * (1.0 + noise * (f64::from(normal) - 6.0));
-        Sample {
+        CostSample {
             n,
             cost,
             interval: [cost * (1.0 - 1.96 * noise), cost * (1.0 + 1.96 * noise)],
@@ -24,8 +24,8 @@ fn samples(law: [f64; 3], sizes: &[f64], noise: f64, seed: u64) -> Vec<Sample> {
     sizes.iter().enumerate().map(sample).collect()
 }
 
-fn law(samples: &[Sample]) -> CostLaw {
-    CostLaw::through(samples).expect("there are two sizes at least")
+fn law(samples: &[CostSample]) -> CostLaw {
+    CostLaw::fit(samples).expect("there are two sizes at least")
 }
 
 const DECADES: [f64; 5] = [1e1, 1e2, 1e3, 1e4, 1e5];
@@ -55,9 +55,9 @@ proptest! {
         seed in 0..1000_u64,
     ) {
         let here = samples([3.0, 0.1, exponent], &DECADES, 0.02, seed);
-        let there: Vec<Sample> = here
+        let there: Vec<CostSample> = here
             .iter()
-            .map(|of| Sample {
+            .map(|of| CostSample {
                 n: of.n * size,
                 cost: of.cost * unit,
                 interval: of.interval.map(|end| end * unit),
@@ -75,12 +75,12 @@ proptest! {
         costs in prop::collection::vec(1e-3..1e6_f64, 2..9),
         noise in 0.0..0.3_f64,
     ) {
-        let sample = |(i, &cost): (usize, &f64)| Sample {
+        let sample = |(i, &cost): (usize, &f64)| CostSample {
             n: 10_f64.powi(i as i32),
             cost,
             interval: [cost * (1.0 - noise), cost * (1.0 + noise)],
         };
-        let points: Vec<Sample> = costs.iter().enumerate().map(sample).collect();
+        let points: Vec<CostSample> = costs.iter().enumerate().map(sample).collect();
         let found = law(&points);
         prop_assert!(found.fixed >= 0.0 && found.growing.factor >= 0.0, "{found:?}");
         prop_assert!(points.iter().all(|point| found.at(point.n).is_finite()), "{found:?}");
@@ -137,8 +137,8 @@ fn two_sizes_have_a_slope_without_an_interval_and_one_has_none() {
     assert!((found.growing.exponent - 0.5).abs() < 1e-12);
     assert_eq!((found.fixed, found.exponent_95), (0.0, None));
     let twice = samples([0.0, 3.0, 0.5], &[2.0, 2.0], 0.0, 0);
-    assert_eq!(CostLaw::through(&twice), None);
-    assert_eq!(CostLaw::through(&[]), None);
+    assert_eq!(CostLaw::fit(&twice), None);
+    assert_eq!(CostLaw::fit(&[]), None);
 }
 
 #[test]

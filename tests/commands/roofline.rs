@@ -41,7 +41,7 @@ fn value(folder: &Path, file: &str) -> Value {
     serde_json::from_str(&text(folder, file)).unwrap()
 }
 
-/// Limits of a machine of three levels, for runs that were made by the same.
+/// MachineLimits of a machine of three levels, for runs that were made by the same.
 fn write_limits(folder: &Path, instructions_per_second: Option<f64>) {
     let header: Value =
         serde_json::from_str(text(folder, "runs.jsonl").lines().next().unwrap()).unwrap();
@@ -118,7 +118,7 @@ fn without_instructions_rays_stand_over_bytes() {
     let output = run(folder.path(), true);
     assert_success(&output);
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains("bound   of 2 points by"), "{said}");
+    assert!(said.contains("bound   2 points are limited:"), "{said}");
     let svg = text(folder.path(), "roofline.svg");
     for shown in [
         "bytes of the hierarchy per ray",

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Output;
 
 use crate::common::{assert_success, in_repository, raycost};
-use raycost::study::Plan;
+use raycost::study::StudyPlan;
 use raycost::yaml::Source;
 use serde_json::Value;
 
@@ -251,7 +251,7 @@ fn a_mistake_in_one_of_several_studies_stops_all() {
     refused(&["nothing.yaml"], "there is no study `nothing.yaml`");
     assert!(!path.join("out").exists(), "nothing is measured");
 
-    // Results of others, in the last of the folders.
+    // RunLog of others, in the last of the folders.
     let theirs = path.join("out/studies/study/runs.jsonl");
     fs::create_dir_all(theirs.parent().unwrap()).unwrap();
     fs::write(&theirs, "the notes of somebody\n").unwrap();
@@ -411,9 +411,9 @@ fn the_ready_studies_can_be_run() {
     for entry in fs::read_dir(in_repository("configs/studies")).unwrap() {
         let path = entry.unwrap().path();
         let source = Source::read(&path).unwrap();
-        let plan: Plan = source.parse().unwrap_or_else(|error| panic!("{error}"));
+        let plan: StudyPlan = source.parse().unwrap_or_else(|error| panic!("{error}"));
         assert!(!plan.plots.is_empty() && plan.quick.is_some(), "{path:?}");
-        for point in plan.points().iter().chain(&plan.quickened().points()) {
+        for point in plan.points().iter().chain(&plan.into_quick().points()) {
             let scene = path.with_file_name("").join(&point.scene);
             assert!(scene.exists(), "{scene:?}");
         }

@@ -1,59 +1,58 @@
-//! How near runs come to what the machine gives at most, and what holds them.
+//! The points of a study in the roofline model: how near they come to the machine's
+//! limits, and which limit binds.
 
 use std::fmt;
 
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{Block, Limits, Row};
+use super::StatisticsRow;
+use super::point::label_of;
+use crate::instruments::MachineLimits;
 use crate::statistics::SampleStatistics;
 use crate::text::numbers;
 
-/// A point of a study and what its rays took, by medians.
+/// A point of a study and its rays' use of the machine. All numbers are medians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Standing {
-    /// The point's values by factor.
+pub struct RooflinePoint {
+    /// The point's values, by factor name.
     pub point: Map<String, Value>,
-    /// Time of a thread for a ray and for what is shaded at its end, in
-    /// nanoseconds.
+    /// CPU time per ray, shading included, in nanoseconds.
     pub render_ns_per_ray: SampleStatistics,
-    /// Bytes of nodes and leaves that a ray reads, as if no other ray shared
-    /// them.
+    /// Bytes of nodes and leaves per ray, as if rays shared none.
     pub bytes_per_ray: f64,
-    /// Nodes and leaves that a ray comes to, one after the other.
+    /// Nodes and leaves per ray, which it fetches one after the other.
     pub fetches_per_ray: f64,
-    /// Instructions for a ray; none where they were not counted.
+    /// Instructions per ray; `None` if they were not counted.
     pub instructions_per_ray: Option<f64>,
-    /// Rays that a thread has in flight.
+    /// Rays in flight per thread.
     pub rays_in_flight: f64,
-    /// Threads of the run.
+    /// Number of threads.
     pub n_threads: f64,
-    /// Size of the hierarchy, in bytes.
+    /// Size of the BVH in bytes.
     pub hierarchy_bytes: f64,
-    /// Share of a ray's time that waiting for its fetches would take, as
-    /// [`Limits::tree`] has it, the rays in flight waiting side by side. Rays
-    /// that go the same way find more in the caches, so it is an upper bound,
-    /// and may be above 1.
+    /// Memory latency of the fetches as a share of the time per ray: the latency of
+    /// [`MachineLimits::tree`], with the rays in flight waiting in parallel. An upper bound
+    /// that may exceed 1, since coherent rays find more in the caches.
     pub latency_share: f64,
-    /// Share of a ray's time that reading its bytes would take, as fast as memory
-    /// gives them in order.
+    /// Time to read the bytes at sequential bandwidth, as a share of the time per ray.
     pub bandwidth_share: f64,
-    /// Share of the instructions that a thread can execute in that time; where
-    /// they were not counted, what the greater of the other two shares leaves.
+    /// Instructions as a share of the peak in that time; if they were not counted, 1 minus
+    /// the greater of the other two shares.
     pub instruction_share: f64,
-    /// The greatest share.
+    /// The limit with the greatest share.
     pub bound: Bound,
 }
 
-/// What holds rays up most.
+/// The limit that binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
-    /// The work itself.
+    /// Executing instructions.
     Instructions,
-    /// Waiting for memory.
+    /// Memory latency.
     Latency,
-    /// As many bytes as memory gives.
+    /// Memory bandwidth.
     Bandwidth,
 }
 
@@ -61,26 +60,16 @@ impl fmt::Display for Bound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Instructions => "instructions",
-            Self::Latency => "the latency of memory",
-            Self::Bandwidth => "its bandwidth",
+            Self::Latency => "memory latency",
+            Self::Bandwidth => "memory bandwidth",
         })
     }
 }
 
-impl Block {
-    /// Bytes a nanosecond for each of so many threads.
-    pub(super) fn bandwidth(&self, n_threads: f64) -> f64 {
-        match n_threads > 1.0 {
-            true => self.bandwidth_shared,
-            false => self.bandwidth_alone,
-        }
-    }
-}
-
-impl Standing {
-    /// What holds the point's numbers up; `None` if they were not all measured,
-    /// as without counters or a hierarchy.
-    fn of(rows: &[Row], limits: &Limits) -> Option<Self> {
+impl RooflinePoint {
+    /// Computes the shares from the rows of one point; `None` if a metric is missing, as
+    /// without counters or without a BVH.
+    fn of(rows: &[StatisticsRow], limits: &MachineLimits) -> Option<Self> {
         let statistics = |name: &str| {
             let row = rows.iter().find(|row| row.metric == name)?;
             Some(row.statistics)
@@ -121,35 +110,30 @@ impl Standing {
         })
     }
 
-    /// The greater of both shares of memory.
+    /// The greater of the shares of latency and bandwidth.
     fn memory_share(&self) -> f64 {
         self.latency_share.max(self.bandwidth_share)
     }
 }
 
-/// The points of a study's rows that can be held against the limits.
-pub fn standings(rows: &[Row], limits: &Limits) -> Vec<Standing> {
+/// The points that have all metrics of the model, in the order of the rows.
+pub fn roofline_points(rows: &[StatisticsRow], limits: &MachineLimits) -> Vec<RooflinePoint> {
     let points = rows.chunk_by(|a, b| a.point == b.point);
     points
-        .filter_map(|rows| Standing::of(rows, limits))
+        .filter_map(|rows| RooflinePoint::of(rows, limits))
         .collect()
 }
 
-/// What holds the points up, in a sentence of two lines; `None` without any.
-pub fn verdict(standings: &[Standing]) -> Option<String> {
-    let by_memory = |a: &&Standing, b: &&Standing| a.memory_share().total_cmp(&b.memory_share());
-    let worst = standings.iter().max_by(by_memory)?;
-    let n = |bound| {
-        standings
-            .iter()
-            .filter(|standing| standing.bound == bound)
-            .count()
-    };
+/// The limits that bind the points, as a sentence of two lines; `None` without points.
+pub fn bottleneck_report(points: &[RooflinePoint]) -> Option<String> {
+    let by_memory =
+        |a: &&RooflinePoint, b: &&RooflinePoint| a.memory_share().total_cmp(&b.memory_share());
+    let worst = points.iter().max_by(by_memory)?;
+    let n = |bound| points.iter().filter(|point| point.bound == bound).count();
     let bounds = [Bound::Instructions, Bound::Latency, Bound::Bandwidth];
-    let told = bounds.map(|bound| format!("by {bound} at {}", n(bound)));
+    let counts = bounds.map(|bound| format!("{} by {bound}", n(bound)));
     let percent = |share: f64| format!("{:.0} %", 100.0 * share.min(1.0));
-    let point: Vec<String> = worst.point.iter().map(named).collect();
-    let counted = match worst.instructions_per_ray {
+    let instructions = match worst.instructions_per_ray {
         Some(n) => format!(
             ", its {n:.0} instructions {}",
             percent(worst.instruction_share)
@@ -157,12 +141,12 @@ pub fn verdict(standings: &[Standing]) -> Option<String> {
         None => String::new(),
     };
     Some(format!(
-        "of {} points {}\n        \
-         memory counts most at {}: {:.0} fetches take up to {} of a ray's {:.0} ns, \
-         reading its {} up to {}{counted}",
-        standings.len(),
-        told.join(", "),
-        point.join(", "),
+        "{} points are limited: {}\n        \
+         memory has the greatest share at {}: {:.0} fetches take up to {} of a ray's {:.0} ns, \
+         reading its {} up to {}{instructions}",
+        points.len(),
+        counts.join(", "),
+        label_of(&worst.point),
         worst.fetches_per_ray,
         percent(worst.latency_share),
         worst.render_ns_per_ray.median,
@@ -171,21 +155,14 @@ pub fn verdict(standings: &[Standing]) -> Option<String> {
     ))
 }
 
-/// "threads 2", "cost time".
-fn named((name, value): (&String, &Value)) -> String {
-    match value {
-        Value::String(text) => format!("{name} {text}"),
-        number => format!("{name} {number}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instruments::MemoryBlock;
 
-    /// A point of which each number was measured once.
-    fn rows(numbers: &[(&str, f64)]) -> Vec<Row> {
-        let row = |(metric, value): &(&str, f64)| Row {
+    /// The rows of a point with one run and these metrics.
+    fn rows(numbers: &[(&str, f64)]) -> Vec<StatisticsRow> {
+        let row = |(metric, value): &(&str, f64)| StatisticsRow {
             point: Map::new(),
             metric: (*metric).to_owned(),
             statistics: SampleStatistics::of(&[*value]).unwrap(),
@@ -196,11 +173,11 @@ mod tests {
     }
 
     /// Memory of one speed: 10 ns, 4 GB/s alone and 2 GB/s shared.
-    fn limits(instructions_per_second: Option<f64>) -> Limits {
-        Limits {
+    fn limits(instructions_per_second: Option<f64>) -> MachineLimits {
+        MachineLimits {
             caches: Vec::new(),
             n_threads: 2,
-            blocks: vec![Block {
+            blocks: vec![MemoryBlock {
                 bytes: 16384.0,
                 latency_ns: 10.0,
                 bandwidth_alone: 4.0,
@@ -210,8 +187,8 @@ mod tests {
         }
     }
 
-    /// 10 fetches of 400 bytes in all within 200 ns, but for what is given.
-    fn standing(given: &[(&str, f64)], limits: &Limits) -> Standing {
+    /// 10 fetches of 400 bytes in total within 200 ns, except for the given metrics.
+    fn point(given: &[(&str, f64)], limits: &MachineLimits) -> RooflinePoint {
         let mut numbers = vec![
             ("render_ns_per_ray", 200.0),
             ("bytes_per_ray", 400.0),
@@ -225,51 +202,51 @@ mod tests {
             numbers.retain(|(name, _)| *name != given.0);
             numbers.push(*given);
         }
-        standings(&rows(&numbers), limits).remove(0)
+        roofline_points(&rows(&numbers), limits).remove(0)
     }
 
     #[test]
     fn the_greatest_share_is_the_bound() {
         let uncounted = limits(None);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
-        let alone = standing(&[], &uncounted);
+        let alone = point(&[], &uncounted);
         assert!(close(alone.latency_share, 0.5) && close(alone.bandwidth_share, 0.5));
         assert!(close(alone.instruction_share, 0.5));
-        let many = standing(&[("rays_in_flight", 16.0)], &uncounted);
+        let many = point(&[("rays_in_flight", 16.0)], &uncounted);
         assert!(close(many.latency_share, 0.5 / 16.0));
-        let shared = standing(&[("n_threads", 2.0)], &uncounted);
+        let shared = point(&[("n_threads", 2.0)], &uncounted);
         assert!(close(shared.bandwidth_share, 1.0));
         assert_eq!(shared.bound, Bound::Bandwidth);
-        let waiting = standing(
+        let waiting = point(
             &[("bytes_per_ray", 40.0), ("fetches_per_ray", 30.0)],
             &uncounted,
         );
         assert_eq!(waiting.bound, Bound::Latency);
         assert!(close(waiting.latency_share, 1.5) && close(waiting.instruction_share, 0.0));
-        let slow = standing(&[("render_ns_per_ray", 1000.0)], &uncounted);
+        let slow = point(&[("render_ns_per_ray", 1000.0)], &uncounted);
         assert_eq!(slow.bound, Bound::Instructions);
     }
 
     #[test]
-    fn counted_instructions_are_held_against_the_peak() {
+    fn counted_instructions_are_compared_with_the_peak() {
         let counted = limits(Some(4e9));
-        let few = standing(&[("instructions_per_ray", 80.0)], &counted);
+        let few = point(&[("instructions_per_ray", 80.0)], &counted);
         assert!((few.instruction_share - 0.1).abs() < 1e-9);
         assert_eq!(few.bound, Bound::Latency);
-        let many = standing(&[("instructions_per_ray", 600.0)], &counted);
+        let many = point(&[("instructions_per_ray", 600.0)], &counted);
         assert_eq!(many.bound, Bound::Instructions);
-        let told = verdict(&[few, many]).unwrap();
+        let report = bottleneck_report(&[few, many]).unwrap();
         assert!(
-            told.starts_with("of 2 points by instructions at 1"),
-            "{told}"
+            report.starts_with("2 points are limited: 1 by instructions"),
+            "{report}"
         );
-        assert!(told.contains("its 600 instructions 75 %"), "{told}");
+        assert!(report.contains("its 600 instructions 75 %"), "{report}");
     }
 
     #[test]
-    fn without_counters_or_a_hierarchy_there_is_nothing_to_tell() {
+    fn without_counters_or_a_bvh_there_are_no_points() {
         let rows = rows(&[("render_ns_per_ray", 200.0), ("rays_in_flight", 1.0)]);
-        assert_eq!(standings(&rows, &limits(None)), []);
-        assert_eq!(verdict(&[]), None);
+        assert_eq!(roofline_points(&rows, &limits(None)), []);
+        assert_eq!(bottleneck_report(&[]), None);
     }
 }

@@ -1,33 +1,36 @@
-//! What the symbols of a plot mean, on its right.
+//! The legend on the right of a plot.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
-use super::ceiling;
+use super::ceilings::visible_limit;
 use super::figure::{Figure, Series};
-use super::ink::{Drawn, draw_ring, draw_symbol, draw_text, text_width};
+use super::symbols::{Drawn, draw_ring, draw_symbol, draw_text, text_width};
 
 const TEXT_SIZE: i32 = 16;
 const LINE_HEIGHT: i32 = 18;
-/// Pixels between entries, and from the top to the first.
+/// Distance between entries in pixels.
 const GAP: i32 = 10;
+/// Distance from the top of the picture to the first entry in pixels.
 const TOP: i32 = 72;
-/// Where text begins, right of the symbols.
+/// Left end of the text in pixels, right of the symbols.
 const TEXT_LEFT: i32 = 26;
-/// Text that is wider is broken into lines, in pixels.
+/// Maximum width of a line of text in pixels.
 const MAX_TEXT_WIDTH: i32 = 260;
 
-/// The entries from the top, and how wide they are.
+/// The entries of the legend.
 pub(super) struct Legend {
-    entries: Vec<(Key, Vec<String>)>,
+    /// Symbol and lines of text, from top to bottom.
+    entries: Vec<(LegendSymbol, Vec<String>)>,
+    /// In pixels.
     width: u32,
 }
 
-/// What stands before an entry.
-enum Key {
-    /// The symbol of the series with this number.
-    Symbol(usize),
+/// The symbol before an entry.
+enum LegendSymbol {
+    /// The symbol of the series with this index.
+    Series(usize),
     /// The bar of a limit or a law.
     Bar,
     /// The ring of an oversubscribed point.
@@ -35,36 +38,36 @@ enum Key {
 }
 
 impl Legend {
-    /// What a figure needs to be understood; nothing for an only series without
-    /// a law.
+    /// The legend of a figure; empty for a single series without a law.
     pub(super) fn of<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Self {
-        let named = figure.series.iter().map(name_of);
+        let named = figure.series.iter().map(entry_of);
         let named = named.enumerate().filter(|(_, name)| !name.is_empty());
-        let mut entries: Vec<(Key, Vec<String>)> = named
-            .map(|(number, name)| (Key::Symbol(number), lines(area, &name)))
+        let mut entries: Vec<(LegendSymbol, Vec<String>)> = named
+            .map(|(number, name)| (LegendSymbol::Series(number), wrapped(area, &name)))
             .collect();
-        let marks = || figure.series.iter().flat_map(|series| &series.points);
-        let mut note = |is_needed: bool, key: Key, lines: [&str; 2]| {
+        let mut note = |is_needed: bool, key: LegendSymbol, lines: [&str; 2]| {
             if is_needed {
                 entries.push((key, lines.map(str::to_owned).into()));
             }
         };
-        let has_limits = marks().any(|mark| ceiling::limit_of(figure, mark).is_some());
+        let has_limits = figure
+            .points()
+            .any(|point| visible_limit(figure, point).is_some());
         let has_laws = figure.series.iter().any(|series| series.law.is_some());
-        let has_rings = marks().any(|mark| mark.oversubscribed);
+        let has_rings = figure.points().any(|point| point.oversubscribed);
         note(
             has_limits,
-            Key::Bar,
+            LegendSymbol::Bar,
             ["if all its time were", "waiting for memory"],
         );
         note(
             has_laws,
-            Key::Bar,
+            LegendSymbol::Bar,
             ["a + b x^k, with the", "interval of 95 % of k"],
         );
         note(
             has_rings,
-            Key::Ring,
+            LegendSymbol::Ring,
             ["more threads than", "processors: not fitted"],
         );
         let all = entries.iter().flat_map(|(_, lines)| lines);
@@ -73,22 +76,23 @@ impl Legend {
         Self { entries, width }
     }
 
-    /// Width in pixels; 0 without entries.
+    /// Width in pixels; 0 if empty.
     pub(super) fn width(&self) -> u32 {
         self.width
     }
 
+    /// Draws the legend in `area`, which is as wide as the legend.
     pub(super) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let mut top = TOP;
         for (key, lines) in &self.entries {
             let middle = top + LINE_HEIGHT / 2;
             match key {
-                Key::Symbol(number) => draw_symbol(area, *number, (10, middle))?,
-                Key::Bar => {
+                LegendSymbol::Series(number) => draw_symbol(area, *number, (10, middle))?,
+                LegendSymbol::Bar => {
                     let ends = [(2, middle), (18, middle)];
                     area.draw(&PathElement::new(ends, BLACK.stroke_width(2)))?;
                 }
-                Key::Ring => draw_ring(area, (10, middle))?,
+                LegendSymbol::Ring => draw_ring(area, (10, middle))?,
             }
             for line in lines {
                 draw_text(area, line, (TEXT_LEFT, top), TEXT_SIZE, HPos::Left)?;
@@ -100,8 +104,8 @@ impl Legend {
     }
 }
 
-/// The series' label and the exponent of its law.
-fn name_of(series: &Series) -> String {
+/// The label of a series with the exponent of its law.
+fn entry_of(series: &Series) -> String {
     let law = series.law.map(|law| {
         let interval = law.exponent_95.map_or(String::new(), |[low, high]| {
             format!(" [{low:.2}, {high:.2}]")
@@ -112,11 +116,10 @@ fn name_of(series: &Series) -> String {
     label.into_iter().chain(law).collect::<Vec<_>>().join(": ")
 }
 
-/// A name in lines: the law in one of its own, and the label broken where it is
-/// too wide.
-fn lines<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, name: &str) -> Vec<String> {
+/// An entry as lines: the label, wrapped where it is too wide, then the law.
+fn wrapped<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, entry: &str) -> Vec<String> {
     let mut lines = Vec::new();
-    for part in name.split(": ") {
+    for part in entry.split(": ") {
         let mut line = String::new();
         for word in part.split_inclusive(' ') {
             let longer = format!("{line}{word}");

@@ -1,8 +1,7 @@
-//! The file that runs are appended to.
+//! The log of runs, `runs.jsonl`.
 //!
-//! JSON, an object a line: first what made the runs, then a run a line. A line
-//! is written whole or, if the machine stops in the middle of it, cut when the
-//! study goes on.
+//! JSON Lines: a header with the provenance of the runs, then one line per run. An
+//! incomplete last line, of an interrupted write, is cut off when the study continues.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -11,63 +10,62 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{Metrics, Point};
+use super::{RunMetrics, StudyPoint};
+use crate::provenance::differing_key;
 use crate::text::Diagnostic;
 
-/// The format's number: files of others are refused.
+/// Version of the format; files of other versions are refused.
 const FORMAT: u32 = 1;
-/// Longest line that is read, in bytes; a run has a few thousand.
+/// Maximum length of a line in bytes; a run has a few thousand.
 const MAX_LINE: u64 = 1 << 20;
 
-/// A results file, open to be added to.
+/// A log of runs, open for appending.
 #[derive(Debug)]
-pub struct Results {
+pub struct RunLog {
     file: File,
-    /// The runs so far, in the order that they were made.
+    /// The runs so far, in the order of the file.
     pub runs: Vec<Run>,
 }
 
 /// One run of a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// The point's values by factor.
+    /// The point's values, by factor name.
     pub point: Map<String, Value>,
-    /// Which run of the point, from 0.
+    /// The round, from 0.
     pub round: u32,
-    /// What it told.
-    pub metrics: Metrics,
+    /// The metrics of the run.
+    pub metrics: RunMetrics,
 }
 
 impl Run {
-    /// Whether the other one is the same run of the same point.
-    fn is_again(&self, other: &Self) -> bool {
+    /// Whether the other run has the same point and round.
+    fn duplicates(&self, other: &Self) -> bool {
         (self.round, &self.point) == (other.round, &other.point)
     }
 }
 
-/// The first line.
+/// The first line of the file.
 #[derive(Serialize, Deserialize)]
-struct Header {
+struct RunLogHeader {
     raycost_study: u32,
-    /// What made the runs: machine, compiler, version.
+    /// Provenance of the runs: machine, compiler and version, by key.
     made_by: Value,
 }
 
-impl Results {
-    /// Opens the file, or begins one for runs that are made by this program on
-    /// this machine, as `made_by` tells.
+impl RunLog {
+    /// Opens the log at `path`, or creates one for runs with the provenance `made_by`.
     ///
     /// # Errors
-    /// A file that cannot be read or written, that is no results file, or whose
-    /// runs were made by another program or on another machine. It is left as
-    /// it is.
+    /// If the file cannot be read or written, is not a log of runs, has a run twice, or if
+    /// another program or machine made its runs. The file stays unchanged.
     pub fn open(path: &Path, made_by: &Value) -> Result<Self, Diagnostic> {
         let failed = |error| cannot_open(path, &error);
         let mut options = OpenOptions::new();
         let options = options.read(true).append(true).create(true);
         let mut file = options.open(path).map_err(failed)?;
         if file.metadata().map_err(failed)?.len() == 0 {
-            let header = Header {
+            let header = RunLogHeader {
                 raycost_study: FORMAT,
                 made_by: made_by.clone(),
             };
@@ -77,14 +75,14 @@ impl Results {
                 runs: Vec::new(),
             });
         }
-        let mut lines = Lines::of(&file).map_err(failed)?;
-        check(path, lines.next().map_err(failed)?.as_deref(), made_by)?;
+        let mut lines = CompleteLines::of(&file).map_err(failed)?;
+        check_header(path, lines.next().map_err(failed)?.as_deref(), made_by)?;
         let mut runs = Vec::new();
         while let Some(line) = lines.next().map_err(failed)? {
             let run = serde_json::from_str(&line);
-            let run: Run = run.map_err(|error| not_a_run(path, runs.len() + 2, &error))?;
-            if let Some(first) = runs.iter().position(|other| run.is_again(other)) {
-                return Err(made_twice(path, [first + 2, runs.len() + 2]));
+            let run: Run = run.map_err(|error| invalid_run(path, runs.len() + 2, &error))?;
+            if let Some(first) = runs.iter().position(|other| run.duplicates(other)) {
+                return Err(duplicate_run(path, [first + 2, runs.len() + 2]));
             }
             runs.push(run);
         }
@@ -93,16 +91,16 @@ impl Results {
         Ok(Self { file, runs })
     }
 
-    /// Whether the run has been made.
-    pub fn has(&self, point: &Point, round: u32) -> bool {
+    /// Whether the log has this round of the point.
+    pub fn has(&self, point: &StudyPoint, round: u32) -> bool {
         let is_it = |run: &Run| run.round == round && run.point == point.values;
         self.runs.iter().any(is_it)
     }
 
-    /// Adds a run, on the disk before this returns.
+    /// Appends a run; it is on the disk when this returns.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn add(&mut self, run: Run) -> io::Result<()> {
         append(&mut self.file, &run)?;
         self.file.sync_data()?;
@@ -111,14 +109,14 @@ impl Results {
     }
 }
 
-/// Lines that end.
-struct Lines {
+/// The complete lines of a file.
+struct CompleteLines {
     reader: BufReader<File>,
-    /// Bytes of the lines so far.
+    /// Length of the lines so far in bytes, with their line ends.
     n_bytes: u64,
 }
 
-impl Lines {
+impl CompleteLines {
     fn of(file: &File) -> io::Result<Self> {
         let mut file = file.try_clone()?;
         file.seek(SeekFrom::Start(0))?;
@@ -128,7 +126,8 @@ impl Lines {
         })
     }
 
-    /// The next line, without what ends it; one that does not end is none.
+    /// The next line without its line end; `None` at the end of the file or at an
+    /// incomplete line.
     fn next(&mut self) -> io::Result<Option<String>> {
         let mut line = String::new();
         let n = (&mut self.reader).take(MAX_LINE).read_line(&mut line)?;
@@ -150,11 +149,12 @@ fn append(file: &mut File, value: &impl Serialize) -> io::Result<()> {
     file.write_all(line.as_bytes())
 }
 
-/// Makes sure that the first line is that of runs like ours.
-fn check(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagnostic> {
+/// Checks that the first line is a header of runs with the same provenance.
+fn check_header(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagnostic> {
     let remedy = "give another folder by `--out`, or move the file away to measure anew";
     let name = path.display();
-    let Some(header) = header.and_then(|line| serde_json::from_str::<Header>(line).ok()) else {
+    let Some(header) = header.and_then(|line| serde_json::from_str::<RunLogHeader>(line).ok())
+    else {
         let message = format!("`{name}` holds no results of a study");
         return Err(Diagnostic::new(message).with_help(remedy));
     };
@@ -163,8 +163,7 @@ fn check(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagn
         let message = format!("`{name}` has format {found} of results, this raycost has {FORMAT}");
         return Err(Diagnostic::new(message).with_help(remedy));
     }
-    let difference = differing(&header.made_by, made_by);
-    match difference {
+    match differing_key(&header.made_by, made_by) {
         None => Ok(()),
         Some(key) => {
             let message = format!("the runs in `{name}` were made with another {key}");
@@ -173,19 +172,12 @@ fn check(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagn
     }
 }
 
-/// The first key whose value differs.
-pub(super) fn differing<'a>(before: &'a Value, now: &'a Value) -> Option<&'a str> {
-    let now = now.as_object()?;
-    let is_other = |(key, value): &(&String, &Value)| before.get(key.as_str()) != Some(*value);
-    now.iter().find(is_other).map(|(key, _)| key.as_str())
-}
-
 fn cannot_open(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(format!("cannot use `{}`: {error}", path.display()))
         .with_help("give a folder that can be written to by `--out`")
 }
 
-fn made_twice(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {
+fn duplicate_run(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {
     Diagnostic::new(format!(
         "line {again} of `{}` is the same run as line {first}: it would count twice",
         path.display()
@@ -193,7 +185,7 @@ fn made_twice(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {
     .with_help("remove one of the two lines")
 }
 
-fn not_a_run(path: &Path, line: usize, error: &serde_json::Error) -> Diagnostic {
+fn invalid_run(path: &Path, line: usize, error: &serde_json::Error) -> Diagnostic {
     Diagnostic::new(format!(
         "line {line} of `{}` is no run: {error}",
         path.display()

@@ -4,32 +4,24 @@ use std::io::{self, Cursor};
 
 use image::{ImageFormat, RgbImage};
 use plotters::coord::Shift;
-use plotters::coord::cartesian::Cartesian2d;
 use plotters::element::PathElement;
 use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
 
-use super::axis::Axis;
-use super::ceiling;
-use super::figure::{Figure, Mark, Scale, Series};
-use super::ink::{Drawn, FONT, color_of, draw_ring, draw_symbol, draw_text, load_font, text_width};
-use super::label::{Rect, Room};
+use super::ceilings::{self, visible_limit};
+use super::coordinates::{Chart, axes, pixel_at};
+use super::figure::{Figure, PlotPoint, Series};
+use super::labels::draw_labels;
 use super::legend::Legend;
+use super::symbols::{Drawn, FONT, color_of, draw_ring, draw_symbol, load_font};
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (960, 640);
 const MARGIN: i32 = 16;
-/// Steps in which a law is drawn.
+/// Number of line segments of a law.
 const N_STEPS: u32 = 64;
-/// Ratio of the levels of a factor from which on they lie by their logarithms.
-const WIDE: f64 = 8.0;
-/// Text beside marks.
-const LABEL_SIZE: i32 = 14;
-/// Pixels between the marks of two series over one name.
-const SERIES_GAP: i32 = 14;
 
 impl Figure {
-    /// The figure as SVG.
+    /// Draws the figure as SVG.
     ///
     /// # Errors
     /// If it cannot be drawn.
@@ -42,7 +34,7 @@ impl Figure {
         Ok(svg)
     }
 
-    /// The figure as PNG.
+    /// Draws the figure as PNG.
     ///
     /// # Errors
     /// If it cannot be drawn.
@@ -70,14 +62,12 @@ fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> D
     legend.draw(&right)
 }
 
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Axis, Axis>>;
-
 fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
     let (x, y) = axes(figure);
     let mut chart = ChartBuilder::on(area)
         .caption(&figure.title, (FONT, 26))
         .margin(MARGIN)
-        .margin_right(MARGIN + ceiling::names_width(&figure.ceilings, area))
+        .margin_right(MARGIN + ceilings::labels_width(&figure.ceilings, area))
         .x_label_area_size(56)
         .y_label_area_size(84)
         .build_cartesian_2d(x, y)?;
@@ -93,17 +83,17 @@ fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>
     let (x, y) = axes(figure);
     let to_pixels = |x, y| chart.backend_coord(&(x, y));
     let plain = area.strip_coord_spec();
-    ceiling::draw(&figure.ceilings, (&x, &y), to_pixels, &plain)?;
+    ceilings::draw(&figure.ceilings, (&x, &y), to_pixels, &plain)?;
     for (number, series) in figure.series.iter().enumerate() {
         draw_line(figure, number, &mut chart)?;
-        for mark in &series.points {
-            draw_mark(figure, (number, mark), &chart, &plain)?;
+        for point in &series.points {
+            draw_point(figure, (number, point), &chart, &plain)?;
         }
     }
     draw_labels(figure, &chart, &plain)
 }
 
-/// Draws the law of a series, or what joins its points.
+/// Draws the law of a series, or the line that joins its points.
 fn draw_line<DB: DrawingBackend>(
     figure: &Figure,
     number: usize,
@@ -111,138 +101,48 @@ fn draw_line<DB: DrawingBackend>(
 ) -> Drawn<DB> {
     let (series, color) = (&figure.series[number], color_of(number));
     if let Some(law) = series.law {
-        let line = places(series).map(|x| (x, law.at(x)));
+        let line = law_positions(series).map(|x| (x, law.at(x)));
         chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
     } else if figure.is_joined {
-        let line = series.points.iter().map(|mark| (mark.x, mark.y));
+        let line = series.points.iter().map(|point| (point.x, point.y));
         chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
     }
     Ok(())
 }
 
-/// Draws a point, its interval and its limit.
-fn draw_mark<DB: DrawingBackend>(
+/// Draws a point with its interval and its limit.
+fn draw_point<DB: DrawingBackend>(
     figure: &Figure,
-    (number, mark): (usize, &Mark),
+    (number, point): (usize, &PlotPoint),
     chart: &Chart<DB>,
     area: &DrawingArea<DB, Shift>,
 ) -> Drawn<DB> {
     let color = color_of(number);
-    let at = |y| place(figure, number, (mark.x, y), chart);
+    let at = |y| pixel_at(figure, number, (point.x, y), chart);
     let bar = |(x, y): (i32, i32), reach| {
         PathElement::new([(x - reach, y), (x + reach, y)], color.stroke_width(2))
     };
-    let [low, high] = mark.interval.map(at);
+    let [low, high] = point.interval.map(at);
     area.draw(&PathElement::new([low, high], color.stroke_width(2)))?;
     area.draw(&bar(low, 5))?;
     area.draw(&bar(high, 5))?;
-    if mark.oversubscribed {
-        draw_ring(area, at(mark.y))?;
+    if point.oversubscribed {
+        draw_ring(area, at(point.y))?;
     }
-    draw_symbol(area, number, at(mark.y))?;
-    match ceiling::limit_of(figure, mark) {
+    draw_symbol(area, number, at(point.y))?;
+    match visible_limit(figure, point) {
         Some(limit) => area.draw(&bar(at(limit), 8)),
         None => Ok(()),
     }
 }
 
-/// Where a point of a series lies in pixels. Series over a name stand side by
-/// side: their intervals would cover each other.
-fn place<DB: DrawingBackend>(
-    figure: &Figure,
-    number: usize,
-    point: (f64, f64),
-    chart: &Chart<DB>,
-) -> (i32, i32) {
-    let (x, y) = chart.backend_coord(&point);
-    if figure.categories.is_empty() {
-        return (x, y);
-    }
-    let from_middle = 2 * number as i32 - (figure.series.len() as i32 - 1);
-    (x + from_middle * SERIES_GAP / 2, y)
-}
-
-/// Draws what stands beside marks, when all of them are there.
-fn draw_labels<DB: DrawingBackend>(
-    figure: &Figure,
-    chart: &Chart<DB>,
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
-    let (x, y) = chart.plotting_area().get_pixel_range();
-    let mut room = Room::new(Rect {
-        left: x.start,
-        top: y.start,
-        right: x.end,
-        bottom: y.end,
-    });
-    let of_all = || {
-        let numbered = figure.series.iter().enumerate();
-        numbered.flat_map(|(number, series)| series.points.iter().map(move |mark| (number, mark)))
-    };
-    for (number, mark) in of_all() {
-        let at = |y| place(figure, number, (mark.x, y), chart);
-        room.take(Rect::around(at(mark.y), 7));
-        let [(left, bottom), (_, top)] = mark.interval.map(at);
-        room.take(Rect {
-            left: left - 5,
-            top,
-            right: left + 5,
-            bottom,
-        });
-        if let Some(limit) = ceiling::limit_of(figure, mark) {
-            room.take(Rect::around(at(limit), 6));
-        }
-    }
-    for (number, mark) in of_all().filter(|(_, mark)| !mark.label.is_empty()) {
-        let size = (text_width(area, &mark.label, LABEL_SIZE), LABEL_SIZE + 2);
-        let name = room.place(place(figure, number, (mark.x, mark.y), chart), size);
-        draw_text(
-            area,
-            &mark.label,
-            (name.left, name.top),
-            LABEL_SIZE,
-            HPos::Left,
-        )?;
-    }
-    Ok(())
-}
-
-/// Where a law is drawn: evenly from the first point of the series to the last
-/// one that it was fitted to, by the logarithm, since it is no straight line.
-fn places(series: &Series) -> impl Iterator<Item = f64> {
-    let fitted = || series.points.iter().filter(|mark| !mark.oversubscribed);
+/// The `x` where a law is drawn, from the first to the last point that it is fitted to,
+/// equidistant on a logarithmic scale.
+fn law_positions(series: &Series) -> impl Iterator<Item = f64> {
+    let fitted = || series.points.iter().filter(|point| !point.oversubscribed);
     let [first, last] =
-        [fitted().next(), fitted().next_back()].map(|mark| mark.map_or(1.0, |at| at.x));
+        [fitted().next(), fitted().next_back()].map(|point| point.map_or(1.0, |at| at.x));
     (0..=N_STEPS).map(move |i| first * (last / first).powf(f64::from(i) / f64::from(N_STEPS)))
-}
-
-fn axes(figure: &Figure) -> (Axis, Axis) {
-    let x = if figure.categories.is_empty() {
-        lower_axis(figure)
-    } else {
-        Axis::of_names(&figure.categories)
-    };
-    let heights = marks(figure).flat_map(|mark| mark.interval.into_iter().chain([mark.y]));
-    let y = Axis::around(heights.chain(ceiling::heights(figure, &x)), figure.scale);
-    (x, y)
-}
-
-/// The lower axis of numbers. Levels of a factor that spread over decades lie by
-/// their logarithms even if the measured values do not.
-fn lower_axis(figure: &Figure) -> Axis {
-    let places = || marks(figure).map(|mark| mark.x);
-    if !figure.has_levels {
-        return Axis::around(places(), figure.scale);
-    }
-    let low = places().fold(f64::INFINITY, f64::min);
-    let high = places().fold(0.0, f64::max);
-    let spreads = low > 0.0 && high >= WIDE * low;
-    let scale = if spreads { Scale::Log } else { figure.scale };
-    Axis::around(places(), scale).with_levels(places().collect())
-}
-
-fn marks(figure: &Figure) -> impl Iterator<Item = &Mark> {
-    figure.series.iter().flat_map(|series| &series.points)
 }
 
 fn failed(error: impl std::fmt::Display) -> io::Error {
@@ -252,9 +152,10 @@ fn failed(error: impl std::fmt::Display) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::AxisScale;
 
     fn figure(labels: &[&str]) -> Figure {
-        let mark = |x: f64| Mark {
+        let point = |x: f64| PlotPoint {
             x,
             y: 2.0 * x,
             interval: [1.9 * x, 2.1 * x],
@@ -264,14 +165,14 @@ mod tests {
         };
         let series = |label: &&str| Series {
             label: (*label).to_owned(),
-            points: [1.0, 10.0, 100.0].map(mark).into(),
+            points: [1.0, 10.0, 100.0].map(point).into(),
             law: None,
         };
         Figure {
             title: "title".to_owned(),
             x_title: "x".to_owned(),
             y_title: "y".to_owned(),
-            scale: Scale::Log,
+            scale: AxisScale::Log,
             categories: Vec::new(),
             series: labels.iter().map(series).collect(),
             is_joined: true,
@@ -280,7 +181,7 @@ mod tests {
         }
     }
 
-    /// The values of an attribute of all elements of this name.
+    /// The values of an attribute of all elements with this name.
     fn values(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
         let opening = format!("<{element} ");
         let of_element = |rest: &str| {
@@ -293,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn an_only_series_has_no_legend() {
+    fn a_single_series_has_no_legend() {
         let svg = figure(&[""]).to_svg().unwrap();
         let circles = values(&svg, "circle", "cx");
         assert_eq!(circles.len(), 3, "{svg}");
@@ -301,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn long_names_of_series_are_broken_into_lines() {
+    fn long_labels_of_series_are_wrapped() {
         let long = "a scene of many words, tile order scanline, image size 7680x4320";
         let svg = figure(&[long, "short"]).to_svg().unwrap();
         assert!(!svg.contains(long) && svg.contains("image size"), "{svg}");

@@ -1,40 +1,42 @@
-//! An axis of a plot: where values lie, and which are named.
+//! An axis of a plot: positions of values, and ticks.
 
 use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-use super::figure::Scale;
 use crate::chart::{Ticks, ticks};
+use crate::study::AxisScale;
 
-/// Share of a logarithmic axis that a label needs.
+/// Length of a label as a share of a logarithmic axis.
 const LABEL_GAP: f64 = 0.12;
-/// Share of an axis from one level that is named to the next.
+/// Minimum distance between two labeled levels as a share of the axis.
 const LEVEL_GAP: f64 = 0.07;
 
-/// One axis.
-pub(super) struct Axis {
+/// An axis of a plot.
+pub(super) struct PlotAxis {
+    /// The value at the left or lower end.
     pub(super) low: f64,
+    /// The value at the right or upper end.
     pub(super) high: f64,
-    scale: Scale,
-    /// Names of the places 0, 1, …, if those are no numbers.
+    scale: AxisScale,
+    /// Names of the positions 0, 1, …; empty for a numeric axis.
     names: Vec<String>,
-    /// Values that are named before all others, ascending.
+    /// Values with tick labels, ascending; empty for automatic ticks.
     levels: Vec<f64>,
 }
 
-impl Axis {
-    /// An axis for these values, at least one, with some room at its ends.
-    pub(super) fn around(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
+impl PlotAxis {
+    /// An axis around these values, at least one, with margins at both ends.
+    pub(super) fn around(values: impl Iterator<Item = f64>, scale: AxisScale) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
         });
         let (low, high) = match scale {
-            Scale::Log => {
+            AxisScale::Log => {
                 let room = (high / low).powf(0.08).max(1.2);
                 (low / room, high * room)
             }
-            Scale::Linear => (low.min(0.0), high + 0.08 * (high - low.min(0.0)).max(1e-9)),
+            AxisScale::Linear => (low.min(0.0), high + 0.08 * (high - low.min(0.0)).max(1e-9)),
         };
         Self {
             low,
@@ -45,7 +47,7 @@ impl Axis {
         }
     }
 
-    /// The same axis with its names at these values, as far as there is room.
+    /// The same axis with tick labels at these values where there is room.
     pub(super) fn with_levels(mut self, mut levels: Vec<f64>) -> Self {
         levels.sort_by(f64::total_cmp);
         levels.dedup();
@@ -53,18 +55,18 @@ impl Axis {
         self
     }
 
-    /// An axis of named places.
+    /// An axis of named positions.
     pub(super) fn of_names(names: &[String]) -> Self {
         Self {
             low: -0.5,
             high: names.len() as f64 - 0.5,
-            scale: Scale::Linear,
+            scale: AxisScale::Linear,
             names: names.to_vec(),
             levels: Vec::new(),
         }
     }
 
-    /// Named values, and others that a line may mark.
+    /// Major ticks, with labels, and minor ones.
     fn ticks(&self) -> Ticks {
         if !self.names.is_empty() {
             let major = (0..self.names.len()).map(|place| place as f64).collect();
@@ -77,15 +79,15 @@ impl Axis {
             return self.ticks_at_levels();
         }
         match self.scale {
-            Scale::Log => ticks(self.low, self.high, LABEL_GAP),
-            Scale::Linear => Ticks {
+            AxisScale::Log => ticks(self.low, self.high, LABEL_GAP),
+            AxisScale::Linear => Ticks {
                 major: even_steps(self.low, self.high),
                 minor: Vec::new(),
             },
         }
     }
 
-    /// A name for each level that is far enough from the one before.
+    /// A major tick for each level that is far enough from the one before.
     fn ticks_at_levels(&self) -> Ticks {
         let mut major: Vec<f64> = Vec::new();
         let mut minor = Vec::new();
@@ -100,11 +102,11 @@ impl Axis {
         Ticks { major, minor }
     }
 
-    /// Where a value lies, from 0 to 1.
+    /// The position of a value on the axis, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
-            Scale::Linear => (value - self.low) / (self.high - self.low),
+            AxisScale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            AxisScale::Linear => (value - self.low) / (self.high - self.low),
         }
     }
 }
@@ -120,7 +122,7 @@ fn even_steps(low: f64, high: f64) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-impl Ranged for Axis {
+impl Ranged for PlotAxis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
@@ -130,9 +132,10 @@ impl Ranged for Axis {
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
         let ticks = self.ticks();
-        match hint.weight().allow_light_points() {
-            true => ticks.major.into_iter().chain(ticks.minor).collect(),
-            false => ticks.major,
+        if hint.weight().allow_light_points() {
+            ticks.major.into_iter().chain(ticks.minor).collect()
+        } else {
+            ticks.major
         }
     }
 
@@ -141,17 +144,17 @@ impl Ranged for Axis {
     }
 }
 
-impl ValueFormatter<f64> for Axis {
+impl ValueFormatter<f64> for PlotAxis {
     fn format_ext(&self, value: &f64) -> String {
         match self.names.get(*value as usize) {
             Some(name) => name.clone(),
-            None => short(*value),
+            None => short_number(*value),
         }
     }
 }
 
-/// "20 k" for 20,000: three digits are enough to read off a place.
-pub(super) fn short(value: f64) -> String {
+/// A number with at most three decimals and an SI prefix, such as "20 k" for 20,000.
+pub(super) fn short_number(value: f64) -> String {
     let units = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
     let unit = units
         .into_iter()
@@ -170,8 +173,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_named_shortly() {
-        let names = [0.0, 0.05, 7.0, 1500.0, 2e6].map(short);
+    fn numbers_have_prefixes() {
+        let names = [0.0, 0.05, 7.0, 1500.0, 2e6].map(short_number);
         assert_eq!(names, ["0", "0.05", "7", "1.5 k", "2 M"]);
     }
 
@@ -189,10 +192,10 @@ mod tests {
 
     #[test]
     fn a_log_axis_has_equal_ratios_at_equal_distances() {
-        let axis = Axis {
+        let axis = PlotAxis {
             low: 1.0,
             high: 10_000.0,
-            scale: Scale::Log,
+            scale: AxisScale::Log,
             names: Vec::new(),
             levels: Vec::new(),
         };
@@ -201,8 +204,8 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_named_where_there_is_room() {
-        let axis = Axis::around([1.0, 1000.0].into_iter(), Scale::Log);
+    fn levels_have_labels_where_there_is_room() {
+        let axis = PlotAxis::around([1.0, 1000.0].into_iter(), AxisScale::Log);
         let ticks = axis.with_levels(vec![1000.0, 1.0, 1.1, 8.0, 1.0]).ticks();
         assert_eq!(ticks.major, [1.0, 8.0, 1000.0]);
         assert_eq!(ticks.minor, [1.1]);

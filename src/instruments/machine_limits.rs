@@ -1,80 +1,82 @@
-//! What the machine gives at most: measured, and kept beside a study's runs.
-
-use std::fs;
-use std::io::ErrorKind;
-use std::path::Path;
+//! The limits of the machine for the roofline model: latency and bandwidth of memory, and
+//! the peak rate of instructions.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::results::differing;
-use crate::text::Diagnostic;
-
-/// The format's number: files of others are refused.
-const FORMAT: u32 = 1;
-/// Blocks of which a mean is taken.
+/// Number of block sizes over which [`MachineLimits::tree`] averages.
 const N_STEPS: i32 = 256;
 
-/// What memory gives a thread at most, over the size of what is read, and how
-/// many instructions a thread executes.
+/// The limits per thread: latency and bandwidth of memory over the size of the block that
+/// is read, and the peak rate of instructions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Limits {
-    /// Data caches that the machine tells of, the nearest one first; none where
-    /// it tells nothing.
-    pub caches: Vec<Cache>,
-    /// Threads that read where all do.
+pub struct MachineLimits {
+    /// The data caches that the system reports, the nearest one first; may be empty.
+    pub caches: Vec<DataCache>,
+    /// Number of threads that share the bandwidth in [`MemoryBlock::bandwidth_shared`].
     pub n_threads: usize,
-    /// By ascending size, each twice the one before; at least one.
-    pub blocks: Vec<Block>,
-    /// Instructions that a simple loop executes in a second on one thread; none
-    /// where they cannot be counted.
+    /// The measured blocks: at least one, by ascending size, each twice the one before.
+    pub blocks: Vec<MemoryBlock>,
+    /// Instructions per second that one thread executes in a simple loop; `None` if the
+    /// system cannot count them.
     pub instructions_per_second: Option<f64>,
 }
 
 /// A data cache.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cache {
-    /// "L1".
+pub struct DataCache {
+    /// Name, such as "L1".
     pub name: String,
-    /// What it holds, in bytes.
+    /// Capacity in bytes.
     pub bytes: u64,
 }
 
-/// A block of memory that is read again and again.
+/// A block of memory that is read repeatedly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Block {
-    /// Size of the block.
+pub struct MemoryBlock {
+    /// Size in bytes.
     pub bytes: f64,
-    /// From asking for a line, anywhere in it, until it is there.
+    /// Latency of a random access to a cache line in nanoseconds.
     pub latency_ns: f64,
-    /// Bytes a nanosecond, so GB/s, that one thread reads alone, in order.
+    /// Sequential bandwidth of one thread alone in GB/s.
     pub bandwidth_alone: f64,
-    /// The same for each of the threads where all read this block.
+    /// Sequential bandwidth of each thread in GB/s if all read the block.
     pub bandwidth_shared: f64,
 }
 
-/// A cache, or what lies behind all of them.
+/// A level of the memory hierarchy: a cache or main memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MemoryLevel {
-    /// "L1", "DRAM"; "64 KiB" where the machine does not tell its caches.
+    /// Name, such as "L1" or "DRAM"; a block size, such as "64 KiB", if the system does not
+    /// report its caches.
     pub name: String,
-    /// A block that it holds.
-    pub block: Block,
+    /// A block that fits in it.
+    pub block: MemoryBlock,
 }
 
-impl Limits {
-    /// Reading a block of so many bytes: between two that were measured, as the
-    /// logarithms of both lie on a straight line; beyond them, the last one.
-    pub fn block(&self, bytes: f64) -> Block {
+impl MemoryBlock {
+    /// Sequential bandwidth per thread in GB/s with this number of threads at work.
+    pub(crate) fn bandwidth(&self, n_threads: f64) -> f64 {
+        if n_threads > 1.0 {
+            self.bandwidth_shared
+        } else {
+            self.bandwidth_alone
+        }
+    }
+}
+
+impl MachineLimits {
+    /// The limits for a block of this size: interpolated on logarithmic scales between two
+    /// measured blocks; beyond them, those of the nearest one.
+    pub fn block(&self, bytes: f64) -> MemoryBlock {
         let after = self.blocks.partition_point(|block| block.bytes < bytes);
         let last = self.blocks.len() - 1;
         let [a, b] = [after.saturating_sub(1), after.min(last)].map(|i| self.blocks[i]);
         if a.bytes >= b.bytes {
-            return Block { bytes, ..b };
+            return MemoryBlock { bytes, ..b };
         }
         let share = (bytes / a.bytes).ln() / (b.bytes / a.bytes).ln();
         let between = |a: f64, b: f64| a * (b / a).powf(share);
-        Block {
+        MemoryBlock {
             bytes,
             latency_ns: between(a.latency_ns, b.latency_ns),
             bandwidth_alone: between(a.bandwidth_alone, b.bandwidth_alone),
@@ -82,20 +84,20 @@ impl Limits {
         }
     }
 
-    /// What rays find that come down a tree of so many bytes, whose nodes have
-    /// `node_bytes`: each level is some times as large as the one above, and of
-    /// each a ray fetches as much. So the time of a fetch, and of a byte, is the
-    /// mean over the blocks from a node to the tree, by the logarithm of their
-    /// size.
-    pub fn tree(&self, bytes: f64, node_bytes: f64) -> Block {
+    /// The mean limits for rays that descend a tree of this size with nodes of
+    /// `node_bytes`. Each level of the tree is larger than the one above by a constant
+    /// factor, and a ray fetches the same amount from each, so that the time per fetch, and
+    /// per byte, is the mean over block sizes from a node to the tree that are equidistant
+    /// on a logarithmic scale.
+    pub fn tree(&self, bytes: f64, node_bytes: f64) -> MemoryBlock {
         let ratio = (bytes / node_bytes).max(1.0);
         let middle = |step: i32| (f64::from(step) + 0.5) / f64::from(N_STEPS);
         let size = |step| node_bytes * ratio.powf(middle(step));
-        let mean = |of: fn(Block) -> f64| {
+        let mean = |of: fn(MemoryBlock) -> f64| {
             let sum: f64 = (0..N_STEPS).map(|step| of(self.block(size(step)))).sum();
             sum / f64::from(N_STEPS)
         };
-        Block {
+        MemoryBlock {
             bytes,
             latency_ns: mean(|block| block.latency_ns),
             bandwidth_alone: 1.0 / mean(|block| 1.0 / block.bandwidth_alone),
@@ -103,12 +105,12 @@ impl Limits {
         }
     }
 
-    /// The levels of memory, the nearest one first, each by a block that is as
-    /// many times larger than the cache before as it is smaller than its own:
-    /// part of a shared cache may belong to others. Where the caches are not
-    /// known, every fourth block.
+    /// The levels of the memory hierarchy, the nearest one first. Each is represented by a
+    /// block whose size is the geometric mean of its own and the previous cache's, since
+    /// other processes may use part of a shared cache. If the caches are unknown, every
+    /// fourth block.
     pub fn levels(&self) -> Vec<MemoryLevel> {
-        let level = |name: String, block: &Block| MemoryLevel {
+        let level = |name: String, block: &MemoryBlock| MemoryLevel {
             name,
             block: *block,
         };
@@ -117,77 +119,25 @@ impl Limits {
             let named = every_fourth.map(|block| level(size_name(block.bytes), block));
             return named.collect();
         };
-        // The nearest cache has none before it: a block of half its size.
+        // There is no cache before the nearest one: take a block of half its size.
         let nearest = self.caches[0].bytes as f64 / 4.0;
         let before = self.caches.iter().map(|cache| cache.bytes as f64);
         let before = std::iter::once(nearest).chain(before);
-        let of_cache = |(cache, before): (&Cache, f64)| {
+        let of_cache = |(cache, before): (&DataCache, f64)| {
             let most = (cache.bytes as f64 * before).sqrt();
             let mut fitting = self.blocks.iter().rev().filter(|block| block.bytes <= most);
             Some(level(cache.name.clone(), fitting.next()?))
         };
-        // What the last cache holds half of or more is not yet memory's.
+        // A block that the last cache holds half of does not measure main memory.
         let behind = self.blocks.last();
         let behind = behind.filter(|block| block.bytes >= 2.0 * last.bytes as f64);
         let caches = self.caches.iter().zip(before).filter_map(of_cache);
         let memory = behind.map(|block| level("DRAM".to_owned(), block));
         caches.chain(memory).collect()
     }
-
-    /// Reads the file of limits that stands beside runs of which `made_by` tells;
-    /// `None` if there is no such file.
-    ///
-    /// # Errors
-    /// A file that cannot be read, that holds no limits, or those of another
-    /// program or machine. It is left as it is.
-    pub fn read_from(path: &Path, made_by: &Value) -> Result<Option<Self>, Diagnostic> {
-        let remedy = "move the file away to measure anew, or give another folder by `--out`";
-        let name = path.display();
-        let refused = |message: String| Err(Diagnostic::new(message).with_help(remedy));
-        let text = match fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(error) => return refused(format!("cannot read `{name}`: {error}")),
-        };
-        let Ok(file) = serde_json::from_str::<LimitsFile>(&text) else {
-            return refused(format!("`{name}` holds no limits of a machine"));
-        };
-        if file.raycost_limits != FORMAT {
-            let found = file.raycost_limits;
-            return refused(format!(
-                "`{name}` has format {found} of limits, this raycost has {FORMAT}"
-            ));
-        }
-        if let Some(key) = differing(&file.made_by, made_by) {
-            return refused(format!(
-                "the limits in `{name}` were measured with another {key}"
-            ));
-        }
-        match file.limits.blocks.is_empty() {
-            true => refused(format!("`{name}` holds no limits of a machine")),
-            false => Ok(Some(file.limits)),
-        }
-    }
-
-    /// What the file holds that [`read_from`](Self::read_from) reads.
-    pub fn to_file(&self, made_by: &Value) -> impl Serialize {
-        LimitsFile {
-            raycost_limits: FORMAT,
-            made_by: made_by.clone(),
-            limits: self.clone(),
-        }
-    }
 }
 
-/// The whole file.
-#[derive(Serialize, Deserialize)]
-struct LimitsFile {
-    raycost_limits: u32,
-    made_by: Value,
-    limits: Limits,
-}
-
-/// "64 KiB".
+/// A size with its unit, such as "64 KiB".
 fn size_name(bytes: f64) -> String {
     let units = [(30, "GiB"), (20, "MiB"), (10, "KiB"), (0, "bytes")];
     let unit = |power: i32| 2_f64.powi(power);
@@ -200,18 +150,18 @@ fn size_name(bytes: f64) -> String {
 mod tests {
     use super::*;
 
-    fn limits(caches: &[(&str, u64)]) -> Limits {
-        let cache = |(name, bytes): &(&str, u64)| Cache {
+    fn limits(caches: &[(&str, u64)]) -> MachineLimits {
+        let cache = |(name, bytes): &(&str, u64)| DataCache {
             name: (*name).to_owned(),
             bytes: *bytes,
         };
-        let block = |power: i32| Block {
+        let block = |power: i32| MemoryBlock {
             bytes: 2_f64.powi(14 + power),
             latency_ns: 2_f64.powi(power),
             bandwidth_alone: 2_f64.powi(10 - power),
             bandwidth_shared: 2_f64.powi(9 - power),
         };
-        Limits {
+        MachineLimits {
             caches: caches.iter().map(cache).collect(),
             n_threads: 2,
             blocks: (0..9).map(block).collect(),
@@ -233,8 +183,8 @@ mod tests {
 
     #[test]
     fn a_tree_is_the_mean_of_its_levels() {
-        // Up to the first block all blocks are alike; then latency doubles with
-        // the size: the mean of 2^x over x from 0 to 4, half of the levels.
+        // Up to the first block all latencies are equal; then they double with the
+        // size: the mean of 2^x over x from 0 to 4, half of the levels.
         let tree = limits(&[]).tree(2_f64.powi(18), 2_f64.powi(10));
         let of_rest = (2_f64.powi(4) - 1.0) / 4.0 / 2_f64.ln();
         let expected = 0.5 * (1.0 + of_rest);
@@ -246,7 +196,7 @@ mod tests {
     #[test]
     fn a_level_is_a_block_between_two_caches() {
         let kib = 1024;
-        let names_and_bytes = |limits: &Limits| -> Vec<(String, f64)> {
+        let names_and_bytes = |limits: &MachineLimits| -> Vec<(String, f64)> {
             let levels = limits.levels().into_iter();
             let pair = |level: MemoryLevel| (level.name, level.block.bytes / 1024.0);
             levels.map(pair).collect()
@@ -255,7 +205,7 @@ mod tests {
         let expected = [("L1", 16.0), ("L2", 128.0), ("DRAM", 4096.0)];
         let expected = expected.map(|(name, kib)| (name.to_owned(), kib));
         assert_eq!(names_and_bytes(&known), expected);
-        // A cache that holds half of the largest block: nothing is known of DRAM.
+        // A cache that holds half of the largest block: DRAM was not measured.
         let large = limits(&[("L1", 48 * kib), ("L3", 4096 * kib)]);
         assert_eq!(names_and_bytes(&large).last().unwrap().0, "L3");
         let unknown = names_and_bytes(&limits(&[]));

@@ -6,17 +6,18 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
+/// The font family of all text.
 pub(super) const FONT: &str = "sans-serif";
-/// A browser's font may be wider than the one that text is measured with.
-const WIDER: f64 = 1.2;
+/// Safety factor of text widths: a browser may replace the font by a wider one.
+const WIDTH_FACTOR: f64 = 1.2;
 /// Radius in pixels of the ring around an oversubscribed point.
 const RING_RADIUS: i32 = 10;
 
-/// Nothing, or what the picture could not take.
+/// The result of a drawing operation.
 pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-/// Colors that the color-blind can distinguish: Okabe and Ito, "Color Universal
-/// Design", 2008, without the yellow, which is too light for lines.
+/// Colors that readers with color blindness can distinguish: Okabe and Ito, "Color
+/// Universal Design", 2008, without yellow, which is too light for lines.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -27,28 +28,30 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// Makes the font known, before anything is measured or drawn.
+/// Registers the font; call it before any text is measured or drawn.
 pub(super) fn load_font() {
-    // Only the bytes of a font could be refused, and these are known.
+    // Fails for an invalid font only, and this one is embedded.
     let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
 }
 
-/// The color of the series with this number.
+/// The color of the series with this index.
 pub(super) fn color_of(number: usize) -> RGBColor {
     COLORS[number % COLORS.len()]
 }
 
-/// Width of a text in pixels, in whatever font it is shown.
+/// Upper estimate of the width of a text in pixels.
 pub(super) fn text_width<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     text: &str,
     size: i32,
 ) -> i32 {
     let measured = area.estimate_text_size(text, &style(size, HPos::Left));
-    measured.map_or(0, |(width, _)| (f64::from(width) * WIDER).ceil() as i32)
+    measured.map_or(0, |(width, _)| {
+        (f64::from(width) * WIDTH_FACTOR).ceil() as i32
+    })
 }
 
-/// Draws a line of text whose top is at `at`, beginning or ending there.
+/// Draws a line of text whose top is at `at`; `side` says which of its ends is there.
 pub(super) fn draw_text<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     text: &str,
@@ -63,7 +66,7 @@ fn style(size: i32, side: HPos) -> TextStyle<'static> {
     TextStyle::from((FONT, size).into_font()).pos(Pos::new(side, VPos::Top))
 }
 
-/// Draws the symbol of a series: color is not all that tells them apart.
+/// Draws the symbol of the series with this index; series differ in shape and color.
 pub(super) fn draw_symbol<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     number: usize,
@@ -77,7 +80,7 @@ pub(super) fn draw_symbol<DB: DrawingBackend>(
     }
 }
 
-/// Draws the ring around the symbol of an oversubscribed point.
+/// Draws the ring that marks an oversubscribed point.
 pub(super) fn draw_ring<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     at: (i32, i32),

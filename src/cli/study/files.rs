@@ -1,4 +1,4 @@
-//! Which study files `raycost study` was given, and where the results of each go.
+//! The study files of a command line and the output folder of each.
 
 use std::fs;
 use std::io;
@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 
 use crate::text::Diagnostic;
 
-/// What is run if nothing is named: the ready studies of the repository.
-const READY: &str = "configs/studies";
+/// The default: the studies of the repository.
+const DEFAULT_FOLDER: &str = "configs/studies";
 
-/// The study files of a command line, those of a folder by their names, each
-/// with the folder for its results.
+/// The study files of a command line, those in a folder sorted by name, each with its output
+/// folder.
 ///
 /// # Errors
-/// What is not there; a folder that cannot be read or has no study; two studies
-/// of one name.
-pub(super) fn files(
+/// If a file does not exist, a folder cannot be read or has no study, or two studies have
+/// the same name.
+pub(super) fn find(
     named: &[PathBuf],
     out: Option<&Path>,
     quick: bool,
@@ -26,16 +26,19 @@ pub(super) fn files(
             .with_help("name a study file, such as configs/studies/tiles.yaml, or a folder"));
     }
     let files = match named {
-        [] => ready()?,
+        [] => default_studies()?,
         [file] if !file.is_dir() => {
             let own = || Path::new("out/studies").join(name_of(file, quick));
             let out = out.map_or_else(own, Path::to_owned);
             return Ok(vec![(file.clone(), out)]);
         }
         several => {
-            let lists = several.iter().map(|path| match path.is_dir() {
-                true => studies_in(path),
-                false => Ok(vec![path.clone()]),
+            let lists = several.iter().map(|path| {
+                if path.is_dir() {
+                    studies_in(path)
+                } else {
+                    Ok(vec![path.clone()])
+                }
             });
             lists.collect::<Result<Vec<_>, _>>()?.concat()
         }
@@ -54,18 +57,17 @@ pub(super) fn files(
     Ok(studies)
 }
 
-fn ready() -> Result<Vec<PathBuf>, Diagnostic> {
-    let ready = Path::new(READY);
-    match ready.is_dir() {
-        true => studies_in(ready),
-        false => Err(
-            Diagnostic::new(format!("there is no folder `{READY}` here"))
-                .with_help("name a study file, or go to the root of the repository"),
-        ),
+fn default_studies() -> Result<Vec<PathBuf>, Diagnostic> {
+    let folder = Path::new(DEFAULT_FOLDER);
+    if folder.is_dir() {
+        return studies_in(folder);
     }
+    let message = format!("there is no folder `{DEFAULT_FOLDER}` here");
+    Err(Diagnostic::new(message)
+        .with_help("name a study file, or go to the root of the repository"))
 }
 
-/// The YAML files of a folder, sorted.
+/// The YAML files of a folder, sorted by path.
 fn studies_in(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     let named = folder.display();
     let failed = |error: io::Error| Diagnostic::new(format!("cannot read `{named}`: {error}"));
@@ -85,7 +87,7 @@ fn studies_in(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     Ok(files)
 }
 
-/// "tiles", or "tiles-quick".
+/// The name of the output folder, such as "tiles" or "tiles-quick".
 fn name_of(file: &Path, quick: bool) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     format!("{stem}{}", if quick { "-quick" } else { "" })

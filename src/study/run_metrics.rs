@@ -1,4 +1,4 @@
-//! What one run told of itself.
+//! The metrics of one run.
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -6,14 +6,14 @@ use serde_json::Value;
 
 use crate::accel::RAYS_IN_FLIGHT;
 
-/// Numbers by name, in a fixed order; the unit ends the name.
+/// Values by name, in a fixed order; a name ends with its unit.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Metrics(pub IndexMap<String, f64>);
+pub struct RunMetrics(pub IndexMap<String, f64>);
 
-impl Metrics {
-    /// The numbers of a `summary.json`, and how long the whole process took, in
-    /// milliseconds.
+impl RunMetrics {
+    /// Takes the metrics of a run from its `summary.json` and the wall time of its whole
+    /// process in milliseconds.
     pub fn of(summary: &Value, process_ms: f64) -> Self {
         let mut metrics = Self::default();
         metrics.add("process_ms", Some(process_ms));
@@ -54,17 +54,16 @@ impl Metrics {
             }
         }
         metrics.add_ratios();
-        metrics.add_what_a_ray_takes(summary);
+        metrics.add_costs_per_ray(summary);
         metrics
     }
 
-    /// Adds what a ray takes of a thread's time and of memory.
+    /// Adds time, instructions, bytes and fetches per ray.
     ///
-    /// Bytes and fetches are those of the hierarchy alone, as if each ray fetched
-    /// all of its nodes and leaves by itself: packets of rays share them. A test
-    /// reads what tests read in the mean over all leaves, those outside the
-    /// hierarchy too.
-    fn add_what_a_ray_takes(&mut self, summary: &Value) {
+    /// Bytes and fetches count nodes and leaves of the BVH as if each ray fetched its own,
+    /// although rays in a packet share them. Each primitive test, also outside the BVH,
+    /// counts as the mean over all leaves.
+    fn add_costs_per_ray(&mut self, summary: &Value) {
         let rays_in_flight = match summary["cost"]["kernel"].as_str() {
             Some("stream") => Some(RAYS_IN_FLIGHT as f64),
             kernel => kernel.map(|_| 1.0),
@@ -95,7 +94,7 @@ impl Metrics {
         }
     }
 
-    /// Adds what is told best as a share.
+    /// Adds metrics that are quotients of two others.
     fn add_ratios(&mut self) {
         for (name, part, whole) in [
             ("hit_share", "n_hits", "n_pixels"),
@@ -111,7 +110,7 @@ impl Metrics {
         }
     }
 
-    /// Adds a number, if there is one.
+    /// Adds a metric if it has a value.
     fn add(&mut self, name: &str, value: Option<f64>) {
         if let Some(value) = value {
             self.0.insert(name.to_owned(), value);

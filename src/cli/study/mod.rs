@@ -1,0 +1,254 @@
+//! `raycost study`.
+
+mod files;
+mod process;
+mod report;
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use serde_json::{Value, json};
+
+use super::progress::StudyBar;
+use super::{Cli, Failure};
+use crate::folder::{Replace, lock_folder, refuse_file, write_file};
+use crate::instruments::{HardwareCounters, MachineLimits};
+use crate::output;
+use crate::stop;
+use crate::study::{
+    Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
+    StudyPoint, roofline_points, rows,
+};
+use crate::text::{self, Diagnostic, numbers};
+use crate::yaml::{self, Fault, Source};
+
+/// Measure how the cost of scenes depends on what you vary
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  raycost study configs/studies/tiles.yaml
+  raycost study configs/studies/image_size.yaml --quick --out /tmp/sizes
+  raycost study --quick
+
+The same command continues an interrupted study and repeats no finished run.")]
+pub(super) struct Arguments {
+    /// Study files, or folders of them [default: configs/studies]
+    #[arg(value_name = "STUDY")]
+    studies: Vec<PathBuf>,
+
+    /// Output folder [default: out/studies/<name of the study>]; several studies get a
+    /// folder each inside it
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Run the smaller matrix of each study, to test it
+    #[arg(long)]
+    quick: bool,
+
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// The log of runs in a study's folder.
+const RUN_LOG: &str = "runs.jsonl";
+
+/// A checked study and its folders.
+struct Study {
+    plan: StudyPlan,
+    points: Vec<StudyPoint>,
+    /// The study file's folder, to which the paths of scenes are relative.
+    folder: PathBuf,
+    /// The output folder.
+    out: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (named, out, quick) = (
+        &arguments.studies,
+        arguments.out.as_deref(),
+        arguments.quick,
+    );
+    let files = files::find(named, out, quick)?.into_iter();
+    let read = files.map(|(file, out)| Study::read(&file, out, quick));
+    let studies = read.collect::<Result<Vec<_>, Failure>>()?;
+    let made_by = made_by();
+    // Open all studies before the first run: a foreign file in one of them stops all.
+    let locks = studies.iter().map(|study| study.lock());
+    let _locks = locks.collect::<Result<Vec<File>, Failure>>()?;
+    let opened = studies.iter().map(|study| study.open(&made_by));
+    let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
+    let mut n_left = 0;
+    for (study, mut log) in studies.iter().zip(opened) {
+        let left = study.measure(&mut log, arguments.quiet)?;
+        n_left += left;
+        let n_processors = made_by["machine"]["logical_cpus"].as_u64();
+        let rows = rows(&study.plan, &log, n_processors);
+        let points = study.roofline(&rows, &made_by)?;
+        report::write_tables(&study.out, &study.plan, &rows, points.as_deref(), &made_by)?;
+        if !arguments.quiet {
+            let lines = report::lines_of(&study.plan, &rows, points.as_deref(), &study.out);
+            text::print(&lines)?;
+        }
+    }
+    if !arguments.quiet {
+        text::print(&report::last_lines(&made_by, n_left))?;
+    }
+    Ok(())
+}
+
+impl Study {
+    /// Reads a study file and checks that each of its points can be rendered.
+    fn read(file: &Path, out: PathBuf, quick: bool) -> Result<Self, Failure> {
+        let source = Source::read(file)?;
+        let mut plan: StudyPlan = source.parse()?;
+        if quick {
+            plan = plan.into_quick();
+        }
+        if plan.n_runs() > StudyPlan::MAX_RUNS {
+            let message = format!("the study has {} runs", numbers::count(plan.n_runs()));
+            let expected = format!("expected at most {}", numbers::count(StudyPlan::MAX_RUNS));
+            let fault = Fault::new(yaml::Path::default(), message, expected)
+                .with_help("vary less at once, or lower `repeats`");
+            return Err(source.point_at(fault).into());
+        }
+        let study = Self {
+            points: plan.points(),
+            plan,
+            folder: source.folder().to_owned(),
+            out,
+        };
+        for point in &study.points {
+            check(&study.plan, point, &study.folder)?;
+        }
+        Ok(study)
+    }
+
+    /// Locks the output folder and checks that it has no foreign table or plot. A folder
+    /// with a log of runs belongs to a study.
+    fn lock(&self) -> Result<File, Failure> {
+        let lock = lock_folder(&self.out)?;
+        if !self.out.join(RUN_LOG).exists() {
+            let failed = |error| cannot_write(&self.out, &error);
+            for entry in fs::read_dir(&self.out).map_err(failed)?.flatten() {
+                let name = entry.file_name();
+                let name = name.to_str().unwrap_or_default();
+                let is_reserved = |prefix: &&str| name.starts_with(*prefix);
+                if ["statistics.", "plot-", "roofline."]
+                    .iter()
+                    .any(is_reserved)
+                {
+                    return Err(refuse_file(&entry.path()).into());
+                }
+            }
+        }
+        Ok(lock)
+    }
+
+    /// Opens the log of runs; checks the file of limits, too.
+    fn open(&self, made_by: &Value) -> Result<RunLog, Failure> {
+        if self.plan.roofline {
+            LimitsFile::read(&self.limits_path(), made_by)?;
+        }
+        Ok(RunLog::open(&self.out.join(RUN_LOG), made_by)?)
+    }
+
+    /// Makes the missing runs until the time budget ends; returns the number of runs that
+    /// are still missing.
+    fn measure(&self, log: &mut RunLog, quiet: bool) -> Result<usize, Failure> {
+        let planned = self.plan.runs().into_iter();
+        let is_missing = |run: &PlannedRun| !log.has(&self.points[run.point], run.round);
+        let todo: Vec<PlannedRun> = planned.filter(is_missing).collect();
+        let bar = StudyBar::new(todo.len() as u64, quiet);
+        let start = Instant::now();
+        let budget = self.plan.time_budget_s.map(Duration::from_secs_f32);
+        for (n_done, planned) in todo.iter().enumerate() {
+            if budget.is_some_and(|budget| start.elapsed() >= budget) {
+                bar.clear();
+                return Ok(todo.len() - n_done);
+            }
+            let point = &self.points[planned.point];
+            bar.begin(&point.label());
+            stop::check()?;
+            let metrics = process::render(&self.plan, point, &self.folder, &self.out)?;
+            let run = Run {
+                point: point.values.clone(),
+                round: planned.round,
+                metrics,
+            };
+            let failed = |error| cannot_write(&self.out, &error);
+            log.add(run).map_err(failed)?;
+            bar.advance();
+        }
+        bar.clear();
+        Ok(0)
+    }
+
+    /// The points in the roofline model, if the study requests it; writes the plot, too.
+    /// Measures the limits if the folder does not have them yet.
+    fn roofline(
+        &self,
+        rows: &[StatisticsRow],
+        made_by: &Value,
+    ) -> Result<Option<Vec<RooflinePoint>>, Failure> {
+        if !self.plan.roofline {
+            return Ok(None);
+        }
+        let path = self.limits_path();
+        let limits = match LimitsFile::read(&path, made_by)? {
+            Some(limits) => limits,
+            None => {
+                let limits = MachineLimits::measure();
+                let content = LimitsFile::new(limits.clone(), made_by);
+                write_file(&path, Replace::Known, |file| {
+                    Ok(serde_json::to_writer_pretty(file, &content)?)
+                })?;
+                limits
+            }
+        };
+        let points = roofline_points(rows, &limits);
+        if let Some(figure) = Figure::roofline(&self.plan.title, &points, &limits) {
+            report::write_figure(&figure, &self.out, "roofline")?;
+        }
+        Ok(Some(points))
+    }
+
+    fn limits_path(&self) -> PathBuf {
+        self.out.join("limits.json")
+    }
+}
+
+/// Checks that a point can be rendered, before the first run.
+fn check(plan: &StudyPlan, point: &StudyPoint, folder: &Path) -> Result<(), Failure> {
+    let words = ["raycost", "check"].map(str::to_owned).into_iter();
+    let scene = folder.join(&point.scene).display().to_string();
+    let flags = point.flags.iter().chain(&plan.flags).cloned();
+    let words: Vec<String> = words.chain([scene]).chain(flags.clone()).collect();
+    // `check` has no `--threads`.
+    let words = words.iter().filter(|word| !word.starts_with("--threads="));
+    let refused = |error: clap::Error| {
+        let text = error.to_string();
+        let reason = text.lines().next().unwrap_or_default();
+        let reason = reason.trim_start_matches("error: ");
+        Diagnostic::new(format!("cannot run {}: {reason}", point.label()))
+            .with_help("see `raycost render --help` for the flags")
+    };
+    let cli = Cli::try_parse_from(words).map_err(refused)?;
+    Ok(cli.find_fault()?)
+}
+
+/// The provenance of the runs: logs with another one cannot be continued.
+fn made_by() -> Value {
+    json!({
+        "machine": output::machine(),
+        "build": output::build(),
+        "no_hardware_counters": HardwareCounters::start().why_not(),
+    })
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> Failure {
+    let message = format!("cannot write to `{}`: {error}", path.display());
+    Failure::Machine(Diagnostic::new(message).with_help("give another folder by `--out`"))
+}

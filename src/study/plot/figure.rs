@@ -1,0 +1,230 @@
+//! The content of a plot: rows of statistics as series of points.
+
+use serde_json::Value;
+
+use super::series_factors::series_factors;
+use crate::study::point::text_of;
+use crate::study::{AxisScale, CostLaw, CostSample, PlotSpec, PowerLaw, StatisticsRow};
+
+/// The content of a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Title above the axes.
+    pub title: String,
+    /// Title of the horizontal axis.
+    pub x_title: String,
+    /// Title of the vertical axis.
+    pub y_title: String,
+    /// Scale of both axes.
+    pub scale: AxisScale,
+    /// Names of the horizontal positions 0, 1, …; empty for a numeric axis.
+    pub categories: Vec<String>,
+    /// The series, at least one.
+    pub series: Vec<Series>,
+    /// Whether a line joins the points of a series without a law.
+    pub is_joined: bool,
+    /// Whether the horizontal positions are levels of a factor; then each has a tick label
+    /// where there is room.
+    pub has_levels: bool,
+    /// Upper limits.
+    pub ceilings: Vec<Ceiling>,
+}
+
+/// An upper limit over the whole horizontal axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ceiling {
+    /// The label at one end of the line.
+    pub label: String,
+    /// The line.
+    pub law: PowerLaw,
+}
+
+/// Points of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// The values that its points have in common; empty if there is one series only.
+    pub label: String,
+    /// The points from left to right.
+    pub points: Vec<PlotPoint>,
+    /// The law fitted to all points that are not oversubscribed.
+    pub law: Option<CostLaw>,
+}
+
+/// A median with its confidence interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlotPoint {
+    /// Horizontal position.
+    pub x: f64,
+    /// Median.
+    pub y: f64,
+    /// Ends of the 95 % confidence interval of `y`.
+    pub interval: [f64; 2],
+    /// Label beside the point; may be empty.
+    pub label: String,
+    /// Upper limit of this point alone, drawn as a bar.
+    pub limit: Option<f64>,
+    /// Whether the runs had more threads than there are processors.
+    pub oversubscribed: bool,
+}
+
+impl Figure {
+    /// The plot of these rows; `None` if no row has its metrics.
+    pub fn of(plot: &PlotSpec, title: &str, rows: &[StatisticsRow]) -> Option<Self> {
+        let y_titles: Vec<String> = plot.y.iter().map(|y| axis_title(y)).collect();
+        let mut figure = Self {
+            title: title.to_owned(),
+            x_title: axis_title(&plot.x),
+            y_title: y_titles.join(", "),
+            scale: plot.scale,
+            categories: Vec::new(),
+            series: Vec::new(),
+            is_joined: false,
+            has_levels: rows.iter().any(|row| row.point.contains_key(&plot.x)),
+            ceilings: Vec::new(),
+        };
+        let metric = plot.y.first()?;
+        let by = plot.by.clone();
+        let by = by.unwrap_or_else(|| series_factors(&plot.x, metric, rows));
+        for row in rows.iter().filter(|row| plot.y.contains(&row.metric)) {
+            let Some(x) = figure.x_of(plot, row, rows) else {
+                continue;
+            };
+            let statistics = &row.statistics;
+            let point = PlotPoint {
+                x,
+                y: statistics.median,
+                interval: [statistics.low_95, statistics.high_95],
+                label: String::new(),
+                limit: None,
+                oversubscribed: row.oversubscribed,
+            };
+            figure.series_of(label_of_row(row, &by)).points.push(point);
+        }
+        figure.is_joined = figure.categories.is_empty();
+        figure.finish(plot.fit);
+        (!figure.series.is_empty()).then_some(figure)
+    }
+
+    /// Shortens the labels, sorts the points, fits a law to each series if `fit`, and
+    /// selects a linear scale if a value is not positive.
+    pub(super) fn finish(&mut self, fit: bool) {
+        self.remove_common_label_parts();
+        let has_categories = !self.categories.is_empty();
+        for series in &mut self.series {
+            series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            if fit && !has_categories {
+                series.law = fit_law(&series.points);
+            }
+        }
+        let is_positive =
+            |point: &PlotPoint| (has_categories || point.x > 0.0) && point.interval[0] > 0.0;
+        if !self.points().all(is_positive) {
+            self.scale = AxisScale::Linear;
+        }
+    }
+
+    /// The points of all series.
+    pub(super) fn points(&self) -> impl Iterator<Item = &PlotPoint> {
+        self.series.iter().flat_map(|series| &series.points)
+    }
+
+    /// The series with this label; adds it if it is new.
+    pub(super) fn series_of(&mut self, label: String) -> &mut Series {
+        let known = self.series.iter().position(|series| series.label == label);
+        let index = known.unwrap_or_else(|| {
+            self.series.push(Series {
+                label,
+                points: Vec::new(),
+                law: None,
+            });
+            self.series.len() - 1
+        });
+        &mut self.series[index]
+    }
+
+    /// The horizontal position of a row's point; `None` if its metric is missing. A text
+    /// becomes a category.
+    fn x_of(
+        &mut self,
+        plot: &PlotSpec,
+        row: &StatisticsRow,
+        rows: &[StatisticsRow],
+    ) -> Option<f64> {
+        let Some(value) = row.point.get(&plot.x) else {
+            let is_x = |other: &&StatisticsRow| other.metric == plot.x && other.point == row.point;
+            return rows.iter().find(is_x).map(|row| row.statistics.median);
+        };
+        if let Some(number) = value.as_f64() {
+            return Some(number);
+        }
+        let name = text_of(value);
+        let known = self.categories.iter().position(|known| *known == name);
+        let position = known.unwrap_or_else(|| {
+            self.categories.push(name);
+            self.categories.len() - 1
+        });
+        Some(position as f64)
+    }
+
+    /// Removes the parts that the labels of all series have in common.
+    fn remove_common_label_parts(&mut self) {
+        let parts = |series: &Series| -> Vec<String> {
+            series.label.split(", ").map(str::to_owned).collect()
+        };
+        let all: Vec<Vec<String>> = self.series.iter().map(parts).collect();
+        for (series, own) in self.series.iter_mut().zip(&all) {
+            let differs = |part: &&String| !all.iter().all(|parts| parts.contains(part));
+            let kept: Vec<&str> = own.iter().filter(differs).map(String::as_str).collect();
+            series.label = kept.join(", ");
+        }
+    }
+}
+
+/// The law through all points that are not oversubscribed, if they are positive.
+fn fit_law(points: &[PlotPoint]) -> Option<CostLaw> {
+    let fitted = points.iter().filter(|point| !point.oversubscribed);
+    let sample = |point: &PlotPoint| CostSample {
+        n: point.x,
+        cost: point.y,
+        interval: point.interval,
+    };
+    let samples: Vec<CostSample> = fitted.map(sample).collect();
+    let is_positive = samples
+        .iter()
+        .all(|sample| sample.n > 0.0 && sample.cost > 0.0);
+    if is_positive {
+        CostLaw::fit(&samples)
+    } else {
+        None
+    }
+}
+
+/// The label of a row's series: the values of the factors in `by` and the metric, such as
+/// "threads 2, cost time, render wall (ms)".
+fn label_of_row(row: &StatisticsRow, by: &[String]) -> String {
+    let values = row.point.iter().filter(|(factor, _)| by.contains(factor));
+    let factors = values.map(|(factor, value)| factor_label(factor, value, text_of));
+    factors
+        .chain([axis_title(&row.metric)])
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// The label of a factor's value, such as "tile size 8"; of a scene its name alone.
+pub(super) fn factor_label(factor: &str, value: &Value, text: fn(&Value) -> String) -> String {
+    match factor {
+        "scene" => text(value),
+        _ => format!("{} {}", factor.replace('_', " "), text(value)),
+    }
+}
+
+/// The title of an axis: "render wall (ms)" for `render_wall_ms`.
+fn axis_title(name: &str) -> String {
+    let units = ["ms", "ns", "bytes"];
+    match name.rsplit_once('_') {
+        Some((quantity, unit)) if units.contains(&unit) => {
+            format!("{} ({unit})", quantity.replace('_', " "))
+        }
+        _ => name.replace('_', " "),
+    }
+}

@@ -1,0 +1,14 @@
+//! Plots: rows of statistics → [`Figure`] → SVG and PNG.
+
+mod figure;
+mod series_factors;
+mod symbols;
+mod axis;
+mod roofline;
+mod ceilings;
+mod coordinates;
+mod labels;
+mod legend;
+mod drawing;
+
+pub use figure::{Ceiling, Figure, PlotPoint, Series};

@@ -1,0 +1,67 @@
+//! The `plots` section of a study file.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+
+/// A plot that a study file requests.
+///
+/// ```
+/// # use raycost::{study::PlotSpec, yaml};
+/// let plot: PlotSpec = yaml::from_str("{ x: threads, y: render_wall_ms, fit: true }").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlotSpec {
+    /// The factor or metric along the horizontal axis.
+    pub x: String,
+    /// The metrics along the vertical axis, of one unit: medians with their confidence
+    /// intervals. In YAML one name or a list of names.
+    #[serde(deserialize_with = "names")]
+    pub y: Vec<String>,
+    /// The factors that distinguish series; if not given, those without which a series
+    /// would have several points at one `x`.
+    #[serde(default)]
+    pub by: Option<Vec<String>>,
+    /// The scale of both axes; logarithmic if not given.
+    #[serde(default)]
+    pub scale: AxisScale,
+    /// Whether a [`CostLaw`](super::CostLaw) is fitted to each series.
+    #[serde(default)]
+    pub fit: bool,
+}
+
+/// The scale of an axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`log` or `linear`")]
+pub enum AxisScale {
+    /// Logarithmic; linear if a value is 0.
+    #[default]
+    Log,
+    /// Linear, from 0.
+    Linear,
+}
+
+fn names<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<String>, D::Error> {
+    d.deserialize_any(NamesVisitor)
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Vec<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of what was measured, or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<Vec<String>, E> {
+        Ok(vec![name.to_owned()])
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Vec<String>, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list))
+    }
+}
