@@ -3,33 +3,14 @@
 use crate::accel::{Bvh, TooLarge};
 use crate::attribution::CostAttribution;
 use crate::config::{Acceleration, Config, Image, Repeats};
-use crate::film::{self, PackedCounters, RenderedTile};
+use crate::film;
+use crate::output;
 use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
-use crate::schedule::{TileGrid, TileRun};
-use crate::vtk::Codec;
+use crate::schedule::{self, TileGrid};
 use crate::yaml::{Fault, Path};
 
 pub use crate::host::available_memory as available;
-
-/// Bytes per pixel to write pictures and files: a copy of the times or counts,
-/// another one to find their median, the cost map and its PNG.
-const OUTPUT_BYTES_PER_PIXEL: u64 = 20;
-
-/// Bytes to compress the VTK files, at most five of which are written in
-/// parallel: for each a window of blocks, and as many compressed ones.
-pub(crate) const COMPRESSION_BYTES: u64 = 5 * (12 << 20);
-
-/// Bytes of a tile in the order of tiles and in the schedule: the threads' lists
-/// grow by doubling, and exist until the schedule is complete.
-const BYTES_PER_RUN: usize = 4 + 3 * size_of::<(u32, TileRun)>();
-
-/// Bytes of a tile in the film besides its counters: a list with a capacity of
-/// at least four, a lock, and the overhead of the allocator for both.
-const BYTES_PER_RENDERED_TILE: usize =
-    size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
-
-const BYTES_PER_TILE: u64 = (BYTES_PER_RUN + BYTES_PER_RENDERED_TILE) as u64;
 
 /// The memory of one rendering, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,19 +29,18 @@ impl Memory {
     /// except for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
         let of_film = film::bytes_per_pixel(config.cost) + repeat_bytes_per_pixel(config);
-        let per_pixel = of_film as u64 + OUTPUT_BYTES_PER_PIXEL;
+        let per_pixel = of_film as u64 + output::BYTES_PER_PIXEL;
         let Image { width, height, .. } = config.image;
         let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
-        let of_tiles = u64::from(n_tiles) * BYTES_PER_TILE;
-        let of_codec = match config.compress {
-            Codec::None => 0,
-            Codec::Lz4 | Codec::Zlib => COMPRESSION_BYTES,
-        };
+        let of_tiles =
+            u64::from(n_tiles) * (film::BYTES_PER_TILE + schedule::BYTES_PER_TILE) as u64;
         let of_attribution =
             CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
         let bare = Self::of_scene(config, geometries);
         Self {
-            film: config.image.n_pixels() as u64 * per_pixel + of_tiles + of_codec,
+            film: config.image.n_pixels() as u64 * per_pixel
+                + of_tiles
+                + output::compression_bytes(config.compress),
             scene: bare.scene + (bare.n_primitives * of_attribution) as u64,
             ..bare
         }

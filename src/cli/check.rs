@@ -15,7 +15,6 @@ use crate::scene::Scene;
 use crate::schedule::TileGrid;
 use crate::text::numbers::{bytes, count, counted};
 use crate::text::{self, Diagnostic};
-use crate::vtk::Codec;
 
 /// Check a scene without rendering it, or verify an output folder
 ///
@@ -152,11 +151,8 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
 fn files(config: &Config, out: &Path) -> String {
     let wanted = Artifact::ALL.iter().filter(|file| file.is_wanted(config));
     let names: Vec<&str> = wanted.map(|file| file.file_name()).collect();
-    let codec = match config.compress {
-        Codec::None => "",
-        Codec::Lz4 => ", VTK files compressed by LZ4",
-        Codec::Zlib => ", VTK files compressed by zlib",
-    };
+    let codec = (config.compress.label()).map(|codec| format!(", VTK files compressed by {codec}"));
+    let codec = codec.unwrap_or_default();
     let (names, out) = (names.join(", "), shown(out));
     format!("{names}, summary.json in {out}{codec}")
 }

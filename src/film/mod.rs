@@ -54,6 +54,10 @@ pub struct Film {
     pub tiles: Vec<RenderedTile>,
 }
 
+/// Upper bound of a film's bytes per tile besides its counters: a list with a
+/// capacity of at least four, a lock, and the overhead of the allocator for both.
+pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
+
 /// Upper bound of a film's bytes per pixel.
 pub fn bytes_per_pixel(cost: CostMode) -> usize {
     let kept = columns(cost, Repeats::ONCE).filter(|column| column.is_stored);

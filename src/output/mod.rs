@@ -56,6 +56,18 @@ use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::statistics::upper_median;
+use crate::vtk::{Codec, compressed};
+
+/// Upper bound of the bytes per pixel to write pictures and files: a copy of the
+/// times or counts, another one to find their median, the cost map and its PNG.
+pub(crate) const BYTES_PER_PIXEL: u64 = 20;
+
+/// Upper bound of the bytes to compress the VTK files, at most five of which are
+/// written in parallel.
+pub(crate) fn compression_bytes(codec: Codec) -> u64 {
+    let per_file = codec.label().map_or(0, |_| compressed::BYTES_PER_ARRAY);
+    5 * per_file
+}
 
 /// A finished rendering and what is known of it.
 #[derive(Debug)]

@@ -17,6 +17,10 @@ pub use load::Load;
 use crate::config::TileOrder;
 use crate::cost::Cost;
 
+/// Upper bound of the bytes per tile in the order of tiles and in the schedule:
+/// the lists of the threads grow by doubling, and exist until it is complete.
+pub const BYTES_PER_TILE: usize = 4 + 3 * size_of::<(u32, TileRun)>();
+
 /// When each tile of an image was rendered, and by which thread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {

@@ -3,8 +3,8 @@
 use std::io::{self, Seek, SeekFrom, Write};
 
 use super::array::Array;
+use super::codec::Compressor;
 use super::compressed;
-use super::compressor::Compressor;
 use super::encoding::Encoding;
 use super::header::{DataSet, Offsets};
 use crate::provenance::RunId;
@@ -22,7 +22,7 @@ pub(crate) fn write(
     Encoding { codec, run }: Encoding,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    match Compressor::of(codec) {
+    match codec.compressor() {
         None => write_raw(data_set, run, out),
         Some(compressor) => write_compressed(data_set, run, compressor, out),
     }
@@ -43,7 +43,7 @@ fn write_raw(data_set: &DataSet, run: Option<RunId>, out: &mut impl Write) -> io
 fn write_compressed(
     data_set: &DataSet,
     run: Option<RunId>,
-    compressor: Compressor,
+    compressor: &dyn Compressor,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let arrays = data_set.arrays();

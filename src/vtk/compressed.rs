@@ -6,17 +6,33 @@ use rayon::prelude::*;
 
 use super::appended::write_bytes;
 use super::array::Array;
-use super::compressor::{BLOCK, Compressor, table_head};
+use super::codec::Compressor;
 
-/// Bytes that are compressed at one go: blocks for many threads, and yet as
-/// good as nothing beside a film.
+/// Bytes of a block before it is compressed; the last block of an array may be
+/// shorter. Larger blocks do not compress better, and fewer threads could work.
+pub(super) const BLOCK: usize = 1 << 18;
+
+/// Bytes that are compressed in parallel: blocks for many threads, and yet
+/// little memory compared with a film.
 const WINDOW: usize = 16 * BLOCK;
+
+/// Upper bound of the bytes of memory to compress an array: a window of blocks,
+/// and the compressed ones.
+pub(crate) const BYTES_PER_ARRAY: u64 = 3 * WINDOW as u64;
+
+/// Returns what precedes the lengths of an array's compressed blocks: the number
+/// of blocks, the size of a block, and that of the last one if it is shorter,
+/// else 0.
+pub(super) fn table_head(n_bytes: u64) -> [u64; 3] {
+    let block = BLOCK as u64;
+    [n_bytes.div_ceil(block), block, n_bytes % block]
+}
 
 /// Writes an array at the end of `out`: a table of its blocks' packed lengths,
 /// then the blocks. The bytes are the same on any number of threads.
 pub(super) fn write(
     array: &Array,
-    compressor: Compressor,
+    compressor: &dyn Compressor,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let begin = out.stream_position()?;
@@ -45,7 +61,7 @@ pub(super) fn write(
 
 /// Gathers a window of bytes, and writes its blocks where it is full.
 struct Blocks<'a, W> {
-    compressor: Compressor,
+    compressor: &'a dyn Compressor,
     out: &'a mut W,
     window: Vec<u8>,
     /// Those of the packed blocks so far.
@@ -55,7 +71,9 @@ struct Blocks<'a, W> {
 impl<W: Write> Blocks<'_, W> {
     fn flush_window(&mut self) -> io::Result<()> {
         let blocks = self.window.par_chunks(BLOCK);
-        let packed: Vec<Vec<u8>> = blocks.map(|block| self.compressor.pack(block)).collect();
+        let packed: Vec<Vec<u8>> = blocks
+            .map(|block| self.compressor.compress(block))
+            .collect();
         for block in &packed {
             self.lengths.push(block.len() as u64);
             self.out.write_all(block)?;
@@ -86,12 +104,21 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
-    use crate::memory::COMPRESSION_BYTES;
+    use crate::vtk::codec::{Codec, compressors};
+
+    #[test]
+    fn heads_count_the_last_block() {
+        let block = BLOCK as u64;
+        assert_eq!(table_head(0), [0, block, 0]);
+        assert_eq!(table_head(1), [1, block, 1]);
+        assert_eq!(table_head(block), [1, block, 0]);
+        assert_eq!(table_head(5 * block + 7), [6, block, 7]);
+    }
 
     #[test]
     fn any_number_of_threads_gives_the_same_bytes() {
         let n = 2 * WINDOW / 4 + 1;
-        let written = |compressor, n_threads| {
+        let written = |compressor: &'static dyn Compressor, n_threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
             pool.build().unwrap().install(|| {
                 let numbers = Array::of("numbers", n, || (0..n as u32).map(|i| i / 3));
@@ -102,22 +129,22 @@ mod tests {
                 out.into_inner()
             })
         };
-        for compressor in [Compressor::Lz4, Compressor::Zlib] {
+        for compressor in compressors() {
             let one = written(compressor, 1);
             assert!(one.len() < 4 * n);
             assert!(one == written(compressor, 3));
         }
     }
 
-    /// Noise packs worst.
+    /// Noise compresses worst.
     #[test]
     fn a_window_and_its_blocks_are_what_was_asked_for() {
         let noise = |i: u32| i.wrapping_mul(2_654_435_761).rotate_left(i % 32);
         let noise: Vec<u32> = (0..BLOCK as u32 / 4).map(noise).collect();
-        for compressor in [Compressor::Lz4, Compressor::Zlib] {
-            let packed = compressor.pack(bytemuck::cast_slice(&noise));
+        for compressor in compressors() {
+            let packed = compressor.compress(bytemuck::cast_slice(&noise));
             let n_bytes = WINDOW + WINDOW / BLOCK * packed.capacity();
-            assert!(5 * n_bytes as u64 <= COMPRESSION_BYTES, "{compressor:?}");
+            assert!(n_bytes as u64 <= BYTES_PER_ARRAY, "{compressor:?}");
         }
     }
 
@@ -127,7 +154,12 @@ mod tests {
             n_bytes: 8,
             ..Array::of("short", 1, || [1_u32].into_iter())
         };
-        let error = write(&array, Compressor::Lz4, &mut Cursor::new(Vec::new())).unwrap_err();
+        let error = write(
+            &array,
+            Codec::Lz4.compressor().unwrap(),
+            &mut Cursor::new(Vec::new()),
+        )
+        .unwrap_err();
         assert!(
             error.to_string().contains("4 bytes instead of 8"),
             "{error}"

@@ -7,7 +7,7 @@ use vtkio::model::{ByteOrder, Version};
 use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarType, se};
 
 use super::array::Array;
-use super::compressor::Compressor;
+use super::codec::Compressor;
 use crate::provenance::RunId;
 
 /// What a file holds.
@@ -35,10 +35,10 @@ pub(crate) enum DataSet<'a> {
 }
 
 /// Where each array begins after the underscore, in the arrays' order.
-pub(crate) enum Offsets {
+pub(crate) enum Offsets<'a> {
     OfRaw(Vec<u64>),
     /// The header has the same length, whatever they are.
-    OfCompressed(Compressor, Vec<u64>),
+    OfCompressed(&'a dyn Compressor, Vec<u64>),
 }
 
 /// Points and cells, and what is known of each.
@@ -103,8 +103,8 @@ impl<'a> DataSet<'a> {
     }
 }
 
-impl Offsets {
-    fn compressor(&self) -> Option<Compressor> {
+impl Offsets<'_> {
+    fn compressor(&self) -> Option<&dyn Compressor> {
         match self {
             Self::OfRaw(_) => None,
             Self::OfCompressed(compressor, _) => Some(*compressor),

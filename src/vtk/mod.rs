@@ -7,11 +7,10 @@
 //! This module knows the format, and nothing of what the arrays mean.
 
 mod codec;
-mod compressor;
 pub(crate) mod array;
 pub(crate) mod header;
 pub(crate) mod encoding;
-mod compressed;
+pub(crate) mod compressed;
 pub(crate) mod appended;
 pub(crate) mod read;
 

@@ -3,7 +3,8 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
-use crate::vtk::compressor::{BLOCK, Compressor, table_head};
+use crate::vtk::codec::Compressor;
+use crate::vtk::compressed::{BLOCK, table_head};
 
 /// Most bytes of a compressed block: noise grows a little when it is compressed.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
@@ -13,7 +14,7 @@ const NUMBER_BYTES: u64 = size_of::<u64>() as u64;
 /// The compressed blocks of an array.
 #[derive(Debug)]
 pub(super) struct CompressedBlocks {
-    compressor: Compressor,
+    compressor: &'static dyn Compressor,
     /// Bytes of the array, uncompressed.
     n_bytes: u64,
     /// Offset of the first block in the file.
@@ -34,7 +35,7 @@ impl CompressedBlocks {
     pub(super) fn at(
         begin: u64,
         n_bytes: u64,
-        compressor: Compressor,
+        compressor: &'static dyn Compressor,
         mut file: &File,
     ) -> io::Result<Option<Self>> {
         file.seek(SeekFrom::Start(begin))?;
@@ -87,7 +88,7 @@ fn read_number(from: &mut impl Read) -> io::Result<u64> {
 /// Reads the bytes of an array, decompressing one block at a time.
 pub(super) struct Decompressed<'a> {
     from: &'a File,
-    compressor: Compressor,
+    compressor: &'static dyn Compressor,
     /// Uncompressed bytes of the blocks not yet read.
     n_left: u64,
     /// Compressed bytes of the blocks not yet read.
@@ -108,7 +109,7 @@ impl Decompressed<'_> {
         if let Some(&length) = self.lengths.next() {
             self.compressed.clear();
             self.from.take(length).read_to_end(&mut self.compressed)?;
-            self.compressor.unpack(&self.compressed, &mut self.block)?;
+            self.compressor.decompress_exact(&self.compressed, &mut self.block)?;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use super::header::{DataArrayElement, VtkHeader};
 use super::values::n_bytes;
 use crate::text::Diagnostic;
 use crate::text::numbers::count;
-use crate::vtk::compressor::Compressor;
+use crate::vtk::codec::Compressor;
 
 /// Most bytes of a header; raycost's headers have a few thousand.
 const MAX_HEADER: u64 = 1 << 16;
@@ -29,7 +29,7 @@ pub(crate) struct VtkReader {
     /// The id of the run that wrote the file, if the file has one.
     pub(crate) run: Option<String>,
     /// The compressor of its arrays; `None` if they are uncompressed.
-    compressor: Option<Compressor>,
+    compressor: Option<&'static dyn Compressor>,
 }
 
 /// The location of an array in the file.
@@ -111,7 +111,7 @@ impl VtkReader {
             return Err(self.foreign("the lengths of its arrays are not UInt64"));
         }
         if let Some(name) = &header.compressor {
-            self.compressor = Compressor::of_vtk_class(name);
+            self.compressor = <dyn Compressor>::of_vtk_class(name);
             if self.compressor.is_none() {
                 return Err(self.foreign(&format!("its arrays are compressed by `{name}`")));
             }
@@ -189,7 +189,7 @@ impl VtkReader {
         name: &str,
         begin: u64,
         n_bytes: u64,
-        compressor: Compressor,
+        compressor: &'static dyn Compressor,
     ) -> Result<CompressedBlocks, Diagnostic> {
         let blocks = CompressedBlocks::at(begin, n_bytes, compressor, &self.file);
         let blocks = blocks.map_err(|error| match error.kind() {

@@ -1,0 +1,156 @@
+//! The `compress` section, and the compressors of VTK, one file each.
+//!
+//! To add a codec, add a file that implements [`Compressor`], its `mod` line, and
+//! its variant and arm in [`Codec`].
+
+mod lz4;
+mod zlib;
+
+use std::fmt::Debug;
+use std::io;
+
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+
+/// The compression of the arrays in VTK files. All of them are lossless.
+///
+/// ```
+/// # use raycost::vtk::Codec;
+/// let compress: Codec = raycost::yaml::from_str("zlib").unwrap();
+/// # assert_eq!(compress, Codec::Zlib);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case", expecting = "`none`, `lz4` or `zlib`")]
+pub enum Codec {
+    /// No compression: supported by every reader of VTK files
+    #[default]
+    None,
+    /// Fast; supported by ParaView and other programs built on VTK
+    Lz4,
+    /// Smaller; also supported by meshio and vtk.js
+    Zlib,
+}
+
+impl Codec {
+    /// Returns its compressor; `None` for raw arrays.
+    pub(crate) fn compressor(self) -> Option<&'static dyn Compressor> {
+        match self {
+            Self::None => None,
+            Self::Lz4 => Some(&lz4::Lz4),
+            Self::Zlib => Some(&zlib::Zlib),
+        }
+    }
+
+    /// Returns the name of the compression for people; `None` for raw arrays.
+    pub fn label(self) -> Option<&'static str> {
+        self.compressor().map(Compressor::label)
+    }
+
+    /// Returns the largest compression ratio that the format permits.
+    pub fn max_ratio(self) -> u64 {
+        self.compressor().map_or(1, Compressor::max_ratio)
+    }
+}
+
+/// Compresses blocks, each independently of the others.
+pub(crate) trait Compressor: Debug + Sync {
+    /// The VTK class that reads the blocks.
+    fn vtk_class(&self) -> &'static str;
+
+    /// Its name for people.
+    fn label(&self) -> &'static str;
+
+    /// The largest compression ratio that the format permits.
+    fn max_ratio(&self) -> u64;
+
+    /// Compresses a block.
+    fn compress(&self, block: &[u8]) -> Vec<u8>;
+
+    /// Decompresses into `block`, and returns the number of bytes written; `None`
+    /// if `compressed` is damaged or too long for `block`.
+    fn decompress(&self, compressed: &[u8], block: &mut [u8]) -> Option<usize>;
+}
+
+impl dyn Compressor {
+    /// Returns the compressor with the VTK class `name`, if raycost has it.
+    pub(crate) fn of_vtk_class(name: &str) -> Option<&'static Self> {
+        let codecs = Codec::value_variants().iter();
+        let mut compressors = codecs.filter_map(|codec| codec.compressor());
+        compressors.find(|compressor| compressor.vtk_class() == name)
+    }
+
+    /// Decompresses a block of known length.
+    ///
+    /// # Errors
+    /// `InvalidData` if `compressed` is not a block of `block.len()` bytes.
+    pub(crate) fn decompress_exact(&self, compressed: &[u8], block: &mut [u8]) -> io::Result<()> {
+        if self.decompress(compressed, block) == Some(block.len()) {
+            Ok(())
+        } else {
+            Err(io::ErrorKind::InvalidData.into())
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) fn compressors() -> impl Iterator<Item = &'static dyn Compressor> {
+    let codecs = Codec::value_variants().iter();
+    codecs.filter_map(|codec| codec.compressor())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vtk::compressed::BLOCK;
+
+    #[test]
+    fn a_block_of_another_length_or_content_is_refused() {
+        let block: Vec<u8> = (0..1000_u32).map(|i| (i * i) as u8).collect();
+        for compressor in compressors() {
+            let compressed = compressor.compress(&block);
+            let mut result = vec![0; 1000];
+            compressor
+                .decompress_exact(&compressed, &mut result)
+                .unwrap();
+            assert_eq!(result, block, "{compressor:?}");
+            let is_block = |compressed: &[u8], n| {
+                let result = compressor.decompress_exact(compressed, &mut vec![0; n]);
+                result.is_ok()
+            };
+            assert!(!is_block(&compressed, 999) && !is_block(&compressed, 1001));
+            assert!(!is_block(&compressed[..compressed.len() - 1], 1000) && !is_block(&[], 1000));
+        }
+    }
+
+    /// The space reserved on the disk depends on it.
+    #[test]
+    fn no_block_is_smaller_than_the_largest_ratio_permits() {
+        for compressor in compressors() {
+            let n_bytes = compressor.compress(&[0; BLOCK]).len() as u64;
+            assert!(
+                n_bytes * compressor.max_ratio() >= BLOCK as u64,
+                "{compressor:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_wrong_name_gets_the_list_of_all_codecs() {
+        let message = crate::yaml::from_str::<Codec>("[]")
+            .unwrap_err()
+            .to_string();
+        for codec in Codec::value_variants() {
+            let name = serde_json::to_string(codec).unwrap().replace('"', "`");
+            assert!(message.contains(&name), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_vtk_class_names_its_compressor() {
+        for compressor in compressors() {
+            let found = <dyn Compressor>::of_vtk_class(compressor.vtk_class()).unwrap();
+            assert_eq!(found.label(), compressor.label());
+        }
+        assert!(<dyn Compressor>::of_vtk_class("vtkLZMADataCompressor").is_none());
+    }
+}
