@@ -1,7 +1,7 @@
 //! The costs attributed to objects, materials, primitives and nodes.
 
 use crate::accel::BvhNode;
-use crate::cost::RayKind;
+use crate::cost::{Metric, RayKind};
 
 /// The work of some rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -18,6 +18,25 @@ pub struct Work {
 }
 
 impl Work {
+    /// The metrics of rays, in order of preference.
+    pub const METRICS: [Metric; 4] = [
+        Metric::TIME,
+        Metric::NODE_VISITS,
+        Metric::PRIMITIVE_TESTS,
+        Metric::RAYS,
+    ];
+
+    /// Returns one of [`Self::METRICS`], a time in nanoseconds; 0 for any other.
+    pub fn get(&self, metric: Metric) -> f64 {
+        match metric {
+            Metric::TIME => (self.time_ps as f64 / 1e3).round(),
+            Metric::NODE_VISITS => self.node_visits as f64,
+            Metric::PRIMITIVE_TESTS => self.primitive_tests as f64,
+            Metric::RAYS => self.rays as f64,
+            _ => 0.0,
+        }
+    }
+
     /// Adds the costs of both.
     pub fn with(self, other: Self) -> Self {
         Self {

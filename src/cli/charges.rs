@@ -1,6 +1,7 @@
 //! Tables of the cost of objects and materials for the terminal.
 
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
+use crate::cost::Metric;
 use crate::output::{Group, Rendering};
 use crate::text::one_line;
 
@@ -8,17 +9,6 @@ use crate::text::one_line;
 const MAX_ROWS: usize = 10;
 /// Most characters of a name.
 const MAX_NAME_CHARS: usize = 30;
-
-/// The name of a quantity of work, and its accessor.
-type WorkQuantity = (&'static str, fn(&Work) -> u64);
-
-/// The quantities that shares may refer to, in order of preference.
-const QUANTITIES: [WorkQuantity; 4] = [
-    ("time", |work| work.time_ps),
-    ("node visits", |work| work.node_visits),
-    ("primitive tests", |work| work.primitive_tests),
-    ("rays", |work| work.rays),
-];
 
 /// A row: shares of the picture and of the cost by both attribution rules.
 struct ShareRow {
@@ -33,24 +23,25 @@ pub(super) fn tables(rendering: &Rendering, attribution: &CostAttribution) -> St
     let whole = attribution.objects.iter().copied();
     let whole = whole.fold(AttributedCost::default(), AttributedCost::with);
     let all = whole.all(AttributionRule::Hit);
-    let has_some = |quantity: &&WorkQuantity| (quantity.1)(&all) > 0;
-    let quantity = QUANTITIES.iter().find(has_some).unwrap_or(&QUANTITIES[3]);
+    let has_some = |metric: &Metric| all.get(*metric) > 0.0;
+    let metric = Work::METRICS.into_iter().find(has_some);
+    let metric = metric.unwrap_or(Metric::RAYS);
     let groups = Group::all(rendering, attribution);
     groups
         .iter()
-        .map(|group| table(group, &whole, quantity))
+        .map(|group| table(group, &whole, metric))
         .collect()
 }
 
-fn table(group: &Group, whole: &AttributedCost, (quantity, amount): &WorkQuantity) -> String {
+fn table(group: &Group, whole: &AttributedCost, metric: Metric) -> String {
     let numbers = |account: &AttributedCost| {
-        let [primary, hit] = AttributionRule::ALL.map(|rule| amount(&account.all(rule)));
-        [account.n_samples(), primary, hit]
+        let [primary, hit] = AttributionRule::ALL.map(|rule| account.all(rule).get(metric));
+        [account.n_samples() as f64, primary, hit]
     };
     let whole = numbers(whole);
     let row = |(name, account): (&String, &AttributedCost)| {
         let numbers = numbers(account);
-        let share = |i: usize| numbers[i] as f64 / whole[i].max(1) as f64;
+        let share = |i: usize| numbers[i] / whole[i].max(1.0);
         ShareRow {
             name: truncated(name),
             shares: std::array::from_fn(share),
@@ -62,8 +53,9 @@ fn table(group: &Group, whole: &AttributedCost, (quantity, amount): &WorkQuantit
     sum_up_the_rest(&mut rows, group.kind);
     let widest = rows.iter().map(|row| row.name.chars().count()).max();
     let width = widest.unwrap_or(0).max(group.kind.len());
+    let label = metric.label;
     let mut text = format!(
-        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   {quantity} by primary hit, by ray hit\n",
+        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   {label} by primary hit, by ray hit\n",
         "", group.kind, "pixels", "primary", "hit"
     );
     for ShareRow { name, shares } in rows {

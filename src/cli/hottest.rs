@@ -1,18 +1,15 @@
 //! The most expensive pixels, for the run summary and for `raycost trace`.
 
-use std::time::Duration;
-
-use super::render::with_bar;
+use super::progress::with_bar;
 use super::scene::SceneArguments;
 use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Repeats};
-use crate::cost::Meter;
-use crate::film::{Film, HotPixel, Metric};
+use crate::cost::{Meter, Metric, Unit};
+use crate::film::{Film, HotPixel};
 use crate::render::{Plan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::text::Diagnostic;
-use crate::text::numbers::{count, counted, duration};
 
 /// The most expensive pixel by a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +24,7 @@ pub(super) fn lines(film: &Film) -> String {
     let found = [by_time(film), by_count(film)];
     let texts: Vec<String> = match found {
         [Some(time), Some(count)] if time.pixel.place == count.pixel.place => {
-            let by = format!("time and {}", noun(count.metric));
+            let by = format!("time and {}", count.metric.label);
             vec![line(time.pixel.place, &by, &[time, count].map(value))]
         }
         found => found.into_iter().flatten().map(alone).collect(),
@@ -55,14 +52,14 @@ pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
         format!("{x},{y} ({value})")
     };
     let pixels: Vec<String> = pixels.iter().map(named).collect();
-    format!("hottest by {}: {}\n", metric.name(), pixels.join(", "))
+    format!("hottest by {}: {}\n", metric.name, pixels.join(", "))
 }
 
 /// The config of the rendering that finds the most expensive pixels: it measures only
 /// the metric.
 pub(super) fn searched(config: &Config, metric: Metric) -> Config {
     let (cost, repeats) = match metric {
-        Metric::TimeNs => (CostMode::Time, config.repeats),
+        Metric::TIME => (CostMode::Time, config.repeats),
         _ => (CostMode::Counters, Repeats::ONCE),
     };
     Config {
@@ -90,13 +87,13 @@ pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPix
     let pixels = film.hottest(metric, n);
     match (pixels.is_empty(), metric) {
         (false, _) => Ok(pixels),
-        (true, Metric::TimeNs) => {
+        (true, Metric::TIME) => {
             let message = "no pixel has a reliable time: the machine is too busy";
             let help = "ask for `--repeats 10`, or for counters, such as `--by node_visits`";
             Err(Failure::Machine(Diagnostic::new(message).with_help(help)))
         }
         (true, _) => Err(
-            Diagnostic::new(format!("no pixel has any {}", noun(metric)))
+            Diagnostic::new(format!("no pixel has any {}", metric.label))
                 .with_help("choose another metric, such as `--by primitive_tests`")
                 .into(),
         ),
@@ -104,14 +101,12 @@ pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPix
 }
 
 fn by_time(film: &Film) -> Option<Hottest> {
-    film.cost
-        .has_time()
-        .then(|| most_by(film, Metric::TimeNs))?
+    film.cost.has_time().then(|| most_by(film, Metric::TIME))?
 }
 
 /// By node visits, or by primitive tests if there is no hierarchy.
 fn by_count(film: &Film) -> Option<Hottest> {
-    let mut metrics = [Metric::NodeVisits, Metric::PrimitiveTests].into_iter();
+    let mut metrics = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS].into_iter();
     let find = || metrics.find_map(|metric| most_by(film, metric));
     film.cost.has_counters().then(find)?
 }
@@ -122,7 +117,7 @@ fn most_by(film: &Film, metric: Metric) -> Option<Hottest> {
 }
 
 fn alone(hottest: Hottest) -> String {
-    line(hottest.pixel.place, noun(hottest.metric), &[value(hottest)])
+    line(hottest.pixel.place, hottest.metric.label, &[value(hottest)])
 }
 
 fn line((x, y): (u32, u32), by: &str, values: &[String]) -> String {
@@ -135,23 +130,8 @@ fn value(hottest: Hottest) -> String {
 
 /// Formats a value of a metric with its unit.
 fn shown(metric: Metric, value: f64) -> String {
-    match metric {
-        Metric::TimeNs => duration(Duration::from_nanos(value as u64)),
-        Metric::Depth => counted(value as u64, "bounce"),
-        counter => format!("{} {}", count(value as u64), noun(counter)),
-    }
-}
-
-/// The name of a metric in a sentence, in the plural.
-fn noun(metric: Metric) -> &'static str {
-    match metric {
-        Metric::TimeNs => "time",
-        Metric::NodeVisits => "node visits",
-        Metric::PrimitiveTests => "primitive tests",
-        Metric::Rays => "rays",
-        Metric::ShadowRays => "shadow rays",
-        Metric::ReflectionRays => "reflection rays",
-        Metric::RefractionRays => "refraction rays",
-        Metric::Depth => "bounces",
+    match metric.unit {
+        Unit::Nanoseconds => metric.format(value),
+        Unit::Count => format!("{} {}", metric.format(value), metric.label),
     }
 }

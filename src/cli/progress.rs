@@ -120,3 +120,14 @@ impl StudyBar {
         self.bar.finish_and_clear();
     }
 }
+
+/// Does `work` on `n_pixels` pixels, which reports its progress, with a bar.
+pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
+    let bar = PixelBar::new(n_pixels, quiet);
+    let done = work(&|progress| bar.advance(progress));
+    bar.clear();
+    done
+}
+
+/// Receives progress from any thread.
+pub(super) type Report<'a> = &'a (dyn Fn(Progress) + Sync);

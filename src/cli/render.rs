@@ -2,19 +2,19 @@
 
 use std::io;
 
-use super::progress::{BuildBar, PixelBar};
+use super::progress::{BuildBar, with_bar};
 use super::scene::{Loaded, SceneArguments};
 use super::{Failure, run_summary};
 use crate::accel::Accel;
 use crate::attribution::CostAttribution;
 use crate::config::{Config, TileOrder};
 use crate::cost::Meter;
-use crate::film::{Column, columns};
+use crate::film::columns;
 use crate::folder::OutputFolder;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory;
 use crate::output::{self, Rendering, Threads};
-use crate::render::{N_RENDERINGS, Overhead, Plan, Progress, least_repeats, repeat};
+use crate::render::{N_RENDERINGS, Overhead, Plan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
 use crate::text::{self, Diagnostic};
@@ -173,23 +173,12 @@ fn start_profiler() -> Result<Profiler, Failure> {
     })
 }
 
-/// Does work on so many pixels, which tells of its progress, under a bar.
-pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
-    let bar = PixelBar::new(n_pixels, quiet);
-    let done = work(&|progress| bar.advance(progress));
-    bar.clear();
-    done
-}
-
-/// Hears of progress, from any thread.
-pub(super) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
-
 /// The bytes that the files take at least, whatever the camera sees and however
 /// well it compresses.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti holds all arrays but the positions.
     let per_pixel: usize = columns(config.cost, config.repeats)
-        .map(Column::stride)
+        .map(|column| column.stride())
         .sum();
     (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
 }

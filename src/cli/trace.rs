@@ -11,8 +11,8 @@ use super::{Failure, hottest, shell_word, shown};
 use crate::accel::Accel;
 use crate::attribution::{ObservedPixel, Observer, TooManyRays};
 use crate::config::{Config, Image, Tiling};
-use crate::cost::Meter;
-use crate::film::{HotPixel, Metric};
+use crate::cost::{Meter, Metric};
+use crate::film::HotPixel;
 use crate::folder::{OutputFolder, Written};
 use crate::memory::{self, Memory};
 use crate::output::{Traced, refuse_foreign_traced, write_traced};
@@ -189,9 +189,9 @@ impl TraceArguments {
     fn metric(&self, config: &Config) -> Option<Metric> {
         self.hottest?;
         let by_default = if config.cost.has_time() {
-            Metric::TimeNs
+            Metric::TIME
         } else {
-            Metric::NodeVisits
+            Metric::NODE_VISITS
         };
         Some(self.by.unwrap_or(by_default))
     }

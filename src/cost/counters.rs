@@ -5,96 +5,79 @@ use super::{Cost, Counter, RayKind, Traversals};
 /// The counters of some pixels: one array per counter, one entry per pixel.
 ///
 /// To keep counting cheap, camera rays are stored as the number of samples, and
-/// an array is empty while its counter is 0 for all pixels.
+/// the array of a counter that few pictures need is empty while it is 0 for all
+/// pixels.
 #[derive(Debug, Clone, Default)]
 pub struct Counters {
+    n_pixels: usize,
     /// Camera rays per pixel.
     n_samples: u32,
-    node_visits: Vec<u64>,
-    primitive_tests: Vec<u64>,
-    /// Rays by kind except camera rays, in the order of [`RayKind`]; empty if no
-    /// pixel has one.
-    rays: [Vec<u64>; 4],
-    /// Empty if no path bounces.
-    depth: Vec<u64>,
+    /// In the order of [`Counter::ALL`]. Those of traversals are never empty.
+    counts: [Vec<u64>; Counter::ALL.len()],
 }
 
 impl Counters {
     /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
     /// rays each.
     pub fn reset(&mut self, n_pixels: usize, n_samples: u32) {
-        self.n_samples = n_samples;
-        for counts in [&mut self.node_visits, &mut self.primitive_tests] {
-            counts.clear();
-            counts.resize(n_pixels, 0);
+        (self.n_pixels, self.n_samples) = (n_pixels, n_samples);
+        self.counts.iter_mut().for_each(Vec::clear);
+        for counter in [Counter::NodeVisits, Counter::PrimitiveTests] {
+            self.counts[counter as usize].resize(n_pixels, 0);
         }
-        self.rays.iter_mut().for_each(Vec::clear);
-        self.depth.clear();
     }
 
     /// Returns a counter of all pixels; empty if it is 0 for all.
     pub fn get(&self, counter: Counter) -> &[u64] {
-        match counter {
-            Counter::NodeVisits => &self.node_visits,
-            Counter::PrimitiveTests => &self.primitive_tests,
-            Counter::ShadowRays => &self.rays[RayKind::Shadow as usize],
-            Counter::ReflectionRays => &self.rays[RayKind::Reflection as usize],
-            Counter::RefractionRays => &self.rays[RayKind::Refraction as usize],
-            Counter::Depth => &self.depth,
-        }
+        &self.counts[counter as usize]
     }
 
     /// The number of pixels.
     pub fn n_pixels(&self) -> usize {
-        self.node_visits.len()
+        self.n_pixels
     }
 
     /// Returns the cost of one pixel.
     pub fn of(&self, pixel: usize) -> Cost {
-        let at = |counts: &Vec<u64>| counts.get(pixel).copied().unwrap_or(0);
-        let mut rays = self.rays.each_ref().map(at);
-        rays[RayKind::Camera as usize] = self.n_samples.into();
-        Cost {
-            node_visits: self.node_visits[pixel],
-            primitive_tests: self.primitive_tests[pixel],
-            rays,
-            depth: at(&self.depth),
-        }
+        self.cost(1, |counts| counts.get(pixel).copied().unwrap_or(0))
     }
 
     /// Returns the total cost of all pixels.
     pub fn total(&self) -> Cost {
-        let sum = |counts: &Vec<u64>| counts.iter().sum();
-        let mut rays = self.rays.each_ref().map(sum);
-        rays[RayKind::Camera as usize] = self.n_pixels() as u64 * u64::from(self.n_samples);
+        let depths = self.get(Counter::Depth).iter();
         Cost {
-            node_visits: sum(&self.node_visits),
-            primitive_tests: sum(&self.primitive_tests),
-            rays,
-            depth: self.depth.iter().copied().max().unwrap_or(0),
+            depth: depths.copied().max().unwrap_or(0),
+            ..self.cost(self.n_pixels as u64, |counts| counts.iter().sum())
         }
+    }
+
+    /// Returns the cost of `n_pixels` pixels with these sums of their counters.
+    fn cost(&self, n_pixels: u64, sum: impl Fn(&[u64]) -> u64) -> Cost {
+        let mut cost = Cost::default();
+        for counter in Counter::ALL {
+            *cost.get_mut(counter) = sum(self.get(counter));
+        }
+        cost.rays[RayKind::Camera as usize] = n_pixels * u64::from(self.n_samples);
+        cost
     }
 
     /// Adds the cost of one pixel.
     pub fn add(&mut self, pixel: usize, cost: &Cost) {
         debug_assert_eq!(cost.rays_of(RayKind::Camera), u64::from(self.n_samples));
-        self.node_visits[pixel] += cost.node_visits;
-        self.primitive_tests[pixel] += cost.primitive_tests;
-        for kind in [RayKind::Shadow, RayKind::Reflection, RayKind::Refraction] {
-            if cost.rays_of(kind) > 0 {
-                self.add_rays(kind, pixel, cost.rays_of(kind));
+        for counter in Counter::ALL {
+            match cost.get(counter) {
+                0 => {}
+                depth if counter == Counter::Depth => self.bounce(pixel, depth),
+                count => self.allocated(counter)[pixel] += count,
             }
-        }
-        if cost.depth > 0 {
-            self.bounce(pixel, cost.depth);
         }
     }
 
     /// Adds `n` rays of this kind, which are not camera rays.
     #[inline(always)]
     pub(super) fn add_rays(&mut self, kind: RayKind, pixel: usize, n: u64) {
-        let n_pixels = self.n_pixels();
-        allocated(&mut self.rays[kind as usize], n_pixels)[pixel] += n;
+        let counter = Counter::of_rays(kind).expect("camera rays are counted as samples");
+        self.allocated(counter)[pixel] += n;
     }
 
     /// Adds the counters of traversal `i` to `pixels[i]`.
@@ -104,9 +87,11 @@ impl Counters {
         pixels: &[u32; N],
         traversals: &Traversals<N>,
     ) {
+        const { assert!(Counter::NodeVisits as usize == 0 && Counter::PrimitiveTests as usize == 1) }
         // Slices, so that the compiler keeps their lengths in registers: a write
         // through a `Vec` could alias the length of either.
-        let (all_visits, all_tests) = (&mut self.node_visits[..], &mut self.primitive_tests[..]);
+        let [all_visits, all_tests, ..] = &mut self.counts;
+        let (all_visits, all_tests) = (&mut all_visits[..], &mut all_tests[..]);
         traversals.for_each(|i, visits, tests| {
             let pixel = pixels[i] as usize;
             all_visits[pixel] += u64::from(visits);
@@ -117,19 +102,19 @@ impl Counters {
     /// A path of the pixel has reached `depth` bounces.
     #[inline(always)]
     pub(super) fn bounce(&mut self, pixel: usize, depth: u64) {
-        let n_pixels = self.n_pixels();
-        let deepest = &mut allocated(&mut self.depth, n_pixels)[pixel];
+        let deepest = &mut self.allocated(Counter::Depth)[pixel];
         *deepest = depth.max(*deepest);
     }
-}
 
-/// Returns the counts, after allocating one entry per pixel if there is none.
-#[inline(always)]
-fn allocated(counts: &mut Vec<u64>, n_pixels: usize) -> &mut [u64] {
-    if counts.is_empty() {
-        allocate(counts, n_pixels);
+    /// Returns a counter, after allocating one entry per pixel if there is none.
+    #[inline(always)]
+    fn allocated(&mut self, counter: Counter) -> &mut [u64] {
+        let counts = &mut self.counts[counter as usize];
+        if counts.is_empty() {
+            allocate(counts, self.n_pixels);
+        }
+        counts
     }
-    counts
 }
 
 #[cold]

@@ -9,14 +9,18 @@ mod counters;
 mod cpu;
 mod interruption;
 mod meter;
+mod metric;
 mod probe;
+mod traversals;
 
 pub use clock::{Clock, Instant};
 pub use counter::Counter;
 pub use counters::Counters;
 pub use interruption::Interruptions;
 pub use meter::Meter;
-pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe, Traversals};
+pub use metric::{Aggregation, Metric, Source, Unit};
+pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
+pub use traversals::Traversals;
 
 /// The purpose of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -66,17 +70,28 @@ impl Cost {
         self.rays.iter().sum()
     }
 
-    /// Returns all counts with their names in files.
-    pub fn by_name(&self) -> [(&'static str, u64); 7] {
-        [
-            ("node_visits", self.node_visits),
-            ("primitive_tests", self.primitive_tests),
-            ("rays", self.n_rays()),
-            ("shadow_rays", self.rays_of(RayKind::Shadow)),
-            ("reflection_rays", self.rays_of(RayKind::Reflection)),
-            ("refraction_rays", self.rays_of(RayKind::Refraction)),
-            ("depth", self.depth),
-        ]
+    /// Returns one of the counters for writing.
+    fn get_mut(&mut self, counter: Counter) -> &mut u64 {
+        match counter {
+            Counter::NodeVisits => &mut self.node_visits,
+            Counter::PrimitiveTests => &mut self.primitive_tests,
+            Counter::ShadowRays => &mut self.rays[RayKind::Shadow as usize],
+            Counter::ReflectionRays => &mut self.rays[RayKind::Reflection as usize],
+            Counter::RefractionRays => &mut self.rays[RayKind::Refraction as usize],
+            Counter::Depth => &mut self.depth,
+        }
+    }
+
+    /// Returns one of the counters.
+    pub fn get(&self, counter: Counter) -> u64 {
+        match counter {
+            Counter::NodeVisits => self.node_visits,
+            Counter::PrimitiveTests => self.primitive_tests,
+            Counter::ShadowRays => self.rays_of(RayKind::Shadow),
+            Counter::ReflectionRays => self.rays_of(RayKind::Reflection),
+            Counter::RefractionRays => self.rays_of(RayKind::Refraction),
+            Counter::Depth => self.depth,
+        }
     }
 
     /// Adds the counts of both, and takes the greater depth.

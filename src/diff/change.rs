@@ -1,12 +1,13 @@
 //! The change of one metric in every pixel.
 
-use super::metric::{CostMetric, ratio};
+use super::ratio;
+use crate::cost::Metric;
 
 /// The change of one metric in every pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     /// The metric.
-    pub metric: CostMetric,
+    pub metric: Metric,
     /// B - A, row-major, row 0 on top.
     pub differences: Vec<f32>,
     /// The range of the color map of the ratios B / A: 98 % of them lie between
@@ -16,7 +17,7 @@ pub struct Change {
 
 impl Change {
     /// The change from `a` to `b`, both row-major, row 0 on top.
-    pub(super) fn of(metric: CostMetric, [a, b]: &[Vec<f64>; 2]) -> Self {
+    pub(super) fn of(metric: Metric, [a, b]: &[Vec<f64>; 2]) -> Self {
         let pairs = || a.iter().zip(b);
         Self {
             metric,
@@ -50,10 +51,10 @@ mod tests {
         let mut a = vec![100.0; 1000];
         let mut b = vec![50.0; 1000];
         (a[3], b[4], a[5]) = (0.0, 0.0, 1.0);
-        let change = Change::of(CostMetric::TIME, &[a, b]);
+        let change = Change::of(Metric::TIME, &[a, b]);
         assert_eq!(change.max_ratio, 2.0);
         assert_eq!(change.differences[..5], [-50.0, -50.0, -50.0, 50.0, -100.0]);
-        let same = Change::of(CostMetric::TIME, &[vec![0.0; 9], vec![0.0; 9]]);
+        let same = Change::of(Metric::TIME, &[vec![0.0; 9], vec![0.0; 9]]);
         assert!(same.max_ratio > 1.0 && same.max_ratio < 1.06);
     }
 }

@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::Diff;
-use super::metric::ratio;
 use super::noise::Noise;
+use super::{Diff, ratio};
 use crate::text::Diagnostic;
 
 /// The greatest increase of the cost that passes, in percent of A's cost; at least 0.

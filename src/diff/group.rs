@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::metric::CostMetric;
 use super::{CostGroup, Side, Total, Totals};
+use crate::cost::Metric;
 use crate::text::Diagnostic;
 
 /// The pixels grouped by object and by tile, and the sums of the metrics added so far.
@@ -12,8 +12,8 @@ pub(super) struct Groups {
     by_object: [Partition; 2],
     /// The tiles of B.
     by_tile: Partition,
-    object_totals: Vec<(CostMetric, [Vec<f64>; 2])>,
-    tile_totals: Vec<(CostMetric, [Vec<f64>; 2])>,
+    object_totals: Vec<(Metric, [Vec<f64>; 2])>,
+    tile_totals: Vec<(Metric, [Vec<f64>; 2])>,
     /// Pixels that show different objects in A and B.
     pub(super) n_other_objects: u64,
 }
@@ -32,7 +32,7 @@ impl Groups {
     }
 
     /// Sums another metric over each group.
-    pub(super) fn add(&mut self, metric: CostMetric, values: &[Vec<f64>; 2]) {
+    pub(super) fn add(&mut self, metric: Metric, values: &[Vec<f64>; 2]) {
         let objects = [0, 1].map(|side| self.by_object[side].totals(metric, &values[side]));
         let tiles = [0, 1].map(|side| self.by_tile.totals(metric, &values[side]));
         self.object_totals.push((metric, objects));
@@ -47,7 +47,7 @@ impl Groups {
             for (index, &id) in self.by_object[side].ids.iter().enumerate() {
                 let name = output.object_name(id);
                 let group = *group_of.entry(name.clone()).or_insert_with(|| {
-                    let nothing = |(metric, _): &(CostMetric, _)| Total {
+                    let nothing = |(metric, _): &(Metric, _)| Total {
                         metric: *metric,
                         cost: [0.0; 2],
                     };
@@ -62,7 +62,7 @@ impl Groups {
                 let totals = &mut groups[group].totals.0;
                 for (total, (metric, sums)) in totals.iter_mut().zip(&self.object_totals) {
                     let cost = &mut total.cost[side];
-                    *cost = metric.add(*cost, sums[side][index]);
+                    *cost = metric.combine(*cost, sums[side][index]);
                 }
             }
         }
@@ -126,11 +126,11 @@ impl Partition {
     }
 
     /// Returns the total of each group.
-    fn totals(&self, metric: CostMetric, values: &[f64]) -> Vec<f64> {
+    fn totals(&self, metric: Metric, values: &[f64]) -> Vec<f64> {
         let mut totals = vec![0.0; self.ids.len()];
         for (&group, &value) in self.of_pixel.iter().zip(values) {
             let total = &mut totals[group as usize];
-            *total = metric.add(*total, value);
+            *total = metric.combine(*total, value);
         }
         totals
     }
@@ -175,14 +175,8 @@ mod tests {
         let partition = Partition::by(&[7, 7, -1, 7, -1, 3]);
         assert_eq!(partition.ids, [7, -1, 3]);
         let values = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-        assert_eq!(
-            partition.totals(CostMetric::TIME, &values),
-            [11.0, 20.0, 32.0]
-        );
-        assert_eq!(
-            partition.totals(CostMetric::DEPTH, &values),
-            [8.0, 16.0, 32.0]
-        );
+        assert_eq!(partition.totals(Metric::TIME, &values), [11.0, 20.0, 32.0]);
+        assert_eq!(partition.totals(Metric::DEPTH, &values), [8.0, 16.0, 32.0]);
         let bounds = partition.bounds(3);
         assert_eq!(
             bounds[0],

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::gate::Gate;
-use super::metric::{CostMetric, ratio};
-use super::{CostGroup, Diff, Side, Total, Totals};
+use super::{CostGroup, Diff, Side, Total, Totals, ratio};
+use crate::cost::Metric;
 use crate::statistics::CONFIDENCE;
 
 /// Returns the whole diff as JSON. A ratio B / A with A = 0 < B is infinite: null in
@@ -39,13 +39,13 @@ fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> Value {
     let total = |total: &Total| {
         let [a, b] = total.cost;
         let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.metric {
-            CostMetric::TIME => json!(value),
+            Metric::TIME => json!(value),
             _ => json!(value as i64),
         });
         let value = json!({
             "a": number_a, "b": number_b, "difference": difference, "ratio": ratio_of(total),
         });
-        (total.metric.array.to_owned(), value)
+        (total.metric.name.to_owned(), value)
     };
     Value::Object(totals.0.iter().map(total).collect())
 }

@@ -25,9 +25,9 @@ pub(super) fn write(
             "{} − {}: {} per pixel",
             b.label(),
             a.label(),
-            change.metric.name
+            change.metric.label
         ),
-        unit: change.metric.unit,
+        unit: change.metric.unit_label(),
         subtitle: &subtitle(diff),
     });
     let (width, height) = picture.dimensions();
@@ -39,7 +39,7 @@ pub(super) fn write(
 fn subtitle(diff: &Diff) -> String {
     let metric = diff.change.metric;
     let cost = diff.totals.cost(metric).unwrap_or_default();
-    let [a, b] = cost.map(|cost| metric.label(cost));
+    let [a, b] = cost.map(|cost| metric.format(cost));
     let ratio = ratio_label(
         diff.totals
             .total(metric)

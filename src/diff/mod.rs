@@ -6,7 +6,6 @@
 //! Counters are exact: any change of a counter is a change of the work. Times are
 //! noisy: a statistical test of the repeats decides whether they changed.
 
-mod metric;
 mod noise;
 mod group;
 mod picture;
@@ -27,7 +26,6 @@ pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
 pub use group::PixelBounds;
 pub use json::to_json;
-pub use metric::{CostMetric, ratio};
 pub use noise::{Noise, Test};
 pub use picture::PictureDifference;
 pub use report::report;
@@ -36,6 +34,7 @@ pub use side::Side;
 
 use group::{Groups, sorted};
 
+use crate::cost::Metric;
 use crate::text::Diagnostic;
 
 /// What changed from A to B.
@@ -72,13 +71,13 @@ pub struct Diff {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Total {
     /// The metric.
-    pub metric: CostMetric,
+    pub metric: Metric,
     /// The totals of A and B.
     pub cost: [f64; 2],
 }
 
 /// The totals of the metrics that both outputs have, in the order of
-/// [`CostMetric::ALL`].
+/// [`Metric::ALL`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Totals(pub Vec<Total>);
 
@@ -94,20 +93,25 @@ pub struct CostGroup {
     pub totals: Totals,
 }
 
+/// `b / a`: 1, no change, if both are 0, and infinite if only `a` is.
+pub fn ratio([a, b]: [f64; 2]) -> f64 {
+    if a == b { 1.0 } else { b / a }
+}
+
 impl Totals {
     /// The totals of a metric in A and B, if both have it.
-    pub fn cost(&self, metric: CostMetric) -> Option<[f64; 2]> {
+    pub fn cost(&self, metric: Metric) -> Option<[f64; 2]> {
         self.total(metric).map(|total| total.cost)
     }
 
     /// The total of a metric, if both have it.
-    pub fn total(&self, metric: CostMetric) -> Option<&Total> {
+    pub fn total(&self, metric: Metric) -> Option<&Total> {
         self.0.iter().find(|total| total.metric == metric)
     }
 
     /// The sums of node visits and primitive tests in A and B.
     pub fn steps(&self) -> [f64; 2] {
-        let costs = [CostMetric::NODE_VISITS, CostMetric::PRIMITIVE_TESTS];
+        let costs = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS];
         let [visits, tests] = costs.map(|metric| self.cost(metric).unwrap_or_default());
         [visits[0] + tests[0], visits[1] + tests[1]]
     }
@@ -115,7 +119,7 @@ impl Totals {
     /// The main cost in A and B: the time, or [`Self::steps`] where a time is
     /// missing.
     pub fn main(&self) -> [f64; 2] {
-        self.cost(CostMetric::TIME).unwrap_or_else(|| self.steps())
+        self.cost(Metric::TIME).unwrap_or_else(|| self.steps())
     }
 }
 
@@ -134,7 +138,7 @@ impl Diff {
     pub fn ratio(&self, total: &Total) -> f64 {
         let test = self.noise.as_ref().and_then(Noise::test);
         match test {
-            Some(test) if total.metric == CostMetric::TIME => test.ratio.estimate,
+            Some(test) if total.metric == Metric::TIME => test.ratio.estimate,
             _ => ratio(total.cost),
         }
     }
@@ -153,14 +157,14 @@ impl Diff {
             let values = [a.values(metric)?, b.values(metric)?];
             let cost = values.each_ref().map(|values| {
                 let values = values.iter();
-                values.fold(0.0, |sum, &value| metric.add(sum, value))
+                values.fold(0.0, |sum, &value| metric.combine(sum, value))
             });
             totals.0.push(Total { metric, cost });
             groups.add(metric, &values);
         }
         let shown = shown_metric(&totals);
         let change = Change::of(shown, &[a.values(shown)?, b.values(shown)?]);
-        let noise = match totals.cost(CostMetric::TIME) {
+        let noise = match totals.cost(Metric::TIME) {
             Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
             None => None,
         };
@@ -182,34 +186,34 @@ impl Diff {
 
 /// Chooses the metric of [`Diff::change`]. A metric whose total is 0 in A or B is not
 /// chosen: without a hierarchy, for example, there are no node visits.
-fn shown_metric(totals: &Totals) -> CostMetric {
+fn shown_metric(totals: &Totals) -> Metric {
     let is_in_both = |total: &&Total| total.cost.iter().all(|&cost| cost > 0.0);
     let change = |total: &Total| (total.cost[1] - total.cost[0]).abs();
-    let steps = [CostMetric::PRIMITIVE_TESTS, CostMetric::NODE_VISITS];
+    let steps = [Metric::PRIMITIVE_TESTS, Metric::NODE_VISITS];
     let in_both = || totals.0.iter().filter(is_in_both);
-    let shown = in_both().find(|total| total.metric == CostMetric::TIME);
+    let shown = in_both().find(|total| total.metric == Metric::TIME);
     let shown = shown.or_else(|| {
         let steps = in_both().filter(|total| steps.contains(&total.metric));
         steps.max_by(|x, y| change(x).total_cmp(&change(y)))
     });
     let shown = shown.or(totals.0.first());
-    shown.map_or(CostMetric::NODE_VISITS, |total| total.metric)
+    shown.map_or(Metric::NODE_VISITS, |total| total.metric)
 }
 
 /// Returns the metrics that both outputs have.
 ///
 /// # Errors
 /// An output has no metric at all.
-fn common_metrics(sides: &[Side; 2]) -> Result<Vec<CostMetric>, Diagnostic> {
+fn common_metrics(sides: &[Side; 2]) -> Result<Vec<Metric>, Diagnostic> {
     for side in sides {
-        if !CostMetric::ALL.iter().any(|metric| side.has(*metric)) {
+        if !Metric::ALL.iter().any(|metric| side.has(*metric)) {
             let message = format!("`{}` holds no cost to compare", side.name());
             let help = "render it again without `--no-cost`";
             return Err(Diagnostic::new(message).with_help(help));
         }
     }
-    let is_common = |metric: &CostMetric| sides.iter().all(|side| side.has(*metric));
-    Ok(CostMetric::ALL.into_iter().filter(is_common).collect())
+    let is_common = |metric: &Metric| sides.iter().all(|side| side.has(*metric));
+    Ok(Metric::ALL.into_iter().filter(is_common).collect())
 }
 
 fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {

@@ -2,11 +2,12 @@
 
 use indexmap::IndexMap;
 
-use super::{CostGroup, CostMetric, Side, Total, Totals};
+use super::{CostGroup, Side, Total, Totals};
+use crate::cost::Metric;
 use crate::text::Diagnostic;
 
 /// The costs of the rays that hit an object, by metric.
-type Costs = Vec<(CostMetric, f64)>;
+type Costs = Vec<(Metric, f64)>;
 
 /// Returns the objects of both tables; none unless both outputs have a table.
 ///
@@ -21,10 +22,10 @@ pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<CostGroup>, Diagnostic> {
         let mut all = costs.values().flatten();
         all.any(|(other, _)| *other == metric)
     };
-    let is_common = |metric: &CostMetric| sides.iter().all(|costs| has(costs, *metric));
-    let metrics: Vec<CostMetric> = CostMetric::ALL.into_iter().filter(is_common).collect();
+    let is_common = |metric: &Metric| sides.iter().all(|costs| has(costs, *metric));
+    let metrics: Vec<Metric> = Metric::ALL.into_iter().filter(is_common).collect();
     let group = |name: &String| {
-        let total = |&metric: &CostMetric| Total {
+        let total = |&metric: &Metric| Total {
             metric,
             cost: sides.map(|costs| costs.get(name).map_or(0.0, |costs| sum(costs, metric))),
         };
@@ -38,7 +39,7 @@ pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<CostGroup>, Diagnostic> {
     Ok(a.keys().chain(of_b_alone).map(group).collect())
 }
 
-fn sum(costs: &Costs, metric: CostMetric) -> f64 {
+fn sum(costs: &Costs, metric: Metric) -> f64 {
     let of_metric = costs.iter().filter(|(other, _)| *other == metric);
     of_metric.map(|(_, cost)| cost).sum()
 }
@@ -55,14 +56,14 @@ fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
     };
     let kinds = [needed("kind")?, needed("charge")?, needed("ray_kind")?];
     let name = needed("name")?;
-    let columns: Vec<(CostMetric, usize)> = CostMetric::ALL
+    let columns: Vec<(Metric, usize)> = Metric::ALL
         .into_iter()
-        .filter_map(|metric| Some((metric, table.column(metric.array)?)))
+        .filter_map(|metric| Some((metric, table.column(metric.name)?)))
         .collect();
     let mut costs: IndexMap<String, Costs> = IndexMap::new();
     for row in &table.rows {
         if kinds.map(|column| row[column].as_str()) == ["object", "hit", "all"] {
-            let cost = |&(metric, column): &(CostMetric, usize)| {
+            let cost = |&(metric, column): &(Metric, usize)| {
                 let cost = row[column].parse().ok()?;
                 Some((metric, cost))
             };

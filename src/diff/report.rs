@@ -2,10 +2,10 @@
 
 use super::gate::Gate;
 use super::group::PixelBounds;
-use super::metric::{CostMetric, ratio};
 use super::noise::{Noise, Test};
 use super::settings::Setting;
-use super::{CostGroup, Diff, Side, Total};
+use super::{CostGroup, Diff, Side, Total, ratio};
+use crate::cost::Metric;
 use crate::statistics::CONFIDENCE;
 use crate::text::numbers::{count, counted};
 use crate::text::one_line;
@@ -47,12 +47,12 @@ fn totals_table(diff: &Diff) -> String {
     let heading = ["cost", "A", "B", "B - A", "B / A"].map(str::to_owned);
     let row = |total: &Total| {
         let [a, b] = total.cost;
-        let name = total.metric.name.to_owned();
+        let name = total.metric.label.to_owned();
         [
             name,
-            total.metric.label(a),
-            total.metric.label(b),
-            total.metric.change_label(b - a),
+            total.metric.format(a),
+            total.metric.format(b),
+            total.metric.format_change(b - a),
             ratio_label(diff.ratio(total)),
         ]
     };
@@ -66,9 +66,9 @@ fn groups_table(title: &str, groups: &[CostGroup]) -> String {
     let Some(first) = groups.first() else {
         return String::new();
     };
-    let (metric, name) = match first.totals.cost(CostMetric::TIME) {
-        Some(_) => (CostMetric::TIME, "time"),
-        None => (CostMetric::NODE_VISITS, "nodes + tests"),
+    let (metric, name) = match first.totals.cost(Metric::TIME) {
+        Some(_) => (Metric::TIME, "time"),
+        None => (Metric::NODE_VISITS, "nodes + tests"),
     };
     let n_changed = groups.iter().filter(|group| group.change() != 0.0).count();
     let (shown, rest) = groups.split_at(n_changed.min(MAX_ROWS));
@@ -87,18 +87,18 @@ fn groups_table(title: &str, groups: &[CostGroup]) -> String {
         };
         [
             name_and_place(group),
-            metric.label(a),
-            metric.label(b),
-            metric.change_label(group.change()),
+            metric.format(a),
+            metric.format(b),
+            metric.format_change(group.change()),
             ratio_label(ratio([a, b])),
-            ratio_of(CostMetric::NODE_VISITS).unwrap_or_default(),
-            ratio_of(CostMetric::PRIMITIVE_TESTS).unwrap_or_default(),
+            ratio_of(Metric::NODE_VISITS).unwrap_or_default(),
+            ratio_of(Metric::PRIMITIVE_TESTS).unwrap_or_default(),
         ]
     };
     let rows = shown.iter().map(row);
     let mut text = format!("\n{}", table(std::iter::once(heading).chain(rows)));
     if !rest.is_empty() {
-        let change = metric.change_label(rest.iter().map(CostGroup::change).sum());
+        let change = metric.format_change(rest.iter().map(CostGroup::change).sum());
         text += &format!("and {} more: {change} together\n", count(rest.len() as u64));
     }
     text

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::CostMetric;
+use super::Metric;
 use crate::results::{ObjectsTable, Results};
 use crate::text::Diagnostic;
 use crate::vtk::Scalar;
@@ -80,16 +80,16 @@ impl Side {
     }
 
     /// Whether the output has this metric.
-    pub fn has(&self, metric: CostMetric) -> bool {
-        self.arrays.iter().any(|array| array == metric.array)
+    pub fn has(&self, metric: Metric) -> bool {
+        self.arrays.iter().any(|array| array == metric.name)
     }
 
     /// Reads a metric of every pixel, row-major, row 0 on top.
-    pub(super) fn values(&self, metric: CostMetric) -> Result<Vec<f64>, Diagnostic> {
-        let array = self.results.frame()?.read(metric.array)?;
+    pub(super) fn values(&self, metric: Metric) -> Result<Vec<f64>, Diagnostic> {
+        let array = self.results.frame()?.read(metric.name)?;
         match array.n_components {
             1 => Ok(array.values.iter().collect()),
-            _ => Err(self.foreign(metric.array)),
+            _ => Err(self.foreign(metric.name)),
         }
     }
 

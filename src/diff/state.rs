@@ -15,11 +15,11 @@ pub(super) fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let max_difference = Range::on(Scale::Diverging, &change.differences).high;
     let axis = |what, spread, ends| {
         let metric = change.metric;
-        let array = format!("{}_{what}", metric.array);
+        let array = format!("{}_{what}", metric.name);
         let sign = if what == "ratio" { "B / A" } else { "B - A" };
-        let name = format!("{sign}: {} per pixel", metric.name);
+        let name = format!("{sign}: {} per pixel", metric.label);
         let axis = Axis::new(&array, &name, spread, ends).with_labels(n_labels);
-        if metric.unit == "ns" && what == "difference" {
+        if metric.is_timed() && what == "difference" {
             axis.of_time()
         } else {
             axis

@@ -4,8 +4,8 @@ use std::io::{self, Seek, Write};
 
 use vtkio::model::ScalarType;
 
-use super::metric::{CostMetric, ratio};
-use super::{Diff, Side, picture};
+use super::{Diff, Side, picture, ratio};
+use crate::cost::Metric;
 use crate::provenance::RunId;
 use crate::vtk::array::Array;
 use crate::vtk::header::DataSet;
@@ -26,13 +26,12 @@ pub(super) fn write(
     let [width, height] = diff.size;
     let n_pixels = u64::from(width) * u64::from(height);
     let rows = BottomUp(width as usize);
-    let names: Vec<(CostMetric, [String; 2])> = diff
+    let names: Vec<(Metric, [String; 2])> = diff
         .totals
         .0
         .iter()
         .map(|total| {
-            let names =
-                ["difference", "ratio"].map(|what| format!("{}_{what}", total.metric.array));
+            let names = ["difference", "ratio"].map(|what| format!("{}_{what}", total.metric.name));
             (total.metric, names)
         })
         .collect();
@@ -75,14 +74,14 @@ pub(super) fn write(
 /// The differences of a metric: of times as 32-bit floats, as in `frame.vti`, of
 /// counters as 64-bit integers.
 fn differences<'a>(
-    metric: CostMetric,
+    metric: Metric,
     name: &'a str,
     sides: &'a [Side; 2],
     rows: BottomUp,
     n_pixels: u64,
 ) -> Array<'a> {
     let (scalar, width) = match metric {
-        CostMetric::TIME => (ScalarType::F32, 4),
+        Metric::TIME => (ScalarType::F32, 4),
         _ => (ScalarType::I64, 8),
     };
     Array {
@@ -94,7 +93,7 @@ fn differences<'a>(
             let [a, b] = values(sides, metric)?;
             let difference = a.iter().zip(&b).map(|(a, b)| b - a);
             match metric {
-                CostMetric::TIME => {
+                Metric::TIME => {
                     let times: Vec<f32> = difference.map(|time| time as f32).collect();
                     rows.write(&times, out)
                 }
@@ -108,7 +107,7 @@ fn differences<'a>(
 }
 
 fn ratios<'a>(
-    metric: CostMetric,
+    metric: Metric,
     name: &'a str,
     sides: &'a [Side; 2],
     rows: BottomUp,
@@ -128,7 +127,7 @@ fn ratios<'a>(
     }
 }
 
-fn values([a, b]: &[Side; 2], metric: CostMetric) -> io::Result<[Vec<f64>; 2]> {
+fn values([a, b]: &[Side; 2], metric: Metric) -> io::Result<[Vec<f64>; 2]> {
     Ok([read(a.values(metric))?, read(b.values(metric))?])
 }
 

@@ -4,9 +4,10 @@ use vtkio::model::ScalarType;
 
 use super::{Film, Strip};
 use crate::config::{CostMode, Repeats};
-use crate::cost::Counter;
+use crate::cost::{Metric, Source};
 
 /// An array of the film as in files.
+#[derive(Debug, Clone, Copy)]
 pub struct Column {
     /// Its name in files.
     pub name: &'static str,
@@ -14,53 +15,41 @@ pub struct Column {
     pub scalar: ScalarType,
     /// Numbers per pixel.
     pub n_components: usize,
-    /// Whether the film stores it; others are computed from what the film stores.
-    pub is_stored: bool,
-    /// Its bytes in a strip of the film, in native order: a slice of the film, or of
-    /// the buffer, to which it then writes them.
-    pub bytes: for<'a> fn(&Film, &'a Strip, &'a mut Vec<u32>) -> &'a [u8],
+    origin: Origin,
+}
+
+/// Where the numbers of a column come from.
+#[derive(Debug, Clone, Copy)]
+enum Origin {
+    /// A field of [`Strip`].
+    Stored(fn(&Strip) -> &[u8]),
+    /// The counters of the tiles.
+    Counted(Metric),
+    /// The tiles of the image.
+    Tile,
+    /// The threads that rendered the tiles.
+    Thread,
 }
 
 /// A [`Column`] from a field of [`Strip`].
 macro_rules! column {
-    ($name:literal, $field:ident, $scalar:ident x $n:literal) => {
+    ($name:expr, $field:ident, $scalar:ident x $n:literal) => {
         Column {
             name: $name,
             scalar: ScalarType::$scalar,
             n_components: $n,
-            is_stored: true,
-            bytes: |_, strip, _| bytemuck::cast_slice(&strip.$field),
+            origin: Origin::Stored(|strip| bytemuck::cast_slice(&strip.$field)),
         }
     };
 }
 
-/// A [`Column`] of numbers computed from what the film stores.
-macro_rules! computed {
-    ($name:literal, $scalar:ident, $write:expr) => {
-        Column {
-            name: $name,
-            scalar: ScalarType::$scalar,
-            n_components: 1,
-            is_stored: false,
-            bytes: |film, strip, numbers| {
-                let write: fn(&Film, &Strip, &mut Vec<u32>) = $write;
-                write(film, strip, numbers);
-                bytemuck::cast_slice(numbers)
-            },
-        }
-    };
-}
-
-/// A [`Column`] of a counter.
-macro_rules! counter {
-    ($name:literal, $counter:ident) => {
-        Column {
-            is_stored: true,
-            ..computed!($name, U32, |film, strip, counts| {
-                film.counts(strip, Counter::$counter, counts)
-            })
-        }
-    };
+const fn computed(name: &'static str, scalar: ScalarType, origin: Origin) -> Column {
+    Column {
+        name,
+        scalar,
+        n_components: 1,
+        origin,
+    }
 }
 
 const GEOMETRY: [Column; 6] = [
@@ -79,7 +68,7 @@ const GEOMETRY: [Column; 6] = [
 ];
 
 // Thread time without the overhead of the clock, at least 1.
-const TIME: [Column; 1] = [column!("time_ns", time_ns, F32 x 1)];
+const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1);
 
 // The spread of repeated times, and the number of rejected ones.
 const REPEATED: [Column; 2] = [
@@ -89,44 +78,29 @@ const REPEATED: [Column; 2] = [
     column!("n_rejected", n_rejected, U8 x 1),
 ];
 
-const COUNTERS: [Column; 9] = [
-    // BVH nodes visited by all rays of the pixel.
-    counter!("node_visits", NodeVisits),
-    // Ray-primitive tests of all rays of the pixel.
-    counter!("primitive_tests", PrimitiveTests),
-    // Number of all rays of the pixel.
-    computed!("rays", U32, Film::rays),
-    // Number of shadow rays.
-    counter!("shadow_rays", ShadowRays),
-    // Number of reflection rays.
-    counter!("reflection_rays", ReflectionRays),
-    // Number of refraction rays.
-    counter!("refraction_rays", RefractionRays),
-    // Longest path in bounces.
-    counter!("depth", Depth),
+const WORK: [Column; 2] = [
     // The tile, numbered along rows from the top left.
-    computed!("tile", I32, Film::tile_numbers),
+    computed("tile", ScalarType::I32, Origin::Tile),
     // The thread, from 0.
-    computed!("thread", I32, Film::threads),
+    computed("thread", ScalarType::I32, Origin::Thread),
 ];
 
 /// The arrays of a film with this cost mode for which so many renderings were asked,
-/// in the order of the files.
-pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = &'static Column> {
-    let (time, counters): (&[_], &[_]) = match cost {
-        CostMode::None => (&[], &[]),
-        CostMode::Counters => (&[], &COUNTERS),
-        CostMode::Time => (&TIME, &COUNTERS),
-    };
-    let repeated: &[_] = if cost.has_time() && repeats.has_spread() {
-        &REPEATED
-    } else {
-        &[]
-    };
-    GEOMETRY.iter().chain(time).chain(repeated).chain(counters)
+/// in the order of the files: geometry, time and its spread, counters, tiles.
+pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column> {
+    let time = cost.has_time().then_some(TIME);
+    let is_repeated = cost.has_time() && repeats.has_spread();
+    let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
+    let counted = |metric: Metric| computed(metric.name, ScalarType::U32, Origin::Counted(metric));
+    let work = || Metric::counted().map(counted).chain(WORK);
+    let work = cost.has_counters().then(work).into_iter().flatten();
+    GEOMETRY.into_iter().chain(time).chain(repeated).chain(work)
 }
 
 impl Column {
+    /// The hit points in world space: three numbers per pixel; NaN without a hit.
+    pub const POSITION: Self = column!("Points", position, F32 x 3);
+
     /// Bytes per pixel.
     pub fn stride(&self) -> usize {
         let scalar = match self.scalar {
@@ -134,6 +108,27 @@ impl Column {
             _ => 4,
         };
         scalar * self.n_components
+    }
+
+    /// Whether the film stores it; others are computed from what the film stores.
+    pub fn is_stored(&self) -> bool {
+        match self.origin {
+            Origin::Stored(_) => true,
+            Origin::Counted(metric) => metric.source != Source::AllRays,
+            Origin::Tile | Origin::Thread => false,
+        }
+    }
+
+    /// Returns its bytes in a strip of the film, in native order: a slice of the
+    /// film, or of `buffer`, which is overwritten.
+    pub fn bytes<'a>(&self, film: &Film, strip: &'a Strip, buffer: &'a mut Vec<u32>) -> &'a [u8] {
+        match self.origin {
+            Origin::Stored(bytes) => return bytes(strip),
+            Origin::Counted(metric) => film.counts(strip, metric, buffer),
+            Origin::Tile => film.tile_numbers(strip, buffer),
+            Origin::Thread => film.threads(strip, buffer),
+        }
+        bytemuck::cast_slice(buffer)
     }
 }
 
@@ -150,10 +145,30 @@ mod tests {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);
             for column in columns(mode, film.repeats) {
                 let mut buffer = Vec::new();
-                let bytes = (column.bytes)(&film, &film.strips[0], &mut buffer);
+                let bytes = column.bytes(&film, &film.strips[0], &mut buffer);
                 assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
             }
             assert_eq!(bytes_per_pixel(mode), expected);
+        }
+    }
+
+    #[test]
+    fn every_array_is_a_cost_metric_or_known_not_to_be() {
+        let others = [
+            "RGB",
+            "Normals",
+            "distance",
+            "footprint",
+            "object",
+            "material",
+            "tile",
+            "thread",
+        ];
+        let metrics = Metric::ALL.map(|metric| metric.name);
+        for column in columns(CostMode::Time, Repeats::ONCE) {
+            let names = metrics.iter().chain(&others);
+            let n = names.filter(|name| **name == column.name).count();
+            assert_eq!(n, 1, "{}", column.name);
         }
     }
 }

@@ -1,29 +1,7 @@
 //! Which pixels cost most.
 
-use super::{Film, Strip};
-use crate::cost::Counter;
-
-/// What a pixel's cost is measured by: an array of the film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Metric {
-    /// Its time; of pixels whose repeats agree
-    TimeNs,
-    /// BVH nodes entered
-    NodeVisits,
-    /// Ray-primitive tests
-    PrimitiveTests,
-    /// All rays
-    Rays,
-    /// Rays toward lights
-    ShadowRays,
-    /// Rays mirrored off surfaces
-    ReflectionRays,
-    /// Rays through surfaces
-    RefractionRays,
-    /// The longest path in bounces
-    Depth,
-}
+use super::Film;
+use crate::cost::Metric;
 
 /// A pixel and its cost by a [`Metric`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,35 +20,6 @@ const AGREEMENT: f32 = 0.1;
 /// of it: a disturbance seldom meets two neighbors.
 const LIKE_A_NEIGHBOR: f32 = 0.5;
 
-impl Metric {
-    /// The array's name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TimeNs => "time_ns",
-            Self::NodeVisits => "node_visits",
-            Self::PrimitiveTests => "primitive_tests",
-            Self::Rays => "rays",
-            Self::ShadowRays => "shadow_rays",
-            Self::ReflectionRays => "reflection_rays",
-            Self::RefractionRays => "refraction_rays",
-            Self::Depth => "depth",
-        }
-    }
-
-    /// The counter, if it is one.
-    fn counter(self) -> Option<Counter> {
-        match self {
-            Self::TimeNs | Self::Rays => None,
-            Self::NodeVisits => Some(Counter::NodeVisits),
-            Self::PrimitiveTests => Some(Counter::PrimitiveTests),
-            Self::ShadowRays => Some(Counter::ShadowRays),
-            Self::ReflectionRays => Some(Counter::ReflectionRays),
-            Self::RefractionRays => Some(Counter::RefractionRays),
-            Self::Depth => Some(Counter::Depth),
-        }
-    }
-}
-
 impl Film {
     /// The `n` pixels that cost most, the most expensive first; of equal ones the
     /// upper one, then the left one, comes first. There are fewer where too few
@@ -80,13 +29,13 @@ impl Film {
     /// least. After a single rendering it can where the pixel was not rejected and
     /// one beside it took at least half as long.
     pub fn hottest(&self, metric: Metric, n: usize) -> Vec<HotPixel> {
-        if metric == Metric::TimeNs {
+        if metric.is_timed() {
             return self.times().hottest(n);
         }
         let mut list = List::new(n);
         let mut counts = Vec::new();
         for strip in &self.strips {
-            self.counts_by(metric, strip, &mut counts);
+            self.counts(strip, metric, &mut counts);
             let rows = counts.chunks_exact(self.grid.width as usize);
             rows.zip(strip.first_row..)
                 .for_each(|(row, y)| list.add_row(row, y));
@@ -100,14 +49,6 @@ impl Film {
             mad_ns: self.rows(|strip| &strip.time_mad_ns).collect(),
             n_rejected: self.rows(|strip| &strip.n_rejected).collect(),
             n_repeats: self.n_repeats,
-        }
-    }
-
-    /// Makes `counts` one counter of the pixels of a strip, or all of their rays.
-    fn counts_by(&self, metric: Metric, strip: &Strip, counts: &mut Vec<u32>) {
-        match metric.counter() {
-            Some(counter) => self.counts(strip, counter, counts),
-            None => self.rays(strip, counts),
         }
     }
 }
@@ -245,7 +186,7 @@ mod tests {
     }
 
     fn places(film: &Film, n: usize) -> Vec<(u32, u32)> {
-        let hottest = film.hottest(Metric::TimeNs, n);
+        let hottest = film.hottest(Metric::TIME, n);
         hottest.iter().map(|pixel| pixel.place).collect()
     }
 
@@ -257,7 +198,7 @@ mod tests {
             assert_eq!(places(&film, n), expected[..n]);
         }
         assert_eq!(places(&film, 1000).len(), 63);
-        assert_eq!(film.hottest(Metric::TimeNs, 1)[0].value, 900.0);
+        assert_eq!(film.hottest(Metric::TIME, 1)[0].value, 900.0);
     }
 
     #[test]
@@ -284,7 +225,7 @@ mod tests {
     #[test]
     fn what_costs_nothing_is_not_named() {
         let film = film(1, &[]);
-        assert!(film.hottest(Metric::Depth, 3).is_empty());
-        assert_eq!(film.hottest(Metric::Rays, 1)[0].value, 1.0);
+        assert!(film.hottest(Metric::DEPTH, 3).is_empty());
+        assert_eq!(film.hottest(Metric::RAYS, 1)[0].value, 1.0);
     }
 }

@@ -8,6 +8,7 @@
 //! arrays of the output files, for all writers.
 
 mod column;
+mod metrics;
 mod hottest;
 mod packed;
 mod rendered;
@@ -17,7 +18,7 @@ mod tile;
 use glam::Vec3;
 
 pub use column::{Column, columns};
-pub use hottest::{HotPixel, Metric, Times, highest_counts};
+pub use hottest::{HotPixel, Times, highest_counts};
 pub use packed::PackedCounters;
 pub use rendered::{Pixel, PixelTime, Rendered};
 pub use strip::Strip;
@@ -60,9 +61,9 @@ pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<Pack
 
 /// Upper bound of a film's bytes per pixel.
 pub fn bytes_per_pixel(cost: CostMode) -> usize {
-    let kept = columns(cost, Repeats::ONCE).filter(|column| column.is_stored);
+    let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
-    size_of::<Vec3>() + rejected + kept.map(Column::stride).sum::<usize>()
+    size_of::<Vec3>() + rejected + kept.map(|column| column.stride()).sum::<usize>()
 }
 
 impl Film {

@@ -19,6 +19,8 @@ pub struct PackedCounters {
 /// Planes per counter; the first one has the lowest bytes.
 const N_PLANES: u32 = u32::BITS / u8::BITS;
 
+const _: () = assert!(Counter::ALL.len() as u32 * N_PLANES <= u32::BITS);
+
 /// One bit per plane of a counter.
 const PLANES: u32 = (1 << N_PLANES) - 1;
 

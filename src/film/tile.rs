@@ -14,26 +14,6 @@ pub struct RenderedTile {
 }
 
 impl Film {
-    /// Overwrites `counts` with one counter of the pixels of a strip.
-    pub fn counts(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
-        counts.clear();
-        counts.resize(strip.rgb.len(), 0);
-        self.add_counts(strip, counter, counts);
-    }
-
-    /// Overwrites `rays` with the numbers of rays of the pixels of a strip.
-    pub fn rays(&self, strip: &Strip, rays: &mut Vec<u32>) {
-        rays.clear();
-        rays.resize(strip.rgb.len(), self.n_samples);
-        for counter in [
-            Counter::ShadowRays,
-            Counter::ReflectionRays,
-            Counter::RefractionRays,
-        ] {
-            self.add_counts(strip, counter, rays);
-        }
-    }
-
     /// Overwrites `numbers` with the tiles of the pixels of a strip.
     pub fn tile_numbers(&self, strip: &Strip, numbers: &mut Vec<u32>) {
         self.by_tile(strip, numbers, |number| number);
@@ -45,7 +25,7 @@ impl Film {
     }
 
     /// Adds one counter of the pixels of a strip to `sums`.
-    fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
+    pub(super) fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
         let width = self.grid.width as usize;
         let rows = sums.chunks_exact_mut(width).zip(strip.first_row..);
         for (sums, y) in rows {

@@ -19,12 +19,12 @@ pub fn write(
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
-    let array = |column: &'static Column| Array {
+    let array = |column: Column| Array {
         name: column.name,
         scalar: column.scalar,
         n_components: column.n_components,
         n_bytes: n_pixels * column.stride() as u64,
-        write: Box::new(|out| write_rows(film, column, out)),
+        write: Box::new(move |out| write_rows(film, &column, out)),
     };
     let image = DataSet::Image {
         size: [film.grid.width, film.grid.height],
@@ -37,7 +37,8 @@ fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<(
     let row_bytes = film.grid.width as usize * column.stride();
     let mut buffer = Vec::new();
     for strip in film.strips.iter().rev() {
-        for row in (column.bytes)(film, strip, &mut buffer)
+        for row in column
+            .bytes(film, strip, &mut buffer)
             .chunks_exact(row_bytes)
             .rev()
         {

@@ -3,27 +3,27 @@
 use std::io::{self, Write};
 
 use super::Rendering;
-use super::measure::Measure;
 use crate::chart::{CostMap, Scale, draw, png};
+use crate::cost::Metric;
 use crate::provenance::{self, RunId};
 use crate::statistics::upper_median;
 use crate::text::numbers;
 
-/// Writes the map of the film's best measure; nothing for a film without cost.
+/// Writes the map of the film's first metric; nothing for a film without cost.
 pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<()> {
     let film = rendering.film;
-    let Some([measure, _]) = Measure::best_two(film) else {
+    let Some([metric, _]) = film.heatmap_metrics() else {
         return Ok(());
     };
-    let values = measure.of(film);
+    let values = film.metric(metric);
     let picture = draw(&CostMap {
         values: &values,
         scale: Scale::Logarithmic,
         width: film.grid.width,
         height: film.grid.height,
-        title: &format!("{}: {}", rendering.name, measure.name),
-        unit: measure.unit,
-        subtitle: &subtitle(rendering, measure, &values),
+        title: &format!("{}: {}", rendering.name, metric.title),
+        unit: metric.unit_label(),
+        subtitle: &subtitle(rendering, metric, &values),
     });
     let (width, height) = picture.dimensions();
     let rows = picture.chunks_exact(3 * width as usize);
@@ -31,7 +31,7 @@ pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> 
     png::write([width, height], rows, &texts, out)
 }
 
-fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {
+fn subtitle(rendering: &Rendering, metric: Metric, values: &[f32]) -> String {
     let image = &rendering.config.image;
     let n_threads = rendering.threads.used;
     let median = upper_median(&mut values.to_vec(), f32::total_cmp);
@@ -41,7 +41,7 @@ fn subtitle(rendering: &Rendering, measure: Measure, values: &[f32]) -> String {
         image.height,
         numbers::counted(image.samples_per_pixel.into(), "sample"),
         numbers::counted(n_threads as u64, "thread"),
-        measure.label(median.unwrap_or_default().into()),
-        measure.label(values.iter().copied().map(f64::from).sum()),
+        metric.format(median.unwrap_or_default().into()),
+        metric.format(values.iter().copied().map(f64::from).sum()),
     )
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 use std::ops::Range;
 
-use vtkio::model::{CellType, ScalarType};
+use vtkio::model::CellType;
 
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
@@ -13,15 +13,6 @@ use crate::vtk::header::{DataSet, Mesh};
 
 /// The file's name.
 pub const FILE: &str = "hits.vtu";
-
-/// The points themselves, an array beside those of all pixels.
-const POINTS: Column = Column {
-    name: "Points",
-    scalar: ScalarType::F32,
-    n_components: 3,
-    is_stored: true,
-    bytes: |_, strip, _| bytemuck::cast_slice(&strip.position),
-};
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
 /// order of the pixels, row 0 on top.
@@ -33,14 +24,14 @@ pub fn write(
     let hits = Hits::of(film);
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
-    let column_array = |column| array(column, n, |out| hits.write_values(column, out));
+    let column_array = |column| array(column, n, |column, out| hits.write_values(column, out));
     let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(column_array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     let [connectivity, offsets] = separate_cells(1, n);
     let cloud = Mesh {
         n_points: n,
         n_cells: n,
-        points: column_array(&POINTS),
+        points: column_array(Column::POSITION),
         point_data,
         cell_data: Vec::new(),
         cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
@@ -80,7 +71,7 @@ impl<'a> Hits<'a> {
         let stride = column.stride();
         let mut buffer = Vec::new();
         self.strips().try_for_each(|(strip, runs)| {
-            let bytes = (column.bytes)(self.film, strip, &mut buffer);
+            let bytes = column.bytes(self.film, strip, &mut buffer);
             runs.iter()
                 .try_for_each(|run| out.write_all(&bytes[run.start * stride..run.end * stride]))
         })
@@ -112,16 +103,16 @@ fn hit_runs(objects: &[i32]) -> impl Iterator<Item = Range<usize>> {
 }
 
 fn array<'a>(
-    column: &Column,
+    column: Column,
     n: usize,
-    write: impl Fn(&mut dyn Write) -> io::Result<()> + 'a,
+    write: impl Fn(&Column, &mut dyn Write) -> io::Result<()> + 'a,
 ) -> Array<'a> {
     Array {
         name: column.name,
         scalar: column.scalar,
         n_components: column.n_components,
         n_bytes: (n * column.stride()) as u64,
-        write: Box::new(write),
+        write: Box::new(move |out| write(&column, out)),
     }
 }
 

@@ -11,7 +11,6 @@ mod bounding_sphere;
 mod frame;
 mod heatmap;
 mod hits;
-mod measure;
 mod nodes;
 mod objects;
 mod picture;
@@ -35,11 +34,12 @@ pub use hits::write as write_hits;
 pub use nodes::write as write_nodes;
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS, rows_per_thing};
+pub use rays::Traced;
 pub(crate) use summary::is_whole;
 pub use summary::{Threads, build, machine};
 pub use surface::write as write_surface;
 pub use tiles::write as write_tiles;
-pub use traced::{Traced, refuse_foreign_traced, write_rays, write_traced};
+pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 
 use rayon::prelude::*;
 

@@ -7,6 +7,7 @@ use vtkio::model::CellType;
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
+use crate::cost::Metric;
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells, types_of};
 use crate::vtk::encoding::Encoding;
@@ -67,7 +68,9 @@ fn cell_data<'a>(shown: &'a [Shown], cost: CostMode) -> Vec<Array<'a>> {
         array("wasted_visits", shown, |shown| shown.visits.n_wasted()),
     ];
     if cost.has_time() {
-        arrays.push(array("time_ns", shown, |shown| shown.visits.time_ns()));
+        arrays.push(array(Metric::TIME.name, shown, |shown| {
+            shown.visits.time_ns()
+        }));
     }
     arrays
 }

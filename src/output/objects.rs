@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::Rendering;
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
-use crate::cost::RayKind;
+use crate::cost::{Metric, RayKind};
 use crate::text::text_cell;
 
 /// The file's name.
@@ -27,14 +27,13 @@ pub(crate) fn rows_per_thing() -> usize {
     AttributionRule::ALL.len() * RAY_KINDS.len()
 }
 
-/// The numbers of a row; their shares of the whole picture follow at the end of
-/// the row.
-const NUMBERS: [&str; 5] = [
-    "pixels",
-    "rays",
-    "node_visits",
-    "primitive_tests",
-    "time_ns",
+/// The metrics of a row, after the number of pixels; their shares of the whole
+/// picture follow at the end of the row. Times come last.
+const METRICS: [Metric; 4] = [
+    Metric::RAYS,
+    Metric::NODE_VISITS,
+    Metric::PRIMITIVE_TESTS,
+    Metric::TIME,
 ];
 
 /// The objects or the materials.
@@ -80,14 +79,13 @@ pub(super) fn write(
     attribution: &CostAttribution,
     out: &mut impl Write,
 ) -> io::Result<()> {
-    let n_numbers = if rendering.film.cost.has_time() {
-        NUMBERS.len()
-    } else {
-        NUMBERS.len() - 1
-    };
+    let has_time = rendering.film.cost.has_time();
+    let metrics = METRICS.into_iter();
     let mut table = Table {
         rows: csv::Writer::from_writer(out),
-        n_numbers,
+        metrics: metrics
+            .filter(|metric| has_time || !metric.is_timed())
+            .collect(),
         samples_per_pixel: f64::from(rendering.config.image.samples_per_pixel),
     };
     table.write_names()?;
@@ -108,16 +106,16 @@ pub(super) fn write(
 
 struct Table<W: Write> {
     rows: csv::Writer<W>,
-    /// The number of [`NUMBERS`] written.
-    n_numbers: usize,
+    metrics: Vec<Metric>,
     samples_per_pixel: f64,
 }
 
 impl<W: Write> Table<W> {
     fn write_names(&mut self) -> io::Result<()> {
         let words = ["kind", "id", "name", "charge", "ray_kind"].map(str::to_owned);
-        let numbers = &NUMBERS[..self.n_numbers];
-        let names = numbers.iter().copied().map(str::to_owned);
+        let metrics = self.metrics.iter().map(|metric| metric.name);
+        let numbers: Vec<&str> = std::iter::once("pixels").chain(metrics).collect();
+        let names = numbers.iter().map(|name| (*name).to_owned());
         let shares = numbers.iter().map(|name| format!("{name}_share"));
         let row = words.into_iter().chain(names).chain(shares);
         Ok(self.rows.write_record(row)?)
@@ -143,23 +141,19 @@ impl<W: Write> Table<W> {
                 let shares = numbers.iter().zip(&whole).map(|(n, all)| share(*n, *all));
                 let row = words
                     .map(str::to_owned)
-                    .chain(numbers.iter().take(self.n_numbers).map(f64::to_string))
-                    .chain(shares.take(self.n_numbers));
+                    .chain(numbers.iter().map(f64::to_string))
+                    .chain(shares);
                 self.rows.write_record(row)?;
             }
         }
         Ok(())
     }
 
-    /// In the order of [`NUMBERS`].
-    fn numbers(&self, account: &AttributedCost, work: Work) -> [f64; 5] {
-        [
-            account.n_samples() as f64 / self.samples_per_pixel,
-            work.rays as f64,
-            work.node_visits as f64,
-            work.primitive_tests as f64,
-            (work.time_ps as f64 / 1e3).round(),
-        ]
+    /// The number of pixels, then all metrics.
+    fn numbers(&self, account: &AttributedCost, work: Work) -> Vec<f64> {
+        let n_pixels = account.n_samples() as f64 / self.samples_per_pixel;
+        let values = self.metrics.iter().map(|&metric| work.get(metric));
+        std::iter::once(n_pixels).chain(values).collect()
     }
 }
 

@@ -4,12 +4,12 @@ use std::io::{self, Seek, Write};
 
 use glam::Vec3;
 
-use super::Traced;
 use super::bounding_sphere::BoundingSphere;
-use crate::attribution::TracedRay;
+use crate::attribution::{ObservedPixel, TracedRay};
 use crate::camera::ImagePlane;
+use crate::cost::Metric;
 use crate::film::Film;
-use crate::scene::Primitive;
+use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells};
 use crate::vtk::encoding::Encoding;
@@ -17,6 +17,23 @@ use crate::vtk::header::{DataSet, Mesh};
 
 /// The file's name.
 pub const FILE: &str = "rays.vtp";
+/// The file with the cloud around the rays.
+pub(super) const CLOUD: &str = "rays_cloud.vtu";
+
+/// Some pixels of a picture with all of their rays, and what is around them.
+#[derive(Debug, Clone, Copy)]
+pub struct Traced<'a> {
+    /// The scene that the rays went through.
+    pub scene: &'a Scene,
+    /// Where the picture's pixels lie.
+    pub plane: &'a ImagePlane,
+    /// The pixels, of `i32::MAX` rays at most.
+    pub pixels: &'a [ObservedPixel],
+    /// Whether the rays have a time.
+    pub is_timed: bool,
+    /// A small picture of the scene, whose hits are shown as a cloud.
+    pub cloud: &'a Film,
+}
 
 /// The rays of traced pixels, in the order of the file.
 pub(super) struct Rays<'a> {
@@ -80,11 +97,11 @@ impl<'a> Rays<'a> {
             }),
             self.array("distance", |ray| ray.hit.map_or(f32::NAN, |hit| hit.t)),
             self.array("length", |ray| self.bounding_sphere.length(ray)),
-            self.array("node_visits", |ray| ray.node_visits),
-            self.array("primitive_tests", |ray| ray.primitive_tests),
+            self.array(Metric::NODE_VISITS.name, |ray| ray.node_visits),
+            self.array(Metric::PRIMITIVE_TESTS.name, |ray| ray.primitive_tests),
         ];
         if self.traced.is_timed {
-            arrays.push(self.array("time_ns", |ray| ray.time_ns));
+            arrays.push(self.array(Metric::TIME.name, |ray| ray.time_ns));
         }
         arrays.push(self.array("contribution", |ray| ray.contribution.to_array()));
         arrays.push(self.array("direction", |ray| ray.ray.direction.to_array()));

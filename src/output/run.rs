@@ -10,13 +10,13 @@ use crate::provenance::{RunId, Summer};
 /// its film except `thread`, which varies from run to run.
 pub(super) fn id_of(rendering: &Rendering) -> RunId {
     let film = rendering.film;
-    let columns: Vec<&Column> = columns(film.cost, film.repeats)
+    let columns: Vec<Column> = columns(film.cost, film.repeats)
         .filter(|column| column.name != "thread")
         .collect();
     let of_strip = |buffer: &mut Vec<u32>, strip: &Strip| {
         let mut summer = Summer::new();
         for column in &columns {
-            summer.add((column.bytes)(film, strip, buffer));
+            summer.add(column.bytes(film, strip, buffer));
         }
         summer.checksum().bits()
     };

@@ -6,6 +6,7 @@ use vtkio::model::{CellType, ScalarType};
 
 use crate::attribution::Visits;
 use crate::config::CostMode;
+use crate::cost::Metric;
 use crate::geometry::Patch;
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
@@ -117,7 +118,7 @@ impl<'a> Surface<'a> {
             self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
         ];
         if cost.has_time() {
-            arrays.push(self.array("time_ns", |_, _, visits| visits.time_ns()));
+            arrays.push(self.array(Metric::TIME.name, |_, _, visits| visits.time_ns()));
         }
         arrays
     }

@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use crate::config::CostMode;
-use crate::cost::Cost;
+use crate::cost::Metric;
 use crate::schedule::{Schedule, TileRun};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry};
@@ -56,11 +56,8 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
 
 /// The sums of the pixels' counters; of the paths' lengths the greatest.
 fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
-    let names = Cost::default().by_name().map(|(name, _)| name);
-    names
-        .into_iter()
-        .enumerate()
-        .map(|(i, name)| array(name, schedule, move |_, run| run.counted.by_name()[i].1))
+    let sum = |metric: Metric| array(metric.name, schedule, move |_, run| metric.of(&run.counted));
+    Metric::counted().map(sum)
 }
 
 /// A value of each tile, given its number and its run.

@@ -10,6 +10,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::Rendering;
+use crate::cost::Metric;
 use crate::instruments::Stages;
 use crate::provenance::{KEY, RunId};
 use crate::schedule::{Tile, TileRun};
@@ -100,8 +101,8 @@ fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
         "warm_up_ns": run.warm_up_ns,
     });
     if has_counters {
-        for (name, count) in run.counted.by_name() {
-            arguments[name] = count.into();
+        for metric in Metric::counted() {
+            arguments[metric.name] = metric.of(&run.counted).into();
         }
     }
     arguments

@@ -2,35 +2,13 @@
 
 use std::io::{self, Seek, Write};
 
-use super::hits;
-use super::rays::{FILE as RAYS, Rays};
-use super::states;
-use crate::attribution::ObservedPixel;
-use crate::camera::ImagePlane;
-use crate::film::Film;
+use super::rays::{CLOUD, FILE as RAYS, Rays, Traced};
+use super::{hits, states};
 use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
 use crate::provenance::{RunId, Summer, stamped};
-use crate::scene::Scene;
 use crate::vtk::{Codec, Encoding};
 
-/// The cloud's file.
-pub(super) const CLOUD: &str = "rays_cloud.vtu";
 const STATE: &str = "rays.pvsm";
-
-/// Some pixels of a picture with all of their rays, and what is around them.
-#[derive(Debug, Clone, Copy)]
-pub struct Traced<'a> {
-    /// The scene that the rays went through.
-    pub scene: &'a Scene,
-    /// Where the picture's pixels lie.
-    pub plane: &'a ImagePlane,
-    /// The pixels, of `i32::MAX` rays at most.
-    pub pixels: &'a [ObservedPixel],
-    /// Whether the rays have a time.
-    pub is_timed: bool,
-    /// A small picture of the scene, whose hits are shown as a cloud.
-    pub cloud: &'a Film,
-}
 
 /// Writes the rays of traced pixels as PolyData: one line a ray.
 ///

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::config::{CostMode, Repeats};
+use crate::config::{CostMode, MAX_SIDE, Repeats};
 use crate::film::columns;
 use crate::text::Diagnostic;
 use crate::vtk::read::{
@@ -65,7 +65,8 @@ impl FrameFile {
         let Some(image) = header.image else {
             return Err(file.foreign("it holds no ImageData"));
         };
-        let Some((width, height)) = image.piece.size() else {
+        let is_picture = |&(width, height): &(u32, u32)| width <= MAX_SIDE && height <= MAX_SIDE;
+        let Some((width, height)) = image.piece.size().filter(is_picture) else {
             let why = format!("`{}` is not the extent of a picture", image.piece.extent);
             return Err(file.foreign(&why));
         };

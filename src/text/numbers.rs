@@ -24,6 +24,13 @@ pub fn counted(n: u64, noun: &str) -> String {
     format!("{} {noun}{plural}", count(n))
 }
 
+/// `Primitive tests` for `primitive tests`.
+pub(crate) fn capitalized(words: &str) -> String {
+    let mut chars = words.chars();
+    let first = chars.next().map(|first| first.to_ascii_uppercase());
+    first.into_iter().chain(chars).collect()
+}
+
 /// `512 B`, `1.5 MB`; powers of ten, as disks are sold.
 pub fn bytes(n: u64) -> String {
     scaled(n as f64, 1e3, &["B", "kB", "MB", "GB", "TB", "PB", "EB"])

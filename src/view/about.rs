@@ -9,8 +9,9 @@ use super::frame::ShownPixels;
 use super::hottest;
 use super::payload::type_name;
 use crate::config::CostMode;
+use crate::cost::Metric;
 use crate::results::{LoadedArray, Summary};
-use crate::text::numbers::counted;
+use crate::text::numbers::{capitalized, counted};
 
 /// Returns the JSON.
 pub(super) fn json(
@@ -36,6 +37,7 @@ pub(super) fn json(
         "size": pixels.shown,
         "full_size": pixels.full,
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
+        "metrics": Metric::ALL.map(metric),
         "hottest": hottest,
         "trace": hottest::trace_command(summary),
         "objects": objects(summary),
@@ -48,6 +50,16 @@ pub(super) fn json(
         },
     });
     about.to_string()
+}
+
+/// A cost metric as the page describes arrays.
+fn metric(metric: Metric) -> Value {
+    json!({
+        "name": metric.name,
+        "label": capitalized(metric.label),
+        "about": metric.about,
+        "log": metric.spans_decades,
+    })
 }
 
 /// The id of the frame's array at this position. Names of arrays are no ids: they may

@@ -33,7 +33,7 @@ fn write_raw(data_set: &DataSet, run: Option<RunId>, out: &mut impl Write) -> io
     write_head(&data_set.xml(run, &Offsets::OfRaw(offsets(&arrays)))?, out)?;
     for array in arrays {
         out.write_all(&array.n_bytes.to_ne_bytes())?;
-        write_bytes(array, out)?;
+        array.write_to(out)?;
     }
     write_tail(out)
 }
@@ -76,22 +76,6 @@ fn write_tail(out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "\n</AppendedData>\n</VTKFile>")
 }
 
-/// Writes an array's bytes.
-///
-/// # Errors
-/// If they are not as many as it says, or what the system says.
-pub(super) fn write_bytes(array: &Array, out: &mut impl Write) -> io::Result<()> {
-    let mut counted = Counted { out, n_bytes: 0 };
-    (array.write)(&mut counted)?;
-    if counted.n_bytes == array.n_bytes {
-        Ok(())
-    } else {
-        let (found, name) = (counted.n_bytes, array.name);
-        let message = format!("{name}: {found} bytes instead of {}", array.n_bytes);
-        Err(io::Error::other(message))
-    }
-}
-
 /// Where each raw array begins: a 64-bit length stands before each.
 fn offsets(arrays: &[&Array]) -> Vec<u64> {
     let begins = |next: &mut u64, array: &&Array| {
@@ -100,24 +84,6 @@ fn offsets(arrays: &[&Array]) -> Vec<u64> {
         Some(begin)
     };
     arrays.iter().scan(0, begins).collect()
-}
-
-/// Counts what goes through: a wrong length would shift all that follows.
-struct Counted<'a, W> {
-    out: &'a mut W,
-    n_bytes: u64,
-}
-
-impl<W: Write> Write for Counted<'_, W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let n = self.out.write(bytes)?;
-        self.n_bytes += n as u64;
-        Ok(n)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
-    }
 }
 
 #[cfg(test)]

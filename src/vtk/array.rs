@@ -176,6 +176,42 @@ pub(crate) fn types_of(cell: CellType, n: usize) -> Array<'static> {
     Array::of("types", n, move || std::iter::repeat_n(cell as u8, n))
 }
 
+impl Array<'_> {
+    /// Writes an array's bytes.
+    ///
+    /// # Errors
+    /// If they are not as many as it says, or what the system says.
+    pub(super) fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
+        let mut counted = Counted { out, n_bytes: 0 };
+        (self.write)(&mut counted)?;
+        if counted.n_bytes == self.n_bytes {
+            Ok(())
+        } else {
+            let (found, name) = (counted.n_bytes, self.name);
+            let message = format!("{name}: {found} bytes instead of {}", self.n_bytes);
+            Err(io::Error::other(message))
+        }
+    }
+}
+
+/// Counts what goes through: a wrong length would shift all that follows.
+struct Counted<'a, W> {
+    out: &'a mut W,
+    n_bytes: u64,
+}
+
+impl<W: Write> Write for Counted<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.out.write(bytes)?;
+        self.n_bytes += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

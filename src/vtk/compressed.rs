@@ -4,7 +4,6 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 use rayon::prelude::*;
 
-use super::appended::write_bytes;
 use super::array::Array;
 use super::codec::Compressor;
 
@@ -48,7 +47,7 @@ pub(super) fn write(
         window: Vec::with_capacity(WINDOW.min(array.n_bytes as usize)),
         lengths: Vec::with_capacity(n_blocks),
     };
-    write_bytes(array, &mut blocks)?;
+    array.write_to(&mut blocks)?;
     blocks.flush_window()?;
 
     let lengths = blocks.lengths;

@@ -17,7 +17,7 @@ use serde_json::Value;
 
 use raycost::accel::{Accel, Simd};
 use raycost::config::{Config, CostMode};
-use raycost::cost::{Counter, Meter};
+use raycost::cost::{self, Counter, Meter, Metric};
 use raycost::film::{Film, Strip};
 use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
@@ -151,12 +151,14 @@ pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
 
 /// One counter of all pixels.
 pub fn counts(film: &Film, counter: Counter) -> Vec<u32> {
-    of_strips(film, |strip, counts| film.counts(strip, counter, counts))
+    let is_of = |metric: &Metric| metric.source == cost::Source::Counter(counter);
+    let metric = Metric::ALL.into_iter().find(is_of).unwrap();
+    of_strips(film, |strip, counts| film.counts(strip, metric, counts))
 }
 
 /// The rays of all pixels.
 pub fn rays(film: &Film) -> Vec<u32> {
-    of_strips(film, |strip, rays| film.rays(strip, rays))
+    of_strips(film, |strip, rays| film.counts(strip, Metric::RAYS, rays))
 }
 
 /// The tile of each pixel, by its number, and the thread that rendered it.

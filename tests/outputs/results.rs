@@ -94,7 +94,7 @@ fn check(film: &Film, codec: Codec) {
         let all: Vec<u8> = film
             .strips
             .iter()
-            .flat_map(|strip| (column.bytes)(film, strip, &mut Vec::new()).to_vec())
+            .flat_map(|strip| column.bytes(film, strip, &mut Vec::new()).to_vec())
             .collect();
         let array = frame.read(column.name).unwrap();
         assert_eq!(array.n_components, column.n_components);

@@ -9,13 +9,14 @@ use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
 
-use super::measure::Measure;
 use super::{Rendering, frame, hits, nodes, surface, tiles as tile_image};
 use crate::chart::Range;
+use crate::cost::Metric;
 use crate::film::Film;
 use crate::folder::OutputFolder;
 use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill, value_of_panels};
 use crate::statistics::quantile;
+use crate::text::numbers::capitalized;
 
 const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
 const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
@@ -51,15 +52,15 @@ impl States {
         let film = rendering.film;
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
-        let measures = Measure::best_two(film);
+        let metrics = film.heatmap_metrics();
         let ((distances, counter), cost) = rayon::join(
             || {
                 (
                     Distances::of(film),
-                    measures.map(|[_, second]| counter_axis(film, second)),
+                    metrics.map(|[_, second]| counter_axis(film, second)),
                 )
             },
-            || cost_axis(film, measures.map(|[first, _]| first)),
+            || cost_axis(film, metrics.map(|[first, _]| first)),
         );
         let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
@@ -143,30 +144,37 @@ impl States {
 
 /// Returns the axis of the preferred cost metric, without outliers as in
 /// `cost.png`.
-fn cost_axis(film: &Film, measure: Option<Measure>) -> Axis {
+fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
     let axis =
         |array, name, range: Range| Axis::new(array, name, Spread::Log, [range.low, range.high]);
-    let Some(measure) = measure else {
+    let Some(metric) = metric else {
         let range = Range::of(film.rows(|strip| &strip.distance).flatten());
         return axis("distance", "Distance from the camera", range);
     };
-    let range = Range::of(&measure.of(film));
-    match measure.axis.strip_suffix(" (ns)") {
-        Some(name) => axis(measure.array, name, range).of_time(),
-        None => axis(measure.array, measure.axis, range),
+    let range = Range::of(&film.metric(metric));
+    let axis = axis(metric.name, &capitalized(metric.title), range);
+    if metric.is_timed() {
+        axis.of_time()
+    } else {
+        axis
     }
 }
 
-/// The measure without the one value in 200 that is least and the one that is
+/// The metric without the one value in 200 that is least and the one that is
 /// greatest; the ends are at least 1 apart.
-fn counter_axis(film: &Film, measure: Measure) -> Axis {
-    let mut counts = measure.of(film);
+fn counter_axis(film: &Film, metric: Metric) -> Axis {
+    let mut counts = film.metric(metric);
     let [low, high] = [1, 199].map(|part| {
         let count = quantile(&mut counts, [part, 200], f32::total_cmp);
         f64::from(count.unwrap_or_default())
     });
     let ends = [low, high.max(low + 1.0)];
-    Axis::new(measure.array, measure.axis, Spread::Linear, ends)
+    Axis::new(
+        metric.name,
+        &capitalized(metric.title),
+        Spread::Linear,
+        ends,
+    )
 }
 
 /// How far the hits are along their camera rays.

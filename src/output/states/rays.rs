@@ -4,10 +4,10 @@ use glam::Vec3;
 
 use super::Distances;
 use crate::attribution::TracedRay;
+use crate::cost::Metric;
 use crate::folder::OutputFolder;
 use crate::output::bounding_sphere::BoundingSphere;
-use crate::output::rays::{FILE, Rays};
-use crate::output::traced::CLOUD;
+use crate::output::rays::{CLOUD, FILE, Rays};
 use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill};
 
 const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
@@ -86,14 +86,18 @@ fn cost_axis(rays: &Rays) -> Axis {
     let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
     let axis = |array, name, high: f32| Axis::new(array, name, Spread::Linear, [0.0, high.into()]);
     if let Some(high) = high(|ray| ray.time_ns) {
-        return axis("time_ns", "Time of each ray", high).of_time();
+        return axis(Metric::TIME.name, "Time of each ray", high).of_time();
     }
     if let Some(high) = high(|ray| ray.node_visits as f32) {
-        return axis("node_visits", "BVH nodes visited by each ray", high);
+        return axis(
+            Metric::NODE_VISITS.name,
+            "BVH nodes visited by each ray",
+            high,
+        );
     }
     let high = high(|ray| ray.primitive_tests as f32);
     axis(
-        "primitive_tests",
+        Metric::PRIMITIVE_TESTS.name,
         "Primitive tests of each ray",
         high.unwrap_or(1.0),
     )

@@ -2,14 +2,7 @@
 
 /** The known arrays of a rendering, in the order of the menu. */
 const ARRAYS = {
-  time_ns: { group: "Cost", label: "Time", about: "thread time spent in the pixel", log: true },
-  node_visits: { group: "Cost", label: "Node visits", about: "BVH nodes entered by all rays of the pixel", log: true },
-  primitive_tests: { group: "Cost", label: "Primitive tests", about: "tests of rays against primitives", log: true },
-  rays: { group: "Cost", label: "Rays", about: "all rays of the pixel" },
-  shadow_rays: { group: "Cost", label: "Shadow rays", about: "rays toward lights" },
-  reflection_rays: { group: "Cost", label: "Reflection rays", about: "rays mirrored off surfaces" },
-  refraction_rays: { group: "Cost", label: "Refraction rays", about: "rays through surfaces" },
-  depth: { group: "Cost", label: "Depth", about: "longest path in bounces" },
+  ...Object.fromEntries(about.metrics.map(({ name, ...metric }) => [name, { group: "Cost", ...metric }])),
   tile: { group: "Work", label: "Tile", about: "the tile that the pixel was rendered in" },
   thread: { group: "Work", label: "Thread", about: "the thread that rendered the pixel" },
   distance: { group: "Geometry", label: "Distance", about: "from the camera along its ray" },

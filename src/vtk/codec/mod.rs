@@ -136,9 +136,7 @@ mod tests {
 
     #[test]
     fn a_wrong_name_gets_the_list_of_all_codecs() {
-        let message = crate::yaml::from_str::<Codec>("[]")
-            .unwrap_err()
-            .to_string();
+        let message = serde_yaml::from_str::<Codec>("[]").unwrap_err().to_string();
         for codec in Codec::value_variants() {
             let name = serde_json::to_string(codec).unwrap().replace('"', "`");
             assert!(message.contains(&name), "{message}");

@@ -109,7 +109,8 @@ impl Decompressed<'_> {
         if let Some(&length) = self.lengths.next() {
             self.compressed.clear();
             self.from.take(length).read_to_end(&mut self.compressed)?;
-            self.compressor.decompress_exact(&self.compressed, &mut self.block)?;
+            self.compressor
+                .decompress_exact(&self.compressed, &mut self.block)?;
         }
         Ok(())
     }

@@ -4,8 +4,6 @@
 use quick_xml::events::Event;
 use serde::Deserialize;
 
-use crate::config::MAX_SIDE;
-
 /// Most elements of a header, and most attributes of one; raycost's headers
 /// have a few dozen elements of at most seven attributes.
 const MAX_ELEMENTS: usize = 512;
@@ -154,7 +152,7 @@ impl ImagePieceElement {
         };
         let n = |from: i64, to: i64| {
             let n = to.checked_sub(from)?.checked_add(1)?;
-            u32::try_from(n).ok().filter(|&n| n > 0 && n <= MAX_SIDE)
+            u32::try_from(n).ok().filter(|&n| n > 0)
         };
         (n(z0, z1)? == 1).then_some(())?;
         Some((n(x0, x1)?, n(y0, y1)?))

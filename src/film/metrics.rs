@@ -1,0 +1,63 @@
+//! The cost metrics of a film.
+
+use super::{Film, Strip};
+use crate::cost::{Counter, Metric, RayKind, Source};
+
+impl Film {
+    /// Overwrites `counts` with a counted metric of the pixels of a strip.
+    pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
+        counts.clear();
+        match metric.source {
+            Source::Clock => counts.resize(strip.rgb.len(), 0),
+            Source::Counter(counter) => {
+                counts.resize(strip.rgb.len(), 0);
+                self.add_counts(strip, counter, counts);
+            }
+            Source::AllRays => {
+                counts.resize(strip.rgb.len(), self.n_samples);
+                for counter in RayKind::ALL.into_iter().filter_map(Counter::of_rays) {
+                    self.add_counts(strip, counter, counts);
+                }
+            }
+        }
+    }
+
+    /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24
+    /// are rounded.
+    pub fn metric(&self, metric: Metric) -> Vec<f32> {
+        if metric.is_timed() {
+            return self
+                .rows(|strip| &strip.time_ns)
+                .flatten()
+                .copied()
+                .collect();
+        }
+        let (mut of_strip, mut all) = (Vec::new(), Vec::new());
+        for strip in &self.strips {
+            self.counts(strip, metric, &mut of_strip);
+            all.extend(of_strip.iter().map(|&count| count as f32));
+        }
+        all
+    }
+
+    /// Returns the first two metrics of [`Metric::ALL`] that are not zero in the
+    /// film: without a hierarchy, for example, there are no node visits. `None`
+    /// for a film without cost.
+    pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
+        let mut shown = Metric::ALL
+            .into_iter()
+            .filter(|&metric| self.has_any(metric));
+        Some([shown.next()?, shown.next()?])
+    }
+
+    fn has_any(&self, metric: Metric) -> bool {
+        if metric.is_timed() {
+            return self.cost.has_time();
+        }
+        let mut of_strip = Vec::new();
+        self.strips.iter().any(|strip| {
+            self.counts(strip, metric, &mut of_strip);
+            of_strip.iter().any(|&count| count > 0)
+        })
+    }
+}
