@@ -10,17 +10,9 @@
 use std::time::Instant as OsInstant;
 
 use super::cpu;
+#[cfg(target_arch = "x86_64")]
+use super::tsc;
 use crate::statistics::median;
-
-/// Duration of the calibration. The operating system's clock is accurate to
-/// about 50 ns, so that the rate is accurate to 0.01 % after 0.5 ms.
-#[cfg(target_arch = "x86_64")]
-const CALIBRATION: std::time::Duration = std::time::Duration::from_micros(500);
-
-/// Comparisons of both clocks at each end of the calibration. The one with the
-/// least time between its readings is used: an interrupt may delay the others.
-#[cfg(target_arch = "x86_64")]
-const N_COMPARISONS: usize = 4;
 
 /// Back-to-back readings whose median is the overhead of the clock.
 const N_READINGS: usize = 1001;
@@ -28,13 +20,13 @@ const N_READINGS: usize = 1001;
 /// A calibrated clock.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
-    source: Source,
+    source: ClockSource,
     /// Cost of one reading.
     overhead_ns: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Source {
+enum ClockSource {
     /// The x86-64 time stamp counter.
     #[cfg(target_arch = "x86_64")]
     Tsc { ns_per_tick: f64 },
@@ -64,7 +56,7 @@ impl Clock {
     /// Chooses and calibrates the clock; takes about 0.5 ms.
     pub fn calibrated() -> Self {
         let mut clock = Self {
-            source: Source::best(),
+            source: ClockSource::best(),
             overhead_ns: 0.0,
         };
         clock.overhead_ns = clock.measured_overhead_ns();
@@ -76,11 +68,11 @@ impl Clock {
     pub fn now(&self) -> Instant {
         match self.source {
             #[cfg(target_arch = "x86_64")]
-            Source::Tsc { .. } => {
+            ClockSource::Tsc { .. } => {
                 let (ticks, cpu) = tsc::read();
                 Instant { ticks, cpu }
             }
-            Source::Os { start } => Instant {
+            ClockSource::Os { start } => Instant {
                 ticks: start.elapsed().as_nanos() as u64,
                 cpu: cpu::current(),
             },
@@ -103,8 +95,8 @@ impl Clock {
     pub fn source_name(&self) -> &'static str {
         match self.source {
             #[cfg(target_arch = "x86_64")]
-            Source::Tsc { .. } => "tsc",
-            Source::Os { .. } => "os",
+            ClockSource::Tsc { .. } => "tsc",
+            ClockSource::Os { .. } => "os",
         }
     }
 
@@ -112,8 +104,8 @@ impl Clock {
         let ticks = to.ticks.saturating_sub(from.ticks) as f64;
         match self.source {
             #[cfg(target_arch = "x86_64")]
-            Source::Tsc { ns_per_tick } => ticks * ns_per_tick,
-            Source::Os { .. } => ticks,
+            ClockSource::Tsc { ns_per_tick } => ticks * ns_per_tick,
+            ClockSource::Os { .. } => ticks,
         }
     }
 
@@ -129,7 +121,7 @@ impl Clock {
     }
 }
 
-impl Source {
+impl ClockSource {
     #[cfg(target_arch = "x86_64")]
     fn best() -> Self {
         if !tsc::is_usable() {
@@ -137,14 +129,9 @@ impl Source {
                 start: OsInstant::now(),
             };
         }
-        let start = OsInstant::now();
-        let ns_per_tick = ns_per_tick(|| {
-            let (before, _) = tsc::read();
-            let os = start.elapsed();
-            let (after, _) = tsc::read();
-            Comparison { before, os, after }
-        });
-        Self::Tsc { ns_per_tick }
+        Self::Tsc {
+            ns_per_tick: tsc::ns_per_tick(),
+        }
     }
 
     #[cfg(not(target_arch = "x86_64"))]
@@ -152,91 +139,6 @@ impl Source {
         Self::Os {
             start: OsInstant::now(),
         }
-    }
-}
-
-/// A reading of the operating system's clock between two of the counter.
-#[cfg(target_arch = "x86_64")]
-#[derive(Debug, Clone, Copy)]
-struct Comparison {
-    before: u64,
-    os: std::time::Duration,
-    after: u64,
-}
-
-#[cfg(target_arch = "x86_64")]
-impl Comparison {
-    /// Returns the comparison with the smallest gap, each made right after a tick
-    /// of the operating system's clock, which may be coarse.
-    fn closest(compare: &mut impl FnMut() -> Self) -> Self {
-        let mut after_tick = || {
-            let first = compare();
-            loop {
-                let next = compare();
-                if next.os > first.os {
-                    return next;
-                }
-            }
-        };
-        let mut best = after_tick();
-        for _ in 1..N_COMPARISONS {
-            let next = after_tick();
-            if next.gap() < best.gap() {
-                best = next;
-            }
-        }
-        best
-    }
-
-    fn gap(self) -> u64 {
-        self.after.saturating_sub(self.before)
-    }
-
-    fn middle(self) -> u64 {
-        self.before + self.gap() / 2
-    }
-}
-
-/// Measures the counter's period with `compare` for about [`CALIBRATION`].
-#[cfg(target_arch = "x86_64")]
-fn ns_per_tick(mut compare: impl FnMut() -> Comparison) -> f64 {
-    let start = Comparison::closest(&mut compare);
-    loop {
-        let end = Comparison::closest(&mut compare);
-        let elapsed = end.os.saturating_sub(start.os);
-        if elapsed >= CALIBRATION {
-            let n_ticks = end.middle().saturating_sub(start.middle());
-            return elapsed.as_nanos() as f64 / n_ticks.max(1) as f64;
-        }
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-mod tsc {
-    use std::arch::x86_64::{__cpuid, __rdtscp};
-
-    /// Whether the counter is invariant and RDTSCP is available: CPUID leaf
-    /// 0x80000007, EDX bit 8, and leaf 0x80000001, EDX bit 27.
-    pub(super) fn is_usable() -> bool {
-        let has = |leaf: u32, bit: u32| {
-            __cpuid(0x8000_0000).eax >= leaf && __cpuid(leaf).edx & (1 << bit) != 0
-        };
-        has(0x8000_0007, 8) && has(0x8000_0001, 27)
-    }
-
-    /// Reads the counter and IA32_TSC_AUX, which on Linux, macOS and Windows
-    /// identifies the CPU.
-    ///
-    /// RDTSCP waits for all earlier instructions, so that no load of a pixel
-    /// adds to the time of the next one. This takes a few nanoseconds more than
-    /// RDTSC (`cargo bench --bench clock`).
-    #[inline]
-    #[expect(unsafe_code, reason = "the instruction has no safe wrapper")]
-    pub(super) fn read() -> (u64, u32) {
-        let mut cpu = 0;
-        // SAFETY: `is_usable` has found RDTSCP, which only writes to `cpu`.
-        let ticks = unsafe { __rdtscp(&mut cpu) };
-        (ticks, cpu)
     }
 }
 
@@ -272,28 +174,6 @@ mod tests {
         let after = os_ns();
         let zero = Instant { ticks: 0, ..now };
         [before, clock.raw_ns(zero, now), after]
-    }
-
-    /// Simulates a counter of 3 GHz and a coarse clock of the operating system,
-    /// read by a thread that is interrupted for 10 ms now and then.
-    #[cfg(target_arch = "x86_64")]
-    #[test]
-    fn calibration_is_robust_to_interrupts_and_coarse_clocks() {
-        for (step_ns, n_undisturbed) in [(1, 7), (1, 1000), (1000, 5), (1_000_000, u64::MAX)] {
-            let (mut ns, mut n_readings) = (0_u64, 0_u64);
-            let mut read = || {
-                n_readings += 1;
-                let is_interrupted = n_readings.is_multiple_of(n_undisturbed);
-                ns += if is_interrupted { 10_000_000 } else { 25 };
-                ns
-            };
-            let found = ns_per_tick(|| Comparison {
-                before: 3 * read(),
-                os: Duration::from_nanos(read() / step_ns * step_ns),
-                after: 3 * read(),
-            });
-            assert!((3.0 * found - 1.0).abs() < 1e-2, "{step_ns}: {found}");
-        }
     }
 
     #[test]

@@ -11,6 +11,8 @@ mod interruption;
 mod meter;
 mod metric;
 mod probe;
+#[cfg(target_arch = "x86_64")]
+mod tsc;
 mod traversals;
 
 pub use clock::{Clock, Instant};
