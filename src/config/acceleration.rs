@@ -114,7 +114,7 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Acceleration, A::Error> {
-        let Bvh { quality } = Bvh::deserialize(MapAccessDeserializer::new(map))?;
+        let BvhSection { quality } = BvhSection::deserialize(MapAccessDeserializer::new(map))?;
         Ok(Acceleration::Bvh(quality))
     }
 }
@@ -122,6 +122,6 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
 /// The YAML mapping of a hierarchy.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Bvh {
+struct BvhSection {
     quality: Quality,
 }

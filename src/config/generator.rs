@@ -158,9 +158,9 @@ impl SphereGrid {
 /// Reads `[nx, ny, nz]`, with a product of at most [`MAX_SHAPES`].
 fn counts<'de, D: Deserializer<'de>>(d: D) -> Result<UVec3, D::Error> {
     #[derive(Deserialize)]
-    struct Count(#[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")] u32);
+    struct AxisCount(#[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")] u32);
 
-    let counts = <[Count; 3]>::deserialize(d)?.map(|Count(n)| n);
+    let counts = <[AxisCount; 3]>::deserialize(d)?.map(|AxisCount(n)| n);
     let product = counts
         .iter()
         .try_fold(1_u32, |product, &n| product.checked_mul(n));

@@ -91,7 +91,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Object, A::Error> {
         let (mut name, mut geometry, mut material, mut transform) = (None, None, None, Vec::new());
-        while let Some(Key(key)) = map.next_key()? {
+        while let Some(ObjectKey(key)) = map.next_key()? {
             match key {
                 "name" => name = Some(map.next_value::<Name>()?.0),
                 "material" => material = Some(map.next_value()?),
@@ -141,9 +141,9 @@ fn next_geometry<'de, A: MapAccess<'de>>(
 }
 
 /// One of [`KEYS`].
-struct Key(&'static str);
+struct ObjectKey(&'static str);
 
-impl<'de> Deserialize<'de> for Key {
+impl<'de> Deserialize<'de> for ObjectKey {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         let found = String::deserialize(d)?;
         match KEYS.iter().find(|key| **key == found) {

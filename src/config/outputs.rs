@@ -20,7 +20,7 @@ use crate::yaml::{self, Fault, Path};
 /// # assert_eq!((outputs.bvh.max_depth, outputs.bvh.min_visits), (10, 100));
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
-#[serde(from = "Vec<Entry>")]
+#[serde(from = "Vec<OutputEntry>")]
 pub struct Outputs {
     optional: Vec<OptionalOutput>,
     /// The nodes of the hierarchy that are written.
@@ -135,18 +135,18 @@ impl Outputs {
 }
 
 /// An entry of the list: a name, or a name with settings.
-enum Entry {
+enum OutputEntry {
     Plain(OptionalOutput),
     Bvh(BvhLimits),
 }
 
-impl From<Vec<Entry>> for Outputs {
-    fn from(entries: Vec<Entry>) -> Self {
+impl From<Vec<OutputEntry>> for Outputs {
+    fn from(entries: Vec<OutputEntry>) -> Self {
         let mut outputs = Self::default();
         for entry in entries {
             match entry {
-                Entry::Plain(requested) => outputs.add(requested),
-                Entry::Bvh(limits) => {
+                OutputEntry::Plain(requested) => outputs.add(requested),
+                OutputEntry::Bvh(limits) => {
                     outputs.add(OptionalOutput::Bvh);
                     outputs.bvh = limits;
                 }
@@ -156,28 +156,28 @@ impl From<Vec<Entry>> for Outputs {
     }
 }
 
-impl<'de> Deserialize<'de> for Entry {
+impl<'de> Deserialize<'de> for OutputEntry {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(EntryVisitor)
+        d.deserialize_any(OutputEntryVisitor)
     }
 }
 
-struct EntryVisitor;
+struct OutputEntryVisitor;
 
-impl<'de> Visitor<'de> for EntryVisitor {
-    type Value = Entry;
+impl<'de> Visitor<'de> for OutputEntryVisitor {
+    type Value = OutputEntry;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("`schedule`, `objects`, `surface`, `bvh` or { bvh: … }")
     }
 
-    fn visit_str<E: Error>(self, word: &str) -> Result<Entry, E> {
-        OptionalOutput::deserialize(word.into_deserializer()).map(Entry::Plain)
+    fn visit_str<E: Error>(self, word: &str) -> Result<OutputEntry, E> {
+        OptionalOutput::deserialize(word.into_deserializer()).map(OutputEntry::Plain)
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Entry, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OutputEntry, A::Error> {
         let settings = Settings::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Entry::Bvh(settings.bvh))
+        Ok(OutputEntry::Bvh(settings.bvh))
     }
 }
 
