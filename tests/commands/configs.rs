@@ -43,7 +43,7 @@ fn every_scene_begins_with_what_to_look_at() {
             .lines()
             .take_while(|line| line.starts_with('#'))
             .collect();
-        let tells = comment.iter().any(|line| line.contains("Look at"));
-        assert!(comment.len() >= 3 && tells, "{name}: {comment:?}");
+        let says_where = comment.iter().any(|line| line.contains("Look at"));
+        assert!(comment.len() >= 3 && says_where, "{name}: {comment:?}");
     }
 }

@@ -125,9 +125,10 @@ pub fn with_cost(config: Config, cost: CostMode) -> Config {
 
 /// Returns the film without the values that may differ: time, thread and tiles.
 pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
-    let counts = match film.cost.has_counters() {
-        true => Counter::ALL.map(|counter| counts(&film, counter)).into(),
-        false => Vec::new(),
+    let counts = if film.cost.has_counters() {
+        Counter::ALL.map(|counter| counts(&film, counter)).into()
+    } else {
+        Vec::new()
     };
     for strip in &mut film.strips {
         strip.time_ns.clear();

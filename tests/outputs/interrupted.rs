@@ -208,7 +208,7 @@ fn a_folder_of_two_runs_and_a_damaged_one_are_refused() {
         assert_success(&render(out, 80).arg(spp).output().unwrap());
     }
     assert_success(&check(&a));
-    // The same size, the same hits: only the run tells them apart.
+    // The same size, the same hits: only the run differs.
     fs::copy(b.join("frame.vti"), a.join("frame.vti")).unwrap();
     let view = raycost().arg("view").arg(&a).output().unwrap();
     assert_eq!(view.status.code(), Some(2));

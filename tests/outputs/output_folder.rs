@@ -131,14 +131,14 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
     let summary = summary(out);
 
     // Every file but the summary itself, with its length.
-    let mut told = Vec::new();
+    let mut listed = Vec::new();
     for file in summary["files"].as_array().unwrap() {
         let name = file["file"].as_str().unwrap();
         assert_eq!(file["bytes"], fs::metadata(out.join(name)).unwrap().len());
-        told.push(name);
+        listed.push(name);
     }
-    told.sort();
-    assert_eq!(told, FILES[..7]);
+    listed.sort();
+    assert_eq!(listed, FILES[..7]);
 
     // Totals: sums of the arrays, and of one another.
     let totals = &summary["cost"]["totals"];

@@ -1,5 +1,4 @@
-//! Output folders are read back as they were written, and what is damaged is
-//! told from what is whole.
+//! Reading inverts writing, and damaged files are refused.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -242,9 +241,10 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
             .chain([whole.len() - spare - 1])
         {
             fs::write(&path, &whole[..n]).unwrap();
-            let error = match path.ends_with("frame.vti") {
-                true => FrameFile::open(&path).map(drop),
-                false => HitsFile::open(&path).map(drop),
+            let error = if path.ends_with("frame.vti") {
+                FrameFile::open(&path).map(drop)
+            } else {
+                HitsFile::open(&path).map(drop)
             };
             let error = error.unwrap_err().to_string();
             assert!(error.contains("truncated") || n == 0, "{n}: {error}");

@@ -1,4 +1,4 @@
-//! `raycost view` writes a page that shows a rendering as it is.
+//! `raycost view` writes a page that shows the values of a rendering.
 
 mod browser;
 mod page;
@@ -12,7 +12,7 @@ use crate::common::{assert_success, in_repository, raycost};
 /// Columns and rows of most renderings.
 const SIZE: [u32; 2] = [40, 30];
 
-/// An output folder of a scene of `configs/`.
+/// Renders a scene of `configs/` into a new folder.
 fn rendered(scene: &str, flags: &[&str]) -> TempDir {
     rendered_at(SIZE, scene, flags)
 }
@@ -40,7 +40,7 @@ fn render(scene: &Path, folder: &Path, flags: &[&str]) {
     assert_success(&command.output().unwrap());
 }
 
-/// Writes the page of an output folder.
+/// Writes the page of an output folder and returns its path.
 fn viewed(folder: &Path) -> PathBuf {
     assert_success(&raycost().arg("view").arg(folder).output().unwrap());
     folder.join("view.html")

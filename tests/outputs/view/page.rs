@@ -1,4 +1,4 @@
-//! What needs no browser: when there is a page, where, and what is said.
+//! The file and the messages of `raycost view`, without a browser.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{rendered, rendered_at, viewed};
 use crate::common::{assert_success, raycost};
 
-/// What `raycost view` says when it refuses a folder.
+/// The error message of `raycost view` for a folder that it refuses.
 fn refusal(folder: &Path) -> String {
     let output = raycost().arg("view").arg(folder).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
@@ -19,14 +19,14 @@ fn the_same_rendering_gives_the_same_page() {
     let folder = rendered("seed_extended", &[]);
     let first = fs::read(viewed(folder.path())).unwrap();
     assert_eq!(first, fs::read(viewed(folder.path())).unwrap());
-    // Nothing is left behind.
+    // No temporary file is left behind.
     let names = fs::read_dir(folder.path()).unwrap();
     let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(names.into_iter().all(|name| !name.contains(".part")));
 }
 
 #[test]
-fn the_page_goes_where_it_is_sent() {
+fn out_sets_the_path_of_the_page() {
     let folder = rendered("seed_sphere", &[]);
     let page = folder.path().join("elsewhere.html");
     let mut command = raycost();
@@ -37,7 +37,7 @@ fn the_page_goes_where_it_is_sent() {
         .arg(&page);
     assert_success(&command.output().unwrap());
     assert!(page.exists() && !folder.path().join("view.html").exists());
-    // A folder that is not there is the machine's fault, as with `render`.
+    // A folder in place of the page is a failure of the system, as with `render`.
     let in_the_way = raycost()
         .arg("view")
         .arg(folder.path())
@@ -49,7 +49,7 @@ fn the_page_goes_where_it_is_sent() {
 }
 
 #[test]
-fn what_is_left_out_is_said() {
+fn a_note_says_what_was_not_measured() {
     let folder = rendered("seed_sphere", &["--no-cost"]);
     let output = raycost().arg("view").arg(folder.path()).output().unwrap();
     assert_success(&output);
@@ -59,14 +59,14 @@ fn what_is_left_out_is_said() {
 }
 
 #[test]
-fn a_folder_that_is_no_output_is_refused() {
+fn a_folder_without_output_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     assert!(refusal(folder.path()).contains("holds no output"));
     assert!(refusal(&folder.path().join("nowhere")).contains("cannot read the folder"));
 }
 
 #[test]
-fn an_output_that_is_not_whole_is_refused() {
+fn a_damaged_output_is_refused() {
     let folder = rendered("seed_sphere", &[]);
     let frame = folder.path().join("frame.vti");
     let bytes = fs::read(&frame).unwrap();
@@ -80,7 +80,7 @@ fn an_output_that_is_not_whole_is_refused() {
 }
 
 #[test]
-fn a_page_keeps_to_the_size_that_is_asked_for() {
+fn a_page_has_at_most_the_requested_size() {
     let folder = rendered_at([300, 200], "seed_extended", &["--cost", "counters"]);
     let page = folder.path().join("small.html");
     let view = |megabytes: &str| {
@@ -103,14 +103,14 @@ fn a_page_keeps_to_the_size_that_is_asked_for() {
             "{said}"
         );
         let written = fs::metadata(&page).unwrap().len();
-        let room = u64::from(n_bytes as u32);
-        // Not needlessly small, either.
+        let budget = u64::from(n_bytes as u32);
+        // The page uses most of the budget.
         assert!(
-            written <= room && written > room * 3 / 4,
-            "{written} of {room}"
+            written <= budget && written > budget * 3 / 4,
+            "{written} of {budget}"
         );
     }
-    // Enough room changes nothing.
+    // A sufficient budget changes nothing.
     assert_success(&view("10"));
     assert_eq!(fs::metadata(&page).unwrap().len(), whole);
 
@@ -133,7 +133,7 @@ fn a_page_keeps_to_the_size_that_is_asked_for() {
     }
 }
 
-/// What the page's script reads.
+/// The JSON that the page's script reads.
 fn about(folder: &Path) -> serde_json::Value {
     let page = fs::read_to_string(viewed(folder)).unwrap();
     let (_, about) = page.split_once("id=\"about\">").unwrap();

@@ -1,8 +1,8 @@
 //! The page in a real browser.
 
-mod edges;
-mod hands;
-mod looks;
+mod extremes;
+mod interaction;
+mod layout;
 mod values;
 
 use std::collections::HashSet;
@@ -15,7 +15,7 @@ use crate::common::chromium::Chromium;
 use crate::view::SIZE;
 use raycost::results::{LoadedArray, Results};
 
-/// A usual window.
+/// The size of a typical window.
 pub const WINDOW: [u32; 2] = [1400, 1000];
 
 /// All arrays of a rendering.
@@ -33,7 +33,7 @@ pub fn array<'a>(arrays: &'a [LoadedArray], name: &str) -> &'a LoadedArray {
     arrays.iter().find(|array| array.name == name).unwrap()
 }
 
-/// Puts the pointer on the middle of a pixel of a pane.
+/// Moves the pointer to the center of a pixel of a pane.
 pub fn point_at_pixel(browser: &mut Chromium, pane: &str, [x, y]: [u32; 2]) {
     let [left, top, width, height] = browser.place(&format!("{pane} canvas"));
     let at = |begin, size, i, n| begin + size * (f64::from(i) + 0.5) / f64::from(n);
@@ -41,7 +41,7 @@ pub fn point_at_pixel(browser: &mut Chromium, pane: &str, [x, y]: [u32; 2]) {
     browser.point("mouseMoved", x, y);
 }
 
-/// The probe's numbers of an array.
+/// The numbers of an array in the probe panel.
 pub fn probed(browser: &mut Chromium, array: &str) -> Vec<f64> {
     let values = browser.value(&format!(
         "Array.from(document.querySelectorAll('#probe [data-array={array}] data'), (data) => data.value)"
@@ -68,15 +68,16 @@ pub fn pixels(browser: &mut Chromium, pane: &str) -> Vec<[u8; 4]> {
         .collect()
 }
 
+/// The number of different colors in a part of a screenshot.
 pub fn n_colors(picture: &RgbaImage, [left, top, width, height]: [f64; 4]) -> usize {
-    let view = image::imageops::crop_imm(
+    let part = image::imageops::crop_imm(
         picture,
         left as u32,
         top as u32,
         width as u32,
         height as u32,
     );
-    let colors = view
+    let colors = part
         .to_image()
         .pixels()
         .map(|pixel| pixel.0)

@@ -1,4 +1,4 @@
-//! What the page shows is what the files hold.
+//! The page shows the values of the files.
 
 use serde_json::json;
 
@@ -58,7 +58,7 @@ fn the_panes_show_the_picture_and_the_array() {
         .collect();
     assert_eq!(shown, rgb);
 
-    // Inferno grows lighter: of two pixels the dearer one is never darker.
+    // Inferno grows lighter: a more expensive pixel is never darker.
     for (name, n_least) in [("time_ns", 10), ("node_visits", 3)] {
         choose(&mut browser, "#array", name);
         let lightness = |[r, g, b, _]: [u8; 4]| {
@@ -75,14 +75,14 @@ fn the_panes_show_the_picture_and_the_array() {
             "{name}"
         );
         pairs.dedup_by_key(|(_, lightness)| *lightness as i64);
-        assert!(pairs.len() >= n_least, "{name}: {} colours", pairs.len());
+        assert!(pairs.len() >= n_least, "{name}: {} colors", pairs.len());
     }
     browser.assert_calm();
 }
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn every_array_has_its_place_in_the_menu_and_its_map() {
+fn every_array_is_in_the_menu_and_has_a_map() {
     let folder = rendered("seed_extended", &[]);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     let entries =
@@ -143,7 +143,7 @@ fn a_range_of_the_histogram_marks_its_pixels() {
         "{}",
         browser.text("#marked")
     );
-    // The marked ones are blue and green, the others grey.
+    // Marked pixels are blue and green, the others gray.
     let marked = pixels(&mut browser, "#picture");
     let colored = marked.iter().map(|[r, _, b, _]| b > &(r + 40));
     assert!(colored.eq(is_marked));
@@ -156,7 +156,7 @@ fn a_range_of_the_histogram_marks_its_pixels() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn the_table_is_sorted_chosen_from_and_marks() {
+fn the_table_sorts_filters_and_marks() {
     let folder = rendered("seed_extended", &[]);
     replace_file(folder.path(), "objects.csv", OBJECTS.as_bytes());
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);

@@ -1,4 +1,4 @@
-//! The page can be used by hand and by keyboard, and read in any light.
+//! The page works by keyboard, and is legible in each color scheme and at each width.
 
 use super::{OBJECTS, WINDOW, choose, n_colors};
 use crate::common::chromium::Chromium;
@@ -7,10 +7,10 @@ use crate::view::{SIZE, rendered, rendered_at, viewed};
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn all_of_it_works_by_keyboard() {
+fn every_control_works_by_keyboard() {
     let folder = rendered("seed_extended", &[]);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
-    // Whatever can be used is reached, in the order of the page, and shows it.
+    // Tab reaches every control in the order of the page, with a visible focus.
     let mut reached = Vec::new();
     for _ in 0..30 {
         browser.press("Tab", false);
@@ -92,7 +92,7 @@ fn all_of_it_works_by_keyboard() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn the_cloud_is_turned_moved_and_colored() {
+fn the_cloud_rotates_and_changes_its_colors() {
     let folder = rendered_at([200, 150], "seed_extended", &[]);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     let canvas = browser.place("#cloud canvas");
@@ -120,7 +120,7 @@ fn the_cloud_is_turned_moved_and_colored() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn light_dark_wide_and_narrow_can_be_read() {
+fn text_has_enough_contrast_in_each_scheme_and_width() {
     let folder = rendered_at([400, 300], "seed_extended", &[]);
     replace_file(folder.path(), "objects.csv", OBJECTS.as_bytes());
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
@@ -172,7 +172,7 @@ fn light_dark_wide_and_narrow_can_be_read() {
     browser.assert_calm();
 }
 
-/// The contrast of two colours of CSS, as WCAG 2 has it.
+/// The contrast ratio of two CSS colors as defined by WCAG 2.
 fn contrast(a: &str, b: &str) -> f64 {
     let luminance = |color: &str| {
         let channels = color

@@ -1,4 +1,4 @@
-//! Renderings of which there is little, much, or anything in their names.
+//! Renderings that are tiny, large, without cost, or have hostile names.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use crate::view::{render, rendered, viewed};
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn a_rendering_without_cost_is_shown_by_its_geometry() {
+fn a_rendering_without_cost_shows_its_geometry() {
     let folder = rendered("seed_sphere", &["--no-cost"]);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     assert_eq!(browser.text("#map-title"), "Distance");
@@ -27,7 +27,7 @@ fn a_rendering_without_cost_is_shown_by_its_geometry() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn nothing_and_almost_nothing_can_be_shown() {
+fn an_empty_rendering_and_a_single_pixel_are_shown() {
     let sphere = "{ center: [0, 0, 0], radius: 0.001 }";
     for (name, flags) in [
         ("empty", ["--width", "9", "--height", "4"]),
@@ -52,7 +52,7 @@ fn nothing_and_almost_nothing_can_be_shown() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn names_of_the_scene_stay_text() {
+fn names_in_the_scene_are_never_markup() {
     let evil = "</script><script>document.title = 'owned'</script><b>{{script}}&amp;";
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("<b>scene & {{about}}.yaml");
@@ -62,7 +62,7 @@ fn names_of_the_scene_stay_text() {
     )
     .unwrap();
     render(&scene, folder.path(), &["--width", "20", "--height", "20"]);
-    // An array may be called anything, too.
+    // The name of an array may be hostile, too.
     let frame = folder.path().join("frame.vti");
     let bytes = fs::read(&frame).unwrap();
     let name = b"Name=\"shadow_rays\"";
@@ -91,7 +91,7 @@ fn names_of_the_scene_stay_text() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn a_large_rendering_is_thinned_out_and_says_so() {
+fn a_large_rendering_is_subsampled_with_a_note() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.yaml");
     fs::write(
@@ -136,7 +136,7 @@ fn a_large_rendering_is_thinned_out_and_says_so() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn every_point_of_a_picture_that_is_whole_is_in_the_cloud() {
+fn the_cloud_of_a_whole_picture_has_all_points() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.yaml");
     fs::write(
@@ -144,7 +144,6 @@ fn every_point_of_a_picture_that_is_whole_is_in_the_cloud() {
         small_scene("{ center: [0, 0, 0], radius: 10 }", "plain"),
     )
     .unwrap();
-    // 440,000 of them: more than the 400,000 that were the limit.
     let flags = ["--width", "800", "--height", "550"];
     render(&scene, folder.path(), &flags);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
@@ -172,6 +171,7 @@ objects:
     )
 }
 
+/// Moves the pointer to a position given as fractions of the picture's size.
 fn point_at_share(browser: &mut Chromium, x: f64, y: f64) {
     let [left, top, width, height] = browser.place("#picture canvas");
     browser.point("mouseMoved", left + x * width, top + y * height);

@@ -1,8 +1,9 @@
-//! What `raycost trace` prints and writes.
+//! `raycost trace` prints trees of rays and writes all rays to `rays.vtp`.
+
+mod hottest;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, counts, film, in_repository, raycost, with_cost};
@@ -10,7 +11,7 @@ use raycost::config::CostMode;
 use raycost::cost::Counter;
 use raycost::text::numbers::count;
 
-/// Traces pixels of a scene of `configs/` into a folder; gives what is printed.
+/// Traces pixels of a scene of `configs/` into a folder and returns the printed text.
 fn trace(scene: &str, out: &Path, arguments: &[&str]) -> String {
     let output = raycost()
         .arg("trace")
@@ -43,7 +44,7 @@ camera            sphere 0 (blue)             1.64      1      4   0.050    0.05
 traced  5 rays of 1 pixel
 ";
     assert!(printed.starts_with(expected), "{printed}");
-    // The folder may have a blank in its name: then the path stands in quotes.
+    // The folder may have a blank in its name: then the path is quoted.
     let path = printed.trim_end().trim_end_matches('\'');
     assert!(path.ends_with("rays.pvsm"), "{printed}");
     let mut names: Vec<_> = fs::read_dir(out.path())
@@ -55,7 +56,7 @@ traced  5 rays of 1 pixel
 }
 
 #[test]
-fn a_time_is_printed_where_it_is_measured() {
+fn times_are_printed_if_measured() {
     let out = tempfile::tempdir().unwrap();
     let printed = trace("seed_extended", out.path(), &["--pixel=290,190"]);
     let header = printed.lines().next().unwrap();
@@ -73,7 +74,7 @@ fn a_time_is_printed_where_it_is_measured() {
 }
 
 #[test]
-fn of_many_pixels_a_few_are_printed_and_all_are_written() {
+fn all_pixels_are_written_and_a_few_printed() {
     let out = tempfile::tempdir().unwrap();
     let flags = ["--pixel=280..299,190..199", "--pixel=290,195", "--spp=3"];
     let printed = trace("seed_extended", out.path(), &flags);
@@ -93,7 +94,7 @@ fn of_many_pixels_a_few_are_printed_and_all_are_written() {
 }
 
 #[test]
-fn of_many_rays_a_few_are_printed() {
+fn a_few_of_many_rays_are_printed() {
     let out = tempfile::tempdir().unwrap();
     let printed = trace(
         "seed_extended",
@@ -126,14 +127,14 @@ fn a_color_above_1_is_limited_in_the_picture() {
 }
 
 #[test]
-fn quiet_says_nothing() {
+fn quiet_prints_nothing() {
     let out = tempfile::tempdir().unwrap();
     let printed = trace("seed_extended", out.path(), &["--pixel=3,4", "--quiet"]);
     assert_eq!(printed, "");
     assert!(out.path().join("rays.vtp").exists());
 }
 
-/// The film's counters, found again in the file alone.
+/// The counters in `rays.vtp` sum to those of the film.
 #[test]
 fn the_rays_of_the_file_add_up_to_the_pixels_of_the_film() {
     let mut config = with_cost(config("hall_of_mirrors"), CostMode::Counters);
@@ -172,7 +173,7 @@ fn the_rays_of_the_file_add_up_to_the_pixels_of_the_film() {
         crate::common::rays(&film)
     );
     assert_eq!(rays.n_cells, Some(film.totals.n_rays() as usize));
-    // Of two rays the second one's parent is the first, or a ray before both.
+    // A ray's parent precedes it.
     let parents = rays.array("parent").i32s();
     assert!(
         (0..)
@@ -182,7 +183,7 @@ fn the_rays_of_the_file_add_up_to_the_pixels_of_the_film() {
 }
 
 #[test]
-fn lines_run_from_where_rays_start_to_what_they_meet() {
+fn lines_run_from_the_origins_of_rays_to_their_hits() {
     let out = tempfile::tempdir().unwrap();
     trace(
         "seed_extended",
@@ -220,7 +221,7 @@ fn lines_run_from_where_rays_start_to_what_they_meet() {
 }
 
 #[test]
-fn what_cannot_be_traced_ends_with_2_before_anything_is_written() {
+fn invalid_pixels_are_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let scene = in_repository("configs/seed_extended.yaml");
     let cases = [
@@ -286,7 +287,7 @@ fn a_trace_leaves_the_files_of_a_rendering() {
 }
 
 #[test]
-fn other_files_are_not_for_a_trace() {
+fn optional_outputs_are_refused() {
     let scene = in_repository("configs/seed_sphere.yaml");
     let output = raycost()
         .arg("trace")
@@ -297,139 +298,4 @@ fn other_files_are_not_for_a_trace() {
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("give `--also` to `raycost render`"), "{said}");
-}
-
-/// The pixels of highest counts by a slow twin: all sorted, those of equal counts
-/// in the order of the picture.
-fn highest(counts: &[u32], width: usize, n: usize) -> Vec<String> {
-    let mut pixels: Vec<usize> = (0..counts.len()).collect();
-    pixels.sort_by_key(|&i| (std::cmp::Reverse(counts[i]), i));
-    let place = |i: &usize| format!("{},{}", i % width, i / width);
-    pixels[..n].iter().map(place).collect()
-}
-
-#[test]
-fn the_hottest_pixels_by_a_counter_are_the_same_each_time() {
-    let mut config = with_cost(config("hall_of_mirrors"), CostMode::Counters);
-    (config.image.width, config.image.height) = (64, 40);
-    let film = film(&config, 2);
-    let metrics = [
-        ("node_visits", Counter::NodeVisits),
-        // Many pixels have the same depth.
-        ("depth", Counter::Depth),
-    ];
-    for (metric, counter) in metrics {
-        let counts = counts(&film, counter);
-        let expected = highest(&counts, 64, 5);
-        for threads in ["--threads=1", "--threads=2"] {
-            let out = tempfile::tempdir().unwrap();
-            let by = format!("--by={metric}");
-            let flags = ["--width=64", "--height=40", "--hottest=5", &by, threads];
-            let printed = trace("hall_of_mirrors", out.path(), &flags);
-            let (_, found) = printed
-                .split_once(&format!("hottest by {metric}: "))
-                .unwrap();
-            let found = found.lines().next().unwrap().split(", ");
-            let found: Vec<&str> = found
-                .map(|pixel| pixel.split_once(' ').unwrap().0)
-                .collect();
-            assert_eq!(found, expected);
-            assert!(
-                printed.contains(&format!("pixel {} ", expected[0])),
-                "{printed}"
-            );
-            let rays = DataSet::read(&out.path().join("rays.vtp"));
-            let mut pixels: Vec<i32> = rays.array("pixel").i32s().collect();
-            pixels.dedup();
-            assert_eq!(pixels.len(), 5);
-        }
-    }
-}
-
-#[test]
-fn the_hottest_pixels_by_time_are_timed_whatever_the_scene_says() {
-    let out = tempfile::tempdir().unwrap();
-    let size = ["--width=32", "--height=24", "--hottest=2"];
-    for flags in [&[][..], &["--cost=counters", "--by=time_ns"][..]] {
-        let printed = trace("seed_extended", out.path(), &[&size, flags].concat());
-        assert!(printed.contains("\nhottest by time_ns: "), "{printed}");
-    }
-    let printed = trace(
-        "seed_extended",
-        out.path(),
-        &[&size[..], &["--no-cost"]].concat(),
-    );
-    assert!(printed.contains("\nhottest by node_visits: "), "{printed}");
-}
-
-#[test]
-fn what_cannot_be_the_hottest_is_refused() {
-    let out = tempfile::tempdir().unwrap();
-    let refusal = |arguments: &[&str]| {
-        let scene = in_repository("configs/seed_sphere.yaml");
-        let mut command = raycost();
-        command.arg("trace").arg(scene).arg("--out").arg(out.path());
-        let output = command.args(arguments).output().unwrap();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        String::from_utf8(output.stderr).unwrap()
-    };
-    for (arguments, message) in [
-        (&["--hottest=0"][..], "0 is not in 1..=10000"),
-        (&["--hottest=10001"][..], "10001 is not in 1..=10000"),
-        (&["--hottest=-1"][..], "invalid value '-1'"),
-        (&["--hottest=3", "--pixel=1,1"][..], "cannot be used with"),
-        (&["--by=rays"][..], "--hottest <N>"),
-        (&["--pixel=1,1", "--by=rays"][..], "cannot be used with"),
-        (&[][..], "--pixel <X,Y>"),
-        (
-            &["--hottest=3", "--by=cost"][..],
-            "possible values: time_ns, node_visits",
-        ),
-        (
-            &["--hottest=3", "--by=refraction_rays"][..],
-            "no pixel has any refraction rays",
-        ),
-    ] {
-        let found = refusal(arguments);
-        assert!(found.contains(message), "{arguments:?}: {found}");
-    }
-}
-
-#[test]
-fn render_names_the_most_expensive_pixel_and_how_to_trace_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("an out");
-    for mode in ["--cost=time", "--cost=counters"] {
-        let output = raycost()
-            .arg("render")
-            .arg(in_repository("configs/seed_extended.yaml"))
-            .args(["--width=40", "--height=30", "--spp=2", mode, "--out"])
-            .arg(&out)
-            .output()
-            .unwrap();
-        assert_success(&output);
-        let lines = String::from_utf8(output.stdout).unwrap();
-        let (_, hottest) = lines.split_once("\nhottest pixel ").unwrap();
-        assert!(hottest.contains("node visits"), "{lines}");
-        // The last line is a command of a shell, which traces that pixel.
-        let command = lines.lines().last().unwrap().trim_start();
-        let arguments = command.strip_prefix("raycost ").unwrap();
-        let program = env!("CARGO_BIN_EXE_raycost");
-        let typed = format!("'{program}' {arguments}");
-        let traced = Command::new("sh").arg("-c").arg(typed).output().unwrap();
-        assert_success(&traced);
-        let printed = String::from_utf8(traced.stdout).unwrap();
-        let pixel = hottest.split(' ').next().unwrap();
-        assert!(printed.starts_with(&format!("pixel {pixel} ")), "{printed}");
-        assert!(printed.contains("camera, sample 1"), "{printed}");
-    }
-    let output = raycost()
-        .arg("render")
-        .arg(in_repository("configs/seed_extended.yaml"))
-        .args(["--width=40", "--height=30", "--no-cost", "--out"])
-        .arg(&out)
-        .output()
-        .unwrap();
-    let lines = String::from_utf8(output.stdout).unwrap();
-    assert!(!lines.contains("hottest") && !lines.contains("raycost trace"));
 }

@@ -1,4 +1,4 @@
-//! What is pointed at, pinned, marked and ranged can be seen, however few or long.
+//! The probe, marks, ranges and long names are visible and work.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use super::{WINDOW, choose, point_at_pixel, probed};
 use crate::common::chromium::Chromium;
 use crate::view::{SIZE, render, rendered, rendered_at, viewed};
 
-/// A click of the pointer on the middle of a pixel of a pane.
+/// Clicks the center of a pixel of a pane.
 fn click_pixel(browser: &mut Chromium, pane: &str, [x, y]: [u32; 2]) {
     let [left, top, width, height] = browser.place(&format!("{pane} canvas"));
     let at = |begin, size, i, n| begin + size * (f64::from(i) + 0.5) / f64::from(n);
@@ -47,7 +47,7 @@ fn a_click_pins_the_probe_until_escape_or_another_click() {
     assert!(!is_pinned(&mut browser));
     assert_eq!(browser.text("#probe h2"), "Pixel 12, 13");
 
-    // By keyboard: the pin moves with the arrow keys, and says what it does.
+    // By keyboard: arrow keys move the pinned probe, which announces its changes.
     browser.value("document.querySelector('#picture .pane').focus()");
     browser.press("Enter", false);
     assert!(is_pinned(&mut browser));
@@ -69,7 +69,7 @@ fn a_click_pins_the_probe_until_escape_or_another_click() {
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
 fn a_single_marked_pixel_is_outlined() {
-    // One of 480,000 pixels, which the screen shows at less than its own size.
+    // One of 480,000 pixels, each smaller than a pixel of the screen.
     let folder = rendered_at([800, 600], "seed_extended", &["--cost", "counters"]);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     choose(&mut browser, "#array", "RGB.0");
@@ -119,14 +119,14 @@ fn a_single_marked_pixel_is_outlined() {
 #[ignore = "needs Chromium: run tests/with-chromium"]
 fn outliers_leave_the_histogram_and_the_colors_wide() {
     let folder = rendered("seed_extended", &["--spp", "2"]);
-    // One pixel took a second, as one that was interrupted.
+    // One pixel takes a second, as if it was interrupted.
     let frame = folder.path().join("frame.vti");
     let mut bytes = fs::read(&frame).unwrap();
     let times = super::array(&super::arrays(folder.path()), "time_ns").clone();
     let one = |i: usize| (times.values.at(i) as f32).to_le_bytes();
     let run = [one(600), one(601), one(602)].concat();
     let at = bytes.windows(run.len()).position(|window| window == run);
-    let at = at.expect("the frame holds its times as they are");
+    let at = at.expect("the frame stores its times uncompressed");
     bytes[at..at + 4].copy_from_slice(&1e9_f32.to_le_bytes());
     fs::write(&frame, bytes).unwrap();
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);

@@ -1,0 +1,224 @@
+//! `raycost diff` reports exact differences, and its gate fails only for significant
+//! ones.
+
+mod noise;
+mod values;
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use serde_json::{Value, json};
+
+use crate::common::{assert_success, raycost, replace_file};
+
+/// A scene with mirrors, a plane, which has no bounding box, and a background.
+const SCENE: &str = "
+image: { width: 50, height: 40 }
+camera:
+  look_at: { eye: [0, 1, 5], target: [0, 0.5, 0], fov_y_deg: 40 }
+materials:
+  red: { color: [1, 0.2, 0.1], reflection: 0.3 }
+lights:
+  - point: { position: [3, 5, 9] }
+objects:
+  - sphere: { center: [0.5, 0.3, 0], radius: 1 }
+    material: red
+    name: ball
+  - plane: { point: [0, -1, 0], normal: [0, 1, 0] }
+    material: red
+  - sphere_cloud: { count: 40, min: [-2, 0, -2], max: [2, 2, 2], radius: [0.05, 0.2], seed: 3 }
+    material: red
+";
+
+/// Renders the scene twice in a new folder: `a`, and `b` without a hierarchy.
+fn outputs(arguments: &[&str]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let brute_force = format!("{SCENE}acceleration: brute_force\n");
+    render(folder.path(), "a", SCENE, arguments);
+    render(folder.path(), "b", &brute_force, arguments);
+    folder
+}
+
+fn render(folder: &Path, name: &str, scene: &str, arguments: &[&str]) {
+    let file = folder.join(name).with_extension("yaml");
+    fs::write(&file, scene).unwrap();
+    let output = raycost()
+        .arg("render")
+        .arg(file)
+        .args(["--quiet", "--out"])
+        .arg(folder.join(name))
+        .args(arguments)
+        .output();
+    assert_success(&output.unwrap());
+}
+
+fn diff(folder: &Path, arguments: &[&str]) -> Output {
+    raycost()
+        .arg("diff")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// The output of `--json`, and the exit code.
+fn json_report(folder: &Path, arguments: &[&str]) -> (Value, Option<i32>) {
+    let output = diff(folder, &[arguments, &["--json"]].concat());
+    let value = serde_json::from_slice(&output.stdout);
+    (value.unwrap_or(Value::Null), output.status.code())
+}
+
+/// The error message of a call with exit code 2.
+fn error(folder: &Path, arguments: &[&str]) -> String {
+    let output = diff(folder, arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(output.stdout.is_empty(), "{message}");
+    message
+}
+
+#[test]
+fn an_output_does_not_differ_from_itself() {
+    let folder = outputs(&["--cost=counters"]);
+    let output = diff(folder.path(), &["a", "a", "--fail-above", "0%"]);
+    assert_success(&output);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for line in [
+        "nodes + tests by tile: the same",
+        "picture   the same colors\n",
+        "settings  the same\n",
+        "machine   the same\n",
+        "gate      passed: +0.0 % of node visits + primitive tests; 0 % may be added\n",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    let mut files: Vec<_> = fs::read_dir(folder.path().join("out/diff-a-a"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["diff.json", "diff.png", "diff.pvsm", "diff.vti"]);
+}
+
+#[test]
+fn objects_are_compared_by_ray_hits_if_both_outputs_have_tables() {
+    let folder = outputs(&["--cost=counters"]);
+    let table = |visits: [u32; 2]| {
+        let [ball, plane] = visits;
+        format!(
+            "kind,id,name,charge,ray_kind,pixels,rays,node_visits,primitive_tests,time_ns\n\
+             object,0,ball,hit,all,1,1,{ball},1,\n\
+             object,0,ball,hit,camera,1,1,999,1,\n\
+             object,0,ball,primary,all,1,1,999,1,\n\
+             object,1,\"the, plane\",hit,all,1,1,{plane},1,\n\
+             material,0,red,hit,all,1,1,999,1,\n"
+        )
+    };
+    let write = |side: &str, text: &str| {
+        replace_file(&folder.path().join(side), "objects.csv", text.as_bytes());
+    };
+    write("a", &table([10, 20]));
+    assert_eq!(
+        json_report(folder.path(), &["a", "b"]).0["objects_reached"],
+        json!([])
+    );
+    write("b", &table([11, 50]));
+    let (found, _) = json_report(folder.path(), &["a", "b"]);
+    let reached = found["objects_reached"].as_array().unwrap();
+    let visits = |i: usize| &reached[i]["totals"]["node_visits"];
+    assert_eq!(reached.len(), 2);
+    assert_eq!(reached[0]["name"], json!("the, plane"));
+    assert_eq!(
+        visits(0),
+        &json!({ "a": 20, "b": 50, "difference": 30, "ratio": 2.5 })
+    );
+    assert_eq!(
+        (&reached[1]["name"], &visits(1)["b"]),
+        (&json!("ball"), &json!(11))
+    );
+    write("b", "kind,name\n");
+    let message = error(folder.path(), &["a", "b"]);
+    assert!(
+        message.contains("objects.csv`: it has no column `charge`"),
+        "{message}"
+    );
+}
+
+#[test]
+fn outputs_that_cannot_be_compared_are_refused() {
+    let folder = outputs(&["--cost=counters"]);
+    render(folder.path(), "small", SCENE, &["--width=8", "--height=6"]);
+    render(folder.path(), "bare", SCENE, &["--no-cost"]);
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    for (arguments, message, help) in [
+        (
+            ["a", "nowhere"],
+            "`nowhere`",
+            "give a folder that `raycost render` wrote",
+        ),
+        (
+            ["empty", "a"],
+            "`empty` holds no output",
+            "give a folder that `raycost render` wrote",
+        ),
+        (
+            ["a.yaml", "a"],
+            "`a.yaml`",
+            "give a folder that `raycost render` wrote",
+        ),
+        (
+            ["a", "small"],
+            "the pictures differ in size: `a` has 50 x 40, `small` has 8 x 6 pixels",
+            "render B again with `--width 50 --height 40`",
+        ),
+        (
+            ["bare", "a"],
+            "`bare` holds no cost to compare",
+            "render it again without `--no-cost`",
+        ),
+    ] {
+        let found = error(folder.path(), &arguments);
+        assert!(found.contains(message) && found.contains(help), "{found}");
+    }
+    for percent in ["5", "-5%", "%", "much", "nan%", "inf%"] {
+        let found = error(
+            folder.path(),
+            &["a", "b", &format!("--fail-above={percent}")],
+        );
+        assert!(found.contains("such as `5%`"), "{found}");
+    }
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn a_different_machine_is_reported() {
+    let folder = outputs(&[]);
+    let file = folder.path().join("b/summary.json");
+    let mut summary: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    summary["machine"]["cpu"] = json!("Babbage 1");
+    fs::write(file, summary.to_string()).unwrap();
+    let output = diff(folder.path(), &["a", "b"]);
+    assert_success(&output);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("A and B ran on different machines"), "{text}");
+    assert!(text.contains(" → \"Babbage 1\"\n"), "{text}");
+}
+
+/// The table of a diff of many objects and tiles is longer than the bytes by
+/// which raycost recognizes its own files.
+#[test]
+fn a_long_diff_can_be_written_again() {
+    let folder = outputs(&[
+        "--cost=counters",
+        "--width=320",
+        "--height=240",
+        "--tile-size=2",
+    ]);
+    for _ in 0..2 {
+        assert_success(&diff(folder.path(), &["a", "b"]));
+    }
+    let text = fs::read_to_string(folder.path().join("out/diff-a-b/diff.json"));
+    let length = text.map_or(0, |text| text.len());
+    assert!(length > 1 << 16, "{length}");
+}
