@@ -106,7 +106,7 @@ mod tests {
 
     /// Simulates a counter of 3 GHz and a coarse clock of the operating system,
     /// read by a thread that is interrupted for 10 ms now and then.
-        #[test]
+    #[test]
     fn calibration_is_robust_to_interrupts_and_coarse_clocks() {
         for (step_ns, n_undisturbed) in [(1, 7), (1, 1000), (1000, 5), (1_000_000, u64::MAX)] {
             let (mut ns, mut n_readings) = (0_u64, 0_u64);
