@@ -16,7 +16,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{DataCache, HardwareCounters, MachineLimits, MemoryBlock};
 use crate::accel::Simd;
-use crate::memory;
+use crate::host;
 
 /// Size of the smallest block in words of four bytes: 16 KiB.
 const MIN_WORDS: usize = 1 << 12;
@@ -47,7 +47,7 @@ impl MachineLimits {
         // All words are 1.0, so that no sum is subnormal.
         let line = Line([1_f32.to_bits(); N_LINE_WORDS]);
         let mut lines =
-            vec![line; max_block_bytes(&caches, memory::available()) / size_of::<Line>()];
+            vec![line; max_block_bytes(&caches, host::available_memory()) / size_of::<Line>()];
         let words: &mut [u32] = bytemuck::cast_slice_mut(&mut lines);
         let sizes = || {
             (0..)

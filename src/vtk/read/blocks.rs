@@ -134,11 +134,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::results::HitsFile;
     use crate::vtk::Codec;
     use crate::vtk::appended;
     use crate::vtk::array::Array;
     use crate::vtk::header::{DataSet, Mesh};
+    use crate::vtk::read::{DataArraysElement, VtkReader};
 
     /// Lengths around multiples of the block size, and any others.
     fn lengths() -> impl Strategy<Value = usize> {
@@ -182,9 +182,15 @@ mod tests {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         appended::write(&DataSet::Grid(cloud), codec.into(), &mut file).unwrap();
         file.flush().unwrap();
-        let mut hits = HitsFile::open(file.path()).unwrap();
-        assert_eq!(hits.n_points(), n);
-        let array = hits.read("bytes").unwrap();
-        (array.values.bytes().to_vec(), hits.read_points().unwrap())
+        let (file, header) = VtkReader::open(file.path()).unwrap();
+        let piece = header.grid.unwrap().piece;
+        assert_eq!(piece.n_points, n as u64);
+        let read = |arrays: &DataArraysElement| {
+            let location = file.place(&arrays.arrays[0], n as u64).unwrap();
+            file.read(&location, 1).unwrap()
+        };
+        let points = read(&piece.points);
+        let points = points.as_slice::<f32>().unwrap().as_chunks().0.to_vec();
+        (read(&piece.point_data).bytes().to_vec(), points)
     }
 }
