@@ -47,6 +47,7 @@ pub mod attribution;
 pub mod instruments;
 pub mod chart;
 pub mod paraview;
+pub mod summary;
 pub mod output;
 pub mod memory;
 pub mod results;

@@ -48,7 +48,7 @@ fn main() {
         }
     }
     let n_primitives = primitives.len();
-    let made_by = raycost::output::build();
+    let made_by = raycost::summary::Build::current();
     println!(
         "{}",
         json!({ "n_rays": 2 * N_RAYS, "n_primitives": n_primitives, "made_by": made_by })

@@ -9,7 +9,7 @@ use crate::geometry::Aabb;
 pub(super) const NODE_COUNT: f64 = 1.0;
 
 /// Size and expected cost of a hierarchy.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BvhStatistics {
     /// Nodes of up to eight children.
     pub n_nodes: usize,

@@ -13,10 +13,11 @@ use crate::film::columns;
 use crate::folder::OutputFolder;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory;
-use crate::output::{self, Rendering, Threads};
+use crate::output::{self, Rendering};
 use crate::render::{N_RENDERINGS, Overhead, Plan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
+use crate::summary::Threads;
 use crate::text::{self, Diagnostic};
 
 /// Render a scene and write its files

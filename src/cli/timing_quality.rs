@@ -2,33 +2,34 @@
 
 use std::time::Duration;
 
-use crate::output::{Accounts, Rendering};
+use crate::output::{Rendering, thread_time};
 use crate::render::{N_ROUNDS, Overhead};
+use crate::summary::ThreadTime;
 use crate::text::numbers;
 
 /// Returns the lines that apply, each with a line feed.
 pub(super) fn lines(rendering: &Rendering) -> String {
-    let accounts = Accounts::of(rendering);
+    let time = thread_time(rendering);
     let lines = [
-        accounts.as_ref().map(threads),
-        accounts.and_then(|_| repeats(rendering)),
+        time.as_ref().map(threads),
+        time.and_then(|_| repeats(rendering)),
         rendering.overhead.as_ref().map(overhead),
     ];
     lines.into_iter().flatten().collect()
 }
 
 /// The breakdown of the threads' time.
-fn threads(accounts: &Accounts) -> String {
-    let percent = |part_ns| accounts.percent(part_ns);
+fn threads(time: &ThreadTime) -> String {
+    let percent = |part_ns| time.percent(part_ns);
     format!(
         "threads {} at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % warm-up, \
          {:.1} % unexplained\n",
-        numbers::duration(Duration::from_nanos(accounts.busy_ns as u64)),
-        percent(accounts.pixels_ns),
-        percent(accounts.film_ns),
-        percent(accounts.clock_ns),
-        percent(accounts.warm_up_ns),
-        percent(accounts.unexplained_ns),
+        numbers::duration(Duration::from_nanos(time.busy_ns as u64)),
+        percent(time.pixels_ns),
+        percent(time.film_ns),
+        percent(time.clock_ns),
+        percent(time.warm_up_ns),
+        percent(time.unexplained_ns),
     )
 }
 

@@ -31,7 +31,7 @@ pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
 }
 
 fn side(side: &Side) -> Value {
-    json!({ "folder": side.name(), "scene": side.summary().get("scene") })
+    json!({ "folder": side.name(), "scene": side.summary().scene })
 }
 
 /// The totals by the names of the arrays.

@@ -168,6 +168,7 @@ impl Diff {
             Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
             None => None,
         };
+        let values = [a, b].map(|side| settings::values(side.summary()));
         Ok(Self {
             size,
             totals,
@@ -178,8 +179,8 @@ impl Diff {
             tiles: sorted(groups.tiles(size)),
             picture: PictureDifference::of(&a.colors()?, &b.colors()?),
             n_other_objects: groups.n_other_objects,
-            settings: settings::of_run(a.summary(), b.summary()),
-            machine: settings::of_machine(a.summary(), b.summary()),
+            settings: settings::of_run(&values),
+            machine: settings::of_machine(&values),
         })
     }
 }

@@ -3,6 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::summary::Summary;
+
 /// A setting, or a property of the machine, that differs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
@@ -34,20 +36,28 @@ const SETTINGS: [&str; 13] = [
     "schedule/order",
 ];
 
+/// Returns the values of a summary, by its keys.
+pub(super) fn values(summary: &Summary) -> Value {
+    // Cannot fail: all keys are strings.
+    serde_json::to_value(summary).unwrap_or_default()
+}
+
 /// Returns the differences of machine and program.
-pub(super) fn of_machine(a: &Value, b: &Value) -> Vec<Setting> {
-    differences(&MACHINE, a, b)
+pub(super) fn of_machine(sides: &[Value; 2]) -> Vec<Setting> {
+    differences(&MACHINE, sides)
 }
 
 /// Returns the differences of the settings.
-pub(super) fn of_run(a: &Value, b: &Value) -> Vec<Setting> {
-    differences(&SETTINGS, a, b)
+pub(super) fn of_run(sides: &[Value; 2]) -> Vec<Setting> {
+    differences(&SETTINGS, sides)
 }
 
-fn differences(paths: &[&str], a: &Value, b: &Value) -> Vec<Setting> {
+fn differences(paths: &[&str], sides: &[Value; 2]) -> Vec<Setting> {
     let mut found = Vec::new();
     for path in paths {
-        let [a, b] = [a, b].map(|summary| summary.pointer(&format!("/{path}")));
+        let [a, b] = sides
+            .each_ref()
+            .map(|summary| summary.pointer(&format!("/{path}")));
         let name = path.replace('/', ".");
         compare(
             name,
@@ -94,18 +104,19 @@ mod tests {
             "acceleration": { "kind": "brute_force", "quality": null, "bvh": null },
             "machine": { "cpu": "two" }, "n_hits": 5,
         });
+        let sides = [a, b];
         let named = |settings: Vec<Setting>| -> Vec<String> {
             let line = |setting: Setting| format!("{} {} {}", setting.name, setting.a, setting.b);
             settings.into_iter().map(line).collect()
         };
         assert_eq!(
-            named(of_run(&a, &b)),
+            named(of_run(&sides)),
             [
                 "image.seed 1 2",
                 "acceleration.kind \"bvh\" \"brute_force\"",
                 "acceleration.quality \"fast\" null"
             ]
         );
-        assert_eq!(named(of_machine(&a, &b)), ["machine.cpu \"one\" \"two\""]);
+        assert_eq!(named(of_machine(&sides)), ["machine.cpu \"one\" \"two\""]);
     }
 }

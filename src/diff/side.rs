@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
-
 use super::Metric;
 use crate::results::{ObjectsTable, Results};
+use crate::summary::{self, Summary};
 use crate::text::Diagnostic;
 use crate::vtk::Scalar;
 
@@ -13,8 +12,6 @@ use crate::vtk::Scalar;
 #[derive(Debug)]
 pub struct Side {
     results: Results,
-    /// All of `summary.json`.
-    summary: Value,
     label: String,
     size: [u32; 2],
     arrays: Vec<String>,
@@ -38,7 +35,6 @@ impl Side {
         Ok(Self {
             size: [frame.width(), frame.height()],
             arrays: names.collect(),
-            summary: summary(&results.file("summary.json")?)?,
             results,
             label,
         })
@@ -59,9 +55,9 @@ impl Side {
         self.size
     }
 
-    /// All of `summary.json`.
-    pub fn summary(&self) -> &Value {
-        &self.summary
+    /// The contents of `summary.json`.
+    pub fn summary(&self) -> &Summary {
+        &self.results.summary
     }
 
     /// Reads `objects.csv`; `None` if the folder has none.
@@ -124,7 +120,7 @@ impl Side {
         if times.iter().all(|time| *time > 0.0) {
             return Ok(times.to_vec());
         }
-        let path = self.path_of("summary.json");
+        let path = self.path_of(summary::FILE);
         let message = format!("`{}`: the time of a repeat is not positive", path.display());
         Err(Diagnostic::new(message).with_help("render the scene again"))
     }
@@ -148,13 +144,9 @@ impl Side {
 
     /// The folder, the scene and the version of raycost, as one line.
     pub(super) fn sentence(&self) -> String {
-        let version = self.summary.get("raycost").and_then(Value::as_str);
-        format!(
-            "{}: {}, raycost {}",
-            self.name(),
-            self.results.summary.scene.file,
-            version.unwrap_or("of unknown version")
-        )
+        let summary = self.summary();
+        let (name, scene) = (self.name(), &summary.scene.file);
+        format!("{name}: {scene}, raycost {}", summary.raycost)
     }
 
     fn foreign(&self, array: &str) -> Diagnostic {
@@ -165,15 +157,6 @@ impl Side {
         );
         Diagnostic::new(message).with_help("render the scene again")
     }
-}
-
-fn summary(path: &Path) -> Result<Value, Diagnostic> {
-    let fail = |error: String| {
-        let message = format!("cannot read `{}`: {error}", path.display());
-        Diagnostic::new(message).with_help("render the scene again")
-    };
-    let text = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
-    serde_json::from_slice(&text).map_err(|error| fail(error.to_string()))
 }
 
 /// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but

@@ -56,7 +56,7 @@ use crate::text::numbers;
 pub(crate) const SUMMARY: &str = "summary.json";
 
 /// A file that was written.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone)]
 pub struct Written {
     /// Its name in the folder.
     pub file: &'static str,

@@ -30,7 +30,11 @@ pub(crate) enum Own {
     Marked(Vec<&'static str>),
 }
 
-/// `summary.json`, as far as it lists files.
+/// The part of `summary.json` that lists files.
+///
+/// Not [`Summary`](crate::summary::Summary): this module stands below it, and a
+/// damaged section elsewhere in the file must not turn raycost's own files into
+/// foreign ones.
 #[derive(Deserialize)]
 struct Listing {
     #[serde(rename = "raycost")]

@@ -1,9 +1,7 @@
 //! Resources of the operating system that the process has used.
 
-use serde::Serialize;
-
 /// Work of the operating system for all threads together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SystemWork {
     /// Page faults, minor and major.
     pub page_faults: u64,

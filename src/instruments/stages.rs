@@ -4,26 +4,23 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
-use serde::Serialize;
 
 use super::hardware::{Counts, HardwareCounters};
 use super::resources::SystemWork;
 use crate::text::numbers::milliseconds;
 
 /// A stage of a run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct Stage {
     /// Its name.
     pub name: &'static str,
     /// Its start and end.
-    #[serde(skip)]
     pub span: Range<Instant>,
     /// Wall time in milliseconds.
     pub wall_ms: f64,
     /// CPU time of all threads in milliseconds.
     pub cpu_ms: f64,
     /// The work of the operating system, if it is known.
-    #[serde(flatten)]
     pub system: Option<SystemWork>,
     /// Hardware counters; empty if there are none.
     pub events: Counts,

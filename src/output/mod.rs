@@ -6,7 +6,6 @@
 //! files.
 
 mod artifact;
-mod accounts;
 mod bounding_sphere;
 mod frame;
 mod heatmap;
@@ -19,13 +18,13 @@ mod run;
 mod states;
 mod summary;
 mod surface;
+mod thread_time;
 mod tiles;
 mod trace_events;
 mod traced;
 
 use std::time::Duration;
 
-pub use accounts::Accounts;
 pub use artifact::Artifact;
 pub(crate) use frame::FILE as FRAME;
 pub use frame::write as write_frame;
@@ -35,9 +34,8 @@ pub use nodes::write as write_nodes;
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS, rows_per_thing};
 pub use rays::Traced;
-pub(crate) use summary::is_whole;
-pub use summary::{Threads, build, machine};
 pub use surface::write as write_surface;
+pub use thread_time::thread_time;
 pub use tiles::write as write_tiles;
 pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 
@@ -56,6 +54,7 @@ use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::statistics::upper_median;
+use crate::summary::Threads;
 use crate::vtk::{Codec, compressed};
 
 /// Upper bound of the bytes per pixel to write pictures and files: a copy of the
@@ -142,7 +141,7 @@ pub fn write(
 
     let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
     let summary = staging.stage(SUMMARY, |out| {
-        summary::write(rendering, &stages, &written, run, out)
+        summary::of(rendering, &stages, &written, run).write(out)
     })?;
     written.push(summary.written());
     files.push(summary);

@@ -6,27 +6,21 @@
 //! appended raw data, with or without compressed blocks.
 
 mod objects;
-mod summary;
 mod verify;
 mod data;
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 pub use data::{ArrayInfo, FrameFile, HitsFile, LoadedArray};
 pub use objects::ObjectsTable;
-pub use summary::{
-    Acceleration, Camera, Clock, Cost, Image, ListedFile, Machine, Object, Repeats, SceneName,
-    Stage, Summary, Threads,
-};
 pub use verify::{Verdict, verify};
 
 use crate::folder::settle;
-use crate::host::{advice, available_memory};
+use crate::host::advice;
 use crate::provenance::checksum;
+use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::text::Diagnostic;
-use crate::text::numbers::{self, count, counted};
+use crate::text::numbers::{count, counted};
 
 /// An output folder whose summary has been read.
 #[derive(Debug, Clone)]
@@ -78,7 +72,7 @@ impl Results {
     /// from the summary's.
     pub fn frame(&self) -> Result<FrameFile, Diagnostic> {
         let frame = FrameFile::open(&self.file(crate::output::FRAME)?)?;
-        let Image { width, height, .. } = self.summary.image;
+        let ImageSection { width, height, .. } = self.summary.image;
         let found = (frame.width(), frame.height());
         if found != (width, height) {
             return Err(self.mixed(format!(
@@ -148,7 +142,7 @@ impl Results {
         Err(Diagnostic::new(message).with_help(self.advice()))
     }
 
-    fn listed(&self, name: &str) -> Option<&ListedFile> {
+    fn listed(&self, name: &str) -> Option<&FileEntry> {
         self.summary.files.iter().find(|file| file.name == name)
     }
 
@@ -193,29 +187,3 @@ pub fn read_unchanged<T>(
 
 /// Most calls of `read` that are repeated because a folder has changed.
 const MAX_RETRIES: usize = 5;
-
-/// Most bytes of memory per byte of JSON: a list of digits has a value for every
-/// other byte.
-const MEMORY_PER_BYTE: u64 = 40;
-
-/// Reads a JSON file of at most `max_bytes`, whose values fit into the free memory.
-///
-/// # Errors
-/// The file is longer, or cannot be read.
-pub(crate) fn read_json(path: &Path, max_bytes: u64) -> io::Result<String> {
-    let too_long = |n_bytes: u64| {
-        let message = format!("it is longer than {}", numbers::bytes(n_bytes));
-        Err(io::Error::new(io::ErrorKind::InvalidData, message))
-    };
-    let max_bytes = max_bytes.min(available_memory() / MEMORY_PER_BYTE);
-    let file = File::open(path)?;
-    if file.metadata()?.len() > max_bytes {
-        return too_long(max_bytes);
-    }
-    let mut text = String::new();
-    let n_read = file.take(max_bytes + 1).read_to_string(&mut text)?;
-    if n_read as u64 > max_bytes {
-        return too_long(max_bytes);
-    }
-    Ok(text)
-}

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{ListedFile, Results, read_json, summary};
+use super::Results;
 use crate::folder::checksum_of;
-use crate::output::is_whole;
+use crate::summary::{self, FileEntry, is_whole, read_json};
 use crate::text::Diagnostic;
 use crate::text::numbers::count;
 
@@ -26,7 +26,7 @@ pub struct Verdict {
 pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
     let results = Results::open(folder)?;
     let files = results.summary.files.par_iter();
-    let verdict = |file: &ListedFile| Verdict {
+    let verdict = |file: &FileEntry| Verdict {
         name: file.name.clone(),
         fault: fault(folder, file).err(),
     };
@@ -38,7 +38,7 @@ pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
     Ok(verdicts)
 }
 
-fn fault(folder: &Path, listed: &ListedFile) -> Result<(), String> {
+fn fault(folder: &Path, listed: &FileEntry) -> Result<(), String> {
     let is_name = Path::new(&listed.name).file_name() == Some(listed.name.as_ref());
     if !is_name {
         return Err("this is not a file name".to_owned());

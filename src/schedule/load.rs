@@ -1,12 +1,10 @@
 //! How evenly the threads were busy.
 
-use serde::Serialize;
-
 use super::TileRun;
 
 /// How evenly the work was distributed. A thread is busy while it renders a tile.
 /// The rendering lasts from the begin of the first tile to the end of the last.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// The longest busy time of a thread over the mean of all threads, minus 1: how
     /// much longer the slowest thread was busy than in a balanced rendering.

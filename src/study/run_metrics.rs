@@ -2,9 +2,9 @@
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::accel::RAYS_IN_FLIGHT;
+use crate::summary::{ScheduleSection, StageEntry, Summary};
 
 /// Values by name, in a fixed order; a name ends with its unit.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -12,50 +12,50 @@ use crate::accel::RAYS_IN_FLIGHT;
 pub struct RunMetrics(pub IndexMap<String, f64>);
 
 impl RunMetrics {
-    /// Takes the metrics of a run from its `summary.json` and the wall time of its whole
+    /// Takes the metrics of a run from its summary and the wall time of its whole
     /// process in milliseconds.
-    pub fn of(summary: &Value, process_ms: f64) -> Self {
+    pub fn of(summary: &Summary, process_ms: f64) -> Self {
         let mut metrics = Self::default();
         metrics.add("process_ms", Some(process_ms));
-        for stage in items(&summary["stages"]) {
-            let name = stage["name"].as_str().unwrap_or_default();
-            for part in ["wall_ms", "cpu_ms", "page_faults", "context_switches"] {
-                metrics.add(&format!("{name}_{part}"), stage[part].as_f64());
-            }
-            for (event, count) in stage["events"].as_object().into_iter().flatten() {
-                metrics.add(&format!("{name}_{event}"), count.as_f64());
-            }
+        for stage in &summary.stages {
+            metrics.add_stage(stage);
         }
-        for part in ["load_imbalance", "idle_share"] {
-            metrics.add(part, summary["schedule"][part].as_f64());
+        let schedule = summary.schedule.as_ref();
+        let load = |part: fn(&ScheduleSection) -> Option<f64>| schedule.and_then(part);
+        metrics.add("load_imbalance", load(|schedule| schedule.load_imbalance));
+        metrics.add("idle_share", load(|schedule| schedule.idle_share));
+        metrics.add_count("peak_memory_bytes", summary.peak_memory_bytes);
+        metrics.add_count("n_primitives", Some(summary.n_primitives));
+        metrics.add_count("n_pixels", summary.n_pixels);
+        metrics.add_count("n_hits", Some(summary.n_hits));
+        let cost = &summary.cost;
+        for name in cost.totals.iter().flat_map(IndexMap::keys) {
+            metrics.add(name, cost.total(name));
         }
-        metrics.add("peak_memory_bytes", summary["peak_memory_bytes"].as_f64());
-        metrics.add("n_primitives", summary["n_primitives"].as_f64());
-        metrics.add("n_pixels", summary["n_pixels"].as_f64());
-        metrics.add("n_hits", summary["n_hits"].as_f64());
-        for (name, total) in summary["cost"]["totals"].as_object().into_iter().flatten() {
-            metrics.add(name, total.as_f64());
-        }
-        metrics.add(
-            "mrays_per_second",
-            summary["cost"]["mrays_per_second"].as_f64(),
-        );
-        for (name, value) in summary["acceleration"]["bvh"]
-            .as_object()
-            .into_iter()
-            .flatten()
-        {
+        metrics.add("mrays_per_second", cost.mrays_per_second);
+        let bvh = serde_json::to_value(summary.acceleration.bvh).unwrap_or_default();
+        for (name, value) in bvh.as_object().into_iter().flatten() {
             metrics.add(&format!("bvh_{name}"), value.as_f64());
         }
-        for file in items(&summary["files"]) {
-            let name = file["file"].as_str().unwrap_or_default().replace('.', "_");
-            for part in ["bytes", "write_ms"] {
-                metrics.add(&format!("{name}_{part}"), file[part].as_f64());
-            }
+        for file in &summary.files {
+            let name = file.name.replace('.', "_");
+            metrics.add_count(&format!("{name}_bytes"), Some(file.bytes));
+            metrics.add(&format!("{name}_write_ms"), file.write_ms);
         }
         metrics.add_ratios();
         metrics.add_costs_per_ray(summary);
         metrics
+    }
+
+    fn add_stage(&mut self, stage: &StageEntry) {
+        let name = &stage.name;
+        self.add(&format!("{name}_wall_ms"), Some(stage.wall_ms));
+        self.add(&format!("{name}_cpu_ms"), Some(stage.cpu_ms));
+        self.add_count(&format!("{name}_page_faults"), stage.page_faults);
+        self.add_count(&format!("{name}_context_switches"), stage.context_switches);
+        for (event, count) in &stage.events {
+            self.add_count(&format!("{name}_{event}"), Some(*count));
+        }
     }
 
     /// Adds time, instructions, bytes and fetches per ray.
@@ -63,14 +63,14 @@ impl RunMetrics {
     /// Bytes and fetches count nodes and leaves of the BVH as if each ray fetched its own,
     /// although rays in a packet share them. Each primitive test, also outside the BVH,
     /// counts as the mean over all leaves.
-    fn add_costs_per_ray(&mut self, summary: &Value) {
-        let rays_in_flight = match summary["cost"]["kernel"].as_str() {
+    fn add_costs_per_ray(&mut self, summary: &Summary) {
+        let rays_in_flight = match summary.cost.kernel.as_deref() {
             Some("stream") => Some(RAYS_IN_FLIGHT as f64),
             kernel => kernel.map(|_| 1.0),
         };
         self.add("rays_in_flight", rays_in_flight);
-        self.add("n_threads", summary["threads"]["used"].as_f64());
-        let n_repeats = summary["repeats"]["n"].as_f64().unwrap_or(1.0);
+        self.add("n_threads", Some(summary.threads.used as f64));
+        let n_repeats = summary.repeats.as_ref().map_or(1, |repeats| repeats.n) as f64;
         let of = |name: &str| self.0.get(name).copied();
         let per_ray = |name| Some(of(name)? / n_repeats / of("rays")?);
         let fetched = |per_visit: Option<f64>, per_test: Option<f64>| {
@@ -110,14 +110,15 @@ impl RunMetrics {
         }
     }
 
+    /// Adds a count, if there is one.
+    fn add_count(&mut self, name: &str, n: Option<u64>) {
+        self.add(name, n.map(|n| n as f64));
+    }
+
     /// Adds a metric if it has a value.
     fn add(&mut self, name: &str, value: Option<f64>) {
         if let Some(value) = value {
             self.0.insert(name.to_owned(), value);
         }
     }
-}
-
-fn items(list: &Value) -> impl Iterator<Item = &Value> {
-    list.as_array().into_iter().flatten()
 }

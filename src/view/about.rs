@@ -10,7 +10,8 @@ use super::hottest;
 use super::payload::type_name;
 use crate::config::CostMode;
 use crate::cost::Metric;
-use crate::results::{LoadedArray, Summary};
+use crate::results::LoadedArray;
+use crate::summary::{ObjectEntry, Summary};
 use crate::text::numbers::{capitalized, counted};
 
 /// Returns the JSON.
@@ -98,9 +99,8 @@ fn facts(summary: &Summary) -> Vec<String> {
         structure,
         counted(summary.threads.used as u64, "thread"),
     ];
-    let totals = summary.cost.totals.as_ref();
-    if let Some(Some(rays)) = totals.and_then(|totals| totals.get("rays")) {
-        facts.push(counted(*rays as u64, "ray"));
+    if let Some(n_rays) = summary.cost.total("rays") {
+        facts.push(counted(n_rays as u64, "ray"));
     }
     facts.extend(summary.machine.cpu.clone());
     facts
@@ -108,7 +108,7 @@ fn facts(summary: &Summary) -> Vec<String> {
 
 /// The label of each object: its name, or its shape if it has none.
 fn objects(summary: &Summary) -> Vec<Value> {
-    let label = |object: &crate::results::Object| {
+    let label = |object: &ObjectEntry| {
         let label = object.name.as_deref().unwrap_or(&object.kind);
         Value::from(label)
     };

@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 use super::frame::ShownPixels;
 use crate::film::{HotPixel, Times, highest_counts};
-use crate::results::{FrameFile, Summary};
+use crate::results::FrameFile;
+use crate::summary::Summary;
 use crate::text::Diagnostic;
 use crate::text::numbers::shell_word;
 use crate::vtk::ArrayValues;

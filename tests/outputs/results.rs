@@ -162,7 +162,7 @@ fn a_rendering_is_read() {
     let results = Results::open(folder.path()).unwrap();
     let mut frame = results.frame().unwrap();
     let visits = frame.read("node_visits").unwrap().values;
-    let total = results.summary.cost.totals.as_ref().unwrap()["node_visits"];
+    let total = results.summary.cost.total("node_visits");
     assert_eq!(total, Some(visits.iter().sum()));
     assert_eq!(results.summary.scene.name, "seed_extended");
     let n_hits = frame

@@ -16,12 +16,12 @@ use super::progress::StudyBar;
 use super::{Cli, Failure};
 use crate::folder::{Replace, lock_folder, refuse_file, write_file};
 use crate::instruments::{HardwareCounters, MachineLimits};
-use crate::output;
 use crate::stop;
 use crate::study::{
     Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
     StudyPoint, roofline_points, rows,
 };
+use crate::summary::{Build, Machine};
 use crate::text::{self, Diagnostic, numbers};
 use crate::yaml::{self, Fault, Source};
 
@@ -242,8 +242,8 @@ fn check(plan: &StudyPlan, point: &StudyPoint, folder: &Path) -> Result<(), Fail
 /// The provenance of the runs: logs with another one cannot be continued.
 fn made_by() -> Value {
     json!({
-        "machine": output::machine(),
-        "build": output::build(),
+        "machine": Machine::current(),
+        "build": Build::current(),
         "no_hardware_counters": HardwareCounters::start().why_not(),
     })
 }

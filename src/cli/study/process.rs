@@ -1,18 +1,16 @@
 //! One run of a study: a process of `raycost render`.
 
-use std::fs;
 use std::io;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::Mutex;
 use std::time::Instant;
 
-use serde_json::Value;
-
 use crate::cli::Failure;
 use crate::folder::Scratch;
 use crate::stop;
 use crate::study::{RunMetrics, StudyPlan, StudyPoint};
+use crate::summary::{self, Summary};
 use crate::text::Diagnostic;
 
 /// Renders a point in a process of its own, into a temporary folder in `out`. `folder` is
@@ -53,10 +51,7 @@ pub(super) fn render(
             Diagnostic::new(message).with_note(messages),
         ));
     }
-    let text = fs::read_to_string(out.join("summary.json"));
-    let text = text.map_err(|error| failed(format!("a run left no summary: {error}")))?;
-    let summary: Value = serde_json::from_str(&text)
-        .map_err(|error| failed(format!("a run left a broken summary: {error}")))?;
+    let summary = Summary::read(&out.join(summary::FILE)).map_err(Failure::Machine)?;
     Ok(RunMetrics::of(&summary, process_ms))
 }
 

@@ -1,0 +1,21 @@
+//! The breakdown of the threads' time.
+
+use super::Rendering;
+use crate::summary::ThreadTime;
+
+/// Computes the breakdown of a rendering; `None` if pixels were not timed.
+pub fn thread_time(rendering: &Rendering) -> Option<ThreadTime> {
+    let clock = rendering.meter.clock()?;
+    let repeats = rendering.repeats;
+    let n_readings = repeats.len() * rendering.config.image.n_pixels();
+    let busy_ns = repeats.iter().map(|repeat| repeat.busy_ns).sum::<u64>();
+    let film_ns = repeats.iter().map(|repeat| repeat.film_ns).sum::<u64>();
+    let warm_up_ns = repeats.iter().map(|repeat| repeat.warm_up_ns).sum::<u64>();
+    Some(ThreadTime::new(
+        busy_ns as f64,
+        repeats.iter().filter_map(|repeat| repeat.pixels_ns).sum(),
+        n_readings as f64 * clock.overhead_ns(),
+        film_ns as f64,
+        warm_up_ns as f64,
+    ))
+}

@@ -1,0 +1,89 @@
+//! `summary.json`: what was rendered, on which machine, and what it cost in
+//! total.
+//!
+//! One set of types describes the file: [`crate::output`] fills them in and
+//! writes them, and whatever reads an output folder gets them back from
+//! [`Summary::read`]. A reader ignores unknown keys. An optional field is null or
+//! absent in files whose run did not measure it, or whose raycost did not write
+//! it.
+
+mod cost;
+mod program;
+mod read;
+mod scene;
+mod timing;
+mod write;
+
+pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
+pub use program::{Build, Machine, Threads};
+pub(crate) use read::{MAX_BYTES, read_json};
+pub use scene::{AccelerationSection, CameraSection, ImageSection, ObjectEntry, SceneSection};
+pub use timing::{OverheadSection, RepeatsSection, StageEntry, ThreadTime};
+pub(crate) use write::is_whole;
+
+use serde::{Deserialize, Serialize};
+
+pub(crate) use crate::folder::SUMMARY as FILE;
+use crate::provenance::RunId;
+use crate::vtk::Codec;
+
+/// The contents of `summary.json`, in the order of its keys. The file has one
+/// more key at its end: the checksum of all bytes before it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The version of raycost that rendered.
+    pub raycost: String,
+    /// The ID of the run, which its other files also have.
+    #[serde(rename = "raycost_run")]
+    pub run: Option<RunId>,
+    /// The scene file.
+    pub scene: SceneSection,
+    /// Size and sampling of the picture.
+    pub image: ImageSection,
+    /// Positions of the pixels in world space.
+    pub camera: Option<CameraSection>,
+    /// The objects in the order of the scene file. The array `object` of the
+    /// pixels holds indices into this list.
+    pub objects: Vec<ObjectEntry>,
+    /// The names of the materials. The array `material` of the pixels holds
+    /// indices into this list.
+    pub materials: Vec<String>,
+    /// The number of primitives in the scene.
+    pub n_primitives: u64,
+    /// The number of triangles without area, which are not in the scene.
+    pub n_degenerate_triangles: Option<u64>,
+    /// The acceleration structure.
+    pub acceleration: AccelerationSection,
+    /// The machine that rendered.
+    pub machine: Machine,
+    /// The build of raycost that rendered.
+    pub build: Option<Build>,
+    /// The number of threads.
+    pub threads: Threads,
+    /// The stages of the run in their order.
+    pub stages: Vec<StageEntry>,
+    /// The repeated renderings of the picture.
+    pub repeats: Option<RepeatsSection>,
+    /// The breakdown of the threads' time; `None` if pixels were not timed.
+    pub thread_time: Option<ThreadTime>,
+    /// The overhead of measurement; `None` if it was not measured.
+    pub overhead: Option<OverheadSection>,
+    /// Why there are no hardware counters; `None` if there are.
+    pub no_hardware_counters: Option<String>,
+    /// Peak resident memory of the process in bytes; `None` if the system does
+    /// not report it.
+    pub peak_memory_bytes: Option<u64>,
+    /// The number of pixels.
+    pub n_pixels: Option<u64>,
+    /// The number of pixels whose camera rays hit an object.
+    pub n_hits: u64,
+    /// The measured cost of the whole picture.
+    pub cost: CostSection,
+    /// The distribution of tiles to threads.
+    pub schedule: Option<ScheduleSection>,
+    /// The compression of the VTK files.
+    pub compress: Option<Codec>,
+    /// The files of the run except the summary itself.
+    #[serde(default)]
+    pub files: Vec<FileEntry>,
+}

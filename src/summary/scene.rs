@@ -1,0 +1,108 @@
+//! The sections on the scene.
+
+use serde::{Deserialize, Serialize};
+
+use crate::accel::BvhStatistics;
+use crate::camera::{ImagePlane, Projection};
+use crate::config::{Acceleration, Image, Quality};
+
+/// The scene file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneSection {
+    /// The file's stem.
+    pub name: String,
+    /// The path as the user typed it.
+    pub file: String,
+}
+
+/// Size and sampling of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ImageSection {
+    /// The number of columns.
+    pub width: u32,
+    /// The number of rows.
+    pub height: u32,
+    /// The number of camera rays through each pixel.
+    pub samples_per_pixel: u32,
+    /// Seed of the sampling pattern.
+    pub seed: u64,
+}
+
+/// Positions of the pixels in world space. Either `eye` or `direction` is given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CameraSection {
+    /// The origin of all camera rays, of a perspective camera.
+    pub eye: Option<[f32; 3]>,
+    /// The direction of all camera rays, a unit vector, of an orthographic camera.
+    pub direction: Option<[f32; 3]>,
+    /// The sample point of the top left pixel.
+    pub origin: [f32; 3],
+    /// The step from one column to the next.
+    pub right: [f32; 3],
+    /// The step from one row to the row below.
+    pub down: [f32; 3],
+}
+
+/// An object of the scene file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ObjectEntry {
+    /// Its name, if the scene file gives one.
+    pub name: Option<String>,
+    /// Its shape: `sphere`, `mesh`, …
+    pub kind: String,
+    /// The names of its materials.
+    pub materials: Vec<String>,
+}
+
+/// The acceleration structure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AccelerationSection {
+    /// `bvh` or `brute_force`.
+    pub kind: String,
+    /// The quality of a BVH.
+    pub quality: Option<Quality>,
+    /// The size of a BVH.
+    pub bvh: Option<BvhStatistics>,
+}
+
+impl From<&Image> for ImageSection {
+    fn from(image: &Image) -> Self {
+        Self {
+            width: image.width,
+            height: image.height,
+            samples_per_pixel: image.samples_per_pixel,
+            seed: image.seed,
+        }
+    }
+}
+
+impl From<&ImagePlane> for CameraSection {
+    fn from(plane: &ImagePlane) -> Self {
+        let (eye, direction) = match plane.projection {
+            Projection::Perspective { eye } => (Some(eye.to_array()), None),
+            Projection::Parallel { direction } => (None, Some(direction.to_array())),
+        };
+        Self {
+            eye,
+            direction,
+            origin: plane.origin.to_array(),
+            right: plane.right.to_array(),
+            down: plane.down.to_array(),
+        }
+    }
+}
+
+impl AccelerationSection {
+    /// Describes a structure; `bvh` is the size of a BVH.
+    pub(crate) fn new(acceleration: Acceleration, bvh: Option<BvhStatistics>) -> Self {
+        let (kind, quality) = match acceleration {
+            Acceleration::Bvh(quality) => ("bvh", Some(quality)),
+            Acceleration::BruteForce => ("brute_force", None),
+        };
+        Self {
+            kind: kind.to_owned(),
+            quality,
+            bvh,
+        }
+    }
+}
