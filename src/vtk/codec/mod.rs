@@ -135,15 +135,6 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_name_gets_the_list_of_all_codecs() {
-        let message = serde_yaml::from_str::<Codec>("[]").unwrap_err().to_string();
-        for codec in Codec::value_variants() {
-            let name = serde_json::to_string(codec).unwrap().replace('"', "`");
-            assert!(message.contains(&name), "{message}");
-        }
-    }
-
-    #[test]
     fn a_vtk_class_names_its_compressor() {
         for compressor in compressors() {
             let found = <dyn Compressor>::of_vtk_class(compressor.vtk_class()).unwrap();
