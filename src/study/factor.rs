@@ -21,6 +21,9 @@ macro_rules! factors {
         }
 
         impl Factor {
+            /// The names of all factors.
+            pub const NAMES: &[&str] = &[$($name),+];
+
             /// The name in study files and results, such as `image_size`.
             pub fn name(self) -> &'static str {
                 match self {

@@ -1,12 +1,12 @@
-//! Laws of cost are found where they hold: with a fixed part and without, in
-//! noise, with as few points as there may be.
+//! Fitted cost laws are the true ones: with and without a fixed cost, with noise, and with
+//! the minimum number of samples.
 
 use proptest::prelude::*;
 use raycost::sampling::uniform;
 use raycost::study::{CostLaw, CostSample};
 
-/// Points of `fixed + factor * n^exponent`, each with its own noise, relative
-/// and roughly normal, whose interval is the one that repeats would give.
+/// Samples of `fixed + factor * n^exponent` with relative, approximately normal noise and the
+/// confidence interval that repeats would give.
 fn samples(law: [f64; 3], sizes: &[f64], noise: f64, seed: u64) -> Vec<CostSample> {
     let [fixed, factor, exponent] = law;
     let sample = |(i, &n): (usize, &f64)| {
@@ -68,8 +68,8 @@ proptest! {
         prop_assert!((here.fixed * unit - there.fixed).abs() <= 1e-6 * there.at(size));
     }
 
-    /// Whatever the points, the exponent lies within its interval, and nothing
-    /// is below 0 or no number.
+    /// For any samples the exponent is within its interval, and all parameters are finite and
+    /// not negative.
     #[test]
     fn any_points_give_a_law(
         costs in prop::collection::vec(1e-3..1e6_f64, 2..9),
@@ -92,10 +92,9 @@ proptest! {
     }
 }
 
-/// The case that this was written for: a straight line through the logarithms
-/// says 0.86.
+/// The case that motivates the fixed cost: a straight line on logarithmic axes gives 0.86.
 #[test]
-fn a_fixed_part_is_no_smaller_exponent() {
+fn a_fixed_cost_is_not_a_smaller_exponent() {
     let found = law(&samples([2.0, 0.02, 1.0], &DECADES[..4], 0.01, 7));
     let [low, high] = found.exponent_95.unwrap();
     assert!((found.growing.exponent - 1.0).abs() < 0.03, "{found:?}");
@@ -103,8 +102,8 @@ fn a_fixed_part_is_no_smaller_exponent() {
     assert!((found.fixed - 2.0).abs() < 0.2, "{found:?}");
 }
 
-/// Of 300 noisy studies, the interval holds the exponent about as often as it
-/// says, with a fixed part and without.
+/// Over 300 noisy studies, the interval covers the exponent about as often as it claims, with
+/// and without a fixed cost.
 #[test]
 fn the_interval_covers() {
     for fixed in [0.0, 5.0] {
@@ -121,7 +120,7 @@ fn the_interval_covers() {
 }
 
 #[test]
-fn three_points_know_less_than_five() {
+fn three_points_give_a_wider_interval_than_five() {
     let width = |sizes: &[f64]| {
         let [low, high] = law(&samples([5.0, 0.1, 0.9], sizes, 0.02, 3))
             .exponent_95
@@ -142,7 +141,7 @@ fn two_sizes_have_a_slope_without_an_interval_and_one_has_none() {
 }
 
 #[test]
-fn what_does_not_grow_has_the_exponent_0() {
+fn a_constant_cost_has_exponent_0() {
     let found = law(&samples([4.0, 0.0, 1.0], &DECADES, 0.0, 0));
     assert!(found.growing.exponent.abs() < 1e-6, "{found:?}");
     assert!((found.at(50.0) - 4.0).abs() < 1e-9, "{found:?}");
@@ -150,7 +149,7 @@ fn what_does_not_grow_has_the_exponent_0() {
 }
 
 #[test]
-fn what_falls_to_a_floor_has_a_negative_exponent() {
+fn a_falling_cost_has_a_negative_exponent() {
     let threads = [1.0, 2.0, 4.0, 8.0, 16.0];
     let found = law(&samples([20.0, 80.0, -1.0], &threads, 0.0, 0));
     assert!((found.growing.exponent + 1.0).abs() < 1e-3, "{found:?}");

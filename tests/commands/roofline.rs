@@ -1,5 +1,5 @@
-//! Rooflines: runs are held against limits that were measured once, and the
-//! limits of others are left alone. The limits are made up, but for one test.
+//! Rooflines: runs are compared with limits that are measured once, and foreign limits stay
+//! unchanged. All tests but one use given limits instead of measured ones.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,7 @@ flags: [--width=12, --height=9]
 repeats: 2
 ";
 
-/// A folder with a study and its scene.
+/// A temporary folder with the scene.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let scene = in_repository("configs/hall_of_mirrors.yaml");
@@ -41,7 +41,7 @@ fn value(folder: &Path, file: &str) -> Value {
     serde_json::from_str(&text(folder, file)).unwrap()
 }
 
-/// MachineLimits of a machine of three levels, for runs that were made by the same.
+/// Writes limits with three memory levels and the provenance of the runs.
 fn write_limits(folder: &Path, instructions_per_second: Option<f64>) {
     let header: Value =
         serde_json::from_str(text(folder, "runs.jsonl").lines().next().unwrap()).unwrap();
@@ -66,8 +66,7 @@ fn write_limits(folder: &Path, instructions_per_second: Option<f64>) {
     fs::write(folder.join("out/limits.json"), limits.to_string()).unwrap();
 }
 
-/// Gives each run a number that was not measured: on a coarse clock, say, all
-/// times may be 0.
+/// Replaces a metric of each run: measured times may all be 0 on a coarse clock.
 fn write_metric(folder: &Path, name: &str, value: f64) {
     let lines = text(folder, "runs.jsonl");
     let mut lines = lines
@@ -84,7 +83,7 @@ fn write_metric(folder: &Path, name: &str, value: f64) {
 }
 
 #[test]
-fn limits_are_measured_once_and_only_if_asked() {
+fn limits_are_measured_once_and_only_on_request() {
     let folder = folder();
     assert_success(&run(folder.path(), false));
     assert!(!folder.path().join("out/limits.json").exists());
@@ -104,12 +103,12 @@ fn limits_are_measured_once_and_only_if_asked() {
     assert_eq!(
         text(folder.path(), "runs.jsonl"),
         runs,
-        "no run is made again"
+        "no run is repeated"
     );
 }
 
 #[test]
-fn without_instructions_rays_stand_over_bytes() {
+fn without_instructions_the_plot_shows_rays_over_bytes() {
     let folder = folder();
     assert_success(&run(folder.path(), false));
     let runs = text(folder.path(), "runs.jsonl");
@@ -117,8 +116,8 @@ fn without_instructions_rays_stand_over_bytes() {
     write_limits(folder.path(), None);
     let output = run(folder.path(), true);
     assert_success(&output);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains("bound   2 points are limited:"), "{said}");
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(report.contains("bound   2 points are limited:"), "{report}");
     let svg = text(folder.path(), "roofline.svg");
     for shown in [
         "bytes of the hierarchy per ray",
@@ -130,13 +129,13 @@ fn without_instructions_rays_stand_over_bytes() {
         assert!(svg.contains(shown), "{shown}\n{svg}");
     }
     let png = image::open(folder.path().join("out/roofline.png")).unwrap();
-    let ink = png
+    let n_drawn = png
         .to_rgb8()
         .pixels()
         .filter(|pixel| pixel.0 != [255; 3])
         .count();
-    assert!(ink > 1000, "{ink} pixels are drawn on");
-    // What a ray takes follows from the counters and the hierarchy.
+    assert!(n_drawn > 1000, "{n_drawn} pixels are not white");
+    // Costs per ray follow from the counters and the BVH.
     for run in runs.lines().skip(1) {
         let run: Value = serde_json::from_str(run).unwrap();
         let metric = |name: &str| run["metrics"][name].as_f64().unwrap();
@@ -157,7 +156,7 @@ fn without_instructions_rays_stand_over_bytes() {
 }
 
 #[test]
-fn with_instructions_it_is_a_roofline() {
+fn with_instructions_the_plot_is_a_roofline() {
     let folder = folder();
     assert_success(&run(folder.path(), false));
     write_limits(folder.path(), Some(1e10));
@@ -165,29 +164,29 @@ fn with_instructions_it_is_a_roofline() {
     write_metric(folder.path(), "render_ns_per_ray", 500.0);
     let output = run(folder.path(), true);
     assert_success(&output);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains("its 700 instructions"), "{said}");
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(report.contains("its 700 instructions"), "{report}");
     let svg = text(folder.path(), "roofline.svg");
     for shown in ["instructions per byte", "10 G instructions/s", "DRAM "] {
         assert!(svg.contains(shown), "{shown}\n{svg}");
     }
-    for standing in value(folder.path(), "statistics.json")["roofline"]
+    for point in value(folder.path(), "statistics.json")["roofline"]
         .as_array()
         .unwrap()
     {
-        let ns = standing["render_ns_per_ray"]["median"].as_f64().unwrap();
-        let share = standing["instruction_share"].as_f64().unwrap();
-        assert!((share - 700.0 / 10.0 / ns).abs() < 1e-9, "{standing}");
+        let ns = point["render_ns_per_ray"]["median"].as_f64().unwrap();
+        let share = point["instruction_share"].as_f64().unwrap();
+        assert!((share - 700.0 / 10.0 / ns).abs() < 1e-9, "{point}");
     }
 }
 
 #[test]
-fn limits_of_others_are_left_alone() {
+fn foreign_limits_stay_unchanged() {
     let folder = folder();
     assert_success(&run(folder.path(), false));
     let file = folder.path().join("out/limits.json");
     fs::remove_file(folder.path().join("out/statistics.csv")).unwrap();
-    for (held, told) in [
+    for (held, expected) in [
         ("the notes of somebody", "holds no limits"),
         ("{\"raycost_limits\":1,\"made_by\":{}}", "holds no limits"),
         (
@@ -201,9 +200,9 @@ fn limits_of_others_are_left_alone() {
     ] {
         fs::write(&file, held).unwrap();
         let refused = run(folder.path(), true);
-        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert_eq!(refused.status.code(), Some(2), "{said}");
-        assert!(said.contains(told), "{said}");
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{message}");
+        assert!(message.contains(expected), "{message}");
         assert_eq!(fs::read_to_string(&file).unwrap(), held);
         assert!(!folder.path().join("out/statistics.csv").exists());
     }

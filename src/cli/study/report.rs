@@ -12,7 +12,7 @@ use crate::study::{
     Figure, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan, bottleneck_report, label_of,
     write_csv,
 };
-use crate::text::numbers::duration;
+use crate::text::numbers::{counted, duration};
 use crate::text::one_line;
 
 /// Writes the tables and plots of a study; `points` if it requests a roofline.
@@ -84,12 +84,12 @@ pub(super) fn lines_of(
         let statistics = &row.statistics;
         let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
         text += &format!(
-            "{:<width$} {:>9}  95 % [{}, {}], {} runs\n",
+            "{:<width$} {:>9}  95 % [{}, {}], {}\n",
             label(row),
             ms(statistics.median),
             ms(statistics.low_95),
             ms(statistics.high_95),
-            statistics.n,
+            counted(statistics.n as u64, "run"),
         );
     }
     text += &notes(walls());

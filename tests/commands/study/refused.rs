@@ -1,0 +1,115 @@
+//! Invalid studies, foreign results and duplicate runs are refused.
+
+use super::{STUDY, folder, run, stderr_of};
+use crate::common::assert_success;
+use std::fs;
+
+#[test]
+fn foreign_results_stay_unchanged() {
+    let folder = folder(STUDY);
+    let file = folder.path().join("out/runs.jsonl");
+    fs::create_dir(folder.path().join("out")).unwrap();
+    for (held, expected) in [
+        ("{\"raycost_study\":99,\"made_by\":{}}\n", "has format 99"),
+        (
+            "{\"raycost_study\":1,\"made_by\":{}}\n",
+            "were made with another machine",
+        ),
+        ("the notes of somebody\n", "holds no results"),
+    ] {
+        fs::write(&file, held).unwrap();
+        let refused = run(folder.path(), &[]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(
+            stderr_of(&refused).contains(expected),
+            "{}",
+            stderr_of(&refused)
+        );
+        assert_eq!(fs::read_to_string(&file).unwrap(), held);
+    }
+}
+
+#[test]
+fn mistakes_are_reported_before_the_first_run() {
+    for (study, expected) in [
+        ("title: x\nscenes: []", "`scenes` cannot be an empty list"),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { threads: [] }",
+            "`vary.threads` cannot be an empty list",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { theads: [1] }",
+            "did you mean `threads`?",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { threads: [0] }",
+            "`vary.threads[0]` cannot be `0`",
+        ),
+        ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
+        ("title: x\nscenes: [none.yaml]", "cannot read the scene"),
+        (
+            "title: x\nscenes: [scene.yaml]\nflags: [--with=3]",
+            "--with",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { objects: [5] }",
+            "no `sphere_cloud`",
+        ),
+    ] {
+        let folder = folder(study);
+        let refused = run(folder.path(), &[]);
+        assert_eq!(refused.status.code(), Some(2), "{study}");
+        assert!(
+            stderr_of(&refused).contains(expected),
+            "{study}\n{}",
+            stderr_of(&refused)
+        );
+        assert!(!folder.path().join("out").exists());
+    }
+}
+
+#[test]
+fn foreign_files_in_the_folder_stay_unchanged() {
+    let folder = folder(STUDY);
+    let out = folder.path().join("out");
+    fs::create_dir_all(out.join("run")).unwrap();
+    fs::write(out.join("run/mine.txt"), "mine").unwrap();
+    assert_success(&run(folder.path(), &[]));
+    assert_eq!(fs::read(out.join("run/mine.txt")).unwrap(), b"mine");
+
+    fs::remove_file(out.join("runs.jsonl")).unwrap();
+    fs::write(out.join("statistics.csv"), "mine").unwrap();
+    fs::remove_file(out.join("statistics.json")).unwrap();
+    for entry in fs::read_dir(&out).unwrap().flatten() {
+        if entry.file_name().to_string_lossy().starts_with("plot-") {
+            fs::remove_file(entry.path()).unwrap();
+        }
+    }
+    let refused = run(folder.path(), &[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        stderr_of(&refused).contains("statistics.csv"),
+        "{}",
+        stderr_of(&refused)
+    );
+    assert_eq!(fs::read(out.join("statistics.csv")).unwrap(), b"mine");
+}
+
+#[test]
+fn a_duplicate_run_is_refused() {
+    let folder = folder(STUDY);
+    assert_success(&run(folder.path(), &[]));
+    let file = folder.path().join("out/runs.jsonl");
+    let text = fs::read_to_string(&file).unwrap();
+    let third = text.lines().nth(2).unwrap();
+    fs::write(&file, format!("{text}{third}\n")).unwrap();
+    let refused = run(folder.path(), &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = stderr_of(&refused);
+    assert!(message.contains("is the same run as line 3"), "{message}");
+    assert!(
+        fs::read_to_string(&file)
+            .unwrap()
+            .ends_with(&format!("{third}\n"))
+    );
+}

@@ -1,0 +1,83 @@
+//! A study that a signal stops ends its run, too.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use super::{assert_success, folder, fs, lines, raycost, run, stderr_of};
+
+/// A study with one run that takes hours.
+const ENDLESS: &str = "
+title: A study without end
+scenes: [scene.yaml]
+vary: { threads: [1] }
+flags: [--spp=60000]
+repeats: 1
+";
+
+/// Starts the study and waits until its run renders.
+fn start(folder: &Path) -> Child {
+    let mut command = raycost();
+    command.current_dir(folder).args(["study", "study.yaml"]);
+    command.args(["--out", "out", "--quiet"]);
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    while renderers(folder).is_empty() {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child
+}
+
+/// The rendering processes that work in this folder.
+fn renderers(folder: &Path) -> Vec<PathBuf> {
+    let processes = fs::read_dir("/proc").unwrap().flatten();
+    let is_one = |process: &PathBuf| {
+        let words = fs::read(process.join("cmdline")).unwrap_or_default();
+        let words = String::from_utf8_lossy(&words).into_owned();
+        words.contains("\0render\0")
+            && fs::read_link(process.join("cwd")).is_ok_and(|cwd| cwd == folder)
+    };
+    let processes = processes.map(|process| process.path());
+    processes.filter(is_one).collect()
+}
+
+fn signal(child: &Child, name: &str) {
+    let id = child.id().to_string();
+    let mut kill = Command::new("kill");
+    kill.args([&format!("-{name}"), &id]);
+    assert!(kill.status().unwrap().success());
+}
+
+#[test]
+fn a_stopped_study_ends_its_run() {
+    for (name, code) in [("INT", Some(130)), ("TERM", Some(143)), ("KILL", None)] {
+        let folder = folder(ENDLESS);
+        let path = folder.path().canonicalize().unwrap();
+        let mut study = start(&path);
+        let second = run(&path, &[]);
+        assert_eq!(second.status.code(), Some(1));
+        assert!(
+            stderr_of(&second).contains("another run"),
+            "{}",
+            stderr_of(&second)
+        );
+        signal(&study, name);
+        assert_eq!(study.wait().unwrap().code(), code);
+        // The run ends itself; otherwise this loop would not end.
+        while !renderers(&path).is_empty() {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        assert_eq!(lines(&path).len(), 1);
+        let names = fs::read_dir(path.join("out")).unwrap();
+        let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+        if name != "KILL" {
+            assert_eq!(names, ["runs.jsonl"]);
+        }
+        // The next study removes the files that a killed one left.
+        fs::write(path.join("study.yaml"), ENDLESS.replace("60000", "1")).unwrap();
+        assert_success(&run(&path, &["--quiet"]));
+        let hidden = fs::read_dir(path.join("out")).unwrap();
+        let mut hidden = hidden.map(|entry| entry.unwrap().file_name());
+        assert!(hidden.all(|name| !name.to_string_lossy().starts_with('.')));
+    }
+}
