@@ -126,7 +126,7 @@ pub fn output(input: &[u8]) {
     });
 }
 
-/// Study files, and the runs that a stopped study goes on from.
+/// Study files, and the runs from which an interrupted study continues.
 pub fn study(input: &[u8]) {
     let (study, runs) = two_parts(input);
     let Ok(study) = str::from_utf8(study) else {
@@ -163,7 +163,7 @@ fn two_parts(input: &[u8]) -> (&[u8], &[u8]) {
     }
 }
 
-/// A folder for the files of a thread, which goes with it.
+/// A thread's temporary folder, removed when the thread ends.
 struct Folder(TempDir);
 
 /// Two output folders, of which the targets change the first.

@@ -1,5 +1,5 @@
-//! What the README and the book show is what happens: every command runs,
-//! every scene and study parses, every link leads somewhere.
+//! The README and the book are right: every command runs, every scene and study
+//! parses, every link has a target.
 
 use std::fs;
 use std::path::{Path, PathBuf};

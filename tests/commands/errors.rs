@@ -1,5 +1,5 @@
-//! What a person reads who mistyped a scene: each mistake in
-//! `tests/broken/*.txt` with its whole message, word by word.
+//! The error messages for broken scenes: each mistake in `tests/broken/*.txt` gives
+//! exactly its message.
 //!
 //! A case is a title, YAML and the message:
 //!
@@ -96,7 +96,7 @@ impl Case {
     }
 }
 
-/// The files of cases: what stands before the first one, and the cases.
+/// The files of cases: path, text before the first case, and cases.
 fn files() -> Vec<(PathBuf, String, Vec<Case>)> {
     let entries = std::fs::read_dir(crate::common::in_repository("tests/broken")).unwrap();
     let read = |path: PathBuf| {
@@ -112,7 +112,7 @@ fn cases() -> impl Iterator<Item = Case> {
     files().into_iter().flat_map(|(_, _, cases)| cases)
 }
 
-/// What `raycost check` does, on a machine with so many bytes of memory.
+/// Checks a scene as `raycost check` does, with this many bytes of available memory.
 fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let source = Source::new("scene.yaml", text);
     let config: Config = source.parse()?;
@@ -162,7 +162,7 @@ fn each_mistake_gets_its_message() {
 }
 
 #[test]
-fn no_message_speaks_the_language_of_the_program() {
+fn no_message_contains_terms_of_the_implementation() {
     for case in cases() {
         // The line shown is the user's own.
         let shown = |line: &&str| !line.starts_with(|c: char| c.is_ascii_digit());
@@ -261,7 +261,7 @@ fn a_long_line_is_cut_to_the_mistake() {
 }
 
 #[test]
-fn many_aliases_are_told_apart_from_an_endless_file() {
+fn many_aliases_get_another_message_than_an_endless_file() {
     let steps = "*step, ".repeat(1000);
     let balls = "*ball, ".repeat(1000);
     let objects = format!(

@@ -1,5 +1,5 @@
-//! How the program ends when something is wrong: its exit code, one message
-//! on standard error, nothing on standard output.
+//! A failure gives its exit code, one message on standard error, and nothing on
+//! standard output.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn raycost(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// What the program says when it fails with this exit code.
+/// Returns the error message of a command that fails with this exit code.
 fn failure(folder: &Path, arguments: &[&str], exit_code: i32) -> String {
     let output = raycost(folder, arguments);
     let message = String::from_utf8(output.stderr).unwrap();
@@ -92,7 +92,7 @@ fn a_scene_that_cannot_be_read_ends_with_2() {
 }
 
 #[test]
-fn a_scene_that_is_no_text_ends_with_2() {
+fn a_binary_scene_ends_with_2() {
     let folder = folder();
     fs::write(
         folder.path().join("latin1.yaml"),

@@ -1,6 +1,5 @@
-//! Input that would take more time or memory than there is is refused with a
-//! message; memory that the system refuses all the same is a failure in plain
-//! words, never a crash.
+//! Input that would take too much time or memory is refused with a message; an
+//! allocation that the system refuses is a failure with a message, never a crash.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +7,7 @@ use std::process::{Command, Output};
 
 use crate::common::{in_repository, raycost};
 
-/// What checking a scene of this text says.
+/// Runs `raycost check` on a scene with this text.
 fn check(text: &str) -> Output {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.yaml");
@@ -104,7 +103,7 @@ fn a_study_has_a_number_of_runs() {
 }
 
 #[test]
-fn an_empty_scene_is_told_behind_its_comments() {
+fn the_error_of_an_empty_scene_points_after_its_comments() {
     let error = refusal("# nothing\n# but comments\n");
     assert!(error.contains("scene.yaml:3:1"), "{error}");
     assert!(!error.contains("comments"), "{error}");
@@ -129,7 +128,7 @@ fn small(out: &Path) -> String {
 /// Whatever the limit, the program ends by itself, and says why.
 #[cfg(target_os = "linux")]
 #[test]
-fn too_little_memory_is_a_failure_and_no_crash() {
+fn too_little_memory_is_a_failure_not_a_crash() {
     let folder = tempfile::tempdir().unwrap();
     let mut n_refused = 0;
     let whole = folder.path().join("whole");

@@ -1,4 +1,4 @@
-//! What a user types and what comes back; the examples and the shape of the source.
+//! The command line and its messages; the examples, the book and the architecture.
 
 #[path = "../common/mod.rs"]
 mod common;

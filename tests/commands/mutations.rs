@@ -1,4 +1,4 @@
-//! Damaged scene files: whatever they say, they get an answer.
+//! Damaged scene files give a scene or an error, never a panic.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use raycost::scene::{Geometries, Scene};
 use raycost::text::Diagnostic;
 use raycost::yaml::Source;
 
-/// What damages YAML, or turns a value into another.
+/// Tokens that break YAML or change a value.
 const TOKENS: &[&str] = &[
     "[",
     "]",
@@ -91,7 +91,7 @@ fn words(text: &str) -> Vec<Range<usize>> {
     words
 }
 
-/// One damage: what is taken out from where, and what is put in.
+/// A change of the text: what is removed from where, and what is inserted.
 #[derive(Debug, Clone)]
 enum Mutation {
     Delete(prop::sample::Index, usize),

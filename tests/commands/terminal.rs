@@ -1,5 +1,5 @@
-//! What strangers wrote reaches the terminal as text: no control character and
-//! no mark of direction of theirs passes, whatever is printed.
+//! Text from input files reaches the terminal without control characters and without
+//! bidirectional formatting characters.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use crate::common::{in_repository, raycost};
 
-/// Moves the cursor, sets the title, reverses what follows.
+/// Reverses the following text, clears the screen, sets the window's title.
 const EVIL: &str = "\u{202e}\u{1b}[2J\u{1b}]0;owned\u{7}\u{9b}31m\r";
 
 /// Renders a scene of few pixels.
@@ -28,7 +28,8 @@ fn printed(output: &Output) -> String {
     String::from_utf8(both).expect("text")
 }
 
-/// Makes sure that nothing but text, and a tab or line end, was printed.
+/// Asserts that the output has no control characters except line ends, and shows the
+/// escaped ones.
 fn assert_text(output: &Output) {
     let text = printed(output);
     let unseen = |c: char| c.is_control() && c != '\n' || ('\u{202a}'..='\u{202e}').contains(&c);
@@ -159,9 +160,9 @@ fn help_to_a_full_disk_fails() {
     }
 }
 
-/// One module writes to the terminal; bars go through indicatif.
+/// One module writes to the terminal; indicatif draws the bars.
 #[test]
-fn nothing_else_writes_to_the_terminal() {
+fn one_module_writes_to_the_terminal() {
     let found = Command::new("grep")
         .args(["-rnE", r"print(ln)?!|\bstd(out|err)\(\)|io::std(out|err)"])
         .args(["--include=*.rs", "src"])

@@ -70,7 +70,7 @@ fn a_header_of_many_elements_is_refused_by_their_number() {
 }
 
 #[test]
-fn numbers_a_point_are_few() {
+fn the_number_of_components_is_limited() {
     let folder = tempfile::tempdir().unwrap();
     for n in ["0", "10", "4294967295"] {
         let error = frame(folder.path(), |header| {
@@ -202,7 +202,7 @@ fn blocks_that_are_too_short_for_their_array_are_refused() {
             .position(|part| part == tag)
             .unwrap();
         let begin = tag + bytes[tag..].iter().position(|&byte| byte == b'_').unwrap() + 1;
-        // The first block's length stands behind three numbers of 64 bits.
+        // The first block's length follows three 64-bit numbers.
         for length in [1, 1 << 20, u64::MAX] {
             let mut bytes = bytes.clone();
             bytes[begin + 24..begin + 32].copy_from_slice(&u64::to_ne_bytes(length));
@@ -216,9 +216,9 @@ fn blocks_that_are_too_short_for_their_array_are_refused() {
     }
 }
 
-/// What a page leaves out is not held in memory on the way to it.
+/// Pixels that a page does not show are never in memory all at once.
 #[test]
-fn picked_pixels_are_those_of_the_frame() {
+fn selected_pixels_are_those_of_the_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frame.vti");
     for codec in [Codec::None, Codec::Lz4, Codec::Zlib] {

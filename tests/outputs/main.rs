@@ -1,4 +1,4 @@
-//! What is written, and what reads it: VTK, ParaView, a browser, raycost itself.
+//! The files that raycost writes, and their readers: VTK, ParaView, a browser, raycost.
 
 #[path = "../common/mod.rs"]
 mod common;

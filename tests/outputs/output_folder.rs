@@ -1,4 +1,4 @@
-//! What `raycost render` leaves in its output folder, and what it says.
+//! The output folder of `raycost render`, and its messages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ fn a_second_run_overwrites_the_first() {
 }
 
 #[test]
-fn without_cost_the_files_of_an_earlier_cost_go() {
+fn a_run_without_cost_removes_the_files_of_an_earlier_cost() {
     let temporary = temporary();
     let out = temporary.path();
     assert_success(&render(out).output().unwrap());
@@ -78,7 +78,7 @@ fn without_cost_the_files_of_an_earlier_cost_go() {
 }
 
 #[test]
-fn the_schedule_comes_where_it_is_asked_for_and_goes_again() {
+fn the_schedule_is_written_on_request_and_removed_later() {
     let temporary = temporary();
     let out = temporary.path();
     let of_schedule = ["schedule.pvsm", "tiles.vti", "trace.json"];
@@ -102,7 +102,7 @@ fn the_schedule_comes_where_it_is_asked_for_and_goes_again() {
 }
 
 #[test]
-fn counters_alone_come_without_a_time() {
+fn counters_alone_have_no_times() {
     let temporary = temporary();
     let out = temporary.path();
     assert_success(&render(out).arg("--cost=counters").output().unwrap());
@@ -195,7 +195,7 @@ fn the_last_line_opens_the_state_in_a_shell() {
 }
 
 #[test]
-fn quiet_is_silent() {
+fn quiet_prints_nothing() {
     let temporary = temporary();
     let output = render(temporary.path()).arg("--quiet").output().unwrap();
     assert_success(&output);
@@ -207,7 +207,7 @@ fn quiet_is_silent() {
 }
 
 #[test]
-fn a_place_that_cannot_be_is_refused() {
+fn an_impossible_folder_is_refused() {
     let temporary = temporary();
     let file = temporary.path().join("file");
     fs::write(&file, "in the way").unwrap();
@@ -218,10 +218,10 @@ fn a_place_that_cannot_be_is_refused() {
     assert_eq!(fs::read(&file).unwrap(), b"in the way");
 }
 
-/// Where even root may not make a file.
+/// Even root cannot create a file in `/sys`.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_place_that_may_not_be_written_to_is_refused() {
+fn a_read_only_folder_is_refused() {
     let before = names(Path::new("/sys"));
     let output = render(Path::new("/sys")).output().unwrap();
     assert_refused(&output);
@@ -233,7 +233,7 @@ fn a_place_that_may_not_be_written_to_is_refused() {
     assert_eq!(names(Path::new("/sys")), before);
 }
 
-/// The limit on a file's length stands for a disk that fills up half-way:
+/// A limit on the length of files simulates a disk that fills up half-way:
 /// `image.png` fits, the VTK files do not.
 #[test]
 #[cfg(unix)]

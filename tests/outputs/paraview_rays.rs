@@ -22,7 +22,7 @@ fn shown(scene: &str, name: &str, arguments: &[&str], cost: &str) -> (PathBuf, R
     (out, image::open(picture).unwrap().to_rgb8())
 }
 
-/// How many pixels of the left view, without its legend, have this color.
+/// The number of pixels of the left view, without its legend, with this color.
 fn n_pixels(picture: &RgbImage, color: [u8; 3]) -> usize {
     let [width, height] = [picture.width() / 2, picture.height() * 8 / 10];
     let pixels = picture.enumerate_pixels();

@@ -325,7 +325,7 @@ fn hits_on_white(frame: &DataSet) -> RgbImage {
     })
 }
 
-/// What is not white, in a few cells.
+/// The cells of a coarse grid that are not white.
 fn cells(picture: &RgbImage) -> RgbImage {
     let drawn = || {
         picture

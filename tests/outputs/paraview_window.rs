@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 use crate::common::paraview::{render, screenshot, trace};
 use crate::common::{assert_success, in_repository, raycost};
 
-/// What the window says of a state.
+/// The messages of the window for a state.
 fn open(state: &Path, out: &Path, name: &str) -> Output {
     Command::new("xvfb-run")
         .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])

@@ -145,7 +145,7 @@ fn render_rows(height: &str, folder: &Path, flags: &[&str]) {
     assert_success(&output);
 }
 
-/// What opening all of a folder says.
+/// The error of opening all files of a folder.
 fn error(folder: &Path) -> String {
     let all = || {
         let results = Results::open(folder)?;
@@ -176,7 +176,7 @@ fn a_rendering_is_read() {
 }
 
 #[test]
-fn a_missing_array_tells_the_flag_that_left_it_out() {
+fn the_error_of_a_missing_array_names_the_option_that_writes_it() {
     let folder = tempfile::tempdir().unwrap();
     let missing = |name| {
         let mut frame = Results::open(folder.path()).unwrap().frame().unwrap();
@@ -191,7 +191,7 @@ fn a_missing_array_tells_the_flag_that_left_it_out() {
 }
 
 #[test]
-fn a_folder_that_is_none_of_ours_is_refused() {
+fn a_foreign_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     assert!(error(&path.join("nowhere")).contains("cannot read the folder"));
@@ -203,7 +203,7 @@ fn a_folder_that_is_none_of_ours_is_refused() {
 }
 
 #[test]
-fn files_of_two_renderings_are_told_apart() {
+fn files_of_two_renderings_are_refused() {
     let [one, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     render(one.path(), &[]);
     render_rows("31", other.path(), &[]);
@@ -253,7 +253,7 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
 }
 
 #[test]
-fn a_damaged_block_is_told() {
+fn a_damaged_block_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for codec in [Codec::Lz4, Codec::Zlib] {
         let (path, _) = write(

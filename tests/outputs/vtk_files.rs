@@ -230,7 +230,7 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
     }
 }
 
-/// What `tiles.vti` should hold: the lower row of tiles first.
+/// The expected `tiles.vti`: the lower row of tiles first.
 fn expected_tiles(cost: CostMode) -> DataSet {
     let upward = [3, 4, 5, 0, 1, 2];
     let f64s = |name: &str, value: fn(u32) -> f64| {
@@ -286,7 +286,7 @@ fn tile_array(name: &str, scalar: &str, bytes: Vec<u8>) -> Array {
     }
 }
 
-/// What `frame.vti` should hold: VTK's rows go up, the film's go down.
+/// The expected `frame.vti`: the bottom row first, unlike the film.
 fn expected_frame(film: &Film) -> DataSet {
     let [right, top] = [film.grid.width, film.grid.height].map(|n| n as i32 - 1);
     let upward = (0..film.grid.height).rev();
@@ -305,7 +305,7 @@ fn expected_frame(film: &Film) -> DataSet {
     }
 }
 
-/// What `hits.vtu` should hold: the pixels with an object, in reading order.
+/// The expected `hits.vtu`: the pixels with a hit, row by row from the top.
 fn expected_hits(film: &Film) -> DataSet {
     let mut hits = Vec::new();
     for y in 0..film.grid.height {
@@ -379,7 +379,7 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     fields.map(array).collect()
 }
 
-/// Where an array of the film is, by its kind.
+/// The accessor of an array of the film, by its type.
 enum Field {
     Rgb(fn(&Strip) -> &Vec<[u8; 3]>),
     Vec3(fn(&Strip) -> &Vec<Vec3>),

@@ -7,7 +7,7 @@ use crate::view::{SIZE, rendered, rendered_at, viewed};
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
-fn every_control_works_by_keyboard() {
+fn tab_reaches_every_control() {
     let folder = rendered("seed_extended", &[]);
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     // Tab reaches every control in the order of the page, with a visible focus.
@@ -54,7 +54,14 @@ fn every_control_works_by_keyboard() {
     ] {
         position(name);
     }
+    browser.assert_calm();
+}
 
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn keys_move_the_probe_the_color_range_and_the_cloud() {
+    let folder = rendered("seed_extended", &[]);
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     browser.value("document.querySelector('#map .pane').focus()");
     let pixel = |browser: &mut Chromium| browser.text("#probe h2");
     let [x, y] = SIZE.map(|n| n / 2);
