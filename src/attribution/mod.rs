@@ -71,13 +71,7 @@ impl CostAttribution {
 
     /// Whether the requested outputs need a cost attribution.
     pub fn is_requested(outputs: &Outputs) -> bool {
-        [
-            OptionalOutput::Objects,
-            OptionalOutput::Surface,
-            OptionalOutput::Bvh,
-        ]
-        .into_iter()
-        .any(|output| outputs.has(output))
+        outputs.iter().any(OptionalOutput::needs_attribution)
     }
 
     /// Observes all rays of a film of this scene, which was rendered with

@@ -8,7 +8,7 @@ use super::{Failure, shown};
 use crate::config::{Acceleration, Config, CostMode, Image, Repeats, TileOrder, Tiling};
 use crate::folder::SUMMARY;
 use crate::memory::{self, Memory};
-use crate::output::Artifact;
+use crate::output::{self, Request};
 use crate::render::most_repeats;
 use crate::results::{read_unchanged, verify};
 use crate::scene::Scene;
@@ -149,12 +149,16 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
 
 /// The files that would be written.
 fn files(config: &Config, out: &Path) -> String {
-    let wanted = Artifact::ALL.iter().filter(|file| file.is_wanted(config));
-    let names: Vec<&str> = wanted.map(|file| file.file_name()).collect();
+    let request = Request {
+        config,
+        is_profiled: false,
+    };
+    let wanted = output::files().filter(|file| file.is_wanted(&request));
+    let names: Vec<&str> = wanted.map(|file| file.name).collect();
     let codec = (config.compress.label()).map(|codec| format!(", VTK files compressed by {codec}"));
     let codec = codec.unwrap_or_default();
     let (names, out) = (names.join(", "), shown(out));
-    format!("{names}, summary.json in {out}{codec}")
+    format!("{names} in {out}{codec}")
 }
 
 /// The tiles of the picture.

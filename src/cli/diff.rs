@@ -87,6 +87,6 @@ fn closing_lines(out: &Path, written: &[Written]) -> String {
         "wrote     {}: {}\nnext      paraview --state={}\n",
         shown(out),
         files.join(", "),
-        shell_word(&out.join("diff.pvsm")),
+        shell_word(&out.join(diff::STATE.name)),
     )
 }

@@ -5,7 +5,7 @@ use super::{charges, hottest, shell_word, shown, timing_quality};
 use crate::config::OptionalOutput;
 use crate::folder::Written;
 use crate::instruments::Stages;
-use crate::output::Rendering;
+use crate::output::{GEOMETRY, HEATMAP, Rendering};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::text::numbers::{bytes, count, counted, duration};
@@ -37,9 +37,9 @@ pub(super) fn lines(
         _ => String::new(),
     };
     let state = if rendering.film.cost.has_counters() {
-        "heatmap.pvsm"
+        HEATMAP
     } else {
-        "geometry.pvsm"
+        GEOMETRY
     };
     let quality = timing_quality::lines(rendering);
     let tiles = if rendering.config.output.has(OptionalOutput::Schedule) {
@@ -69,7 +69,7 @@ pub(super) fn lines(
         costs,
         shown(&out),
         files.join(", "),
-        shell_word(&out.join(state)),
+        shell_word(&out.join(state.name)),
     )
 }
 

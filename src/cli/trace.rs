@@ -15,7 +15,7 @@ use crate::cost::{Meter, Metric};
 use crate::film::HotPixel;
 use crate::folder::{OutputFolder, Written};
 use crate::memory::{self, Memory};
-use crate::output::{Traced, refuse_foreign_traced, write_traced};
+use crate::output::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
 use crate::render::{Plan, Progress, render};
 use crate::scene::{Geometries, Scene};
 use crate::stop;
@@ -258,6 +258,6 @@ fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> S
         counted(pixels.len() as u64, "pixel"),
         shown(out),
         files.join(", "),
-        shell_word(&out.join("rays.pvsm")),
+        shell_word(&out.join(RAYS_STATE)),
     )
 }

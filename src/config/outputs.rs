@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use clap::ValueEnum;
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
@@ -28,7 +29,7 @@ pub struct Outputs {
 }
 
 /// A group of files that is written on request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum OptionalOutput {
     /// The time span and the thread of each tile
@@ -63,18 +64,19 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 
 impl OptionalOutput {
     /// Its name in scene files and on the command line.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Schedule => "schedule",
-            Self::Objects => "objects",
-            Self::Surface => "surface",
-            Self::Bvh => "bvh",
-        }
+    fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// Whether it requires counters.
-    fn needs_counters(self) -> bool {
+    /// Whether it requires the cost attribution, and therefore counters.
+    pub(crate) fn needs_attribution(self) -> bool {
         self != Self::Schedule
+    }
+
+    /// Whether it requires a bounding volume hierarchy.
+    fn needs_hierarchy(self) -> bool {
+        self == Self::Bvh
     }
 }
 
@@ -116,16 +118,21 @@ impl Outputs {
                 let fault = Fault::of_key(output, message, format!("requests `{name}`"));
                 Err((requested, fault.with_help(help)))
             };
-            if requested.needs_counters() && !cost.has_counters() {
+            if requested.needs_attribution() && !cost.has_counters() {
                 let message = format!("`{name}` requires counters, and `cost` is `none`");
                 return fault(message, "use `--cost counters`, or do not request it");
             }
-            if requested == OptionalOutput::Bvh && acceleration == Acceleration::BruteForce {
+            if requested.needs_hierarchy() && acceleration == Acceleration::BruteForce {
                 let message = format!("`{name}` requires a hierarchy, and `brute_force` has none");
                 return fault(message, "use `acceleration: bvh`, or do not request it");
             }
         }
         Ok(())
+    }
+
+    /// The requested outputs, each once.
+    pub fn iter(&self) -> impl Iterator<Item = OptionalOutput> {
+        self.optional.iter().copied()
     }
 
     /// Whether no output is requested.
@@ -168,7 +175,11 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
     type Value = OutputEntry;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("`schedule`, `objects`, `surface`, `bvh` or { bvh: … }")
+        let outputs = OptionalOutput::value_variants().iter();
+        let names: Vec<String> = outputs
+            .map(|output| format!("`{}`", output.name()))
+            .collect();
+        write!(f, "{} or {{ bvh: … }}", names.join(", "))
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<OutputEntry, E> {

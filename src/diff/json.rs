@@ -1,11 +1,23 @@
 //! A diff as JSON: the content of the report, and all groups.
 
+use std::io::Write;
+
 use serde_json::{Value, json};
 
+use super::file::DiffFile;
 use super::gate::Gate;
 use super::{CostGroup, Diff, Side, Total, Totals, ratio};
 use crate::cost::Metric;
 use crate::statistics::CONFIDENCE;
+
+/// The file.
+pub(super) const FILE: DiffFile = DiffFile {
+    name: "diff.json",
+    write: |job, out| {
+        serde_json::to_writer_pretty(&mut *out, job.json)?;
+        writeln!(out)
+    },
+};
 
 /// Returns the whole diff as JSON. A ratio B / A with A = 0 < B is infinite: null in
 /// JSON.

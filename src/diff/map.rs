@@ -2,18 +2,20 @@
 
 use std::io::{self, Write};
 
+use super::file::DiffFile;
 use super::report::ratio_label;
 use super::{Diff, Noise, Side};
 use crate::chart::{CostMap, Scale, draw, png};
 use crate::provenance::{self, RunId};
 
+/// The file.
+pub(super) const FILE: DiffFile = DiffFile {
+    name: "diff.png",
+    write: |job, out| write(job.diff, job.sides, job.run, out),
+};
+
 /// Writes the map of [`Diff::change`].
-pub(super) fn write(
-    diff: &Diff,
-    [a, b]: &[Side; 2],
-    run: RunId,
-    out: &mut impl Write,
-) -> io::Result<()> {
+fn write(diff: &Diff, [a, b]: &[Side; 2], run: RunId, out: &mut impl Write) -> io::Result<()> {
     let change = &diff.change;
     let [width, height] = diff.size;
     let picture = draw(&CostMap {

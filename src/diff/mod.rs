@@ -19,6 +19,7 @@ mod json;
 mod map;
 mod volume;
 mod state;
+mod file;
 mod files;
 
 pub use change::Change;
@@ -31,6 +32,7 @@ pub use picture::PictureDifference;
 pub use report::report;
 pub use settings::Setting;
 pub use side::Side;
+pub(crate) use state::FILE as STATE;
 
 use group::{Groups, sorted};
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Metric;
+use crate::output::FRAME_VTI;
 use crate::results::{ObjectsTable, Results};
 use crate::summary::{self, Summary};
 use crate::text::Diagnostic;
@@ -150,7 +151,7 @@ impl Side {
     }
 
     fn foreign(&self, array: &str) -> Diagnostic {
-        let path = self.path_of("frame.vti");
+        let path = self.path_of(FRAME_VTI.name);
         let message = format!(
             "`{}`: `{array}` does not have the type that raycost writes",
             path.display()

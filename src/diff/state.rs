@@ -1,14 +1,27 @@
 //! `diff.pvsm`: a ParaView state that shows the change of the cost.
 
+use std::io::Write;
+
+use super::file::DiffFile;
 use super::{Diff, volume};
 use crate::chart::{Range, Scale};
 use crate::folder::OutputFolder;
 use crate::paraview::{Axis, Panels, Spread, fill, value_of_panels};
+use crate::provenance::stamped;
 
 const TEMPLATE: &str = include_str!("../../paraview/diff.pvsm");
 
+/// The file.
+pub(crate) const FILE: DiffFile = DiffFile {
+    name: "diff.pvsm",
+    write: |job, out| {
+        let state = stamped(&text(job.diff, job.folder), job.run);
+        out.write_all(state.as_bytes())
+    },
+};
+
 /// Returns the state of a diff in this folder, in ASCII.
-pub(super) fn text(diff: &Diff, folder: &OutputFolder) -> String {
+fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let change = &diff.change;
     let size = diff.size.map(f64::from);
     let n_labels = Panels::of(3, size).n_labels();
@@ -33,7 +46,7 @@ pub(super) fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let max_ratio = change.max_ratio;
     let ratio = axis("ratio", Spread::Log, [max_ratio.recip(), max_ratio]);
     fill(TEMPLATE, |key| {
-        if key == volume::FILE {
+        if key == volume::FILE.name {
             return Some(folder.path_of(key).to_string_lossy().into_owned().into());
         }
         if let Some(key) = key.strip_prefix("difference.") {

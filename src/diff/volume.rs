@@ -4,6 +4,7 @@ use std::io::{self, Seek, Write};
 
 use vtkio::model::ScalarType;
 
+use super::file::DiffFile;
 use super::{Diff, Side, picture, ratio};
 use crate::cost::Metric;
 use crate::provenance::RunId;
@@ -11,13 +12,16 @@ use crate::vtk::array::Array;
 use crate::vtk::header::DataSet;
 use crate::vtk::{Codec, Encoding, appended};
 
-/// The file's name.
-pub(super) const FILE: &str = "diff.vti";
+/// The file.
+pub(super) const FILE: DiffFile = DiffFile {
+    name: "diff.vti",
+    write: |job, out| write(job.diff, job.sides, job.run, out),
+};
 
 /// Writes an ImageData with one point per pixel, as `frame.vti`: `…_difference`,
 /// B - A, and `…_ratio`, B / A, of every metric; `RGB_difference`, the greatest
 /// difference of a color channel; `object` and `tile` of B.
-pub(super) fn write(
+fn write(
     diff: &Diff,
     sides: &[Side; 2],
     run: RunId,

@@ -44,7 +44,7 @@ use std::time::{Duration, Instant};
 pub use error::WriteError;
 pub(crate) use own::{Own, foreign as refuse_file};
 pub(crate) use single::{Replace, target, write_file};
-pub(crate) use staged::{StagedFile, checksum_of};
+pub(crate) use staged::{FileWriter, StagedFile, checksum_of};
 pub(crate) use staging::Staging;
 
 use workspace::Workspace;

@@ -27,7 +27,7 @@ impl StagedFile {
     pub(super) fn write(
         folder: &Path,
         name: &'static str,
-        write: impl FnOnce(&mut BufWriter<SummedFile>) -> io::Result<()>,
+        write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
     ) -> io::Result<Self> {
         let start = Instant::now();
         let file = SummedFile::create(folder.join(name))?;
@@ -58,6 +58,9 @@ impl StagedFile {
         }
     }
 }
+
+/// A new file that is being written.
+pub(crate) type FileWriter = BufWriter<SummedFile>;
 
 /// A file that adds up its checksum while it is written. Writes fail once the
 /// program is asked to end.
@@ -143,8 +146,8 @@ mod tests {
     #[test]
     fn a_checksum_is_that_of_the_file_however_it_was_written() {
         let folder = tempfile::tempdir().unwrap();
-        let straight = |out: &mut BufWriter<SummedFile>| out.write_all(b"0123456789");
-        let again = |out: &mut BufWriter<SummedFile>| {
+        let straight = |out: &mut FileWriter| out.write_all(b"0123456789");
+        let again = |out: &mut FileWriter| {
             out.write_all(b"xxxx")?;
             out.seek(SeekFrom::Start(0))?;
             out.write_all(b"0123")?;

@@ -1,11 +1,11 @@
 //! Files on their way into a folder: written, then committed.
 
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io;
 
 use super::error::WriteError;
 use super::own::{self, Own};
-use super::staged::{StagedFile, SummedFile};
+use super::staged::{FileWriter, StagedFile};
 use super::workspace::{self, Plan, Workspace};
 use super::{OutputFolder, disk, exchange, journal};
 
@@ -26,7 +26,7 @@ impl Staging<'_> {
     pub(crate) fn stage(
         &self,
         name: &'static str,
-        write: impl FnOnce(&mut BufWriter<SummedFile>) -> io::Result<()>,
+        write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
     ) -> Result<StagedFile, WriteError> {
         let staged = StagedFile::write(&self.workspace.new_files(), name, write);
         staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))

@@ -11,7 +11,6 @@ mod stages;
 
 pub use hardware::{Counts, HardwareCounters};
 pub use machine_limits::{DataCache, MachineLimits, MemoryBlock, MemoryLevel};
-pub(crate) use profile::FILE as PROFILE;
 pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;
 pub(crate) use resources::peak_memory_bytes;

@@ -7,9 +7,6 @@ use sampler::Sampler;
 
 use crate::provenance::RunId;
 
-/// The file's name.
-pub(crate) const FILE: &str = "profile.svg";
-
 /// Looks at the stacks of the threads that run, again and again, as the
 /// process uses up processor time.
 #[derive(Debug)]

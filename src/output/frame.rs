@@ -2,14 +2,19 @@
 
 use std::io::{self, Seek, Write};
 
+use super::file::{Content, OutputFile};
 use crate::film::{Column, Film, columns};
 use crate::vtk::appended;
 use crate::vtk::array::Array;
 use crate::vtk::encoding::Encoding;
 use crate::vtk::header::DataSet;
 
-/// The file's name.
-pub const FILE: &str = "frame.vti";
+/// The file.
+pub(crate) const FILE: OutputFile = OutputFile {
+    name: "frame.vti",
+    is_wanted: |_| true,
+    content: Content::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
+};
 
 /// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
 /// film's go down: its last row is written first.

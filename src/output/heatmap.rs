@@ -3,14 +3,22 @@
 use std::io::{self, Write};
 
 use super::Rendering;
+use super::file::{Content, OutputFile};
 use crate::chart::{CostMap, Scale, draw, png};
 use crate::cost::Metric;
 use crate::provenance::{self, RunId};
 use crate::statistics::upper_median;
 use crate::text::numbers;
 
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: "cost.png",
+    is_wanted: |request| request.has_counters(),
+    content: Content::Written(|job, out| write(job.rendering, job.run, out)),
+};
+
 /// Writes the map of the film's first metric; nothing for a film without cost.
-pub(super) fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<()> {
+fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<()> {
     let film = rendering.film;
     let Some([metric, _]) = film.heatmap_metrics() else {
         return Ok(());

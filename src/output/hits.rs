@@ -5,14 +5,19 @@ use std::ops::Range;
 
 use vtkio::model::CellType;
 
+use super::file::{Content, OutputFile};
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
 use crate::vtk::encoding::Encoding;
 use crate::vtk::header::{DataSet, Mesh};
 
-/// The file's name.
-pub const FILE: &str = "hits.vtu";
+/// The file.
+pub(crate) const FILE: OutputFile = OutputFile {
+    name: "hits.vtu",
+    is_wanted: |_| true,
+    content: Content::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
+};
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
 /// order of the pixels, row 0 on top.

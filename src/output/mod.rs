@@ -1,11 +1,11 @@
 //! A rendering → files, one writer a file.
 //!
-//! Takes the film and all that led to it; gives the files of [`Artifact`] in
-//! one folder. All are written into a folder of their own first and take their
+//! Takes the film and all that led to it; gives the files of [`files`] in one
+//! folder. All are written into a folder of their own first and take their
 //! places together at the end: a run that fails or is killed leaves the old
 //! files.
 
-mod artifact;
+mod file;
 mod bounding_sphere;
 mod frame;
 mod heatmap;
@@ -13,8 +13,10 @@ mod hits;
 mod nodes;
 mod objects;
 mod picture;
+mod profile;
 mod rays;
 mod run;
+mod state_files;
 mod states;
 mod summary;
 mod surface;
@@ -25,22 +27,25 @@ mod traced;
 
 use std::time::Duration;
 
-pub use artifact::Artifact;
-pub(crate) use frame::FILE as FRAME;
+pub use file::{OutputFile, Request};
+pub(crate) use frame::FILE as FRAME_VTI;
 pub use frame::write as write_frame;
-pub(crate) use hits::FILE as HITS;
+pub(crate) use hits::FILE as HITS_VTU;
 pub use hits::write as write_hits;
 pub use nodes::write as write_nodes;
 pub use objects::Group;
-pub(crate) use objects::{FILE as OBJECTS, rows_per_thing};
+pub(crate) use objects::{FILE as OBJECTS_CSV, rows_per_thing};
 pub use rays::Traced;
+pub(crate) use state_files::{GEOMETRY, HEATMAP};
 pub use surface::write as write_surface;
 pub use thread_time::thread_time;
 pub use tiles::write as write_tiles;
+pub(crate) use traced::STATE as RAYS_STATE;
 pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 
 use rayon::prelude::*;
 
+use file::Job;
 use states::States;
 
 use crate::accel::BvhStatistics;
@@ -48,8 +53,8 @@ use crate::attribution::CostAttribution;
 use crate::config::Config;
 use crate::cost::Meter;
 use crate::film::Film;
-use crate::folder::{OutputFolder, Own, SUMMARY, StagedFile, WriteError, Written};
-use crate::instruments::{PROFILE, Profiler, Stages};
+use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use crate::instruments::{Profiler, Stages};
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -66,6 +71,53 @@ pub(crate) const BYTES_PER_PIXEL: u64 = 20;
 pub(crate) fn compression_bytes(codec: Codec) -> u64 {
     let per_file = codec.label().map_or(0, |_| compressed::BYTES_PER_ARRAY);
     5 * per_file
+}
+
+/// Files that are written in parallel.
+struct FileGroup {
+    /// The stage that ends with them, if any.
+    stage: Option<&'static str>,
+    files: &'static [OutputFile],
+}
+
+/// All output files in the order of the summary. A group is written when the
+/// groups before it are.
+const GROUPS: [FileGroup; 3] = [
+    FileGroup {
+        stage: Some("write"),
+        files: &[
+            picture::FILE,
+            heatmap::FILE,
+            hits::FILE,
+            frame::FILE,
+            state_files::GEOMETRY,
+            state_files::HEATMAP,
+            state_files::OVERVIEW,
+            tiles::FILE,
+            trace_events::FILE,
+            state_files::SCHEDULE,
+            objects::FILE,
+            surface::FILE,
+            state_files::SURFACE,
+            nodes::FILE,
+            state_files::BVH,
+        ],
+    },
+    // Shows the writing of the others.
+    FileGroup {
+        stage: Some("profile"),
+        files: &[profile::FILE],
+    },
+    // Lists the others.
+    FileGroup {
+        stage: None,
+        files: &[summary::FILE],
+    },
+];
+
+/// All files that a rendering may have, in the order of the summary.
+pub fn files() -> impl Iterator<Item = &'static OutputFile> {
+    GROUPS.iter().flat_map(|group| group.files)
 }
 
 /// A finished rendering and what is known of it.
@@ -121,30 +173,35 @@ pub fn write(
     let states = States::new(rendering, folder);
     let run = run::id_of(rendering);
     let staging = folder.stage_files()?;
-    let wanted: Vec<Artifact> = Artifact::ALL
-        .into_iter()
-        .filter(|artifact| artifact.is_wanted(rendering.config))
-        .collect();
-    let stage = |artifact: &Artifact| {
-        staging.stage(artifact.file_name(), |out| {
-            artifact.write(rendering, &stages, &states, run, out)
-        })
+    let request = Request {
+        config: rendering.config,
+        is_profiled: rendering.profiler.is_some(),
     };
-    let mut files: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
-    stages.end("write");
-    // Last but one, since it shows the writing of the others.
-    if let Some(profiler) = rendering.profiler {
-        let file = staging.stage(PROFILE, |out| profiler.write(rendering.name, run, out))?;
-        files.push(file);
-        stages.end("profile");
+    let (mut files, mut written) = (Vec::new(), Vec::new());
+    for group in &GROUPS {
+        let wanted: Vec<&OutputFile> = group
+            .files
+            .iter()
+            .filter(|file| file.is_wanted(&request))
+            .collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let job = Job {
+            rendering,
+            stages: &stages,
+            states: &states,
+            run,
+            written: &written,
+        };
+        let stage = |file: &&OutputFile| staging.stage(file.name, |out| file.write(&job, out));
+        let staged: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
+        written.extend(staged.iter().map(StagedFile::written));
+        files.extend(staged);
+        if let Some(name) = group.stage {
+            stages.end(name);
+        }
     }
-
-    let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
-    let summary = staging.stage(SUMMARY, |out| {
-        summary::of(rendering, &stages, &written, run).write(out)
-    })?;
-    written.push(summary.written());
-    files.push(summary);
     staging.commit(&files, &own())?;
     Ok((written, stages))
 }
@@ -160,6 +217,5 @@ pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
 }
 
 fn own() -> Own {
-    let names = Artifact::ALL.into_iter().map(Artifact::file_name);
-    Own::Listed(names.chain([PROFILE, SUMMARY]).collect())
+    Own::Listed(files().map(|file| file.name).collect())
 }

@@ -4,17 +4,29 @@ use std::io::{self, Seek, Write};
 
 use vtkio::model::CellType;
 
+use super::file::{Content, OutputFile};
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
-use crate::config::{BvhLimits, CostMode};
+use crate::config::{BvhLimits, CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells, types_of};
 use crate::vtk::encoding::Encoding;
 use crate::vtk::header::{DataSet, Mesh};
 
-/// The file's name.
-pub const FILE: &str = "bvh.vtu";
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: "bvh.vtu",
+    is_wanted: |request| request.has(OptionalOutput::Bvh),
+    content: Content::Written(|job, out| {
+        let rendering = job.rendering;
+        let hierarchy = rendering.attribution.and_then(|of| of.hierarchy.as_ref());
+        let (limits, cost) = (rendering.config.output.bvh, rendering.film.cost);
+        hierarchy.map_or(Ok(()), |hierarchy| {
+            write(hierarchy, limits, cost, job.encoding(), out)
+        })
+    }),
+};
 
 /// A box that is shown.
 struct Shown<'a> {

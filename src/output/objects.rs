@@ -3,12 +3,21 @@
 use std::io::{self, Write};
 
 use super::Rendering;
+use super::file::{Content, OutputFile};
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
+use crate::config::OptionalOutput;
 use crate::cost::{Metric, RayKind};
 use crate::text::text_cell;
 
-/// The file's name.
-pub(crate) const FILE: &str = "objects.csv";
+/// The file.
+pub(crate) const FILE: OutputFile = OutputFile {
+    name: "objects.csv",
+    is_wanted: |request| request.has(OptionalOutput::Objects),
+    content: Content::Written(|job, out| match job.rendering.attribution {
+        Some(attribution) => write(job.rendering, attribution, out),
+        None => Ok(()),
+    }),
+};
 
 /// The name of the last entry, the cost of rays without a hit.
 const NOTHING: &str = "nothing";
@@ -74,7 +83,7 @@ impl<'a> Group<'a> {
 
 /// Writes a row for each object and material, each attribution rule and each
 /// kind of ray; times only if they were measured.
-pub(super) fn write(
+fn write(
     rendering: &Rendering,
     attribution: &CostAttribution,
     out: &mut impl Write,

@@ -5,18 +5,21 @@
 
 use std::io::{self, Write};
 
+use super::file::{Content, OutputFile};
 use super::states::States;
 use crate::chart::png;
 use crate::film::Film;
 use crate::provenance::{self, RunId};
 
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: "image.png",
+    is_wanted: |_| true,
+    content: Content::Written(|job, out| write(job.rendering.film, job.run, job.states, out)),
+};
+
 /// Writes the film's colors, 8 bits a channel.
-pub(super) fn write(
-    film: &Film,
-    run: RunId,
-    states: &States,
-    out: &mut impl Write,
-) -> io::Result<()> {
+fn write(film: &Film, run: RunId, states: &States, out: &mut impl Write) -> io::Result<()> {
     let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
     let texts = [
         (provenance::KEY, &*run.to_string()),

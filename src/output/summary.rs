@@ -4,24 +4,32 @@
 use indexmap::IndexMap;
 use serde_json::Number;
 
+use super::file::{Content, Job, OutputFile};
 use super::{Rendering, thread_time};
 use crate::cost::RayKind;
 use crate::film::Film;
-use crate::folder::Written;
-use crate::instruments::{Stages, peak_memory_bytes};
-use crate::provenance::RunId;
+use crate::folder::SUMMARY;
+use crate::instruments::peak_memory_bytes;
 use crate::summary::{
     AccelerationSection, Build, CostSection, FileEntry, Machine, ObjectEntry, RepeatsSection,
     SceneSection, StageEntry, Summary,
 };
 use crate::text::numbers::milliseconds;
 
-/// Returns the summary of a rendering whose files are written.
-pub(super) fn of(rendering: &Rendering, stages: &Stages, files: &[Written], run: RunId) -> Summary {
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: SUMMARY,
+    is_wanted: |_| true,
+    content: Content::Written(|job, out| of(job).write(out)),
+};
+
+/// Returns the summary of a rendering whose other files are written.
+fn of(job: &Job) -> Summary {
+    let (rendering, stages) = (job.rendering, job.stages);
     let config = rendering.config;
     Summary {
         raycost: env!("CARGO_PKG_VERSION").to_owned(),
-        run: Some(run),
+        run: Some(job.run),
         scene: SceneSection {
             name: rendering.name.to_owned(),
             file: rendering.scene_file.to_owned(),
@@ -47,7 +55,7 @@ pub(super) fn of(rendering: &Rendering, stages: &Stages, files: &[Written], run:
         cost: cost(rendering),
         schedule: Some(rendering.schedule.into()),
         compress: Some(config.compress),
-        files: files.iter().map(FileEntry::from).collect(),
+        files: job.written.iter().map(FileEntry::from).collect(),
     }
 }
 

@@ -4,8 +4,9 @@ use std::io::{self, Seek, Write};
 
 use vtkio::model::{CellType, ScalarType};
 
+use super::file::{Content, OutputFile};
 use crate::attribution::Visits;
-use crate::config::CostMode;
+use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::geometry::Patch;
 use crate::scene::{Primitive, Scene};
@@ -14,8 +15,19 @@ use crate::vtk::array::{Array, Entry, Integers};
 use crate::vtk::encoding::Encoding;
 use crate::vtk::header::{DataSet, Mesh};
 
-/// The file's name.
-pub const FILE: &str = "surface.vtu";
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: "surface.vtu",
+    is_wanted: |request| request.has(OptionalOutput::Surface),
+    content: Content::Written(|job, out| {
+        let rendering = job.rendering;
+        let visits = rendering.attribution.and_then(|of| of.primitives.as_ref());
+        let (scene, cost) = (rendering.scene, rendering.film.cost);
+        visits.map_or(Ok(()), |visits| {
+            write(scene, visits, cost, job.encoding(), out)
+        })
+    }),
+};
 
 /// What the scene shows of itself.
 #[derive(Clone, Copy)]

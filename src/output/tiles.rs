@@ -2,7 +2,9 @@
 
 use std::io::{self, Seek, Write};
 
-use crate::config::CostMode;
+use super::Rendering;
+use super::file::{Content, OutputFile};
+use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::schedule::{Schedule, TileRun};
 use crate::vtk::appended;
@@ -10,8 +12,15 @@ use crate::vtk::array::{Array, Entry};
 use crate::vtk::encoding::Encoding;
 use crate::vtk::header::DataSet;
 
-/// The file's name.
-pub const FILE: &str = "tiles.vti";
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: "tiles.vti",
+    is_wanted: |request| request.has(OptionalOutput::Schedule),
+    content: Content::Written(|job, out| {
+        let Rendering { schedule, film, .. } = job.rendering;
+        write(schedule, film.cost, job.encoding(), out)
+    }),
+};
 
 /// Writes the schedule as ImageData with one cell a tile, which lies over the
 /// tile's pixels in `frame.vti`: a pixel's middle has whole numbers there. VTK's

@@ -10,20 +10,26 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::Rendering;
+use super::file::{Content, OutputFile};
+use crate::config::OptionalOutput;
 use crate::cost::Metric;
 use crate::instruments::Stages;
 use crate::provenance::{KEY, RunId};
 use crate::schedule::{Tile, TileRun};
 
-/// The file's name.
-pub(super) const FILE: &str = "trace.json";
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: "trace.json",
+    is_wanted: |request| request.has(OptionalOutput::Schedule),
+    content: Content::Written(|job, out| write(job.rendering, job.stages, job.run, out)),
+};
 
 /// The line of the stages; the threads' lines follow.
 const STAGES: u32 = 0;
 
 /// Writes the stages up to now, and every tile on the line of its thread, an
 /// event a line of text. Times are in microseconds since the program began.
-pub(super) fn write(
+fn write(
     rendering: &Rendering,
     stages: &Stages,
     run: RunId,

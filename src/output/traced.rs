@@ -8,7 +8,8 @@ use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
 use crate::provenance::{RunId, Summer, stamped};
 use crate::vtk::{Codec, Encoding};
 
-const STATE: &str = "rays.pvsm";
+/// The name of the ParaView state.
+pub(crate) const STATE: &str = "rays.pvsm";
 
 /// Writes the rays of traced pixels as PolyData: one line a ray.
 ///

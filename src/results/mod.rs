@@ -17,6 +17,7 @@ pub use verify::{Verdict, verify};
 
 use crate::folder::settle;
 use crate::host::advice;
+use crate::output::{FRAME_VTI, HITS_VTU};
 use crate::provenance::checksum;
 use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::text::Diagnostic;
@@ -71,7 +72,7 @@ impl Results {
     /// The file is missing, damaged or not written by raycost, or its size differs
     /// from the summary's.
     pub fn frame(&self) -> Result<FrameFile, Diagnostic> {
-        let frame = FrameFile::open(&self.file(crate::output::FRAME)?)?;
+        let frame = FrameFile::open(&self.file(FRAME_VTI.name)?)?;
         let ImageSection { width, height, .. } = self.summary.image;
         let found = (frame.width(), frame.height());
         if found != (width, height) {
@@ -80,7 +81,7 @@ impl Results {
                 found.0, found.1
             )));
         }
-        self.check_run(crate::output::FRAME, frame.run())?;
+        self.check_run(FRAME_VTI.name, frame.run())?;
         Ok(frame)
     }
 
@@ -90,7 +91,7 @@ impl Results {
     /// The file is missing, damaged or not written by raycost, or its number of
     /// points differs from the summary's.
     pub fn hits(&self) -> Result<HitsFile, Diagnostic> {
-        let hits = HitsFile::open(&self.file(crate::output::HITS)?)?;
+        let hits = HitsFile::open(&self.file(HITS_VTU.name)?)?;
         if hits.n_points() as u64 != self.summary.n_hits {
             return Err(self.mixed(format!(
                 "hits.vtu has {}, summary.json says {}",
@@ -98,7 +99,7 @@ impl Results {
                 counted(self.summary.n_hits, "hit")
             )));
         }
-        self.check_run(crate::output::HITS, hits.run())?;
+        self.check_run(HITS_VTU.name, hits.run())?;
         Ok(hits)
     }
 

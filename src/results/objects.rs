@@ -4,7 +4,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 
 use super::Results;
-use crate::output::{OBJECTS, rows_per_thing};
+use crate::output::{OBJECTS_CSV, rows_per_thing};
+use crate::summary::FILE as SUMMARY;
 use crate::text::{Diagnostic, numbers, text_of_cell};
 use crate::yaml::MAX_NAME;
 
@@ -34,7 +35,7 @@ impl Results {
     /// The file cannot be read, is damaged, or has more rows than the objects and
     /// materials of the summary allow.
     pub fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
-        let file = match File::open(self.folder().join(OBJECTS)) {
+        let file = match File::open(self.folder().join(OBJECTS_CSV.name)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             file => file.map_err(|error| self.no_table(&error.to_string()))?,
         };
@@ -60,7 +61,7 @@ impl Results {
             }
             rows.push(row);
         }
-        self.check_length(OBJECTS)?;
+        self.check_length(OBJECTS_CSV.name)?;
         Ok(Some(ObjectsTable { columns, rows }))
     }
 
@@ -73,14 +74,15 @@ impl Results {
 
     fn longer_than_its_scene(&self, most_rows: usize) -> Diagnostic {
         self.mixed(format!(
-            "{OBJECTS} is longer than the {} of the objects and materials in summary.json",
+            "{} is longer than the {} of the objects and materials in {SUMMARY}",
+            OBJECTS_CSV.name,
             numbers::counted(most_rows as u64, "row")
         ))
     }
 
     /// The error for an unusable table.
     pub(crate) fn no_table(&self, why: &str) -> Diagnostic {
-        let path = self.folder().join(OBJECTS);
+        let path = self.folder().join(OBJECTS_CSV.name);
         Diagnostic::new(format!("cannot read `{}`: {why}", path.display()))
             .with_help("render the scene again with `--also objects`")
     }

@@ -9,7 +9,7 @@ use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
 
-use super::{Rendering, frame, hits, nodes, surface, tiles as tile_image};
+use super::{Rendering, files};
 use crate::chart::Range;
 use crate::cost::Metric;
 use crate::film::Film;
@@ -18,20 +18,12 @@ use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill, value_of_panels
 use crate::statistics::quantile;
 use crate::text::numbers::capitalized;
 
-const GEOMETRY: &str = include_str!("../../../paraview/geometry.pvsm");
-const HEATMAP: &str = include_str!("../../../paraview/heatmap.pvsm");
-const OVERVIEW: &str = include_str!("../../../paraview/overview.pvsm");
-const SCHEDULE: &str = include_str!("../../../paraview/schedule.pvsm");
-const SURFACE: &str = include_str!("../../../paraview/surface.pvsm");
-const BVH: &str = include_str!("../../../paraview/bvh.pvsm");
+/// The template of `geometry.pvsm`.
+pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("../../../paraview/geometry.pvsm");
 
 /// The states of one output, in ASCII.
-pub(super) struct States {
-    hits: String,
-    frame: String,
-    tiles: String,
-    nodes: String,
-    surface: String,
+pub(super) struct States<'a> {
+    folder: &'a OutputFolder,
     /// The preferred cost metric; the distance if no cost was measured. Then the
     /// second metric.
     cost: Axis,
@@ -46,9 +38,9 @@ pub(super) struct States {
     attribution: AttributionValues,
 }
 
-impl States {
+impl<'a> States<'a> {
     /// The states that show this rendering's files in this folder.
-    pub(super) fn new(rendering: &Rendering, folder: &OutputFolder) -> Self {
+    pub(super) fn new(rendering: &Rendering, folder: &'a OutputFolder) -> Self {
         let film = rendering.film;
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
@@ -62,13 +54,8 @@ impl States {
             },
             || cost_axis(film, metrics.map(|[first, _]| first)),
         );
-        let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
         Self {
-            hits: path_of(hits::FILE),
-            frame: path_of(frame::FILE),
-            tiles: path_of(tile_image::FILE),
-            nodes: path_of(nodes::FILE),
-            surface: path_of(surface::FILE),
+            folder,
             cost: cost.with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: Camera::of(&rendering.scene.image_plane, distances.median),
@@ -80,47 +67,20 @@ impl States {
         }
     }
 
-    /// The cloud in its colors and by its cost.
+    /// The state `geometry.pvsm`.
     pub(super) fn geometry(&self) -> String {
-        fill(GEOMETRY, |key| self.value(key))
+        self.filled(GEOMETRY_TEMPLATE)
     }
 
-    /// The cost of all pixels.
-    pub(super) fn heatmap(&self) -> String {
-        fill(HEATMAP, |key| self.value(key))
-    }
-
-    /// Picture, cost, cloud and histogram on one page.
-    pub(super) fn overview(&self) -> String {
-        fill(OVERVIEW, |key| self.value(key))
-    }
-
-    /// When each tile was rendered, and by which thread.
-    pub(super) fn schedule(&self) -> String {
-        fill(SCHEDULE, |key| self.value(key))
-    }
-
-    /// The scene's surface by its cost.
-    pub(super) fn surface(&self) -> String {
-        fill(SURFACE, |key| self.value(key))
-    }
-
-    /// The boxes of the hierarchy by their cost.
-    pub(super) fn bvh(&self) -> String {
-        fill(BVH, |key| self.value(key))
+    /// A state whose template has these keys filled in.
+    pub(super) fn filled(&self, template: &str) -> String {
+        fill(template, |key| self.value(key))
     }
 
     fn value(&self, key: &str) -> Option<Value> {
-        let path = match key {
-            nodes::FILE => Some(&self.nodes),
-            surface::FILE => Some(&self.surface),
-            hits::FILE => Some(&self.hits),
-            frame::FILE => Some(&self.frame),
-            tile_image::FILE => Some(&self.tiles),
-            _ => None,
-        };
-        if let Some(path) = path {
-            return Some(path.clone().into());
+        if files().any(|file| file.name == key) {
+            let path = self.folder.path_of(key);
+            return Some(path.to_string_lossy().into_owned().into());
         }
         match key {
             "hits.max_distance" => return Some(self.max_distance.to_string().into()),

@@ -1,0 +1,90 @@
+//! The row of an output file: its name, when it is wanted, and how it is written.
+
+use std::io::{self, Write};
+
+use super::Rendering;
+use super::states::States;
+use crate::config::{Config, OptionalOutput};
+use crate::folder::{FileWriter, Written};
+use crate::instruments::Stages;
+use crate::provenance::{RunId, stamped};
+use crate::vtk::Encoding;
+
+/// A file of the output folder. Its source file defines it; [`files`](super::files)
+/// lists all.
+#[derive(Debug, Clone, Copy)]
+pub struct OutputFile {
+    /// Its name in the folder.
+    pub name: &'static str,
+    pub(super) is_wanted: fn(&Request) -> bool,
+    pub(super) content: Content,
+}
+
+/// How an output file is written.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Content {
+    /// By a function.
+    Written(fn(&Job, &mut FileWriter) -> io::Result<()>),
+    /// As a ParaView state: a template whose keys [`States`] fills in.
+    State(&'static str),
+}
+
+/// The settings that decide which files a run writes.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The scene file's settings.
+    pub config: &'a Config,
+    /// Whether a profiler watches the run.
+    pub is_profiled: bool,
+}
+
+/// What a writer may use.
+pub(super) struct Job<'a> {
+    pub(super) rendering: &'a Rendering<'a>,
+    /// The stages that have ended.
+    pub(super) stages: &'a Stages,
+    pub(super) states: &'a States<'a>,
+    /// The ID that the file has to hold.
+    pub(super) run: RunId,
+    /// The files of earlier groups.
+    pub(super) written: &'a [Written],
+}
+
+impl OutputFile {
+    /// Whether a run writes the file.
+    pub fn is_wanted(&self, request: &Request) -> bool {
+        (self.is_wanted)(request)
+    }
+
+    pub(super) fn write(&self, job: &Job, out: &mut FileWriter) -> io::Result<()> {
+        match self.content {
+            Content::Written(write) => write(job, out),
+            Content::State(template) => {
+                let state = job.states.filled(template);
+                out.write_all(stamped(&state, job.run).as_bytes())
+            }
+        }
+    }
+}
+
+impl Request<'_> {
+    /// Whether the optional output is requested.
+    pub(super) fn has(&self, output: OptionalOutput) -> bool {
+        self.config.output.has(output)
+    }
+
+    /// Whether node visits, primitive tests and rays are counted.
+    pub(super) fn has_counters(&self) -> bool {
+        self.config.cost.has_counters()
+    }
+}
+
+impl Job<'_> {
+    /// The encoding of VTK files.
+    pub(super) fn encoding(&self) -> Encoding {
+        Encoding {
+            codec: self.rendering.config.compress,
+            run: Some(self.run),
+        }
+    }
+}
