@@ -1,9 +1,9 @@
-//! What one reading of the time stamp counter costs a pixel: RDTSC, and RDTSCP,
-//! which waits for the loads before it and tells the CPU:
+//! Time that one reading of the time stamp counter adds to a pixel: by RDTSC, and by RDTSCP,
+//! which waits for earlier loads and also returns the CPU's number:
 //! `cargo bench --bench clock`.
 //!
-//! A stand-in for a pixel follows four chains of loads through a table, as rays
-//! follow nodes. The readings take turns in one process; medians.
+//! The work of a pixel is simulated by four chains of loads through a table, as rays follow
+//! nodes. The variants take turns in one process. Prints medians.
 
 #![cfg_attr(
     target_arch = "x86_64",
@@ -26,6 +26,8 @@ mod x86_64 {
     use std::hint::black_box;
     use std::time::Instant;
 
+    use raycost::statistics::median;
+
     const N_ROUNDS: usize = 401;
     const N_PIXELS: u32 = 20_000;
     const TABLE_LEN: usize = 1 << 16;
@@ -40,26 +42,25 @@ mod x86_64 {
             rdtsc.push(round_ns(&table, || unsafe { _rdtsc() }));
             rdtscp.push(round_ns(&table, || {
                 let mut cpu = 0;
-                // SAFETY: every x86-64 CPU of this century but the first has it.
+                // SAFETY: all x86-64 CPUs since 2006 have RDTSCP.
                 let ticks = unsafe { __rdtscp(&mut cpu) };
                 ticks ^ u64::from(cpu)
             }));
         }
-        println!("ns a pixel, medians of {N_ROUNDS} rounds");
+        println!("ns per pixel, medians of {N_ROUNDS} rounds");
         for (name, times_ns) in ["none", "rdtsc", "rdtscp"].into_iter().zip(&mut times_ns) {
-            times_ns.sort_by(f64::total_cmp);
-            println!("{name:8} {:6.1}", times_ns[N_ROUNDS / 2]);
+            println!("{name:8} {:6.1}", median(times_ns).unwrap_or_default());
         }
     }
 
-    /// Noise from the generator of Numerical Recipes.
+    /// Noise from the linear congruential generator of Numerical Recipes.
     fn table() -> Vec<u32> {
         let next = |state: &u32| Some(state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
         let noise = std::iter::successors(Some(1_u32), next);
         noise.map(|state| state >> 8).take(TABLE_LEN).collect()
     }
 
-    /// Time of a pixel with a reading after each.
+    /// Mean time of a pixel in nanoseconds with a reading after each.
     fn round_ns(table: &[u32], read: impl Fn() -> u64) -> f64 {
         let begin = Instant::now();
         for seed in 0..N_PIXELS {

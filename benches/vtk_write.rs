@@ -1,11 +1,11 @@
-//! How long the VTK files of a 4K picture take with each codec, beside a plain
-//! `write()` of the raw bytes, and how long raycost takes to read them again:
+//! Times to write the VTK files of a 4K image with each codec, compared with a plain
+//! `write()` of the raw bytes, and to read them again:
 //! `cargo bench --bench vtk_write [-- FOLDER] [-- --json FILE]`.
 //!
-//! All take turns in one process, so that a drifting machine meets all alike.
-//! FOLDER is where the files go; a folder in memory (/dev/shm, if there is one,
-//! else the system's temporary folder) measures the writer and not a disk. One
-//! thread does all but compress.
+//! The codecs take turns in one process, so that a drift of the machine affects all of them
+//! equally. FOLDER is the output folder; the default is a folder in memory (/dev/shm if it
+//! exists, else the system's temporary folder), so that no disk is measured. Only
+//! compression uses more than one thread.
 
 use std::fs::File;
 use std::hint::black_box;
@@ -29,7 +29,7 @@ use serde_json::{Value, json};
 
 const N_ROUNDS: usize = 9;
 
-/// Columns and rows of the picture.
+/// Columns and rows of the image.
 const SIZE: [u32; 2] = [3840, 2160];
 
 const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
@@ -37,12 +37,12 @@ const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
 /// Time the VTK writer.
 #[derive(Debug, Parser)]
 struct Options {
-    /// Where the files go [default: a folder in memory]
+    /// Output folder [default: a folder in memory]
     folder: Option<PathBuf>,
-    /// Also write the medians, with their intervals, to this file
+    /// Also write the medians and their intervals to this file as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Given by `cargo bench`
+    /// `cargo bench` passes it
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -82,8 +82,8 @@ fn main() {
     }
 }
 
-/// Times a file with each codec, and a plain write of its raw bytes, in turn;
-/// gives a row for each codec.
+/// Times a file with each codec and a plain write of its raw bytes in turn; returns a row
+/// for each codec.
 fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()) -> Vec<Value> {
     let write = |codec| {
         let mut out = BufWriter::with_capacity(1 << 20, File::create(path).unwrap());
@@ -154,7 +154,7 @@ fn film(width: u32, height: u32) -> Film {
     render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }
 
-/// The system's folder in memory, or its temporary one.
+/// The system's folder in memory, or its temporary folder.
 fn folder_in_memory() -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
     if memory.is_dir() {

@@ -1,4 +1,4 @@
-//! All kernels of both on the same rays.
+//! All kernels of raycost and Embree on the same rays.
 
 use std::fmt;
 
@@ -95,7 +95,7 @@ pub fn outcomes(
     .collect()
 }
 
-/// The one whose median is the least.
+/// The kernel with the smallest median.
 pub fn fastest<'a>(
     times: impl Iterator<Item = (&'static str, &'a [f64])>,
 ) -> Option<(&'static str, &'a [f64])> {

@@ -12,7 +12,7 @@ pub trait Kernel: Sync {
     fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>);
 }
 
-/// raycost, one ray at a time; `P` decides whether it counts.
+/// raycost, one ray at a time; the probe `P` decides whether it counts.
 pub struct Single<'a, P> {
     accel: &'a Accel<'a>,
     probe: P,

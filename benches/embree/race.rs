@@ -5,6 +5,7 @@ use std::thread;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
+use raycost::statistics::upper_median;
 
 use crate::kernel::Kernel;
 use crate::rays::Rays;
@@ -70,9 +71,7 @@ pub fn in_turn<T>(
     times
 }
 
-/// The middle one.
+/// The upper median of at least one time.
 pub fn median(times: &[f64]) -> f64 {
-    let mut times = times.to_vec();
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    upper_median(&mut times.to_vec(), f64::total_cmp).unwrap_or_default()
 }

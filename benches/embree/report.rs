@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::ffi::Quality;
 use crate::rays::Kind;
 
-/// What is measured.
+/// The quantity that is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Discipline {
@@ -32,14 +32,13 @@ pub struct Outcome {
     pub embree: Speed,
     /// raycost's speed over Embree's.
     pub ratio: Ratio,
-    /// That instruction set.
+    /// The faster instruction set of Embree.
     pub isa: &'static str,
     /// The overhead of the counters, relative to the time without them.
     pub counters_cost: Option<f64>,
 }
 
-/// Million rays or primitives a second: the median, and the interval that holds
-/// it with 95 % confidence.
+/// Million rays or primitives per second: the median and its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Speed {
     pub median: f64,
@@ -86,12 +85,12 @@ pub struct Row {
     pub quality: [&'static str; 2],
     pub n_threads: usize,
     pub outcome: Outcome,
-    /// The goal: the least ratio, if there is one.
+    /// The goal: the minimum ratio, if there is one.
     pub goal: Option<f64>,
 }
 
 /// The goal of a scene of spheres or of triangles, against Embree's build of this
-/// quality: the least ratio.
+/// quality: the minimum ratio.
 pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
     use Discipline::{Build, Single, Stream, StreamAgainstPackets};
     match (discipline, of_spheres) {

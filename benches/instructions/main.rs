@@ -1,10 +1,8 @@
-//! A fixed amount of tracing, whose instructions `benches/instructions/run`
-//! counts, and `benches/instructions/cache` their cache misses:
-//! `instructions SCENE WAY COST N_ROUNDS`.
+//! A fixed amount of tracing: `benches/instructions/run` counts its instructions,
+//! `benches/instructions/cache` its cache misses: `instructions SCENE WAY COST N_ROUNDS`.
 //!
-//! In each round all rays ask for their nearest hit and whether there is any.
-//! Prints as JSON how many that are, through how many primitives, and what made
-//! the program.
+//! Each round makes a nearest-hit query and an occlusion query for all rays. Prints the
+//! number of queries, the number of primitives and the provenance of the program as JSON.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -19,7 +17,7 @@ use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
 use serde_json::json;
 
-/// What `mesh` is.
+/// The file of the scene `mesh`.
 const MESH: &str = "configs/meshes/spot.obj";
 const N_RAYS: u64 = 16_384;
 
@@ -31,7 +29,7 @@ fn main() {
         return;
     };
     let primitives = primitives(scene);
-    // The widest one that valgrind knows.
+    // The widest instruction set that valgrind supports.
     let avx2 = Simd::available()
         .into_iter()
         .find(|simd| simd.to_string() == "avx2");
@@ -60,7 +58,7 @@ fn primitives(scene: &str) -> Vec<Primitive> {
         "mesh" => mesh(),
         "triangles" => (0..20_000).map(triangle).collect(),
         "spheres" => (0..20_000).map(|i| sphere(i, 0.03)).collect(),
-        // What fits into the first cache, and what fits into none: as full.
+        // Equally dense: the first fits into the first cache, the last into none.
         "few_spheres" => (0..100).map(|i| sphere(i, 0.175)).collect(),
         "many_spheres" => (0..400_000).map(|i| sphere(i, 0.011)).collect(),
         _ => panic!("no scene {scene}"),
@@ -109,7 +107,7 @@ impl Rays {
         black_box(&probe);
     }
 
-    /// Each ray is a pixel's.
+    /// Each ray belongs to a pixel of its own.
     #[inline(never)]
     fn in_streams<P: PixelProbe>(&self, accel: &Accel, mut probe: P) {
         probe.reset(N_RAYS as usize, 1);

@@ -1,4 +1,4 @@
-"""What the scripts beside this one share: a program to count in, and valgrind."""
+"""The common part of the scripts in this folder: building the program, and running valgrind."""
 
 import json
 import os
@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def install():
-    """Installs valgrind on Debian or Ubuntu where it is missing."""
+    """Installs valgrind on Debian or Ubuntu if it is missing."""
     if shutil.which("valgrind"):
         return
     if not shutil.which("apt-get"):
@@ -23,9 +23,9 @@ def install():
 
 
 def build(folder=ROOT):
-    """Builds the bench of the sources in a folder; the path of the program."""
+    """Builds the bench from the sources in a folder; returns the path of the program."""
     command = ["cargo", "bench", "--no-run", "--bench", "instructions", "--message-format=json"]
-    # Each has its own target folder: cargo would take one for the other.
+    # Each copy of the sources has its own target folder, since cargo would confuse them.
     environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target")}
     built = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, check=True)
     messages = map(json.loads, built.stdout.splitlines())
@@ -33,10 +33,10 @@ def build(folder=ROOT):
 
 
 def run(tool, program, arguments):
-    """Runs the program under a tool of valgrind, given with its options: what
-    the program says of itself, and what valgrind says."""
+    """Runs the program under a tool of valgrind, given with its options; returns the output
+    of the program and the messages of valgrind."""
     command = ["valgrind", *tool, program, *map(str, arguments)]
-    # Nothing else: the size of the environment moves the stack.
+    # Only these: the size of the environment changes the address of the stack.
     environment = {"PATH": os.environ["PATH"], "RAYON_NUM_THREADS": "1"}
     ran = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     if ran.returncode:

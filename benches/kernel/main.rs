@@ -21,6 +21,7 @@ use raycost::cost::{Cost, NoProbe, Probe};
 use raycost::geometry::Ray;
 use raycost::sampling::uniform;
 use raycost::scene::Primitive;
+use raycost::statistics::upper_median;
 use scenes::View;
 
 const N_ROUNDS: usize = 9;
@@ -128,9 +129,9 @@ fn seconds(accel: &Accel, rays: &[Ray], t_max: f32, probe: &mut impl Probe) -> f
     start.elapsed().as_secs_f64()
 }
 
+/// The upper median of at least one time.
 fn median(times: &mut [f64]) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    upper_median(times, f64::total_cmp).unwrap_or_default()
 }
 
 struct Rays {

@@ -43,7 +43,7 @@ def main():
         times = {"NumPy loop": [], "raycost": []}
         for _ in range(n_rounds):
             times["NumPy loop"].append(seconds(loop))
-            # Several for each of the loop's: they are short.
+            # Several runs per run of the loop, since they are short.
             times["raycost"] += [seconds(render) for _ in range(5)]
         difference = np.abs(rendered(numpy_png) - rendered(out / "image.png")).max()
         stages = json.loads((out / "summary.json").read_text())["stages"]

@@ -1,7 +1,6 @@
 """The course's first scene as a NumPy loop over the pixels: sphere.py WIDTH HEIGHT OUT.png
 
-Written for the race with raycost: plainly, one pixel after the other, as one writes a first ray
-tracer. tests/numpy/seed_model.py is the model for any scene, and renders all pixels at once.
+Written for the race with raycost, one pixel after the other, like a first ray tracer. tests/numpy/seed_model.py is the model for any scene, and renders all pixels at once.
 """
 
 import sys

@@ -1,10 +1,10 @@
 """Compares raycost with the course's NumPy model: validate.py RAYCOST OUT.json [--quick]
 
-Four comparisons, all as JSON: pictures and counts against those that the course's model left in
-tests/reference; the same against tests/numpy/seed_model.py on random scenes; pictures of the first
-scene against sphere.py, the model as a loop over pixels; and how long both take for these, whole
-processes in turn. Fails if a picture is not the model's. `--quick` leaves out the largest picture,
-which takes the loop some ten seconds.
+Writes four comparisons as JSON: images and counts against those of the course's model in
+tests/reference; the same against tests/numpy/seed_model.py on random scenes; images of the first
+scene against sphere.py, the model as a loop over pixels; and the times of both for these, whole
+processes in turn. Fails if an image differs from the model's. `--quick` leaves out the largest image,
+which takes the loop about ten seconds.
 """
 
 import json
@@ -23,12 +23,12 @@ from compare import comparisons, difference, is_the_models, rendered  # noqa: E4
 REFERENCE = ROOT / "tests" / "reference"
 SIZES = [100, 400, 1000]
 N_ROUNDS = 5
-# Of all pixels, as tests/engine/seed_reference.rs: 32-bit numbers may decide otherwise on an edge.
+# Share of all pixels, as in tests/engine/seed_reference.rs: 32-bit rounding decides on edges.
 MOST_BEYOND_1 = 1e-3
 
 
 def render(raycost, scene, width, height, folder):
-    """The picture, and the totals of the run."""
+    """Returns the image and the totals of the run."""
     size = ["--width", str(width), "--height", str(height)]
     scene = ROOT / "configs" / f"{scene}.yaml"
     subprocess.run([raycost, "render", scene, *size, "--repeats=1", "--quiet", "--out", folder], check=True)

@@ -1,4 +1,4 @@
-// The twin of spheres.yaml.
+// The same scene as spheres.yaml.
 #version 3.7;
 
 global_settings { assumed_gamma 1 max_trace_level 5 }
@@ -21,7 +21,7 @@ sphere { <-2.75, 0.1, 3.5>, 0.6 pigment { rgb <1, 0.572, 0.184> } finish { Mirro
 
 plane {
   y, -0.5
-  // The checker fills space: a quarter up, so that the plane does not lie between two cells.
+  // The checker is solid: shifted up by a quarter, so that the plane is not between two cells.
   pigment { checker rgb 1, rgb 0 scale 0.5 translate 0.25 * y }
   finish { ambient 0.05 diffuse 0.75 specular 0.5 roughness 1/50 reflection 0.25 }
 }

@@ -1,11 +1,10 @@
-//! Rays per second of whole renderings, in each mode of the cost:
+//! Rays per second of whole renderings in each cost mode:
 //! `cargo bench --bench render [-- SCENE …]`.
 //!
-//! Takes scene files, and folders of them; those in `configs/` if none is
-//! named. One thread; the modes take turns in one process, so that a drifting
-//! machine affects all of them equally; medians. In brackets the speed relative to
-//! `time`, which traces ray after ray: what streams gain, and what counters
-//! cost.
+//! Takes scene files and folders of them; those in `configs/` if none is named. Renders on
+//! one thread; the modes take turns in one process, so that a drift of the machine affects
+//! all of them equally. Prints medians and, in brackets, the speed relative to the first
+//! mode: the gain of streams, and the cost of counters.
 
 mod scenes;
 
@@ -19,6 +18,7 @@ use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::render::{Plan, render};
 use raycost::scene::{Geometries, Scene};
+use raycost::statistics::median;
 use raycost::text::Diagnostic;
 use raycost::yaml::Source;
 
@@ -72,7 +72,7 @@ fn compare(path: &Path) -> Result<(), Diagnostic> {
     }
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     print!("{name:18} {n_rays:9} rays");
-    let medians = times.map(median);
+    let medians = times.map(|mut times| median(&mut times).unwrap_or_default());
     for (mode, seconds) in MODES.iter().zip(medians) {
         let speed = n_rays as f64 / seconds / 1e6;
         let relative = medians[0] / seconds;
@@ -80,9 +80,4 @@ fn compare(path: &Path) -> Result<(), Diagnostic> {
     }
     println!();
     Ok(())
-}
-
-fn median(mut times: [f64; N_ROUNDS]) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[N_ROUNDS / 2]
 }

@@ -30,7 +30,7 @@ pub fn named(arguments: impl Iterator<Item = OsString>) -> Result<Vec<PathBuf>, 
     Ok(scenes.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-/// The YAML files directly in a folder; what else is there is left alone.
+/// The YAML files directly in a folder; other files are ignored.
 fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let named = folder.display();
     let failed = |error| format!("cannot read `{named}`: {error}");

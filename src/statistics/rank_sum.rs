@@ -1,24 +1,24 @@
-//! The distribution of the rank sum, and the test that rests on it.
+//! The Mann-Whitney U test, and the distribution of the rank sum.
 //!
 //! H. B. Mann, D. R. Whitney: On a test of whether one of two random variables
 //! is stochastically larger than the other, Annals of Mathematical Statistics
-//! 18 (1947). Ties take the mean of their ranks; the distribution is then that
-//! of the ranks as they are, over all ways to deal them out, counted as by
+//! 18 (1947). Ties take the mean of their ranks. The exact distribution is the
+//! permutation distribution of these ranks, by the shift algorithm of
 //! B. Streitberg, J. Röhmel: Exact distributions for permutation and rank
 //! tests, Statistical Software Newsletter 12 (1986).
 
 use std::f64::consts::SQRT_2;
 
-/// Values of both samples together up to which all ways are counted. The normal
-/// approximation, which takes no time, is near enough there: 0.0113 for 0.0109.
+/// Maximum size of both samples together for the exact distribution. Above it the normal
+/// approximation is accurate enough: 0.0113 instead of 0.0109.
 const MAX_EXACT: usize = 100;
 
-/// The p-value of the two-sided Mann-Whitney U test: how likely two samples of
-/// one distribution, of any shape, are at least as far apart as these. Exact up
-/// to 100 values in all, ties included; above by the normal approximation with
-/// corrections for ties and continuity.
+/// The p-value of the two-sided Mann-Whitney U test: the probability that two samples of the
+/// same distribution differ at least as much as these. Exact up to 100 values in total, ties
+/// included; above that by the normal approximation with corrections for ties and
+/// continuity.
 ///
-/// 1 where a sample is empty. The values must not be NaN.
+/// 1 if a sample is empty. The values must not be NaN.
 pub fn mann_whitney_p(a: &[f64], b: &[f64]) -> f64 {
     let ranks = doubled_ranks(a, b);
     let sum_b = ranks[a.len()..].iter().sum();
@@ -27,8 +27,8 @@ pub fn mann_whitney_p(a: &[f64], b: &[f64]) -> f64 {
     (2.0 * tails[0].min(tails[1])).min(1.0)
 }
 
-/// Twice the rank of each value of `a`, then of `b`, among all, from 1 on:
-/// whole numbers, since equal values share the mean of their ranks.
+/// Twice the rank, from 1, of each value of `a`, then of `b`, among all values: integers, since
+/// equal values share the mean of their ranks.
 fn doubled_ranks(a: &[f64], b: &[f64]) -> Vec<usize> {
     let values = [a, b].concat();
     let mut sorted = values.clone();
@@ -41,17 +41,17 @@ fn doubled_ranks(a: &[f64], b: &[f64]) -> Vec<usize> {
     values.iter().map(rank).collect()
 }
 
-/// How twice the sum of some of the ranks is distributed where any choice of
-/// so many of them is as likely as any other.
+/// The distribution of twice the sum of `n` ranks, where all choices of `n` ranks have the
+/// same probability.
 pub(super) enum RankSums {
     /// The probability of each sum from 0 on.
     Exact(Vec<f64>),
-    /// By mean and standard deviation.
+    /// Mean and standard deviation.
     Normal(f64, f64),
 }
 
 impl RankSums {
-    /// The sums of `n` of the `doubled` ranks.
+    /// The distribution for `n` of the `doubled` ranks.
     pub(super) fn of(doubled: &[usize], n: usize) -> Self {
         match doubled.len() {
             0..=MAX_EXACT => Self::exact(doubled, n),
@@ -59,14 +59,14 @@ impl RankSums {
         }
     }
 
-    /// The sums where no two of `n_a + n` values are equal.
+    /// The distribution for `n` of `n_a + n` values without ties.
     pub(super) fn untied(n_a: usize, n: usize) -> Self {
         let doubled: Vec<usize> = (1..=n_a + n).map(|rank| 2 * rank).collect();
         Self::of(&doubled, n)
     }
 
-    /// Counts the choices of `n` ranks by their sum, one rank after the other:
-    /// a choice with the rank is a smaller one without it, shifted.
+    /// Counts the choices of `n` ranks by their sum, rank by rank: the choices with a rank are
+    /// those of one rank fewer, shifted by it.
     fn exact(doubled: &[usize], n: usize) -> Self {
         let n_sums = doubled.iter().sum::<usize>() + 1;
         let mut n_choices = vec![vec![0.0; n_sums]; n + 1];
@@ -90,7 +90,7 @@ impl RankSums {
         let mean = doubled.iter().sum::<usize>() as f64 / n_all;
         let deviations = doubled.iter().map(|&rank| (rank as f64 - mean).powi(2));
         let variance = deviations.sum::<f64>() / n_all;
-        // Drawn without replacement. Ties are in the variance of the ranks.
+        // Sampling without replacement. The variance of the ranks accounts for ties.
         let n = n as f64;
         let of_sum = n * variance * (n_all - n) / (n_all - 1.0);
         Self::Normal(n * mean, of_sum.sqrt())
@@ -113,8 +113,8 @@ impl RankSums {
     }
 }
 
-/// The probability that a normal variable is above `z` standard deviations;
-/// 1 for the NaN of a distribution without any.
+/// The probability that a standard normal variable exceeds `z`; 1 for NaN, which a standard
+/// deviation of 0 gives.
 fn upper_tail(z: f64) -> f64 {
     if z.is_nan() {
         return 1.0;
@@ -128,8 +128,8 @@ mod tests {
 
     use super::*;
 
-    /// The test by its definition: U counts the pairs that b wins, a tie as a
-    /// half, and all ways to deal the values out are tried.
+    /// The test by its definition: U is the number of pairs in which `b` is greater, ties
+    /// counting half, over all permutations of the values.
     fn by_definition(a: &[f64], b: &[f64]) -> f64 {
         let wins = |a: &[f64], b: &[f64]| {
             let pairs = a.iter().flat_map(|x| b.iter().map(move |y| (x, y)));
@@ -156,9 +156,9 @@ mod tests {
         (2.0 * tails[0].min(tails[1]) / n).min(1.0)
     }
 
-    /// As SciPy's `mannwhitneyu` has it: exact twice, then by approximation.
+    /// The results of SciPy's `mannwhitneyu`: exact, then approximate.
     #[test]
-    fn known_samples_have_their_p() {
+    fn known_samples_have_scipys_p() {
         let rising = |n: u32, step: u32, from: f64| -> Vec<f64> {
             (0..n).map(|i| from + f64::from(i * step)).collect()
         };
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_without_a_difference_have_none() {
+    fn equal_samples_have_p_1() {
         assert_eq!(mann_whitney_p(&[], &[1.0]), 1.0);
         assert_eq!(mann_whitney_p(&[3.0; 9], &[3.0; 9]), 1.0);
         assert_eq!(mann_whitney_p(&[3.0; 90], &[3.0; 90]), 1.0);
@@ -207,7 +207,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn all_ways_to_deal_are_counted(
+        fn p_is_that_of_all_permutations(
             a in prop::collection::vec(0_u8..6, 0..6),
             b in prop::collection::vec(0_u8..6, 0..6),
         ) {

@@ -1,15 +1,15 @@
-//! By which factor a sample is above another.
+//! The ratio of two samples with its confidence interval.
 //!
 //! J. L. Hodges, E. L. Lehmann: Estimates of location based on rank tests,
-//! Annals of Mathematical Statistics 34 (1963): the median of what all pairs
-//! differ by. Here the values are durations, which noise multiplies: their
-//! logarithms are shifted, and the pairs give ratios.
+//! Annals of Mathematical Statistics 34 (1963): the median of the differences of
+//! all pairs. Here the values are durations with multiplicative noise, so that
+//! the pairs give differences of logarithms: ratios.
 
 use serde::Serialize;
 
 use super::rank_sum::RankSums;
 
-/// How often the interval of [`Ratio`] holds the true ratio, at least.
+/// Minimum probability that the interval of [`Ratio`] covers the true ratio.
 pub const CONFIDENCE: f64 = 0.95;
 
 /// The factor from sample `a` to sample `b`.
@@ -17,8 +17,8 @@ pub const CONFIDENCE: f64 = 0.95;
 pub struct Ratio {
     /// The Hodges-Lehmann estimate: the median of b / a over all pairs.
     pub estimate: f64,
-    /// The interval of [`CONFIDENCE`] that belongs to the Mann-Whitney test;
-    /// `None` for samples too small to give one: 4 values each are enough.
+    /// The confidence interval, of level [`CONFIDENCE`], by inversion of the Mann-Whitney
+    /// test; `None` for samples that are too small: 4 values each are enough.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -32,16 +32,16 @@ impl Ratio {
         let [below, above] = [*ratios.get(n.checked_sub(1)? / 2)?, *ratios.get(n / 2)?];
         let cut = n_cut(a.len(), b.len());
         Some(Self {
-            // The middle of two on the logarithmic scale.
+            // The geometric mean of the two in the middle.
             estimate: (below * (above / below).sqrt()).clamp(below, above),
             interval: cut.map(|cut| [ratios[cut - 1], ratios[n - cut]]),
         })
     }
 }
 
-/// The place, from 1 on, of the pair that ends the interval, counted from
-/// either end of the sorted pairs: as many as the U statistic may lie from its
-/// end and still be significant. `None` if it never is.
+/// The position, from 1, of the pair at the end of the interval, counted from either end of
+/// the sorted ratios: the number of values of the U statistic that are significant on one
+/// side. `None` if none is.
 fn n_cut(n_a: usize, n_b: usize) -> Option<usize> {
     let rank_sums = RankSums::untied(n_a, n_b);
     let least_sum = n_b * (n_b + 1) / 2;
@@ -63,17 +63,17 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Ratios outside the interval are those that the test refuses.
+        /// The test rejects exactly the ratios outside the interval.
         #[test]
-        fn the_interval_belongs_to_the_test(
+        fn the_interval_is_that_of_the_test(
             a in prop::collection::vec(1.0..3.0, 4..9),
             b in prop::collection::vec(1.0..3.0, 4..9),
             tried in 0.2..5.0,
         ) {
             let [low, high] = Ratio::of(&a, &b).unwrap().interval.unwrap();
             let scaled: Vec<f64> = a.iter().map(|a| a * tried).collect();
-            let is_refused = mann_whitney_p(&scaled, &b) <= 1.0 - CONFIDENCE;
-            prop_assert_eq!(is_refused, tried < low || tried > high);
+            let is_rejected = mann_whitney_p(&scaled, &b) <= 1.0 - CONFIDENCE;
+            prop_assert_eq!(is_rejected, tried < low || tried > high);
         }
 
         #[test]

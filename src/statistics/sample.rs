@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn they_are_what_the_textbook_says() {
+    fn a_known_sample_has_its_statistics() {
         let statistics = SampleStatistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert_eq!((statistics.n, statistics.mean), (8, 5.0));
         assert!((statistics.standard_deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-12);
@@ -120,14 +120,14 @@ mod tests {
     }
 
     #[test]
-    fn one_value_is_all_of_it() {
+    fn one_value_has_no_deviation() {
         let one = SampleStatistics::of(&[3.0]).unwrap();
         assert_eq!((one.standard_deviation, one.mad), (0.0, 0.0));
         assert_eq!([one.low_95, one.median, one.high_95], [3.0; 3]);
     }
 
     #[test]
-    fn far_values_are_outliers_and_stay_in() {
+    fn outliers_are_counted_and_not_removed() {
         let values = [10.0, 10.1, 9.9, 10.0, 10.2, 30.0];
         let statistics = SampleStatistics::of(&values).unwrap();
         assert_eq!((statistics.n, statistics.n_outliers), (6, 1));
@@ -135,9 +135,9 @@ mod tests {
         assert_eq!(statistics.max, 30.0);
     }
 
-    /// The interval of a normal sample holds the true median about as often as
-    /// it says: of 15 values it ends at the fourth or the fifth from each side,
-    /// which hold it in 96 and 88 of 100 cases.
+    /// The interval of a normal sample covers the true median about as often as it claims: for
+    /// 15 values it ends at the fourth or the fifth from each side, which cover it in 96 and
+    /// 88 of 100 cases.
     #[test]
     fn the_interval_covers() {
         let normal = |study: u64, i: u64| {
