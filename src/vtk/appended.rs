@@ -1,4 +1,5 @@
-//! Arrays behind an XML header, raw or in compressed blocks.
+//! Writes a file: an XML header, then the arrays as appended data, raw or in
+//! compressed blocks.
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -10,13 +11,16 @@ use super::header::{DataSet, Offsets};
 use crate::provenance::RunId;
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
-/// last one up to the opening tag of the arrays. With expat 2.6, or an older one
-/// with its security fixes, many a VTK feeds it the next block too and fails, as
-/// that is no XML (VTK issue 19258): ParaView 5.12.0 does, and the ParaView of
-/// Debian 12 and of Ubuntu 22.04 to 24.04. Blanks pass.
+/// last one up to the opening tag of the arrays. With expat 2.6, or an
+/// older one with its security fixes, many versions of VTK also feed it the next block
+/// and fail, since that is not XML (VTK issue 19258), such as ParaView 5.12.0 and the
+/// ParaView of Debian 12 and of Ubuntu 22.04 to 24.04. Blanks are accepted.
 const N_BLANKS: usize = 2 * 4096;
 
-/// Writes the whole file; `out` is empty.
+/// Writes a whole file to `out`, which is empty.
+///
+/// # Errors
+/// An array has the wrong length, or `out` fails.
 pub(crate) fn write(
     data_set: &DataSet,
     Encoding { codec, run }: Encoding,
@@ -38,8 +42,8 @@ fn write_raw(data_set: &DataSet, run: Option<RunId>, out: &mut impl Write) -> io
     write_tail(out)
 }
 
-/// Where an array begins is known when those before it are compressed: the head
-/// is written once more at the end, as long as before.
+/// The offset of an array is known only after the arrays before it are compressed, so
+/// that the header is written again at the end, with the same length.
 fn write_compressed(
     data_set: &DataSet,
     run: Option<RunId>,
@@ -62,9 +66,9 @@ fn write_compressed(
     Ok(())
 }
 
-/// Writes all that stands before the arrays.
+/// Writes everything before the arrays.
 fn write_head(xml: &str, out: &mut impl Write) -> io::Result<()> {
-    // The tags stand on lines of their own: vtk.js looks for them that way.
+    // vtk.js expects the tags on separate lines.
     write!(
         out,
         "<?xml version=\"1.0\"?>\n{xml}\n<AppendedData encoding=\"raw\">\n{:N_BLANKS$}_",
@@ -76,7 +80,7 @@ fn write_tail(out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "\n</AppendedData>\n</VTKFile>")
 }
 
-/// Where each raw array begins: a 64-bit length stands before each.
+/// Returns the offset of each raw array, which begins with its 64-bit length.
 fn offsets(arrays: &[&Array]) -> Vec<u64> {
     let begins = |next: &mut u64, array: &&Array| {
         let begin = *next;

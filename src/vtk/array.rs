@@ -1,4 +1,4 @@
-//! The arrays of a file.
+//! Arrays to be written to a file.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -6,13 +6,13 @@ use std::ops::Range;
 use bytemuck::NoUninit;
 use vtkio::model::{CellType, ScalarType};
 
-/// Numbers that are made at one go.
+/// Entries that are generated before they are written.
 const CHUNK: usize = 1 << 14;
 
-/// Writes an array's bytes.
+/// A function that writes the bytes of an array.
 pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
-/// An array that is written when its turn comes.
+/// An array whose bytes are generated while the file is written.
 pub(crate) struct Array<'a> {
     pub(crate) name: &'a str,
     pub(crate) scalar: ScalarType,
@@ -22,11 +22,11 @@ pub(crate) struct Array<'a> {
     pub(crate) write: WriteBytes<'a>,
 }
 
-/// What one entry of an array is.
+/// The type of an entry of an array: a number, or several components.
 pub(crate) trait Entry: NoUninit {
-    /// Its numbers.
+    /// The type of its components.
     const SCALAR: ScalarType;
-    /// How many.
+    /// The number of components.
     const N_COMPONENTS: usize = 1;
 }
 
@@ -67,7 +67,8 @@ where
 }
 
 impl<'a> Array<'a> {
-    /// An array of `n` entries, made anew each time they are written.
+    /// Creates an array of `n` entries; `entries` is called each time the array is
+    /// written.
     pub(crate) fn of<E: Entry, I: Iterator<Item = E>>(
         name: &'static str,
         n: usize,
@@ -94,8 +95,8 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Whole numbers in as few bytes as they need: ParaView loads 32-bit cells a
-/// third faster than 64-bit ones.
+/// The narrowest integer type of an array: ParaView loads 32-bit cells a third faster
+/// than 64-bit ones.
 #[derive(Clone, Copy)]
 pub(crate) enum Integers {
     I32,
@@ -103,7 +104,7 @@ pub(crate) enum Integers {
 }
 
 impl Integers {
-    /// For numbers from -1 to `largest`.
+    /// Returns the type for numbers from -1 to `largest`.
     pub(crate) fn up_to(largest: usize) -> Self {
         match i32::try_from(largest) {
             Ok(_) => Self::I32,
@@ -111,7 +112,7 @@ impl Integers {
         }
     }
 
-    /// An array of `n` of them; `write` writes them.
+    /// Creates an array of `n` integers, which `write` writes.
     pub(crate) fn array<'a>(
         self,
         name: &'static str,
@@ -131,7 +132,7 @@ impl Integers {
         }
     }
 
-    /// Writes `factor` times each of the numbers.
+    /// Writes the product of `factor` and each of the numbers.
     pub(crate) fn write_multiples(
         self,
         factor: usize,
@@ -155,9 +156,8 @@ impl Integers {
     }
 }
 
-/// `n` cells of `n_corners` points each, which no two cells share: the points
-/// of the first cell come first. Gives `connectivity`, 0, 1, …, and `offsets`,
-/// the ends of the cells.
+/// Returns the arrays `connectivity` (0, 1, …) and `offsets` (the ends of the cells) of
+/// `n` cells with `n_corners` points each, none of them shared, in the order of the cells.
 pub(crate) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
     let n_points = n_corners * n;
     let ids = Integers::up_to(n_points);
@@ -171,16 +171,16 @@ pub(crate) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] 
     ]
 }
 
-/// The `types` of `n` cells of one type.
+/// Returns the array `types` of `n` cells of one type.
 pub(crate) fn types_of(cell: CellType, n: usize) -> Array<'static> {
     Array::of("types", n, move || std::iter::repeat_n(cell as u8, n))
 }
 
 impl Array<'_> {
-    /// Writes an array's bytes.
+    /// Writes the array's bytes.
     ///
     /// # Errors
-    /// If they are not as many as it says, or what the system says.
+    /// The number of bytes is not `n_bytes`, or `out` fails.
     pub(super) fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
         let mut counted = Counted { out, n_bytes: 0 };
         (self.write)(&mut counted)?;
@@ -194,7 +194,7 @@ impl Array<'_> {
     }
 }
 
-/// Counts what goes through: a wrong length would shift all that follows.
+/// A writer that counts bytes: a wrong length would shift the arrays that follow.
 struct Counted<'a, W> {
     out: &'a mut W,
     n_bytes: u64,

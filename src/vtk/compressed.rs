@@ -1,4 +1,4 @@
-//! An array in blocks that are compressed on all threads.
+//! Writes an array in blocks that are compressed on all threads.
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -8,11 +8,12 @@ use super::array::Array;
 use super::codec::Compressor;
 
 /// Bytes of a block before it is compressed; the last block of an array may be
-/// shorter. Larger blocks do not compress better, and fewer threads could work.
+/// shorter. Larger blocks do not compress better, and leave fewer blocks for the
+/// threads.
 pub(super) const BLOCK: usize = 1 << 18;
 
-/// Bytes that are compressed in parallel: blocks for many threads, and yet
-/// little memory compared with a film.
+/// Bytes that are compressed in parallel: enough blocks for many threads, and little
+/// memory compared with a film.
 const WINDOW: usize = 16 * BLOCK;
 
 /// Upper bound of the bytes of memory to compress an array: a window of blocks,
@@ -27,7 +28,7 @@ pub(super) fn table_head(n_bytes: u64) -> [u64; 3] {
     [n_bytes.div_ceil(block), block, n_bytes % block]
 }
 
-/// Writes an array at the end of `out`: a table of its blocks' packed lengths,
+/// Writes an array at the end of `out`: a table of its blocks' compressed lengths,
 /// then the blocks. The bytes are the same on any number of threads.
 pub(super) fn write(
     array: &Array,
@@ -37,11 +38,11 @@ pub(super) fn write(
     let begin = out.stream_position()?;
     let mut table = table_head(array.n_bytes).to_vec();
     let n_blocks = table[0] as usize;
-    // The lengths are known behind the blocks: zeros keep their place.
+    // Placeholders: the lengths are known after the blocks are written.
     table.resize(table.len() + n_blocks, 0);
     out.write_all(bytemuck::cast_slice(&table))?;
 
-    let mut blocks = Blocks {
+    let mut blocks = BlockWriter {
         compressor,
         out,
         window: Vec::with_capacity(WINDOW.min(array.n_bytes as usize)),
@@ -58,16 +59,16 @@ pub(super) fn write(
     Ok(())
 }
 
-/// Gathers a window of bytes, and writes its blocks where it is full.
-struct Blocks<'a, W> {
+/// Collects a window of bytes; compresses and writes its blocks when it is full.
+struct BlockWriter<'a, W> {
     compressor: &'a dyn Compressor,
     out: &'a mut W,
     window: Vec<u8>,
-    /// Those of the packed blocks so far.
+    /// Bytes of each compressed block so far.
     lengths: Vec<u64>,
 }
 
-impl<W: Write> Blocks<'_, W> {
+impl<W: Write> BlockWriter<'_, W> {
     fn flush_window(&mut self) -> io::Result<()> {
         let blocks = self.window.par_chunks(BLOCK);
         let packed: Vec<Vec<u8>> = blocks
@@ -82,7 +83,7 @@ impl<W: Write> Blocks<'_, W> {
     }
 }
 
-impl<W: Write> Write for Blocks<'_, W> {
+impl<W: Write> Write for BlockWriter<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let n = bytes.len().min(WINDOW - self.window.len());
         self.window.extend_from_slice(&bytes[..n]);
@@ -92,7 +93,7 @@ impl<W: Write> Write for Blocks<'_, W> {
         Ok(n)
     }
 
-    /// Does nothing: a block ends where it is full.
+    /// Does nothing: only full blocks are written.
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
@@ -135,9 +136,9 @@ mod tests {
         }
     }
 
-    /// Noise compresses worst.
+    /// Noise is the worst case of compression.
     #[test]
-    fn a_window_and_its_blocks_are_what_was_asked_for() {
+    fn a_window_and_its_blocks_fit_into_the_reserved_memory() {
         let noise = |i: u32| i.wrapping_mul(2_654_435_761).rotate_left(i % 32);
         let noise: Vec<u32> = (0..BLOCK as u32 / 4).map(noise).collect();
         for compressor in compressors() {

@@ -1,19 +1,19 @@
-//! How a file is written, whatever is in it.
+//! The encoding of a file, independent of its content.
 
 use super::Codec;
 use crate::provenance::RunId;
 
-/// How a file is written, whatever is in it.
+/// The encoding of a file, independent of its content.
 #[derive(Debug, Clone, Copy)]
 pub struct Encoding {
-    /// What its arrays are compressed by.
+    /// The codec of its arrays.
     pub codec: Codec,
-    /// The run that writes it, if it is to say so.
+    /// The id of the run, for the attribute `raycost_run`; `None` to omit it.
     pub run: Option<RunId>,
 }
 
 impl From<Codec> for Encoding {
-    /// Of a file that names no run.
+    /// An encoding without the id of the run.
     fn from(codec: Codec) -> Self {
         Self { codec, run: None }
     }

@@ -3,11 +3,13 @@
 //! The header consists of vtkio's types, serialized by vtkio. The arrays follow
 //! it as appended data, raw or compressed a few blocks at a time, directly from
 //! their memory, so that no second copy of them exists. (vtkio's own writer
-//! would hold the whole file as base64 text, and loses what is beyond 2 GiB.)
-//! This module knows the format, and nothing of what the arrays mean.
+//! would hold the whole file as base64 text, and loses data beyond 2 GiB.) This
+//! module knows the format, but not the meaning of the arrays.
 
 mod codec;
 pub(crate) mod array;
+pub(crate) mod data_set;
+mod elements;
 pub(crate) mod header;
 pub(crate) mod encoding;
 pub(crate) mod compressed;
