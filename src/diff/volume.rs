@@ -9,7 +9,7 @@ use super::{Diff, Side, picture, ratio};
 use crate::cost::Metric;
 use crate::provenance::RunId;
 use crate::vtk::array::Array;
-use crate::vtk::header::DataSet;
+use crate::vtk::data_set::DataSet;
 use crate::vtk::{Codec, Encoding, appended};
 
 /// The file.

@@ -6,8 +6,8 @@ use super::file::{Content, OutputFile};
 use crate::film::{Column, Film, columns};
 use crate::vtk::appended;
 use crate::vtk::array::Array;
+use crate::vtk::data_set::DataSet;
 use crate::vtk::encoding::Encoding;
-use crate::vtk::header::DataSet;
 
 /// The file.
 pub(crate) const FILE: OutputFile = OutputFile {

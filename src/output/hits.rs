@@ -9,8 +9,8 @@ use super::file::{Content, OutputFile};
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
+use crate::vtk::data_set::{DataSet, Mesh};
 use crate::vtk::encoding::Encoding;
-use crate::vtk::header::{DataSet, Mesh};
 
 /// The file.
 pub(crate) const FILE: OutputFile = OutputFile {

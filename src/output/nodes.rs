@@ -11,8 +11,8 @@ use crate::config::{BvhLimits, CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells, types_of};
+use crate::vtk::data_set::{DataSet, Mesh};
 use crate::vtk::encoding::Encoding;
-use crate::vtk::header::{DataSet, Mesh};
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {

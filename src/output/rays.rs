@@ -12,8 +12,8 @@ use crate::film::Film;
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells};
+use crate::vtk::data_set::{DataSet, Mesh};
 use crate::vtk::encoding::Encoding;
-use crate::vtk::header::{DataSet, Mesh};
 
 /// The file's name.
 pub const FILE: &str = "rays.vtp";

@@ -12,8 +12,8 @@ use crate::geometry::Patch;
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, Integers};
+use crate::vtk::data_set::{DataSet, Mesh};
 use crate::vtk::encoding::Encoding;
-use crate::vtk::header::{DataSet, Mesh};
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {

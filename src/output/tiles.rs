@@ -9,8 +9,8 @@ use crate::cost::Metric;
 use crate::schedule::{Schedule, TileRun};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry};
+use crate::vtk::data_set::DataSet;
 use crate::vtk::encoding::Encoding;
-use crate::vtk::header::DataSet;
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {

@@ -6,8 +6,9 @@ use std::io::{self, Seek, SeekFrom, Write};
 use super::array::Array;
 use super::codec::Compressor;
 use super::compressed;
+use super::data_set::DataSet;
 use super::encoding::Encoding;
-use super::header::{DataSet, Offsets};
+use super::header::Offsets;
 use crate::provenance::RunId;
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the

@@ -14,8 +14,9 @@ pub(super) enum Content {
     PolyData(MeshElement),
 }
 
+/// The element `ImageData`.
 #[derive(Serialize)]
-struct ImageElement {
+pub(super) struct ImageElement {
     #[serde(rename = "@WholeExtent")]
     extent: String,
     #[serde(rename = "@Origin")]
@@ -26,6 +27,7 @@ struct ImageElement {
     piece: ImagePiece,
 }
 
+/// The piece of an image.
 #[derive(Serialize)]
 struct ImagePiece {
     #[serde(rename = "@Extent")]
@@ -36,8 +38,9 @@ struct ImagePiece {
     cell_data: AttributeData,
 }
 
+/// The element `UnstructuredGrid` or `PolyData`.
 #[derive(Serialize)]
-struct MeshElement {
+pub(super) struct MeshElement {
     #[serde(rename = "Piece")]
     piece: MeshPiece,
 }
@@ -72,21 +75,21 @@ struct DataArrays {
 /// Returns the type and the element of a data set.
 pub(super) fn content(data_set: &DataSet) -> (DataSetType, Content) {
     match data_set {
-            DataSet::Image { size, point_data } => {
-                (DataSetType::ImageData, image_element(*size, point_data))
-            }
-            DataSet::ImageCells {
-                size,
-                origin,
-                spacing,
-                cell_data,
-            } => {
-                let cells = image_cells_element(*size, *origin, *spacing, cell_data);
-                (DataSetType::ImageData, cells)
-            }
-            DataSet::Grid(mesh) => (DataSetType::UnstructuredGrid, grid_element(mesh)),
-            DataSet::Lines(mesh) => (DataSetType::PolyData, lines_element(mesh)),
+        DataSet::Image { size, point_data } => {
+            (DataSetType::ImageData, image_element(*size, point_data))
         }
+        DataSet::ImageCells {
+            size,
+            origin,
+            spacing,
+            cell_data,
+        } => {
+            let cells = image_cells_element(*size, *origin, *spacing, cell_data);
+            (DataSetType::ImageData, cells)
+        }
+        DataSet::Grid(mesh) => (DataSetType::UnstructuredGrid, grid_element(mesh)),
+        DataSet::Lines(mesh) => (DataSetType::PolyData, lines_element(mesh)),
+    }
 }
 
 fn image_element([width, height]: [u32; 2], point_data: &[Array]) -> Content {

@@ -10,7 +10,7 @@ mod codec;
 pub(crate) mod array;
 pub(crate) mod data_set;
 mod elements;
-pub(crate) mod header;
+mod header;
 pub(crate) mod encoding;
 pub(crate) mod compressed;
 pub(crate) mod appended;

@@ -137,7 +137,7 @@ mod tests {
     use crate::vtk::Codec;
     use crate::vtk::appended;
     use crate::vtk::array::Array;
-    use crate::vtk::header::{DataSet, Mesh};
+    use crate::vtk::data_set::{DataSet, Mesh};
     use crate::vtk::read::{DataArraysElement, VtkReader};
 
     /// Lengths around multiples of the block size, and any others.
