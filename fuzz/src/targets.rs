@@ -9,7 +9,7 @@ use raycost::import::{MAX_BYTES_PER_BYTE, read_mesh, read_spheres};
 use raycost::memory::Memory;
 use raycost::results::{self, FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
-use raycost::study::{self, StudyPlan, rows, write_csv};
+use raycost::study::{self, StudyPlan, statistics_rows, write_csv};
 use raycost::text::Diagnostic;
 use raycost::view::Page;
 use raycost::yaml::Source;
@@ -146,7 +146,7 @@ pub fn study(input: &[u8]) {
     FOLDERS.with(|[folder, _]| {
         let path = folder.write("runs.jsonl", runs);
         if let Ok(results) = study::RunLog::open(&path, &Value::Null) {
-            let rows = rows(&plan, &results, None);
+            let rows = statistics_rows(&plan, &results, None);
             write_csv(&rows, &mut std::io::sink()).expect("a sink takes all");
         }
     });

@@ -53,7 +53,7 @@ enum Command {
     /// Show all rays of some pixels and the cost of each
     Trace(trace::TraceArguments),
     /// Measure how the cost of scenes depends on the factors that you vary
-    Study(study::Arguments),
+    Study(study::StudyArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

@@ -32,4 +32,4 @@ pub use point::{StudyPoint, label_of};
 pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_points};
 pub use run_log::{Run, RunLog};
 pub use run_metrics::RunMetrics;
-pub use table::{StatisticsRow, rows, write_csv};
+pub use table::{StatisticsRow, statistics_rows, write_csv};

@@ -54,7 +54,7 @@ impl<'de> Visitor<'de> for NamesVisitor {
     type Value = Vec<String>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("the name of what was measured, or a list of names")
+        f.write_str("the name of a metric, or a list of names")
     }
 
     fn visit_str<E: Error>(self, name: &str) -> Result<Vec<String>, E> {

@@ -29,7 +29,11 @@ pub struct StatisticsRow {
 
 /// The rows of all measured points in the plan's order, on a machine with `n_processors`
 /// (`None` if unknown, then no point counts as oversubscribed).
-pub fn rows(plan: &StudyPlan, results: &RunLog, n_processors: Option<u64>) -> Vec<StatisticsRow> {
+pub fn statistics_rows(
+    plan: &StudyPlan,
+    results: &RunLog,
+    n_processors: Option<u64>,
+) -> Vec<StatisticsRow> {
     let rows_of = |values: Map<String, Value>| {
         let counts = |run: &&Run| run.round >= plan.warm_up && run.point == values;
         let mut columns: IndexMap<&str, Vec<f64>> = IndexMap::new();

@@ -19,7 +19,7 @@ use crate::instruments::{HardwareCounters, MachineLimits};
 use crate::stop;
 use crate::study::{
     Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
-    StudyPoint, roofline_points, rows,
+    StudyPoint, roofline_points, statistics_rows,
 };
 use crate::summary::{Build, Machine};
 use crate::text::{self, Diagnostic, numbers};
@@ -33,7 +33,7 @@ use crate::yaml::{self, Fault, Source};
   raycost study --quick
 
 The same command continues an interrupted study and repeats no finished run.")]
-pub(super) struct Arguments {
+pub(super) struct StudyArguments {
     /// Study files, or folders of them [default: configs/studies]
     #[arg(value_name = "STUDY")]
     studies: Vec<PathBuf>,
@@ -65,7 +65,7 @@ struct Study {
     out: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
     let (named, out, quick) = (
         &arguments.studies,
         arguments.out.as_deref(),
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let left = study.measure(&mut log, arguments.quiet)?;
         n_left += left;
         let n_processors = made_by["machine"]["logical_cpus"].as_u64();
-        let rows = rows(&study.plan, &log, n_processors);
+        let rows = statistics_rows(&study.plan, &log, n_processors);
         let points = study.roofline(&rows, &made_by)?;
         report::write_tables(&study.out, &study.plan, &rows, points.as_deref(), &made_by)?;
         if !arguments.quiet {
