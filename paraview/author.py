@@ -131,7 +131,7 @@ def surface(out):
 def bvh(out):
     """The boxes of the hierarchy by their cost over the hits, and by their wasted visits.
 
-    Leaves where they are few enough to be told apart, else the nodes of one depth; few of them as
+    Leaves where they are few enough to be distinguished, else the nodes of one depth; few of them as
     frames, through which the scene is seen.
     """
     hits = without_horizon(reader(pv.XMLUnstructuredGridReader, out / "hits.vtu"))
@@ -319,7 +319,7 @@ def arrow_heads(lines):
 
 
 def ray_kinds():
-    """The kinds of rays by name, in colors that all eyes can tell apart (Okabe and Ito, 2008)."""
+    """The kinds of rays by name, in colors that are distinct with any color vision (Okabe and Ito, 2008)."""
     kinds = {
         "camera": (0, 0.45, 0.70),
         "shadow": (0.90, 0.62, 0),

@@ -14,7 +14,7 @@ pub fn coordinate() -> impl Strategy<Value = f32> {
     ]
 }
 
-/// Three of these numbers.
+/// Three such numbers.
 pub fn triple() -> impl Strategy<Value = [f32; 3]> {
     [coordinate(), coordinate(), coordinate()]
 }

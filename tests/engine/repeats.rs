@@ -95,8 +95,8 @@ fn times_and_their_spread_make_sense() {
         assert!(rejected <= 4);
         n_rejected += u64::from(rejected);
     }
-    let told: u64 = repeats.iter().map(|repeat| repeat.n_rejected).sum();
-    assert_eq!(n_rejected, told);
+    let sum: u64 = repeats.iter().map(|repeat| repeat.n_rejected).sum();
+    assert_eq!(n_rejected, sum);
     for repeat in &repeats {
         let pixels_ns = repeat.pixels_ns.unwrap();
         assert!(pixels_ns >= 53.0 * 37.0);

@@ -199,7 +199,7 @@ def of_objects(scene, met, points, value):
 
 
 def vector(numbers):
-    """Three numbers; one stands for all three, as for a grey."""
+    """Three numbers; one stands for all three, as for a gray."""
     return np.broadcast_to(np.array(numbers, dtype=float), 3)
 
 

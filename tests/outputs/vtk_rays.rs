@@ -50,7 +50,7 @@ fn sphere(side: u32) -> Config {
     config
 }
 
-/// Writes the rays of these pixels; has the trees and the file checked.
+/// Writes the rays of these pixels; checks the trees and the file.
 fn with_rays(
     config: &Config,
     places: &[(u32, u32)],

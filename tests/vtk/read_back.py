@@ -2,7 +2,7 @@
 
     python read_back.py FILE.vtu|FILE.vti|FILE.vtp
 
-Prints a line of JSON that tells what the data set is and lists its arrays, then the arrays
+Prints a line of JSON with the type of the data set and its arrays, then the arrays
 themselves, each with its length in 64 bits before it. Fails if VTK says a word on the way.
 """
 
