@@ -1,6 +1,7 @@
 //! The costs attributed to objects, materials, primitives and nodes.
 
 use crate::accel::BvhNode;
+use crate::config::BvhLimits;
 use crate::cost::{Metric, RayKind};
 
 /// The work of some rays.
@@ -158,6 +159,15 @@ impl Hierarchy {
         let n_rays = self.visits.first().map_or(0, |root| root.n).max(1);
         let per_ray = |steps| (steps as f64 / n_rays as f64) as f32;
         steps.into_iter().map(per_ray).collect()
+    }
+
+    /// Returns the nodes within the limits in their order, each with its visits and
+    /// its entry of [`Self::costs`].
+    pub fn within(&self, limits: BvhLimits) -> Vec<(&BvhNode, &Visits, f32)> {
+        let all = self.nodes.iter().zip(&self.visits).zip(self.costs());
+        all.map(|((node, visits), cost)| (node, visits, cost))
+            .filter(|(node, visits, _)| limits.include(node.depth, visits.n))
+            .collect()
     }
 }
 

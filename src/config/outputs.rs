@@ -80,6 +80,13 @@ impl OptionalOutput {
     }
 }
 
+impl BvhLimits {
+    /// Whether they include a node of this depth that this number of rays visited.
+    pub fn include(&self, depth: u32, n_visits: u64) -> bool {
+        depth <= self.max_depth && n_visits >= self.min_visits
+    }
+}
+
 impl Default for BvhLimits {
     fn default() -> Self {
         Self {

@@ -6,7 +6,7 @@ use super::file::DiffFile;
 use super::{Diff, volume};
 use crate::chart::{Range, Scale};
 use crate::folder::OutputFolder;
-use crate::paraview::{Axis, Panels, Spread, fill, value_of_panels};
+use crate::paraview::{Axis, AxisScale, Panels, fill, value_of_panels};
 use crate::provenance::stamped;
 
 const TEMPLATE: &str = include_str!("../../paraview/diff.pvsm");
@@ -26,12 +26,12 @@ fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let size = diff.size.map(f64::from);
     let n_labels = Panels::of(3, size).n_labels();
     let max_difference = Range::on(Scale::Diverging, &change.differences).high;
-    let axis = |what, spread, ends| {
+    let axis = |what, scale, ends| {
         let metric = change.metric;
         let array = format!("{}_{what}", metric.name);
         let sign = if what == "ratio" { "B / A" } else { "B - A" };
         let name = format!("{sign}: {} per pixel", metric.label);
-        let axis = Axis::new(&array, &name, spread, ends).with_labels(n_labels);
+        let axis = Axis::new(&array, &name, scale, ends).with_labels(n_labels);
         if metric.is_timed() && what == "difference" {
             axis.of_time()
         } else {
@@ -40,11 +40,15 @@ fn text(diff: &Diff, folder: &OutputFolder) -> String {
     };
     let difference = axis(
         "difference",
-        Spread::AroundZero,
+        AxisScale::Diverging,
         [-max_difference, max_difference],
     );
     let max_ratio = change.max_ratio;
-    let ratio = axis("ratio", Spread::Log, [max_ratio.recip(), max_ratio]);
+    let ratio = axis(
+        "ratio",
+        AxisScale::Logarithmic,
+        [max_ratio.recip(), max_ratio],
+    );
     fill(TEMPLATE, |key| {
         if key == volume::FILE.name {
             return Some(folder.path_of(key).to_string_lossy().into_owned().into());

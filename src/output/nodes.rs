@@ -59,11 +59,9 @@ pub fn write(
 }
 
 fn shown(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {
-    let nodes = hierarchy.nodes.iter().zip(&hierarchy.visits);
-    let shown = nodes.zip(hierarchy.costs());
-    let shown = shown.map(|((node, visits), cost)| Shown { node, visits, cost });
-    shown
-        .filter(|shown| shown.node.depth <= limits.max_depth && shown.visits.n >= limits.min_visits)
+    let nodes = hierarchy.within(limits).into_iter();
+    nodes
+        .map(|(node, visits, cost)| Shown { node, visits, cost })
         .collect()
 }
 

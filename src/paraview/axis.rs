@@ -4,15 +4,15 @@
 use super::template::Value;
 use crate::chart::{ticks, ticks_around_zero};
 
-/// How values are spread between the ends of an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Spread {
-    /// Equal ratios are equally far apart.
-    Log,
-    /// Equal differences are equally far apart.
+pub(crate) enum AxisScale {
+    /// For positive values.
+    Logarithmic,
+    /// For values from 0 or a least value.
     Linear,
-    /// The same, from `-high` to `high`.
-    AroundZero,
+    /// Linear and symmetric around zero, from `-high` to `high`.
+    Diverging,
 }
 
 /// An array of a file as colors or an axis show it.
@@ -22,7 +22,7 @@ pub(crate) struct Axis {
     array: String,
     name: String,
     unit: Option<TimeUnit>,
-    spread: Spread,
+    scale: AxisScale,
     /// In the unit shown.
     low: f64,
     high: f64,
@@ -59,12 +59,12 @@ const TIME_UNITS: [TimeUnit; 3] = [
 
 impl Axis {
     /// An array shown as it is in the file, under this name.
-    pub(crate) fn new(array: &str, name: &str, spread: Spread, [low, high]: [f64; 2]) -> Self {
+    pub(crate) fn new(array: &str, name: &str, scale: AxisScale, [low, high]: [f64; 2]) -> Self {
         Self {
             array: array.to_owned(),
             name: name.to_owned(),
             unit: None,
-            spread,
+            scale,
             low,
             high,
             n_labels: 6,
@@ -74,9 +74,9 @@ impl Axis {
     /// The same for times in nanoseconds, shown in the largest unit in which
     /// the middle of the axis is not small, and in µs if it is in all.
     pub(crate) fn of_time(self) -> Self {
-        let middle = match self.spread {
-            Spread::Log => (self.low * self.high).sqrt(),
-            Spread::Linear | Spread::AroundZero => 0.5 * self.high,
+        let middle = match self.scale {
+            AxisScale::Logarithmic => (self.low * self.high).sqrt(),
+            AxisScale::Linear | AxisScale::Diverging => 0.5 * self.high,
         };
         let fits = |unit: &&TimeUnit| middle >= 0.1 * unit.ns;
         let unit = TIME_UNITS.iter().rfind(fits).unwrap_or(&TIME_UNITS[0]);
@@ -138,14 +138,14 @@ impl Axis {
 
     /// At most `n_labels` round values between the ends.
     fn ticks(&self) -> Vec<f64> {
-        match self.spread {
-            Spread::Log => self.log_ticks(),
-            Spread::Linear => {
+        match self.scale {
+            AxisScale::Logarithmic => self.log_ticks(),
+            AxisScale::Linear => {
                 // What has no unit is a count.
                 let least_step = if self.unit.is_some() { 0.0 } else { 1.0 };
                 linear_ticks([self.low, self.high], self.n_labels, least_step)
             }
-            Spread::AroundZero => ticks_around_zero(self.high, 0.17).major,
+            AxisScale::Diverging => ticks_around_zero(self.high, 0.17).major,
         }
     }
 
@@ -214,8 +214,8 @@ mod tests {
             .collect()
     }
 
-    fn axis(spread: Spread, ends: [f64; 2]) -> Axis {
-        Axis::new("time_ns", "Time", spread, ends)
+    fn axis(scale: AxisScale, ends: [f64; 2]) -> Axis {
+        Axis::new("time_ns", "Time", scale, ends)
     }
 
     #[test]
@@ -226,7 +226,7 @@ mod tests {
             (3e6, "Time (ms)", "time_ns*0.000001"),
             (2e9, "Time (s)", "time_ns*0.000000001"),
         ] {
-            let axis = axis(Spread::Log, [0.1 * high, high]).of_time();
+            let axis = axis(AxisScale::Logarithmic, [0.1 * high, high]).of_time();
             assert_eq!(
                 (axis.title().as_str(), axis.formula().as_str()),
                 (title, formula)
@@ -236,15 +236,15 @@ mod tests {
 
     #[test]
     fn labels_are_round() {
-        let log = axis(Spread::Log, [52.0, 1900.0]).of_time();
+        let log = axis(AxisScale::Logarithmic, [52.0, 1900.0]).of_time();
         assert_eq!(texts(&log), ["0.1", "0.2", "0.5", "1"]);
         assert_eq!(
-            texts(&axis(Spread::Linear, [0.0, 23.0])),
+            texts(&axis(AxisScale::Linear, [0.0, 23.0])),
             ["0", "5", "10", "15", "20"]
         );
-        let around = axis(Spread::AroundZero, [-700.0, 700.0]);
+        let around = axis(AxisScale::Diverging, [-700.0, 700.0]);
         assert_eq!(texts(&around), ["−500", "0", "500"]);
-        let wide = axis(Spread::Log, [1.0, 1e9]);
+        let wide = axis(AxisScale::Logarithmic, [1.0, 1e9]);
         assert_eq!(texts(&wide), ["1", "100", "10k", "1M", "100M"]);
     }
 
@@ -254,8 +254,8 @@ mod tests {
             for i in 0..600 {
                 let low = 10f64.powf(f64::from(i) * 0.013 - 2.0);
                 for ratio in [1.01, 1.3, 3.0, 17.0, 400.0, 1e7] {
-                    for spread in [Spread::Log, Spread::Linear] {
-                        let axis = axis(spread, [low, low * ratio])
+                    for scale in [AxisScale::Logarithmic, AxisScale::Linear] {
+                        let axis = axis(scale, [low, low * ratio])
                             .of_time()
                             .with_labels(n_labels);
                         let [low, high] = [axis.low, axis.high];

@@ -14,7 +14,7 @@ mod panels;
 mod axis;
 mod camera;
 
-pub(crate) use axis::{Axis, Spread};
+pub(crate) use axis::{Axis, AxisScale};
 pub(crate) use camera::Camera;
 pub(crate) use panels::{Panels, value_of_panels};
 pub(crate) use template::{Value, fill};

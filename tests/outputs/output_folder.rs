@@ -4,31 +4,66 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use clap::ValueEnum;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use raycost::config::{Config, CostMode, OptionalOutput};
+use raycost::output::{Request, files};
+use raycost::yaml::Source;
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, in_repository, names, raycost};
 
-const FILES: [&str; 8] = [
-    "cost.png",
-    "frame.vti",
-    "geometry.pvsm",
-    "heatmap.pvsm",
-    "hits.vtu",
-    "image.png",
-    "overview.pvsm",
-    "summary.json",
-];
+/// The files that a run of [`scene`] with these settings writes, sorted.
+fn expected(cost: CostMode, optional: &[OptionalOutput]) -> Vec<&'static str> {
+    let source = Source::read(&scene()).unwrap();
+    let mut config: Config = source.parse().unwrap();
+    config.cost = cost;
+    optional
+        .iter()
+        .for_each(|output| config.output.add(*output));
+    let request = Request {
+        config: &config,
+        is_profiled: false,
+    };
+    let wanted = files().filter(|file| file.is_wanted(&request));
+    let mut names: Vec<&str> = wanted.map(|file| file.name).collect();
+    names.sort_unstable();
+    names
+}
+
+/// The files of every timed run.
+fn expected_of_every_run() -> Vec<&'static str> {
+    expected(CostMode::Time, &[])
+}
+
+#[test]
+fn the_docs_list_every_file() {
+    let docs = fs::read_to_string(in_repository("docs/outputs.md")).unwrap();
+    for file in files() {
+        let row = format!("| `{}` |", file.name);
+        assert!(docs.contains(&row), "no row begins with {row}");
+    }
+}
+
+#[test]
+fn every_optional_output_has_a_file() {
+    let n_without = expected_of_every_run().len();
+    for output in OptionalOutput::value_variants() {
+        let n_with = expected(CostMode::Time, &[*output]).len();
+        assert!(n_with > n_without, "{output:?}");
+    }
+}
 
 #[test]
 fn every_file_is_there_and_no_other() {
     let temporary = temporary();
     let out = temporary.path().join("not there yet/out");
     assert_success(&render(&out).output().unwrap());
-    assert_eq!(names(&out), FILES);
-    for file in FILES {
-        assert!(fs::metadata(out.join(file)).unwrap().len() > 500, "{file}");
+    assert_eq!(names(&out), expected_of_every_run());
+    for file in expected_of_every_run() {
+        assert!(fs::metadata(out.join(file)).unwrap().len() > 0, "{file}");
     }
 }
 
@@ -38,7 +73,10 @@ fn the_scenes_name_is_the_default_folder() {
     let mut command = raycost();
     command.arg("render").arg(scene()).current_dir(&temporary);
     assert_success(&command.args(["--width=8", "--height=6"]).output().unwrap());
-    assert_eq!(names(&temporary.path().join("out/seed_extended")), FILES);
+    assert_eq!(
+        names(&temporary.path().join("out/seed_extended")),
+        expected_of_every_run()
+    );
 }
 
 #[test]
@@ -47,7 +85,7 @@ fn a_second_run_overwrites_the_first() {
     let out = temporary.path();
     assert_success(&render(out).output().unwrap());
     assert_success(&render_at([20, 10], out).output().unwrap());
-    assert_eq!(names(out), FILES);
+    assert_eq!(names(out), expected_of_every_run());
     let picture = image::open(out.join("image.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (20, 10));
     let frame = DataSet::read(&out.join("frame.vti"));
@@ -62,42 +100,36 @@ fn a_run_without_cost_removes_the_files_of_an_earlier_cost() {
     assert_success(&render(out).output().unwrap());
     fs::write(out.join("notes.txt"), "the user's own").unwrap();
     assert_success(&render(out).arg("--no-cost").output().unwrap());
-    let left = [
-        "frame.vti",
-        "geometry.pvsm",
-        "hits.vtu",
-        "image.png",
-        "notes.txt",
-        "summary.json",
-    ];
+    let mut left = expected(CostMode::None, &[]);
+    assert!(left.len() < expected_of_every_run().len());
+    let n_listed = left.len() - 1;
+    left.push("notes.txt");
+    left.sort_unstable();
     assert_eq!(names(out), left);
     let summary = summary(out);
     assert_eq!(summary["cost"]["mode"], "none");
     assert_eq!(summary["cost"]["totals"], Value::Null);
-    assert_eq!(summary["files"].as_array().unwrap().len(), 4);
+    assert_eq!(summary["files"].as_array().unwrap().len(), n_listed);
 }
 
 #[test]
 fn the_schedule_is_written_on_request_and_removed_later() {
     let temporary = temporary();
     let out = temporary.path();
-    let of_schedule = ["schedule.pvsm", "tiles.vti", "trace.json"];
-    let mut with_schedule = [&FILES[..], &of_schedule].concat();
-    with_schedule.sort();
-    for cost in ["--cost=time", "--cost=none"] {
+    for cost in [CostMode::Time, CostMode::None] {
+        let flag = match cost {
+            CostMode::None => "--cost=none",
+            _ => "--cost=time",
+        };
+        let with_schedule = expected(cost, &[OptionalOutput::Schedule]);
+        assert_eq!(with_schedule.len(), expected(cost, &[]).len() + 3);
         let command = &mut render(out);
-        assert_success(&command.args(["--also=schedule", cost]).output().unwrap());
-        let names = names(out);
-        assert!(
-            of_schedule
-                .iter()
-                .all(|file| names.iter().any(|name| name == file))
-        );
-        assert_eq!(names == with_schedule, cost == "--cost=time", "{names:?}");
+        assert_success(&command.args(["--also=schedule", flag]).output().unwrap());
+        assert_eq!(names(out), with_schedule);
     }
     assert_success(&render(out).output().unwrap());
-    assert_eq!(names(out), FILES);
-    // Told in any case: it costs nothing.
+    assert_eq!(names(out), expected_of_every_run());
+    // The summary has it in any case: it costs nothing.
     assert_eq!(summary(out)["schedule"]["n_tiles"], 6);
 }
 
@@ -106,7 +138,7 @@ fn counters_alone_have_no_times() {
     let temporary = temporary();
     let out = temporary.path();
     assert_success(&render(out).arg("--cost=counters").output().unwrap());
-    assert_eq!(names(out), FILES);
+    assert_eq!(names(out), expected_of_every_run());
     let frame = DataSet::read(&out.join("frame.vti"));
     assert!(frame.arrays.iter().all(|array| array.name != "time_ns"));
     let cost = &summary(out)["cost"];
@@ -138,7 +170,9 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
         listed.push(name);
     }
     listed.sort();
-    assert_eq!(listed, FILES[..7]);
+    let mut expected = expected_of_every_run();
+    expected.retain(|file| *file != "summary.json");
+    assert_eq!(listed, expected);
 
     // Totals: sums of the arrays, and of one another.
     let totals = &summary["cost"]["totals"];
@@ -203,7 +237,7 @@ fn quiet_prints_nothing() {
         output.stdout.is_empty() && output.stderr.is_empty(),
         "{output:?}"
     );
-    assert_eq!(names(temporary.path()), FILES);
+    assert_eq!(names(temporary.path()), expected_of_every_run());
 }
 
 #[test]
@@ -241,7 +275,12 @@ fn a_run_that_fails_half_way_leaves_the_old_files() {
     let temporary = temporary();
     let out = temporary.path();
     assert_success(&render(out).output().unwrap());
-    let contents = || FILES.map(|file| fs::read(out.join(file)).unwrap());
+    let contents = || -> Vec<_> {
+        let files = expected_of_every_run().into_iter();
+        files
+            .map(|file| fs::read(out.join(file)).unwrap())
+            .collect()
+    };
     let before = contents();
     let large = render_at([300, 200], out);
     let output = in_shell("trap '' XFSZ; ulimit -f 1000", &large)
@@ -251,7 +290,7 @@ fn a_run_that_fails_half_way_leaves_the_old_files() {
     let message = String::from_utf8_lossy(&output.stderr);
     let of_vtk = ["hits.vtu", "frame.vti"].map(|file| message.contains(file));
     assert!(of_vtk.contains(&true), "{message}");
-    assert_eq!(names(out), FILES);
+    assert_eq!(names(out), expected_of_every_run());
     assert!(contents() == before, "a file has changed");
 }
 
@@ -272,7 +311,7 @@ fn files_have_the_permissions_of_any_other_program() {
             mode(&out),
             file_mode | 0o111 & !u32::from_str_radix(umask, 8).unwrap()
         );
-        for file in FILES {
+        for file in expected_of_every_run() {
             assert_eq!(mode(&out.join(file)), file_mode, "{file}, umask {umask}");
         }
     }

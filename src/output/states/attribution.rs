@@ -6,7 +6,7 @@ use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
 use crate::output::Rendering;
-use crate::paraview::{Axis, Spread, Value};
+use crate::paraview::{Axis, AxisScale, Value};
 
 /// Most boxes shown: of a larger hierarchy a higher level is shown.
 const MAX_BOXES: usize = 3000;
@@ -99,17 +99,10 @@ impl Primitives {
 
 impl Boxes {
     fn of(hierarchy: &Hierarchy, cost: CostMode, limits: BvhLimits) -> Self {
-        let is_written = |node: &BvhNode, visits: &Visits| {
-            node.depth <= limits.max_depth && visits.n >= limits.min_visits
-        };
-        let all = zip(&hierarchy.nodes, zip(&hierarchy.visits, hierarchy.costs()));
-        let written: Vec<(&BvhNode, Visits, f32)> = all
-            .filter(|(node, (visits, _))| is_written(node, visits))
-            .map(|(node, (visits, cost))| (node, *visits, cost))
-            .collect();
+        let written = hierarchy.within(limits);
         let level = Level::of(written.iter().map(|(node, ..)| *node));
         let shown = || written.iter().filter(|(node, ..)| level.has(node));
-        let visits: Vec<Visits> = shown().map(|(_, visits, _)| *visits).collect();
+        let visits: Vec<Visits> = shown().map(|(_, visits, _)| **visits).collect();
         let below = shown().map(|(_, visits, cost)| (f64::from(*cost), visits.n));
         let title = "Visits and tests in each box, per ray";
         Self {
@@ -117,7 +110,9 @@ impl Boxes {
             n: visits.len(),
             cost: match level {
                 Level::Leaves => cost_axis(&visits, cost, "leaf of the hierarchy", "visits"),
-                Level::Depth(_) => Axis::new("measured_cost", title, Spread::Log, most(below)),
+                Level::Depth(_) => {
+                    Axis::new("measured_cost", title, AxisScale::Logarithmic, most(below))
+                }
             },
             wasted: wasted_axis(&visits, "Visits per box that met nothing", "wasted_visits"),
         }
@@ -203,7 +198,7 @@ fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axi
         return Axis::new(
             "time_ns",
             &format!("Time per {thing}"),
-            Spread::Log,
+            AxisScale::Logarithmic,
             most(times),
         )
         .of_time();
@@ -211,12 +206,12 @@ fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axi
     let counts = visits.iter().map(|of| (of.n as f64, of.n_hits));
     let mut name = format!("{count} per {thing}");
     name[..1].make_ascii_uppercase();
-    Axis::new(count, &name, Spread::Log, most(counts))
+    Axis::new(count, &name, AxisScale::Logarithmic, most(counts))
 }
 
 fn wasted_axis(visits: &[Visits], name: &str, array: &str) -> Axis {
     let wasted = visits.iter().map(|of| (of.n_wasted() as f64, of.n));
-    Axis::new(array, name, Spread::Log, most(wasted))
+    Axis::new(array, name, AxisScale::Logarithmic, most(wasted))
 }
 
 /// The positive values between which most of the weight lies: from the 1 % to

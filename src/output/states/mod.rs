@@ -14,7 +14,7 @@ use crate::chart::Range;
 use crate::cost::Metric;
 use crate::film::Film;
 use crate::folder::OutputFolder;
-use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill, value_of_panels};
+use crate::paraview::{Axis, AxisScale, Camera, Panels, Value, fill, value_of_panels};
 use crate::statistics::quantile;
 use crate::text::numbers::capitalized;
 
@@ -105,8 +105,9 @@ impl<'a> States<'a> {
 /// Returns the axis of the preferred cost metric, without outliers as in
 /// `cost.png`.
 fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
-    let axis =
-        |array, name, range: Range| Axis::new(array, name, Spread::Log, [range.low, range.high]);
+    let axis = |array, name, range: Range| {
+        Axis::new(array, name, AxisScale::Logarithmic, [range.low, range.high])
+    };
     let Some(metric) = metric else {
         let range = Range::of(film.rows(|strip| &strip.distance).flatten());
         return axis("distance", "Distance from the camera", range);
@@ -132,7 +133,7 @@ fn counter_axis(film: &Film, metric: Metric) -> Axis {
     Axis::new(
         metric.name,
         &capitalized(metric.title),
-        Spread::Linear,
+        AxisScale::Linear,
         ends,
     )
 }

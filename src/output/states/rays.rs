@@ -8,7 +8,7 @@ use crate::cost::Metric;
 use crate::folder::OutputFolder;
 use crate::output::bounding_sphere::BoundingSphere;
 use crate::output::rays::{CLOUD, FILE, Rays};
-use crate::paraview::{Axis, Camera, Panels, Spread, Value, fill};
+use crate::paraview::{Axis, AxisScale, Camera, Panels, Value, fill};
 
 const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
 
@@ -84,7 +84,8 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
 /// for all rays, since a small hierarchy is one node, and there may be no clock.
 fn cost_axis(rays: &Rays) -> Axis {
     let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
-    let axis = |array, name, high: f32| Axis::new(array, name, Spread::Linear, [0.0, high.into()]);
+    let axis =
+        |array, name, high: f32| Axis::new(array, name, AxisScale::Linear, [0.0, high.into()]);
     if let Some(high) = high(|ray| ray.time_ns) {
         return axis(Metric::TIME.name, "Time of each ray", high).of_time();
     }

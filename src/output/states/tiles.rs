@@ -1,7 +1,7 @@
 //! What `schedule.pvsm` shows of the tiles.
 
 use crate::chart::Range;
-use crate::paraview::{Axis, Spread, Value};
+use crate::paraview::{Axis, AxisScale, Value};
 use crate::schedule::Schedule;
 
 /// The values of the keys that begin with `tiles.`.
@@ -22,12 +22,24 @@ impl TileValues {
         let last_start = last_start.unwrap_or(0).max(1) as f64;
         let last_thread = f64::from(schedule.n_threads - 1).max(1.0);
         let axis =
-            |array, name, spread, ends| Axis::new(array, name, spread, ends).with_labels(n_labels);
+            |array, name, scale, ends| Axis::new(array, name, scale, ends).with_labels(n_labels);
         Self {
             n_threads: schedule.n_threads as usize,
-            duration: axis("duration_ns", "Time per tile", Spread::Log, [low, high]).of_time(),
-            thread: axis("thread", "Thread", Spread::Linear, [0.0, last_thread]),
-            start: axis("start_ns", "Begun after", Spread::Linear, [0.0, last_start]).of_time(),
+            duration: axis(
+                "duration_ns",
+                "Time per tile",
+                AxisScale::Logarithmic,
+                [low, high],
+            )
+            .of_time(),
+            thread: axis("thread", "Thread", AxisScale::Linear, [0.0, last_thread]),
+            start: axis(
+                "start_ns",
+                "Begun after",
+                AxisScale::Linear,
+                [0.0, last_start],
+            )
+            .of_time(),
         }
     }
 
