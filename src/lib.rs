@@ -1,35 +1,38 @@
 //! A ray tracer that shows its work.
 //!
+//! Three steps lead from a scene file to files for ParaView:
+//!
 //! ```no_run
-//! # use raycost::scene::{Geometries, Scene};
-//! use raycost::{accel::Accel, config::Config, cost::Meter, render::{Plan, render}, yaml::Source};
+//! use raycost::session::{Options, Session};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let source = Source::read("configs/seed_sphere.yaml".as_ref())?;       // the text,
-//! let config: Config = source.parse()?;                                  // checked values,
-//! let point_at = |fault| source.point_at(fault);
-//! let geometries = Geometries::read(&config, source.folder(), u64::MAX).map_err(point_at)?; // files read,
-//! let scene = Scene::new(&config, geometries).map_err(point_at)?;        // world space,
-//! let accel = Accel::new(&scene.primitives, config.acceleration);        // a way to find hits,
-//! let meter = Meter::new(config.cost);                                   // time and counters,
-//! let plan = Plan::new(&scene, &accel, &config.image, config.tiles);     // tiles in order,
-//! let (film, schedule) = render(&scene, &accel, &plan, &meter, |_| {});  // pixels and their cost:
-//! println!("{} pixels see something", film.n_hits());
-//! println!("{:.1} % of the time was idle", 100.0 * schedule.load().idle_share);
+//! let session = Session::open("configs/seed_sphere.yaml")?;
+//! let mut rendering = session.render(&Options::default())?;
+//! rendering.write("out/seed_sphere")?;
 //! # Ok(()) }
 //! ```
 //!
-//! The modules stand in the order of the data; each uses only those above it.
+//! [`session`] is the entrance. [`film`] holds the pixels, [`cost`] lists the
+//! metrics of a pixel, [`config`] the settings of a scene, and [`results`] reads the
+//! files of an earlier rendering. The folder `examples/` has programs.
+//!
+//! The modules stand in the order of the data; each uses only those above it. Those
+//! that the documentation leaves out are public for the tests and the benchmarks
+//! alone, and change without notice.
 
 pub mod stop;
+#[doc(hidden)]
 pub mod host;
 pub mod text;
 pub mod provenance;
 pub mod folder;
 pub mod vtk;
+#[doc(hidden)]
 pub mod yaml;
+#[doc(hidden)]
 pub mod sampling;
 pub mod statistics;
 pub mod geometry;
+#[doc(hidden)]
 pub mod import;
 pub mod camera;
 pub mod light;
@@ -37,21 +40,34 @@ pub mod material;
 pub mod config;
 pub mod scene;
 pub mod cost;
+#[doc(hidden)]
 pub mod accel;
+#[doc(hidden)]
 pub mod trace;
+#[doc(hidden)]
 pub mod shade;
 pub mod schedule;
 pub mod film;
+#[doc(hidden)]
 pub mod render;
 pub mod attribution;
 pub mod instruments;
+#[doc(hidden)]
 pub mod chart;
+#[doc(hidden)]
 pub mod paraview;
 pub mod summary;
+#[doc(hidden)]
 pub mod output;
+#[doc(hidden)]
 pub mod memory;
 pub mod results;
+#[doc(hidden)]
 pub mod view;
+#[doc(hidden)]
 pub mod diff;
+#[doc(hidden)]
 pub mod study;
+pub mod session;
+#[doc(hidden)]
 pub mod cli;

@@ -1,4 +1,5 @@
-//! Signals that ask the program to end, as flags that long work looks at.
+//! Requests to end, as flags that long work looks at: signals ask the whole
+//! program, a [`Cancellation`] the threads of one rendering.
 //!
 //! SIGINT, SIGTERM and SIGHUP set a flag and do nothing else. Loops leave early
 //! when [`is_requested`] says so, and what they return is thrown away: the
@@ -7,31 +8,67 @@
 //! the program where a file reaches its limit, does nothing: the write fails
 //! with an error instead.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::io;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// The number of the signal that asked, or 0.
 static REQUESTED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
-/// The program was asked to end.
+thread_local! {
+    /// The cancellation that the work on this thread obeys.
+    static CANCELLATION: RefCell<Option<Cancellation>> = const { RefCell::new(None) };
+}
+
+/// Why work was stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stopped {
-    signal: usize,
+pub enum Stopped {
+    /// A signal with this number.
+    Signal(usize),
+    /// A [`Cancellation`].
+    Canceled,
 }
 
 impl Stopped {
-    /// The exit code of a program that a signal ended, as shells have it: 128
-    /// and the signal's number.
+    /// The exit code of a program that was stopped: 128 plus the number of the
+    /// signal, as shells have it, or that of SIGTERM.
     pub fn exit_code(self) -> u8 {
-        (128 + self.signal) as u8
+        match self {
+            Self::Signal(number) => (128 + number) as u8,
+            Self::Canceled => 128 + signal_hook::consts::SIGTERM as u8,
+        }
     }
 }
 
 impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "stopped by signal {}", self.signal)
+        match self {
+            Self::Signal(number) => write!(f, "stopped by signal {number}"),
+            Self::Canceled => write!(f, "canceled"),
+        }
+    }
+}
+
+/// Stops the work of some threads. Clones cancel the same work.
+#[derive(Debug, Clone, Default)]
+pub struct Cancellation(Arc<AtomicBool>);
+
+impl Cancellation {
+    /// Asks the work to end, from any thread. It ends soon, at the next pixel.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`cancel`](Self::cancel) was called.
+    pub fn is_canceled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Stops the work on this thread, too, when it is canceled.
+    pub(crate) fn watch_on_this_thread(&self) {
+        CANCELLATION.set(Some(self.clone()));
     }
 }
 
@@ -94,20 +131,26 @@ pub fn watching<T>(_: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io::Res
     Ok(work())
 }
 
-/// Whether the program was asked to end. Cheap: one relaxed load.
+/// Whether the work on this thread should end: the program was asked to, or the
+/// thread's [`Cancellation`] was. Cheap enough to ask for each pixel.
 #[inline]
 pub fn is_requested() -> bool {
     check().is_err()
 }
 
-/// Leads out of a function if the program was asked to end.
+/// Returns an error if [`is_requested`].
 ///
 /// # Errors
-/// If so.
+/// Why the work should end.
 #[inline]
 pub fn check() -> Result<(), Stopped> {
     match REQUESTED.get().map(|flag| flag.load(Ordering::Relaxed)) {
-        None | Some(0) => Ok(()),
-        Some(signal) => Err(Stopped { signal }),
+        None | Some(0) => {}
+        Some(signal) => return Err(Stopped::Signal(signal)),
     }
+    let is_canceled = |cancellation: &Cancellation| cancellation.is_canceled();
+    if CANCELLATION.with_borrow(|cancellation| cancellation.as_ref().is_some_and(is_canceled)) {
+        return Err(Stopped::Canceled);
+    }
+    Ok(())
 }

@@ -21,6 +21,8 @@ mod statistics;
 mod nodes;
 mod bvh;
 
+use std::sync::Arc;
+
 use crate::config::Acceleration;
 use crate::cost::{NoProbe, Probe, StreamProbe};
 use crate::geometry::Ray;
@@ -43,11 +45,17 @@ pub use statistics::BvhStatistics;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accel<'a> {
     primitives: &'a [Primitive],
+    index: Arc<AccelIndex>,
+    simd: Simd,
+}
+
+/// What an acceleration structure knows of primitives that it does not borrow.
+#[derive(Debug, PartialEq)]
+pub(crate) struct AccelIndex {
     /// Primitives outside the hierarchy, tested against every ray: the unbounded
     /// ones; with brute force, all.
     unbounded: Vec<u32>,
     bvh: Option<Bvh>,
-    simd: Simd,
 }
 
 impl<'a> Accel<'a> {
@@ -84,12 +92,22 @@ impl<'a> Accel<'a> {
                 (planes, Some(bvh))
             }
         };
-        Ok(Self {
+        let index = Arc::new(AccelIndex { unbounded, bvh });
+        Ok(Self::of_index(primitives, index))
+    }
+
+    /// The structure with an index that was built over these primitives.
+    pub(crate) fn of_index(primitives: &'a [Primitive], index: Arc<AccelIndex>) -> Self {
+        Self {
             primitives,
-            unbounded,
-            bvh,
+            index,
             simd: Simd::best(),
-        })
+        }
+    }
+
+    /// Its index, to build it again without the work.
+    pub(crate) fn index(&self) -> Arc<AccelIndex> {
+        Arc::clone(&self.index)
     }
 
     /// The same structure, traversed with another instruction set: same hits,
@@ -100,7 +118,7 @@ impl<'a> Accel<'a> {
 
     /// Size and expected cost of the hierarchy; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
-        self.bvh.as_ref().map(Bvh::statistics)
+        self.index.bvh.as_ref().map(Bvh::statistics)
     }
 
     /// The nearest hit with `t > 0` of the ray, whose direction is a unit
@@ -153,7 +171,8 @@ impl<'a> Accel<'a> {
 
     /// The nodes and leaves of the hierarchy, parents before their children.
     pub fn nodes(&self) -> Vec<BvhNode> {
-        self.bvh
+        self.index
+            .bvh
             .as_ref()
             .map(|bvh| nodes::list(bvh.arena()))
             .unwrap_or_default()
@@ -193,9 +212,9 @@ impl<'a> Accel<'a> {
         answers.resize_with(queries.len(), Q::Answer::default);
         let empty = Arena::default();
         let mut batch = Batch {
-            arena: self.bvh.as_ref().map_or(&empty, Bvh::arena),
+            arena: self.index.bvh.as_ref().map_or(&empty, Bvh::arena),
             primitives: self.primitives,
-            unbounded: &self.unbounded,
+            unbounded: &self.index.unbounded,
             queries,
             answers,
             probe,
@@ -215,11 +234,12 @@ impl<'a> Accel<'a> {
     /// Tests the search against all primitives that the ray may hit; reports the
     /// counters to the probe.
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
-        self.unbounded
+        self.index
+            .unbounded
             .iter()
             .for_each(|&primitive| search.test(primitive));
-        let n_tests = self.unbounded.len() as u32;
-        match &self.bvh {
+        let n_tests = self.index.unbounded.len() as u32;
+        match &self.index.bvh {
             Some(bvh) if !search.is_done() => bvh.traverse(self.simd, ray, search, probe, n_tests),
             _ => probe.traversal(0, n_tests),
         }

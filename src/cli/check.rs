@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::run_summary::primitives;
-use super::scene::{Loaded, SceneArguments};
+use super::scene::SceneArguments;
 use super::{Failure, shown};
 use crate::config::{Acceleration, Config, CostMode, Image, Repeats, TileOrder, Tiling};
 use crate::folder::SUMMARY;
@@ -13,6 +13,7 @@ use crate::render::most_repeats;
 use crate::results::{read_unchanged, verify};
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
+use crate::session::Input;
 use crate::text::numbers::{bytes, count, counted};
 use crate::text::{self, Diagnostic};
 
@@ -35,7 +36,7 @@ impl CheckArguments {
     /// # Errors
     /// The first fault of the scene.
     pub(super) fn find_fault(&self) -> Result<(), Diagnostic> {
-        let Loaded {
+        let Input {
             source,
             config,
             geometries,
@@ -49,7 +50,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     if arguments.scene.scene.join(SUMMARY).exists() {
         return verified(&arguments.scene.scene);
     }
-    let Loaded {
+    let Input {
         source,
         config,
         geometries,

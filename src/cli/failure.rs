@@ -1,6 +1,7 @@
 //! The failure of a command: its message and its exit code.
 
 use crate::folder::WriteError;
+use crate::session::RenderError;
 use crate::stop::Stopped;
 use crate::text::Diagnostic;
 
@@ -31,6 +32,16 @@ impl From<Diagnostic> for Failure {
 impl From<Stopped> for Failure {
     fn from(stopped: Stopped) -> Self {
         Self::Stopped(stopped)
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Scene(diagnostic) => Self::Input(diagnostic),
+            RenderError::Machine(diagnostic) => Self::Machine(diagnostic),
+            RenderError::Stopped(stopped) => Self::Stopped(stopped),
+        }
     }
 }
 

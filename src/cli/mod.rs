@@ -24,7 +24,8 @@ use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
 
-use crate::stop;
+use crate::session;
+use crate::stop::{self, Cancellation};
 use crate::text::numbers::shell_word;
 use crate::text::{self, Diagnostic, one_line};
 
@@ -123,7 +124,12 @@ impl Cli {
 /// Runs `work` on a new thread pool: rayon's global pool would panic if the system
 /// refused its threads.
 fn on_threads(work: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
-    render::thread_pool(None)?.install(work)
+    thread_pool(None)?.install(work)
+}
+
+/// Starts threads; `None` for one per processor.
+fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    session::thread_pool(n_threads, &Cancellation::default()).map_err(Failure::Machine)
 }
 
 /// The path, safe to print on a terminal.

@@ -1,11 +1,13 @@
 //! The progress bars.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{PoisonError, RwLock};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::render::Progress;
+use crate::session::Event;
 use crate::text::one_line;
 
 /// A build shows no bar before this time.
@@ -89,6 +91,78 @@ impl PixelBar {
     /// Removes the bar from the terminal.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// The bars of the stages of a session, one after the other.
+pub(super) struct Bars {
+    quiet: bool,
+    current: RwLock<Option<StageBar>>,
+}
+
+/// The bar of a stage.
+enum StageBar {
+    Build(BuildBar),
+    Pixels(PixelBar),
+}
+
+impl Bars {
+    /// Bars that are never drawn if `quiet`.
+    pub(super) fn new(quiet: bool) -> Self {
+        Self {
+            quiet,
+            current: RwLock::new(None),
+        }
+    }
+
+    /// Shows an event of a session.
+    pub(super) fn show(&self, event: Event) {
+        match event {
+            Event::Begin { stage: "build", .. } => {
+                self.replace(Some(StageBar::Build(BuildBar::new(self.quiet))));
+            }
+            Event::Begin { n_pixels, .. } => {
+                self.replace(Some(StageBar::Pixels(PixelBar::new(n_pixels, self.quiet))));
+            }
+            Event::Built { fraction } => self.with(|bar| bar.advance_build(fraction)),
+            Event::Rendered(progress) => self.with(|bar| bar.advance_pixels(progress)),
+            Event::End => {
+                self.with(StageBar::clear);
+                self.replace(None);
+            }
+        }
+    }
+
+    fn replace(&self, bar: Option<StageBar>) {
+        *self.current.write().unwrap_or_else(PoisonError::into_inner) = bar;
+    }
+
+    fn with(&self, show: impl FnOnce(&StageBar)) {
+        let current = self.current.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some(bar) = &*current {
+            show(bar);
+        }
+    }
+}
+
+impl StageBar {
+    fn advance_build(&self, fraction: f64) {
+        if let Self::Build(bar) = self {
+            bar.advance(fraction);
+        }
+    }
+
+    fn advance_pixels(&self, progress: Progress) {
+        if let Self::Pixels(bar) = self {
+            bar.advance(progress);
+        }
+    }
+
+    fn clear(&self) {
+        match self {
+            Self::Build(bar) => bar.clear(),
+            Self::Pixels(bar) => bar.clear(),
+        }
     }
 }
 

@@ -8,8 +8,9 @@ use super::shell_word;
 use crate::config::{
     Config, CostMode, MAX_SIDE, OptionalOutput, Repeats, Structure, TileOrder, Tiling,
 };
-use crate::memory::{self, Memory};
+use crate::memory::Memory;
 use crate::scene::Geometries;
+use crate::session::Input;
 use crate::text::Diagnostic;
 use crate::vtk::Codec;
 use crate::yaml::{self, Fault, Source};
@@ -83,19 +84,12 @@ pub(super) struct SceneArguments {
     compress: Option<Codec>,
 }
 
-/// A scene file, its config, and the geometries of the files that it names.
-pub(super) struct Loaded {
-    pub(super) source: Source,
-    pub(super) config: Config,
-    pub(super) geometries: Geometries,
-}
-
 impl SceneArguments {
     /// Reads the scene and checks that it fits into memory with its film.
     ///
     /// # Errors
     /// The first fault of the scene.
-    pub(super) fn load(&self) -> Result<Loaded, Diagnostic> {
+    pub(super) fn load(&self) -> Result<Input, Diagnostic> {
         self.load_for(Memory::of)
     }
 
@@ -106,7 +100,7 @@ impl SceneArguments {
     pub(super) fn load_for(
         &self,
         needed: impl Fn(&Config, &Geometries) -> Memory,
-    ) -> Result<Loaded, Diagnostic> {
+    ) -> Result<Input, Diagnostic> {
         let source = Source::read(&self.scene)?;
         let mut config: Config = source.parse()?;
         let image = &mut config.image;
@@ -138,19 +132,7 @@ impl SceneArguments {
                 fault.without_place()
             }
         })?;
-        let available = memory::available();
-        let geometries = Geometries::read(&config, source.folder(), available)
-            .map_err(|fault| source.point_at(fault))?;
-        // The geometries are part of the need, but were not yet allocated when
-        // `available` was measured.
-        needed(&config, &geometries)
-            .check(available)
-            .map_err(|fault| source.point_at(fault))?;
-        Ok(Loaded {
-            source,
-            config,
-            geometries,
-        })
+        Input::read(source, config, needed)
     }
 
     /// Refuses `--also`, for a command that writes only its own files.

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::progress::{BuildBar, PixelBar};
 use super::rectangle::Rectangle;
-use super::render::thread_pool;
-use super::scene::{Loaded, SceneArguments};
+use super::scene::SceneArguments;
+use super::thread_pool;
 use super::tree::Trees;
 use super::{Failure, hottest, shell_word, shown};
 use crate::accel::Accel;
@@ -18,6 +18,7 @@ use crate::memory::{self, Memory};
 use crate::output::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
 use crate::render::{Plan, Progress, render};
 use crate::scene::{Geometries, Scene};
+use crate::session::Input;
 use crate::stop;
 use crate::text::numbers::{bytes, counted};
 use crate::text::{self, Diagnostic};
@@ -82,7 +83,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         Some(metric) => Memory::of(&hottest::searched(config, metric), geometries),
         None => Memory::of_scene(config, geometries),
     };
-    let Loaded {
+    let Input {
         source,
         config,
         geometries,

@@ -40,6 +40,13 @@ pub struct Stages {
     pub ended: Vec<Stage>,
 }
 
+impl Default for Stages {
+    /// Starts the first stage, without hardware counters.
+    fn default() -> Self {
+        Self::start(HardwareCounters::none())
+    }
+}
+
 impl Stages {
     /// Starts the first stage.
     pub fn start(mut hardware: HardwareCounters) -> Self {

@@ -168,8 +168,8 @@ impl Rendering<'_> {
 pub fn write(
     rendering: &Rendering,
     folder: &OutputFolder,
-    mut stages: Stages,
-) -> Result<(Vec<Written>, Stages), WriteError> {
+    stages: &mut Stages,
+) -> Result<Vec<Written>, WriteError> {
     let states = States::new(rendering, folder);
     let run = run::id_of(rendering);
     let staging = folder.stage_files()?;
@@ -189,7 +189,7 @@ pub fn write(
         }
         let job = Job {
             rendering,
-            stages: &stages,
+            stages,
             states: &states,
             run,
             written: &written,
@@ -203,7 +203,7 @@ pub fn write(
         }
     }
     staging.commit(&files, &own())?;
-    Ok((written, stages))
+    Ok(written)
 }
 
 /// Makes sure that no file in the folder is someone else's of a name that

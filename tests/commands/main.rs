@@ -10,6 +10,7 @@ mod configs;
 mod cost_law;
 mod diff;
 mod errors;
+mod examples;
 mod exit_codes;
 mod figures;
 mod fuzz;

@@ -1,0 +1,40 @@
+//! Why there is no rendering.
+
+use std::fmt;
+
+use crate::stop::Stopped;
+use crate::text::Diagnostic;
+
+/// Why a scene was not rendered.
+#[derive(Debug)]
+pub enum RenderError {
+    /// A mistake in the scene.
+    Scene(Diagnostic),
+    /// The system refused what the rendering needs, such as threads.
+    Machine(Diagnostic),
+    /// The rendering was canceled.
+    Stopped(Stopped),
+}
+
+impl fmt::Display for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(diagnostic) | Self::Machine(diagnostic) => diagnostic.fmt(f),
+            Self::Stopped(stopped) => stopped.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RenderError {}
+
+impl From<Diagnostic> for RenderError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Scene(diagnostic)
+    }
+}
+
+impl From<Stopped> for RenderError {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
+    }
+}

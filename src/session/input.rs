@@ -1,0 +1,50 @@
+//! A scene that was read, before it is placed.
+
+use super::Memory;
+use crate::config::Config;
+use crate::memory;
+use crate::scene::Geometries;
+use crate::text::Diagnostic;
+use crate::yaml::Source;
+
+/// A scene's text, its config, and the geometries of the files that it names.
+#[derive(Debug)]
+pub struct Input {
+    /// The scene file.
+    pub source: Source,
+    /// Its settings, which may have been changed.
+    pub config: Config,
+    /// The geometries.
+    pub geometries: Geometries,
+}
+
+impl Input {
+    /// Checks the config, reads the files that it names, and checks that the memory
+    /// that `needed` estimates is free.
+    ///
+    /// # Errors
+    /// The first mistake in the scene.
+    pub(crate) fn read(
+        source: Source,
+        config: Config,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Self, Diagnostic> {
+        let point_at = |fault| source.point_at(fault);
+        config.check_repeats().map_err(point_at)?;
+        config
+            .check_output()
+            .map_err(|(_, fault)| source.point_at(fault))?;
+        let available = memory::available();
+        let geometries = Geometries::read(&config, source.folder(), available).map_err(point_at)?;
+        // The geometries are part of the need, but were not yet allocated when
+        // `available` was measured.
+        needed(&config, &geometries)
+            .check(available)
+            .map_err(point_at)?;
+        Ok(Self {
+            source,
+            config,
+            geometries,
+        })
+    }
+}

@@ -1,0 +1,252 @@
+//! Scene file → pixels and their cost → files: raycost as a library.
+//!
+//! A [`Session`] holds a checked scene. [`Session::render`] gives a [`Rendering`],
+//! whose pixels and costs a program reads, and which [`Rendering::write`] writes as
+//! `raycost render` does: the command line is a user of this module, too.
+
+mod error;
+mod input;
+mod options;
+mod rendering;
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock};
+
+use serde::Serialize;
+
+use crate::accel::{Accel, AccelIndex};
+use crate::attribution::CostAttribution;
+use crate::config::{Config, TileOrder};
+use crate::cost::Meter;
+use crate::film::columns;
+use crate::folder::{OutputFolder, WriteError};
+use crate::instruments::Stages;
+use crate::memory::{self, Memory};
+use crate::output;
+use crate::render::{N_RENDERINGS, Overhead, Plan, least_repeats, repeat};
+use crate::scene::Scene;
+use crate::stop;
+use crate::summary::Threads;
+use crate::text::Diagnostic;
+use crate::yaml::Source;
+
+pub use error::RenderError;
+pub use input::Input;
+use options::Report;
+pub(crate) use options::thread_pool;
+pub use options::{Event, Options};
+use rendering::Measured;
+pub use rendering::Rendering;
+
+/// A checked scene that can be rendered.
+#[derive(Debug)]
+pub struct Session {
+    source: Source,
+    name: String,
+    config: Config,
+    scene: Scene,
+    /// The index of the acceleration structure, built by the first rendering.
+    index: OnceLock<Arc<AccelIndex>>,
+    /// Those of the first rendering, which has the time to read the scene.
+    stages: Mutex<Option<Stages>>,
+}
+
+impl Session {
+    /// Reads and checks a scene file and the files that it names.
+    ///
+    /// # Errors
+    /// The first mistake in the scene, with its line; or the scene does not fit
+    /// into memory.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Diagnostic> {
+        Self::open_with(path, |_| {})
+    }
+
+    /// Does what [`Self::open`] does, after `change` has changed settings of the
+    /// scene file.
+    ///
+    /// # Errors
+    /// Those of [`Self::open`].
+    pub fn open_with(
+        path: impl AsRef<Path>,
+        change: impl FnOnce(&mut Config),
+    ) -> Result<Self, Diagnostic> {
+        let stages = Stages::default();
+        let source = Source::read(path.as_ref())?;
+        let mut config: Config = source.parse()?;
+        change(&mut config);
+        Self::new(Input::read(source, config, Memory::of)?, stages)
+    }
+
+    /// Checks a scene that a program describes: any value that serializes to the
+    /// same keys and values as a scene file, such as `serde_json::json!({ … })`.
+    /// `name` stands for the file in messages and in `summary.json`. Relative
+    /// paths in the scene start from the current folder.
+    ///
+    /// # Errors
+    /// Those of [`Self::open`], with a line of the scene as JSON.
+    pub fn of(name: &str, scene: &impl Serialize) -> Result<Self, Diagnostic> {
+        let stages = Stages::default();
+        let cannot = |error| Diagnostic::new(format!("cannot serialize the scene: {error}"));
+        // JSON is YAML.
+        let text = serde_json::to_string_pretty(scene).map_err(cannot)?;
+        let source = Source::new(name, text);
+        let config = source.parse()?;
+        Self::new(Input::read(source, config, Memory::of)?, stages)
+    }
+
+    /// Places a scene that was read. `stages` are those of the first rendering.
+    ///
+    /// # Errors
+    /// The first value that contradicts others.
+    pub(crate) fn new(input: Input, stages: Stages) -> Result<Self, Diagnostic> {
+        let Input {
+            source,
+            config,
+            geometries,
+        } = input;
+        let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
+        let name = Path::new(source.name()).file_stem().unwrap_or_default();
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            source,
+            config,
+            scene,
+            index: OnceLock::new(),
+            stages: Mutex::new(Some(stages)),
+        })
+    }
+
+    /// The scene's name: the stem of its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The settings.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The scene in world space.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Opens the folder that the files of a rendering will be written to; creates it if
+    /// there is none. A rendering that takes long should not be the first to find out
+    /// that its files cannot be written.
+    ///
+    /// # Errors
+    /// The folder cannot be written to, has too little space, or has a file of
+    /// another program where raycost would write.
+    pub fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
+        let folder = OutputFolder::create(path, least_bytes(&self.config))?;
+        output::refuse_foreign(&folder)?;
+        Ok(folder)
+    }
+
+    /// Renders the scene and measures what its config asks for. The first rendering
+    /// also builds the acceleration structure.
+    ///
+    /// # Errors
+    /// The acceleration structure is too large, the threads cannot be started, or
+    /// the rendering was canceled.
+    pub fn render(&self, options: &Options) -> Result<Rendering<'_>, RenderError> {
+        let stages = self.stages.lock().ok().and_then(|mut stages| stages.take());
+        let mut stages = stages.unwrap_or_default();
+        let pool = options.thread_pool()?;
+        stages.end("read");
+        let measured = pool.install(|| self.measure(options, &mut stages))?;
+        Ok(Rendering {
+            session: self,
+            measured,
+            stages,
+            threads: Threads {
+                used: pool.current_num_threads(),
+                available: std::thread::available_parallelism().map_or(1, usize::from),
+            },
+            pool,
+        })
+    }
+
+    /// Renders and measures on the current rayon pool.
+    fn measure(&self, options: &Options, stages: &mut Stages) -> Result<Measured, RenderError> {
+        let accel = &self.accel(options, stages)?;
+        let (config, scene) = (&self.config, &self.scene);
+        let meter = Meter::new(config.cost);
+        if meter.clock().is_some() {
+            stages.end("calibrate");
+        }
+        let plan = Plan::new(scene, accel, &config.image, config.tiles);
+        if plan.order == TileOrder::Cost {
+            stages.end("order");
+        }
+        let n_pixels = config.image.n_pixels() as u64;
+        // Before there is a film: two would take more memory than one.
+        let overhead = options.measure_overhead.then(|| {
+            let work = |report: Report| Overhead::measure(scene, accel, &plan, report);
+            let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
+            stages.end("overhead");
+            overhead
+        });
+        let n_rendered = u64::from(least_repeats(config)) * n_pixels;
+        let (film, schedule, repeats) = options.reported("render", n_rendered, |report: Report| {
+            repeat(config.repeats, scene, accel, &plan, &meter, report)
+        });
+        stages.end("render");
+        stop::check()?;
+        let attribution = CostAttribution::is_requested(&config.output).then(|| {
+            let world = (scene, accel, &config.image);
+            let attribution = options.reported("observe", n_pixels, |report: Report| {
+                CostAttribution::measure(world, (&film, &meter), &config.output, report)
+            });
+            stages.end("observe");
+            attribution
+        });
+        stop::check()?;
+        Ok(Measured {
+            bvh: accel.statistics(),
+            meter,
+            film,
+            schedule,
+            repeats,
+            overhead,
+            attribution,
+        })
+    }
+
+    /// Returns the acceleration structure, after building it if there is none.
+    fn accel(&self, options: &Options, stages: &mut Stages) -> Result<Accel<'_>, RenderError> {
+        let primitives = &self.scene.primitives;
+        if let Some(index) = self.index.get() {
+            return Ok(Accel::of_index(primitives, Arc::clone(index)));
+        }
+        options.report(Event::Begin {
+            stage: "build",
+            n_pixels: 0,
+        });
+        let report = |fraction| options.report(Event::Built { fraction });
+        let accel = Accel::build(primitives, self.config.acceleration, report);
+        options.report(Event::End);
+        let accel = accel.map_err(|error| self.source.point_at(memory::too_large(error)))?;
+        stages.end("build");
+        // A build that was stopped is not whole.
+        stop::check()?;
+        let _ = self.index.set(accel.index());
+        Ok(accel)
+    }
+
+    /// The scene file as the user typed it.
+    fn scene_file(&self) -> &str {
+        self.source.name()
+    }
+}
+
+/// Lower bound of the bytes of the files, whatever the camera sees and however well
+/// it compresses.
+fn least_bytes(config: &Config) -> u64 {
+    // frame.vti has all arrays except the positions.
+    let per_pixel: usize = columns(config.cost, config.repeats)
+        .map(|column| column.stride())
+        .sum();
+    (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
+}

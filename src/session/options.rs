@@ -1,0 +1,112 @@
+//! How a session renders.
+
+use std::fmt;
+
+use super::RenderError;
+use crate::render::Progress;
+use crate::stop::Cancellation;
+use crate::text::Diagnostic;
+
+/// Receives progress, from any thread.
+pub(super) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
+
+/// How a scene is rendered, besides what its config says.
+///
+/// ```
+/// # use raycost::session::{Event, Options};
+/// # let show = |_: Event| {};
+/// let options = Options {
+///     threads: Some(2),
+///     on_event: Some(&show),
+///     ..Options::default()
+/// };
+/// ```
+#[derive(Clone, Default)]
+pub struct Options<'a> {
+    /// Number of threads, at least 1; `None` for one per processor.
+    pub threads: Option<u16>,
+    /// Whether the picture is also rendered in each cost mode by turns, for
+    /// [`Rendering::overhead`](super::Rendering::overhead).
+    pub measure_overhead: bool,
+    /// Cancels the rendering.
+    pub cancellation: Cancellation,
+    /// Is called with each event, from any thread.
+    pub on_event: Option<&'a (dyn Fn(Event) + Sync)>,
+}
+
+/// The progress of a rendering.
+#[derive(Debug, Clone, Copy)]
+pub enum Event {
+    /// A stage begins: `build`, `overhead`, `render` or `observe`.
+    Begin {
+        /// Its name.
+        stage: &'static str,
+        /// The number of pixels that it will render; 0 for `build`.
+        n_pixels: u64,
+    },
+    /// Another part of the acceleration structure was built.
+    Built {
+        /// The part, from 0 to 1; all parts add up to 1.
+        fraction: f64,
+    },
+    /// More pixels were rendered.
+    Rendered(Progress),
+    /// The stage has ended.
+    End,
+}
+
+impl Options<'_> {
+    /// Reports an event.
+    pub(super) fn report(&self, event: Event) {
+        if let Some(on_event) = self.on_event {
+            on_event(event);
+        }
+    }
+
+    /// Does the work of a stage and reports its events.
+    pub(super) fn reported<T>(
+        &self,
+        stage: &'static str,
+        n_pixels: u64,
+        work: impl FnOnce(Report) -> T,
+    ) -> T {
+        self.report(Event::Begin { stage, n_pixels });
+        let result = work(&|progress| self.report(Event::Rendered(progress)));
+        self.report(Event::End);
+        result
+    }
+
+    /// Starts the threads.
+    pub(super) fn thread_pool(&self) -> Result<rayon::ThreadPool, RenderError> {
+        thread_pool(self.threads, &self.cancellation).map_err(RenderError::Machine)
+    }
+}
+
+/// Starts threads whose work the cancellation stops; `None` for one per processor.
+///
+/// # Errors
+/// The system refuses them.
+pub(crate) fn thread_pool(
+    n_threads: Option<u16>,
+    cancellation: &Cancellation,
+) -> Result<rayon::ThreadPool, Diagnostic> {
+    let cancellation = cancellation.clone();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(n_threads.map_or(0, usize::from))
+        .start_handler(move |_| cancellation.watch_on_this_thread())
+        .build()
+        .map_err(|error| {
+            Diagnostic::new(format!("cannot start the threads: {error}"))
+                .with_help("ask for fewer with `--threads N`")
+        })
+}
+
+impl fmt::Debug for Options<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Options")
+            .field("threads", &self.threads)
+            .field("measure_overhead", &self.measure_overhead)
+            .field("cancellation", &self.cancellation)
+            .finish_non_exhaustive()
+    }
+}

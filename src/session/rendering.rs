@@ -1,0 +1,112 @@
+//! A rendered scene.
+
+use std::path::Path;
+
+use super::Session;
+use crate::accel::BvhStatistics;
+use crate::attribution::CostAttribution;
+use crate::cost::Meter;
+use crate::film::Film;
+use crate::folder::{OutputFolder, WriteError, Written};
+use crate::instruments::{Profiler, Stages};
+use crate::output;
+use crate::render::{Overhead, Repeat};
+use crate::schedule::Schedule;
+use crate::summary::Threads;
+
+/// The pixels of a scene, what they cost, and how they were rendered.
+#[derive(Debug)]
+pub struct Rendering<'s> {
+    pub(super) session: &'s Session,
+    pub(super) measured: Measured,
+    pub(super) stages: Stages,
+    pub(super) threads: Threads,
+    pub(super) pool: rayon::ThreadPool,
+}
+
+/// The results of a rendering.
+#[derive(Debug)]
+pub(super) struct Measured {
+    pub(super) bvh: Option<BvhStatistics>,
+    pub(super) meter: Meter,
+    pub(super) film: Film,
+    pub(super) schedule: Schedule,
+    pub(super) repeats: Vec<Repeat>,
+    pub(super) overhead: Option<Overhead>,
+    pub(super) attribution: Option<CostAttribution>,
+}
+
+impl Rendering<'_> {
+    /// The color, the geometry and the cost of every pixel.
+    pub fn film(&self) -> &Film {
+        &self.measured.film
+    }
+
+    /// When each tile was rendered, and by which thread.
+    pub fn schedule(&self) -> &Schedule {
+        &self.measured.schedule
+    }
+
+    /// The cost of each object, material, primitive and node, if the config asks for
+    /// outputs that need it.
+    pub fn attribution(&self) -> Option<&CostAttribution> {
+        self.measured.attribution.as_ref()
+    }
+
+    /// What measuring costs, if the [`Options`](super::Options) ask for it.
+    pub fn overhead(&self) -> Option<Overhead> {
+        self.measured.overhead
+    }
+
+    /// The stages and their times, from reading the scene on.
+    pub fn stages(&self) -> &Stages {
+        &self.stages
+    }
+
+    /// Writes all files into a folder, as `raycost render` does; creates the folder if
+    /// there is none, and replaces the files of an earlier rendering. The files take
+    /// their places together at the end.
+    ///
+    /// # Errors
+    /// The folder or a file cannot be written; then no file has changed.
+    pub fn write(&mut self, folder: impl AsRef<Path>) -> Result<Vec<Written>, WriteError> {
+        let folder = self.session.folder(folder.as_ref())?;
+        self.write_to(&folder, None)
+    }
+
+    /// Writes all files into an open folder; the profile, too, if there is one.
+    ///
+    /// # Errors
+    /// A file cannot be written; then no file has changed.
+    pub(crate) fn write_to(
+        &mut self,
+        folder: &OutputFolder,
+        profiler: Option<&Profiler>,
+    ) -> Result<Vec<Written>, WriteError> {
+        let mut stages = std::mem::take(&mut self.stages);
+        let view = self.view(profiler);
+        let written = (self.pool).install(|| output::write(&view, folder, &mut stages));
+        self.stages = stages;
+        written
+    }
+
+    /// Borrows the rendering for the writers.
+    pub(crate) fn view<'a>(&'a self, profiler: Option<&'a Profiler>) -> output::Rendering<'a> {
+        let measured = &self.measured;
+        output::Rendering {
+            scene_file: self.session.scene_file(),
+            name: self.session.name(),
+            config: self.session.config(),
+            scene: self.session.scene(),
+            bvh: measured.bvh,
+            meter: &measured.meter,
+            film: &measured.film,
+            schedule: &measured.schedule,
+            repeats: &measured.repeats,
+            overhead: measured.overhead,
+            attribution: measured.attribution.as_ref(),
+            profiler,
+            threads: self.threads,
+        }
+    }
+}

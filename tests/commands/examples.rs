@@ -1,0 +1,134 @@
+//! The examples do what their first lines say, and a session does what a program
+//! expects of it.
+
+use std::fs;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use raycost::config::CostMode;
+use raycost::cost::Metric;
+use raycost::results::Results;
+use raycost::session::{Event, Options, RenderError, Session};
+use raycost::stop::{Cancellation, Stopped};
+use serde_json::json;
+
+use crate::common::{in_repository, names};
+
+#[allow(dead_code, reason = "`main` is for cargo")]
+#[path = "../../examples/cost_histogram.rs"]
+mod cost_histogram;
+#[allow(dead_code, reason = "`main` is for cargo")]
+#[path = "../../examples/render.rs"]
+mod render;
+#[allow(dead_code, reason = "`main` is for cargo")]
+#[path = "../../examples/scene_in_code.rs"]
+mod scene_in_code;
+
+#[test]
+fn the_example_of_ten_lines_writes_every_file() {
+    let folder = tempfile::tempdir().unwrap();
+    render::run(&in_repository("configs/seed_sphere.yaml"), folder.path()).unwrap();
+    let written = names(folder.path());
+    for file in [
+        "image.png",
+        "cost.png",
+        "hits.vtu",
+        "frame.vti",
+        "summary.json",
+    ] {
+        assert!(written.iter().any(|name| name == file), "{written:?}");
+    }
+}
+
+#[test]
+fn the_histogram_counts_every_pixel_once() {
+    let text = cost_histogram::histogram(&in_repository("configs/trellis.yaml")).unwrap();
+    let counts = text.lines().map(|line| line.rsplit(' ').next().unwrap());
+    let n_pixels: usize = counts.map(|count| count.parse::<usize>().unwrap()).sum();
+    let config = crate::common::config("trellis");
+    assert_eq!(n_pixels, config.image.n_pixels());
+}
+
+#[test]
+fn a_scene_in_code_is_rendered_and_written() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_in_code::run(folder.path()).unwrap();
+    let results = Results::open(folder.path()).unwrap();
+    assert_eq!(results.summary.scene.name, "helix");
+    assert!(fs::metadata(folder.path().join("image.png")).unwrap().len() > 1000);
+}
+
+#[test]
+fn a_mistake_in_a_scene_in_code_is_shown_in_its_json() {
+    let scene = json!({ "image": { "width": 0, "height": 10 } });
+    let error = Session::of("tiny", &scene).unwrap_err().to_string();
+    assert!(error.contains("\"width\": 0"), "{error}");
+    assert!(error.contains("tiny:"), "{error}");
+}
+
+/// A session of a scene file with counters alone: its results never vary.
+fn counted(name: &str) -> Session {
+    let path = in_repository(&format!("configs/{name}.yaml"));
+    Session::open_with(path, |config| config.cost = CostMode::Counters).unwrap()
+}
+
+#[test]
+fn a_session_renders_again_with_the_same_result() {
+    let session = counted("blocks");
+    let options = |threads| Options {
+        threads: Some(threads),
+        ..Options::default()
+    };
+    let [one, two] = [1, 2].map(|threads| session.render(&options(threads)).unwrap());
+    for metric in Metric::ALL {
+        assert_eq!(one.film().metric(metric), two.film().metric(metric));
+    }
+    let built = |rendering: &raycost::session::Rendering| {
+        let mut stages = rendering.stages().ended.iter();
+        stages.any(|stage| stage.name == "build")
+    };
+    assert!(built(&one) && !built(&two), "the second one builds nothing");
+}
+
+#[test]
+fn events_report_every_pixel() {
+    let session = counted("seed_sphere");
+    let (expected, rendered) = (AtomicU64::new(0), AtomicU64::new(0));
+    let on_event = |event| match event {
+        Event::Begin { n_pixels, .. } => {
+            expected.fetch_add(n_pixels, Ordering::Relaxed);
+        }
+        Event::Rendered(progress) => {
+            rendered.fetch_add(progress.n_pixels, Ordering::Relaxed);
+        }
+        Event::Built { .. } | Event::End => {}
+    };
+    let options = Options {
+        on_event: Some(&on_event),
+        ..Options::default()
+    };
+    session.render(&options).unwrap();
+    let n_pixels = session.config().image.n_pixels() as u64;
+    assert_eq!(expected.into_inner(), n_pixels);
+    assert_eq!(rendered.into_inner(), n_pixels);
+}
+
+#[test]
+fn a_canceled_rendering_ends_and_another_one_goes_on() {
+    let session = counted("seed_sphere");
+    let cancellation = Cancellation::default();
+    let options = Options {
+        cancellation: cancellation.clone(),
+        // In the middle of the picture.
+        on_event: Some(&|event| {
+            if matches!(event, Event::Rendered(_)) {
+                cancellation.cancel();
+            }
+        }),
+        ..Options::default()
+    };
+    match session.render(&options) {
+        Err(RenderError::Stopped(stopped)) => assert_eq!(stopped, Stopped::Canceled),
+        other => panic!("{other:?}"),
+    }
+    assert!(session.render(&Options::default()).is_ok());
+}
