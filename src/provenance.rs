@@ -1,21 +1,20 @@
-//! What ties the files of a run together.
+//! The ID of a run and the checksums of its files.
 //!
-//! Each file says which run wrote it: VTK files in the attribute `raycost_run`
-//! of their root, PNGs in a text chunk, states, pages and profiles in an XML
-//! comment, JSON files by a key. A table of comma-separated values has no place
-//! for it that all readers pass over: it is known by its checksum alone, which
-//! `summary.json` has of every file.
+//! Each file contains the ID of the run that wrote it: VTK files in the attribute
+//! `raycost_run` of their root, PNGs in a text chunk, states, pages and profiles in an
+//! XML comment, JSON files in a key. CSV has no place for it that all readers ignore:
+//! only the checksum in `summary.json`, which lists every file, identifies a table.
 
 use std::fmt;
 use std::str::FromStr;
 
 use twox_hash::XxHash3_128;
 
-/// The key, attribute or keyword that a run's ID stands behind.
+/// The key, attribute or keyword of a run's ID.
 pub(crate) const KEY: &str = "raycost_run";
 
-/// A hash of what a run was asked for and of what came of it: runs that write
-/// the same bytes have the same ID.
+/// A hash of the settings and the results of a run: runs that write the same bytes
+/// have the same ID.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunId(u128);
 
@@ -23,35 +22,35 @@ pub struct RunId(u128);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Checksum(u128);
 
-/// The checksum of these bytes.
+/// Computes the checksum of these bytes.
 pub(crate) fn checksum(bytes: &[u8]) -> Checksum {
     Checksum(XxHash3_128::oneshot(bytes))
 }
 
-/// Adds up bytes for a checksum.
+/// Computes a checksum of bytes that arrive in parts.
 #[derive(Clone)]
-pub(crate) struct Summer(XxHash3_128);
+pub(crate) struct Hasher(XxHash3_128);
 
-impl Summer {
-    /// Of no bytes.
+impl Hasher {
+    /// Starts without bytes.
     pub(crate) fn new() -> Self {
         Self(XxHash3_128::new())
     }
 
-    /// Takes more bytes.
+    /// Adds bytes.
     pub(crate) fn add(&mut self, bytes: &[u8]) {
         self.0.write(bytes);
     }
 
-    /// Of all bytes so far.
+    /// Returns the checksum of all bytes so far.
     pub(crate) fn checksum(&self) -> Checksum {
         Checksum(self.0.finish_128())
     }
 }
 
-impl fmt::Debug for Summer {
+impl fmt::Debug for Hasher {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Summer")
+        f.write_str("Hasher")
     }
 }
 
@@ -75,12 +74,13 @@ impl RunId {
     }
 }
 
-/// An XML text with the run's ID in a comment before its root.
+/// Returns an XML text with the run's ID in a comment before its root.
 pub(crate) fn stamped(xml: &str, run: RunId) -> String {
     // A declaration has to come first.
-    let begin = match xml.starts_with("<?xml") {
-        true => xml.find("?>\n").map_or(0, |at| at + 3),
-        false => 0,
+    let begin = if xml.starts_with("<?xml") {
+        xml.find("?>\n").map_or(0, |at| at + 3)
+    } else {
+        0
     };
     format!("{}{}{}", &xml[..begin], run.comment(), &xml[begin..])
 }
@@ -110,12 +110,11 @@ macro_rules! as_digits {
 
             fn from_str(text: &str) -> Result<Self, String> {
                 let is_digit = |c: char| matches!(c, '0'..='9' | 'a'..='f');
-                match text.len() == 32 && text.chars().all(is_digit) {
-                    true => u128::from_str_radix(text, 16)
-                        .map(Self)
-                        .map_err(|error| error.to_string()),
-                    false => Err("expected 32 hexadecimal digits".to_owned()),
+                if text.len() != 32 || !text.chars().all(is_digit) {
+                    return Err("expected 32 hexadecimal digits".to_owned());
                 }
+                let digits = u128::from_str_radix(text, 16);
+                digits.map(Self).map_err(|error| error.to_string())
             }
         }
 
@@ -148,18 +147,18 @@ mod tests {
             checksum(b"").to_string(),
             "99aa06d3014798d86001c324468d497f"
         );
-        let mut summer = Summer::new();
-        summer.add(b"ray");
-        summer.add(b"cost\n");
-        assert_eq!(summer.checksum(), checksum(b"raycost\n"));
-        let text = summer.checksum().to_string();
-        assert_eq!(text.parse(), Ok(summer.checksum()));
+        let mut hasher = Hasher::new();
+        hasher.add(b"ray");
+        hasher.add(b"cost\n");
+        assert_eq!(hasher.checksum(), checksum(b"raycost\n"));
+        let text = hasher.checksum().to_string();
+        assert_eq!(text.parse(), Ok(hasher.checksum()));
         assert!(text[1..].parse::<Checksum>().is_err());
         assert!(text.to_uppercase().parse::<Checksum>().is_err());
     }
 
     #[test]
-    fn a_stamp_stands_behind_a_declaration() {
+    fn a_stamp_follows_the_xml_declaration() {
         let run = RunId(7);
         let stamp = run.comment();
         assert_eq!(stamped("<a/>", run), format!("{stamp}<a/>"));

@@ -1,12 +1,11 @@
 //! Requests to end, as flags that long work looks at: signals ask the whole
 //! program, a [`Cancellation`] the threads of one rendering.
 //!
-//! SIGINT, SIGTERM and SIGHUP set a flag and do nothing else. Loops leave early
-//! when [`is_requested`] says so, and what they return is thrown away: the
-//! command line asks [`check`] between its steps, so that destructors run,
-//! temporary files go, and nothing is left half done. SIGXFSZ, which would end
-//! the program where a file reaches its limit, does nothing: the write fails
-//! with an error instead.
+//! SIGINT, SIGTERM and SIGHUP only set the flag. Loops return early if
+//! [`is_requested`], and the command line discards their results: it calls [`check`]
+//! between its steps, so that destructors run and remove temporary files. SIGXFSZ,
+//! which would end the program when a file reaches its size limit, is ignored: the
+//! write fails with an error instead.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -14,7 +13,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// The number of the signal that asked, or 0.
+/// The number of the received signal, or 0.
 static REQUESTED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
 thread_local! {
@@ -74,10 +73,10 @@ impl Cancellation {
 
 impl std::error::Error for Stopped {}
 
-/// Makes signals set the flag from now on.
+/// Installs the signal handlers.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn listen() -> io::Result<()> {
     let flag = REQUESTED.get_or_init(Arc::default);
     for signal in ENDING {
@@ -98,23 +97,23 @@ const ENDING: [i32; 3] = [
 #[cfg(not(unix))]
 const ENDING: [i32; 2] = [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
 
-/// Sets the flag as SIGTERM does.
+/// Sets the flag, as SIGTERM does.
 pub fn request() {
     let flag = REQUESTED.get_or_init(Arc::default);
     flag.store(signal_hook::consts::SIGTERM as usize, Ordering::Relaxed);
 }
 
-/// Does `work`, and `action` as soon as the program is asked to end meanwhile.
+/// Does `work`, and `action` as soon as a signal arrives meanwhile.
 ///
 /// # Errors
-/// What the system says where it cannot watch; then nothing is done.
+/// An error of the system, if signals cannot be watched; then `work` is not done.
 #[cfg(unix)]
 pub fn watching<T>(action: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io::Result<T> {
     let mut signals = signal_hook::iterator::Signals::new(ENDING)?;
     let handle = signals.handle();
     Ok(std::thread::scope(|scope| {
         scope.spawn(move || {
-            // A signal may have come before anyone watched.
+            // A signal may have arrived before the watch began.
             if is_requested() || signals.forever().next().is_some() {
                 action();
             }

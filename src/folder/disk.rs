@@ -1,5 +1,5 @@
-//! Everything that changes the disk on the way to a commit, in one place: the
-//! tests make each of these calls fail, and each of them the last one.
+//! All calls of a commit that change the disk. Tests make each of them fail, and
+//! kill the process at each of them.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ pub(super) fn create_dir(path: &Path) -> io::Result<()> {
     fs::create_dir(path)
 }
 
-/// Creates a folder that only this user may look into.
+/// Creates a folder that only this user may open.
 pub(super) fn create_private_dir(path: &Path) -> io::Result<()> {
     fault()?;
     let mut builder = fs::DirBuilder::new();
@@ -19,7 +19,7 @@ pub(super) fn create_private_dir(path: &Path) -> io::Result<()> {
     builder.create(path)
 }
 
-/// Creates a file that is not there yet.
+/// Creates a file; fails if it exists.
 pub(super) fn create_file(path: &Path) -> io::Result<File> {
     fault()?;
     File::create_new(path)
@@ -56,13 +56,13 @@ pub(super) fn set_permissions(path: &Path, permissions: fs::Permissions) -> io::
     fs::set_permissions(path, permissions)
 }
 
-/// Waits until a file or a folder is on the disk as it is now.
+/// Flushes a file or a folder to the disk.
 pub(super) fn sync(path: &Path) -> io::Result<()> {
     fault()?;
     File::open(path)?.sync_all()
 }
 
-/// Gives each of two folders of one file system the other's name, at once.
+/// Exchanges the names of two folders of one file system atomically.
 #[cfg(any(target_os = "linux", target_os = "android", target_vendor = "apple"))]
 pub(super) fn exchange(one: &Path, other: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
@@ -75,7 +75,7 @@ pub(super) fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Gives a folder the owner and the group of another.
+/// Copies owner and group of a folder to another.
 #[cfg(unix)]
 pub(super) fn set_owner(path: &Path, as_of: &fs::Metadata) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, chown};
@@ -101,13 +101,13 @@ fn fault() -> io::Result<()> {
 #[cfg(test)]
 use faults::fault;
 
-/// Calls that fail because a test wants them to.
+/// Faults that tests inject into the calls.
 #[cfg(test)]
 pub(super) mod faults {
     use std::cell::Cell;
     use std::io;
 
-    /// What becomes of a call.
+    /// The fault of a call.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub(in crate::folder) enum Fault {
         /// The process is killed: neither this call nor any later one changes
@@ -124,8 +124,8 @@ pub(super) mod faults {
         static N_CALLS: Cell<usize> = const { Cell::new(0) };
     }
 
-    /// Does work in which the call with this number goes wrong; gives how many
-    /// calls there were, too.
+    /// Does work in which the call with this number has the fault; also returns the
+    /// number of calls.
     pub(in crate::folder) fn with<T>(
         number: usize,
         fault: Fault,

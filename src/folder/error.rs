@@ -1,4 +1,4 @@
-//! Why a file or folder was not written.
+//! The error of a file or folder that was not written.
 
 use std::fmt;
 use std::io;
@@ -23,7 +23,7 @@ impl WriteError {
         }
     }
 
-    /// Something is in the way that raycost did not write, or may not replace.
+    /// The path holds something that raycost did not write, or may not replace.
     pub(super) fn refused(path: impl Into<PathBuf>, why: &'static str, help: &'static str) -> Self {
         Self {
             path: path.into(),
@@ -32,7 +32,7 @@ impl WriteError {
         }
     }
 
-    /// What to do about it.
+    /// Advice on how to correct it.
     pub fn help(&self) -> &'static str {
         if let Some(help) = self.help {
             return help;

@@ -1,9 +1,8 @@
-//! The commit by which all files change at once: the folder of new files and
-//! the output folder exchange their names (`renameat2` with `RENAME_EXCHANGE`).
+//! The atomic commit: the folder of new files and the output folder exchange their
+//! names (`renameat2` with `RENAME_EXCHANGE`).
 //!
-//! Files of others get a second name (a hard link) in the new folder before, so
-//! that none is ever missing. What cannot have one, or would lose its way,
-//! leaves this to the [`journal`](super::journal).
+//! Before that, the new folder gets a hard link to each file of others, so that none
+//! is ever missing. Where that is impossible, the [`journal`](super::journal) commits.
 
 use std::fs::{self, File};
 use std::io;
@@ -13,23 +12,22 @@ use super::disk;
 use super::lock::is_same;
 use super::workspace::{Plan, Workspace};
 
-/// Files of others that are worth a link each.
+/// Most files of others that are linked.
 const MAX_KEPT: usize = 1000;
 
-/// Whether a workspace for this folder can stand beside it, in the same file
-/// system: then the two can be exchanged.
+/// Returns the parent of this folder if it is in the same file system: the two
+/// folders can then be exchanged.
 pub(super) fn parent_of(folder: &Path) -> Option<PathBuf> {
     let parent = folder.parent()?;
     let is_one_system = device(folder).ok()? == device(parent).ok()?;
     (is_one_system && !is_mount_point(folder)).then(|| parent.to_owned())
 }
 
-/// Exchanges the folder with the workspace's new files; `old` are the names of
-/// raycost's own files in the folder. Gives whether it was possible: if not, or
-/// after an error, the folder is as it was.
+/// Exchanges the folder with the workspace's new files. Returns `false` if that is
+/// impossible; then, and after an error, the folder is unchanged.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub(super) fn commit(
     folder: &Path,
     workspace: &Workspace,
@@ -59,7 +57,7 @@ pub(super) fn commit(
     Ok(true)
 }
 
-/// The names of all files of others; `None` if not all of them can be linked.
+/// Returns the names of all files of others; `None` if one cannot be linked.
 fn kept(folder: &Path, old: &[String]) -> io::Result<Option<Vec<String>>> {
     let mut kept = Vec::new();
     if has_attributes(folder) {
@@ -83,7 +81,7 @@ fn kept(folder: &Path, old: &[String]) -> io::Result<Option<Vec<String>>> {
 }
 
 /// Whether the folder has access control lists or other attributes that a new
-/// one would not have.
+/// folder lacks.
 #[cfg(any(target_os = "linux", target_vendor = "apple"))]
 fn has_attributes(folder: &Path) -> bool {
     let mut names = [0_u8; 4096];
@@ -101,8 +99,8 @@ fn has_attributes(_: &Path) -> bool {
     false
 }
 
-/// Whether a process is at work in the folder: it would find itself in one that
-/// is gone. Only Linux reports it, for the user's own processes.
+/// Whether the folder is the current directory of a process, which would end up in a
+/// deleted folder. Only Linux reports it, for the user's own processes.
 fn is_in_use(folder: &Path) -> bool {
     let Ok(folder) = folder.metadata() else {
         return true;
@@ -115,7 +113,7 @@ fn is_in_use(folder: &Path) -> bool {
         || fs::metadata(".").is_ok_and(|own| is_same(&own, &folder))
 }
 
-/// Whether something is mounted on the folder, as far as Linux reports it.
+/// Whether the folder is a mount point, as far as Linux reports it.
 fn is_mount_point(folder: &Path) -> bool {
     let Ok(mounts) = File::open("/proc/self/mountinfo").and_then(io::read_to_string) else {
         return false;

@@ -1,11 +1,10 @@
-//! The commit file by file, which can be taken back at any time.
+//! The commit file by file, which can be rolled back at any time.
 //!
-//! The workspace becomes the folder `.raycost-journal` in the output folder.
-//! Then each old file gets a name in its `old/`, and each new one its final
-//! name. When the journal gets its workspace's name back, the commit is done. A
-//! journal that is found in a folder that no run has locked was left by one
-//! that was killed: its old files go back to where they were, which can be begun
-//! anew as often as it is broken off.
+//! The workspace is renamed to `.raycost-journal` in the output folder. Then each old
+//! file is moved to its `old/`, and each new file to its final name. The commit is
+//! done when the journal is renamed back to the workspace. A journal in a folder that
+//! no run has locked belongs to a killed run: its old files are moved back. A rollback
+//! that is interrupted can be repeated.
 
 use std::io;
 use std::path::Path;
@@ -14,16 +13,16 @@ use super::disk;
 use super::error::WriteError;
 use super::workspace::{self, Plan, Workspace};
 
-/// The folder's name while a commit is on its way.
+/// The name of the journal during a commit.
 const NAME: &str = ".raycost-journal";
-/// And when it was taken back.
+/// The name of the journal after a rollback.
 const TAKEN_BACK: &str = ".raycost-taken-back";
 
-/// Puts all new files of the workspace into the folder, and removes old ones
-/// that have no new one of their name.
+/// Moves all new files of the workspace into the folder, and removes the old files
+/// that no new file replaces.
 ///
 /// # Errors
-/// What the system says; then the folder is as it was.
+/// An error of the system; then the folder is unchanged.
 pub(super) fn commit(
     folder: &Path,
     workspace: &Workspace,
@@ -40,7 +39,7 @@ pub(super) fn commit(
     let moved = move_files(folder, &journal, plan, sync)
         .and_then(|()| disk::rename(&journal, &workspace.path));
     if let Err(error) = moved {
-        // If this fails, too, the next command does it.
+        // If this also fails, the next command does it.
         let _ = roll_back(folder);
         return Err(error);
     }
@@ -65,16 +64,15 @@ fn move_files(folder: &Path, journal: &Path, plan: &Plan, sync: bool) -> io::Res
     Ok(())
 }
 
-/// Whether a commit is on its way, or was broken off.
+/// Whether the folder has an unfinished commit.
 pub(super) fn is_in(folder: &Path) -> bool {
     folder.join(NAME).symlink_metadata().is_ok()
 }
 
-/// Takes a commit back that was broken off; does nothing without one. The
-/// folder is locked.
+/// Rolls back an unfinished commit, if there is one. The folder must be locked.
 ///
 /// # Errors
-/// What the system says, or a journal that cannot be read.
+/// An error of the system, or a journal that cannot be read.
 pub(super) fn roll_back(folder: &Path) -> Result<(), WriteError> {
     let journal = folder.join(NAME);
     if !is_in(folder) {
@@ -108,7 +106,7 @@ fn put_back(folder: &Path, journal: &Path, plan: &Plan) -> io::Result<()> {
     let taken_back = folder.join(TAKEN_BACK);
     workspace::remove(&taken_back)?;
     disk::rename(journal, &taken_back)?;
-    // The folder is as it was: the next run removes what stays here.
+    // The folder is restored: the next run removes the rest.
     let _ = workspace::remove(&taken_back);
     Ok(())
 }

@@ -1,21 +1,21 @@
-//! One run a folder.
+//! The lock of a folder, which one run at a time holds.
 //!
-//! The lock is an advisory lock (`flock`) on the folder itself: it leaves no
-//! file behind, and goes with the process that holds it, however that ends. A
-//! commit may give the folder's name to another folder, which the same run has
-//! locked before: a lock counts only if the name still leads to what is locked.
+//! It is an advisory lock (`flock`) on the folder itself: it leaves no file behind,
+//! and ends with the process that holds it. A commit may give the folder's name to
+//! another folder, which the same run has locked before: a lock is valid only if the
+//! name still belongs to the locked folder.
 
 use std::fs::{self, File, Metadata, TryLockError};
 use std::io;
 use std::path::Path;
 
-/// How often a folder may change under the hands of who would lock it.
+/// Most attempts to lock a folder that is exchanged meanwhile.
 const N_TRIES: usize = 100;
 
 /// Locks a folder; `None` if another run has locked it.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
     for _ in 0..N_TRIES {
         let file = open(folder)?;
@@ -23,8 +23,8 @@ pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
             Ok(()) if is_same(&file.metadata()?, &fs::metadata(folder)?) => return Ok(Some(file)),
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Ok(None),
-            // File systems without locks: a run that was not locked out is
-            // better than none.
+            // On a file system without locks, a run without a lock is better
+            // than none.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
                 return Ok(Some(file));
             }
@@ -39,13 +39,13 @@ fn open(folder: &Path) -> io::Result<File> {
     File::open(folder)
 }
 
-/// Where folders cannot be opened, a file in them stands for them.
+/// Opens a file in the folder, on systems that cannot open folders.
 #[cfg(not(unix))]
 fn open(folder: &Path) -> io::Result<File> {
     File::create(folder.join(".raycost-lock"))
 }
 
-/// Whether both are of one file or folder.
+/// Whether both belong to the same file or folder.
 #[cfg(unix)]
 pub(super) fn is_same(one: &Metadata, other: &Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;

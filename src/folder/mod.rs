@@ -1,26 +1,25 @@
-//! The folder that files go to, changed as a whole or not at all.
+//! The output folder. A run replaces all of its files, or none.
 //!
 //! A run takes these steps, and may be killed between any two of them:
 //!
-//! 1. It locks the folder (`lock`): a second run is refused at once.
-//! 2. It takes back what a killed run has begun (`journal`), and removes what
-//!    it has left (`workspace`).
-//! 3. It makes sure that each file that it will write or remove is raycost's
-//!    own (`own`); a file of someone else's is refused before the first ray.
+//! 1. It locks the folder (`lock`). A second run is refused.
+//! 2. It rolls back the commit of a killed run (`journal`), and removes its
+//!    temporary files (`workspace`).
+//! 3. It checks that each file that it will write or remove was written by raycost
+//!    (`own`). A file of another program is refused before the first ray.
 //! 4. It writes all files into a workspace (`staged`), each with its checksum.
-//! 5. It commits them. Where the system can, the folder of new files and the
-//!    output folder exchange their names (`exchange`): one step, before which
-//!    all files are old, and after which all are new, for every reader.
-//!    Elsewhere, or where the folder has folders of others in it, is a mount
-//!    point or some process's current directory, files change one by one
-//!    under a `journal`, by which the next command takes the change back if it
-//!    was broken off. Commands that read wait for a journal, or take it back.
-//! 6. It removes the old files: freeing a large one may take long.
+//! 5. It commits them. If the system supports it, the folder of new files and the
+//!    output folder exchange their names (`exchange`): a reader sees either all old
+//!    files or all new ones. Otherwise, or if the output folder contains folders of
+//!    others, is a mount point or the current directory of a process, the run moves
+//!    the files one by one with a `journal`. If it is interrupted, the next command
+//!    rolls it back. Commands that read wait for a journal, or roll it back.
+//! 6. It removes the old files last, because freeing a large file may take long.
 //!
-//! Files of others stay, as do the folder's permissions and those of each file
-//! that is replaced. Nothing is forced onto the disk unless `sync` is asked for:
-//! a power cut may lose the newest files or parts of them, and their lengths, run
-//! IDs and checksums tell (see [`run`](super::run)).
+//! Files of others remain, and so do the permissions of the folder and of replaced
+//! files. Without `sync`, a power cut may lose the newest files or parts of them;
+//! lengths, run IDs and checksums reveal that (see
+//! [`provenance`](crate::provenance)).
 
 mod disk;
 mod error;
@@ -52,7 +51,7 @@ use workspace::Workspace;
 use crate::provenance::Checksum;
 use crate::text::numbers;
 
-/// The file that lists the others of its folder.
+/// The name of the file that lists the others of its folder.
 pub(crate) const SUMMARY: &str = "summary.json";
 
 /// A file that was written.
@@ -60,54 +59,53 @@ pub(crate) const SUMMARY: &str = "summary.json";
 pub struct Written {
     /// Its name in the folder.
     pub file: &'static str,
-    /// Its length.
+    /// Its length in bytes.
     pub bytes: u64,
     /// Its checksum.
     pub checksum: Checksum,
-    /// Time on the wall from the first byte to the last, in milliseconds, while
-    /// other files were written, too.
+    /// Wall time from the first byte to the last, in milliseconds; other files were
+    /// written at the same time.
     pub write_ms: f64,
 }
 
-/// A folder that files can be written to, locked for this run.
+/// An output folder, locked for this run.
 #[derive(Debug)]
 pub struct OutputFolder {
-    /// As the user named it, from the root on.
+    /// The absolute path that the user gave.
     path: PathBuf,
-    /// Where it is, links followed.
+    /// The canonical path, without symbolic links.
     place: PathBuf,
-    /// Whether files are forced onto the disk.
+    /// Whether files are flushed to the disk.
     sync: bool,
-    /// On the folder that has its name.
+    /// The lock on the folder that has its name.
     lock: Mutex<Option<File>>,
 }
 
-/// How long a reader waits for a commit of another run.
+/// Longest time that a reader waits for a commit of another run.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 impl OutputFolder {
-    /// Makes the folder if it is not there, locks it, ends what a killed run has
-    /// left, and makes sure that files can be written to it and that `n_bytes`
-    /// are free.
+    /// Creates the folder if it does not exist, locks it, rolls back a killed run, and
+    /// checks that it is writable and that `n_bytes` are free.
     ///
     /// # Errors
-    /// What keeps files from being written.
+    /// The reason why files cannot be written.
     pub fn create(path: &Path, n_bytes: u64) -> Result<Self, WriteError> {
         let fail = |error| WriteError::new(path, error);
-        refuse_unspeakable(path)?;
+        refuse_unprintable(path)?;
         fs::create_dir_all(path).map_err(fail)?;
         let place = fs::canonicalize(path).map_err(fail)?;
         let lock = lock_of(path, &place)?;
         journal::roll_back(&place)?;
         workspace::remove_left(&place);
         let this = Self {
-            // Absolute, since ParaView may be started from anywhere.
+            // Absolute, because ParaView may be started in any folder.
             path: std::path::absolute(path).map_err(fail)?,
             place,
             sync: false,
             lock: Mutex::new(Some(lock)),
         };
-        // Files of the kind that will be made: what is wrong shows now.
+        // Creates temporary files as the run will: an error shows now.
         this.stage_files()?;
         let free = fs4::available_space(&this.place).map_err(fail)?;
         if free < n_bytes {
@@ -121,8 +119,8 @@ impl OutputFolder {
         Ok(this)
     }
 
-    /// The same, with files forced onto the disk before they take their places:
-    /// they survive a power cut.
+    /// Sets whether files are flushed to the disk before the commit, so that they
+    /// survive a power cut.
     pub fn synced(self, sync: bool) -> Self {
         Self { sync, ..self }
     }
@@ -132,19 +130,18 @@ impl OutputFolder {
         self.path.join(file)
     }
 
-    /// Makes sure that no file in the folder is someone else's of a name that a
-    /// command writes.
+    /// Checks that a command would not overwrite a file of another program.
     ///
     /// # Errors
-    /// Such a file.
+    /// The first such file.
     pub(crate) fn refuse_foreign(&self, own: &Own) -> Result<(), WriteError> {
         own.find(&self.place).map(|_| ())
     }
 
-    /// Begins to write files.
+    /// Creates a workspace for new files.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub(crate) fn stage_files(&self) -> Result<Staging<'_>, WriteError> {
         let name = self.place.file_name().unwrap_or_default();
         let beside = exchange::parent_of(&self.place)
@@ -163,16 +160,15 @@ impl OutputFolder {
     }
 }
 
-/// A folder in a folder for what does not stay, such as the output of a run that
-/// only its numbers are wanted of.
+/// A temporary folder in a folder, such as for the output of a study's run.
 #[derive(Debug)]
 pub(crate) struct Scratch(Workspace);
 
 impl Scratch {
-    /// Makes one.
+    /// Creates one.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub(crate) fn create(folder: &Path) -> Result<Self, WriteError> {
         let workspace = Workspace::create(folder, folder.file_name().unwrap_or_default());
         Ok(Self(
@@ -180,19 +176,19 @@ impl Scratch {
         ))
     }
 
-    /// Where it is; empty at first.
+    /// Its path; the folder is empty at first.
     pub(crate) fn path(&self) -> PathBuf {
         self.0.new_files()
     }
 }
 
-/// Makes a folder for files that are written to it one by one, locks it as long
-/// as what is given back lives, and removes what killed runs have left in it.
+/// Creates a folder for files that are written one by one, locks it for the lifetime
+/// of the returned file, and removes temporary files of killed runs.
 ///
 /// # Errors
-/// Another run that has locked it, or what the system says.
+/// The folder is locked by another run, or an error of the system.
 pub(crate) fn lock_folder(path: &Path) -> Result<File, WriteError> {
-    refuse_unspeakable(path)?;
+    refuse_unprintable(path)?;
     let fail = |error| WriteError::new(path, error);
     fs::create_dir_all(path).map_err(fail)?;
     let place = fs::canonicalize(path).map_err(fail)?;
@@ -210,11 +206,11 @@ fn lock_of(path: &Path, place: &Path) -> Result<File, WriteError> {
     })
 }
 
-/// For who is about to read a folder: waits until another run has put its files
-/// in place, and takes back what a killed one has begun.
+/// Prepares a folder for reading: waits for the commit of another run, and rolls back
+/// that of a killed one.
 ///
 /// # Errors
-/// A run that does not end it, or what the system says.
+/// A commit that takes too long, or an error of the system.
 pub(crate) fn settle(folder: &Path) -> Result<(), WriteError> {
     let begin = Instant::now();
     while journal::is_in(folder) {
@@ -235,13 +231,13 @@ pub(crate) fn settle(folder: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Makes sure that states can hold the path of the folder: they are XML.
-fn refuse_unspeakable(path: &Path) -> Result<(), WriteError> {
+/// Checks that ParaView states, which are XML, can hold the path of the folder.
+fn refuse_unprintable(path: &Path) -> Result<(), WriteError> {
     let path = std::path::absolute(path).map_err(|error| WriteError::new(path, error))?;
-    let is_speakable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
+    let is_printable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
     let why = match path.to_str() {
         None => "its path is not UTF-8, and ParaView's states have to hold it",
-        Some(text) if text.chars().all(is_speakable) => return Ok(()),
+        Some(text) if text.chars().all(is_printable) => return Ok(()),
         Some(_) => "its path has a control character, and ParaView's states have to hold it",
     };
     Err(WriteError::refused(

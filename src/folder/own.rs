@@ -1,9 +1,9 @@
-//! Which files of a folder are raycost's to replace.
+//! The files of a folder that raycost may replace.
 //!
-//! A rendering replaces what the `summary.json` of an earlier one lists. Other
-//! commands replace files that say by themselves that raycost wrote them. A file
-//! of one of raycost's names that is neither belongs to someone else: nothing is
-//! written to such a folder.
+//! A rendering replaces the files that the `summary.json` of an earlier one lists.
+//! Other commands replace files that contain raycost's mark. A file with one of
+//! raycost's names that is neither belongs to another program: raycost writes nothing
+//! to such a folder.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -15,18 +15,18 @@ use super::SUMMARY;
 use super::error::WriteError;
 use crate::provenance;
 
-/// The mark of a file of raycost's stands in its first bytes.
+/// The number of bytes at the start of a file that contain the mark.
 const MARKED: u64 = 1 << 16;
-/// The longest summary that is read.
+/// Longest summary that is read, in bytes.
 const MAX_SUMMARY: u64 = 256 << 20;
 
-/// Names of files that a command writes or removes, and how those of an earlier
-/// run are recognized.
+/// The names of files that a command writes or removes, and how raycost recognizes
+/// those of an earlier run.
 #[derive(Debug, Clone)]
 pub(crate) enum Own {
-    /// They are listed in `summary.json`.
+    /// `summary.json` lists them.
     Listed(Vec<&'static str>),
-    /// They hold the mark of [`run`].
+    /// They contain the key of a run's ID.
     Marked(Vec<&'static str>),
 }
 
@@ -48,10 +48,10 @@ struct Listed {
 }
 
 impl Own {
-    /// The files of these names that are in the folder.
+    /// Returns the names that exist in the folder.
     ///
     /// # Errors
-    /// One that belongs to someone else, by its name.
+    /// The first file that belongs to another program.
     pub(super) fn find(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
         let (names, listed) = match self {
             Self::Listed(names) => (names, listed(folder)),
@@ -80,7 +80,7 @@ impl Own {
     }
 }
 
-/// What is there belongs to someone else.
+/// The error that this path belongs to another program.
 pub(crate) fn foreign(path: &Path) -> WriteError {
     let why = match fs::symlink_metadata(path) {
         Ok(at) if at.is_dir() => "a folder of this name is in the way",
@@ -88,15 +88,16 @@ pub(crate) fn foreign(path: &Path) -> WriteError {
         Ok(at) if !at.is_file() => "it is no regular file",
         _ => "raycost did not write the file that is there",
     };
-    let help = match path.is_file() {
-        true => "move it away, or choose another place with `--out`",
-        false => "choose another place with `--out`",
+    let help = if path.is_file() {
+        "move it away, or choose another place with `--out`"
+    } else {
+        "choose another place with `--out`"
     };
     WriteError::refused(path, why, help)
 }
 
-/// The names that the folder's summary lists, and its own; none without a
-/// summary of raycost's.
+/// Returns the names that the folder's summary lists, and its own; none if raycost
+/// did not write the summary.
 fn listed(folder: &Path) -> Vec<String> {
     let mut text = Vec::new();
     let read = File::open(folder.join(SUMMARY))
@@ -110,7 +111,7 @@ fn listed(folder: &Path) -> Vec<String> {
     })
 }
 
-/// Whether a file says that raycost wrote it.
+/// Whether a file contains raycost's mark.
 pub(super) fn is_marked(path: &Path) -> io::Result<bool> {
     let mut begin = Vec::new();
     File::open(path)?.take(MARKED).read_to_end(&mut begin)?;

@@ -1,4 +1,4 @@
-//! A single file, replaced as a whole.
+//! A single file, replaced atomically.
 
 use std::fs;
 use std::io::{self, BufWriter};
@@ -6,28 +6,28 @@ use std::path::{Path, PathBuf};
 
 use super::error::WriteError;
 use super::own::{foreign, is_marked};
-use super::staged::{StagedFile, SummedFile};
+use super::staged::{HashedFile, StagedFile};
 use super::workspace::{self, Workspace};
 use super::{Written, disk};
 
-/// Which files that are there may be replaced.
+/// The existing files that may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Replace {
-    /// Those that say that raycost wrote them.
+    /// Those that contain raycost's mark.
     Marked,
-    /// Any regular file: the caller knows that it is raycost's.
+    /// Any regular file: the caller knows that raycost wrote it.
     Known,
 }
 
-/// The name of the file before it is whole.
+/// The name of the file while it is written.
 const STAGED: &str = "file";
 
-/// Makes sure that a file can be written to this path, and follows symbolic
-/// links: gives the path of the file itself.
+/// Checks that a file can be written to this path. Follows symbolic links, and
+/// returns the path of the file itself.
 ///
 /// # Errors
-/// What is there and may not be replaced: a folder, a device, someone else's
-/// file.
+/// The path holds something that may not be replaced: a folder, a device, or a file
+/// of another program.
 pub(crate) fn target(path: &Path, replace: Replace) -> Result<PathBuf, WriteError> {
     let fail = |error| WriteError::new(path, error);
     let target = followed(path).map_err(fail)?;
@@ -45,15 +45,15 @@ pub(crate) fn target(path: &Path, replace: Replace) -> Result<PathBuf, WriteErro
     Ok(target)
 }
 
-/// Writes a file, which takes its place when it is whole; one that was there
-/// leaves it its permissions.
+/// Writes a file, then moves it to its place. It keeps the permissions of the file
+/// that it replaces.
 ///
 /// # Errors
-/// What `write` or the system says; then an old file is still there.
+/// The errors of `write` and of the system; then the old file is unchanged.
 pub(crate) fn write_file(
     path: &Path,
     replace: Replace,
-    write: impl FnOnce(&mut BufWriter<SummedFile>) -> io::Result<()>,
+    write: impl FnOnce(&mut BufWriter<HashedFile>) -> io::Result<()>,
 ) -> Result<Written, WriteError> {
     let target = target(path, replace)?;
     let fail = |error| WriteError::new(path, error);
@@ -73,7 +73,7 @@ pub(crate) fn write_file(
     Ok(file.written())
 }
 
-/// Where a chain of symbolic links leads to, be there a file or not.
+/// Returns the end of a chain of symbolic links, which need not exist.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..40 {

@@ -1,4 +1,4 @@
-//! A file that is whole before it has its place.
+//! A new file in a workspace.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::{Written, disk};
-use crate::provenance::{Checksum, Summer};
+use crate::provenance::{Checksum, Hasher};
 use crate::stop;
 use crate::text::numbers::milliseconds;
 
-/// Bytes that go to the system at one go: many rows, and yet within the cache.
+/// Size of the write buffer in bytes: many rows, but within the cache.
 const BUFFER: usize = 1 << 16;
 
-/// A whole file that waits for its place in the folder.
+/// A complete file in a workspace.
 #[derive(Debug)]
 pub(crate) struct StagedFile {
     name: &'static str,
@@ -23,14 +23,14 @@ pub(crate) struct StagedFile {
 }
 
 impl StagedFile {
-    /// Writes a file called `name` into a folder that has none of that name.
+    /// Writes a file to a folder in which no file has this name.
     pub(super) fn write(
         folder: &Path,
         name: &'static str,
         write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
     ) -> io::Result<Self> {
         let start = Instant::now();
-        let file = SummedFile::create(folder.join(name))?;
+        let file = HashedFile::create(folder.join(name))?;
         let mut out = BufWriter::with_capacity(BUFFER, file);
         write(&mut out)?;
         let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -48,7 +48,7 @@ impl StagedFile {
         self.name
     }
 
-    /// What to say of it.
+    /// Name, length, checksum and time of writing.
     pub(crate) fn written(&self) -> Written {
         Written {
             file: self.name,
@@ -60,29 +60,29 @@ impl StagedFile {
 }
 
 /// A new file that is being written.
-pub(crate) type FileWriter = BufWriter<SummedFile>;
+pub(crate) type FileWriter = BufWriter<HashedFile>;
 
-/// A file that adds up its checksum while it is written. Writes fail once the
-/// program is asked to end.
+/// A file that computes its checksum while it is written. Writes fail after a signal
+/// has requested the program to end.
 #[derive(Debug)]
-pub(crate) struct SummedFile {
+pub(crate) struct HashedFile {
     path: PathBuf,
     file: File,
-    summer: Summer,
-    /// Where the next byte goes.
+    hasher: Hasher,
+    /// Position of the next byte.
     position: u64,
-    /// The bytes that the file has.
+    /// Length of the file in bytes.
     end: u64,
-    /// Whether bytes were written over: then the sum is none of the file.
+    /// Whether bytes were overwritten, which makes the checksum wrong.
     was_rewritten: bool,
 }
 
-impl SummedFile {
+impl HashedFile {
     pub(super) fn create(path: PathBuf) -> io::Result<Self> {
         Ok(Self {
             file: disk::create_file(&path)?,
             path,
-            summer: Summer::new(),
+            hasher: Hasher::new(),
             position: 0,
             end: 0,
             was_rewritten: false,
@@ -90,20 +90,22 @@ impl SummedFile {
     }
 
     fn checksum(self) -> io::Result<Checksum> {
-        match self.was_rewritten {
-            true => checksum_of(&self.path),
-            false => Ok(self.summer.checksum()),
+        if self.was_rewritten {
+            checksum_of(&self.path)
+        } else {
+            Ok(self.hasher.checksum())
         }
     }
 }
 
-impl Write for SummedFile {
+impl Write for HashedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         stop::check().map_err(io::Error::other)?;
         let n = disk::write(&self.file, bytes)?;
-        match self.position == self.end {
-            true => self.summer.add(&bytes[..n]),
-            false => self.was_rewritten = true,
+        if self.position == self.end {
+            self.hasher.add(&bytes[..n]);
+        } else {
+            self.was_rewritten = true;
         }
         self.position += n as u64;
         self.end = self.end.max(self.position);
@@ -115,26 +117,26 @@ impl Write for SummedFile {
     }
 }
 
-impl Seek for SummedFile {
+impl Seek for HashedFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.position = self.file.seek(to)?;
         Ok(self.position)
     }
 }
 
-/// The checksum of a file.
+/// Computes the checksum of a file.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub(crate) fn checksum_of(path: &Path) -> io::Result<Checksum> {
     let mut file = File::open(path)?;
-    let mut summer = Summer::new();
+    let mut hasher = Hasher::new();
     let mut buffer = vec![0; 4 * BUFFER];
     loop {
         stop::check().map_err(io::Error::other)?;
         match file.read(&mut buffer)? {
-            0 => return Ok(summer.checksum()),
-            n => summer.add(&buffer[..n]),
+            0 => return Ok(hasher.checksum()),
+            n => hasher.add(&buffer[..n]),
         }
     }
 }

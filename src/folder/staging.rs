@@ -1,4 +1,4 @@
-//! Files on their way into a folder: written, then committed.
+//! New files of an output folder: written to a workspace, then committed.
 
 use std::fs::File;
 use std::io;
@@ -9,20 +9,20 @@ use super::staged::{FileWriter, StagedFile};
 use super::workspace::{self, Plan, Workspace};
 use super::{OutputFolder, disk, exchange, journal};
 
-/// Files on their way into a folder; without a commit, they go.
+/// New files of an output folder. Dropping them without a commit removes them.
 #[derive(Debug)]
 pub(crate) struct Staging<'a> {
     pub(super) folder: &'a OutputFolder,
     pub(super) workspace: Workspace,
-    /// On the folder of new files, which may become the output folder.
+    /// The lock on the folder of new files, which may become the output folder.
     pub(super) lock: Option<File>,
 }
 
 impl Staging<'_> {
-    /// Writes a file that will be called `name`.
+    /// Writes the new file `name`.
     ///
     /// # Errors
-    /// What `write` or the system says.
+    /// The errors of `write` and of the system.
     pub(crate) fn stage(
         &self,
         name: &'static str,
@@ -32,12 +32,12 @@ impl Staging<'_> {
         staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
     }
 
-    /// Puts all files into the folder, and removes those of `own` that are not
-    /// among them.
+    /// Moves all files into the folder, and removes those of `own` that are not among
+    /// them.
     ///
     /// # Errors
-    /// What is in the way, or what the system says; then the folder is as it
-    /// was.
+    /// A file of another program, or an error of the system; then the folder is
+    /// unchanged.
     pub(crate) fn commit(self, files: &[StagedFile], own: &Own) -> Result<(), WriteError> {
         let OutputFolder {
             path, place, sync, ..
@@ -78,8 +78,8 @@ impl Staging<'_> {
         })
     }
 
-    /// Gives each new file the permissions of the old one, and forces it onto
-    /// the disk if that is asked for.
+    /// Gives each new file the permissions of the old one, and flushes it to the disk
+    /// if requested.
     fn prepare(&self, plan: &Plan) -> io::Result<()> {
         let new_files = self.workspace.new_files();
         for name in &plan.new {

@@ -1,10 +1,9 @@
-//! A folder for what is not finished.
+//! A temporary folder for new files.
 //!
-//! It is called `.raycost-<hash>-<random>`, where the hash is that of the output
-//! folder's name, and holds `new/` with the files to come, a [`Plan`] once they
-//! are about to take their places, and what the way of doing that needs. Who
-//! makes it locks it: one that is not locked was left by a process that was
-//! killed. It stands where others can look, and only its user may look into it.
+//! Its name is `.raycost-<hash>-<random>`, with a hash of the output folder's name. It
+//! contains `new/` with the new files, a [`Plan`] during a commit, and files of that
+//! commit. The process that creates it locks it: a workspace that is not locked
+//! belongs to a killed process. Only its user may open it.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -17,40 +16,39 @@ use super::disk;
 use super::lock::lock;
 use crate::provenance::checksum;
 
-/// How the names of all workspaces begin.
+/// The prefix of the names of all workspaces.
 pub(super) const PREFIX: &str = ".raycost-";
-/// New files; after an exchange the old folder.
+/// The folder of new files; after an exchange, the old folder.
 const NEW: &str = "new";
-/// Old files that a journal can bring back.
+/// The folder of old files, which a rollback restores.
 const OLD: &str = "old";
 const PLAN: &str = "plan.json";
 
-/// What a commit is about to do.
+/// The steps of a commit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Plan {
-    /// The version of raycost that made it.
+    /// The version of raycost that commits.
     pub(super) raycost: String,
-    /// The number of the folder of new files in its file system.
+    /// The inode number of the folder of new files.
     pub(super) staged: u64,
-    /// The files to come.
+    /// The names of the new files.
     pub(super) new: Vec<String>,
-    /// Raycost's files that are there, which are replaced or go.
+    /// The names of raycost's old files, which are replaced or removed.
     pub(super) old: Vec<String>,
-    /// Files of others, which stay; only where folders are exchanged.
+    /// The names of files of others, which remain; for an exchange only.
     pub(super) kept: Vec<String>,
 }
 
-/// A folder for what is not finished, which goes with all that is in it when
-/// dropped.
+/// A temporary folder, removed with its content when dropped.
 #[derive(Debug)]
 pub(super) struct Workspace {
     pub(super) path: PathBuf,
-    /// Held as long as it is in use.
+    /// The lock, held while the workspace is in use.
     _lock: Option<File>,
 }
 
 impl Workspace {
-    /// Makes one in `parent` for the files of a folder of this name.
+    /// Creates one in `parent` for the files of a folder with this name.
     pub(super) fn create(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
         let mut builder = tempfile::Builder::new();
         let prefix = prefix(folder_name);
@@ -66,12 +64,12 @@ impl Workspace {
         Ok(this)
     }
 
-    /// Where the files to come are.
+    /// The path of the folder of new files.
     pub(super) fn new_files(&self) -> PathBuf {
         self.path.join(NEW)
     }
 
-    /// Writes down what is about to be done.
+    /// Writes the plan of a commit.
     pub(super) fn write_plan(&self, plan: &Plan) -> io::Result<()> {
         let path = self.path.join(PLAN);
         if path.exists() {
@@ -87,18 +85,18 @@ impl Workspace {
         Ok(())
     }
 
-    /// Makes room for the old files.
+    /// Creates the folder of old files.
     pub(super) fn create_old(&self) -> io::Result<()> {
         disk::create_dir(&old_files(&self.path))
     }
 
-    /// Whether its folder of new files has been exchanged for another.
+    /// Whether its folder of new files was exchanged.
     pub(super) fn was_exchanged(&self) -> bool {
         was_exchanged(&self.path)
     }
 
-    /// Ends the commit after the exchange, and removes what is left. What cannot
-    /// be done now is done by the next run.
+    /// Finishes the commit after an exchange, and removes the workspace. The next run
+    /// does what fails here.
     pub(super) fn settle(self, folder: &Path) {
         let _ = settle(&self.path, folder);
     }
@@ -106,31 +104,31 @@ impl Workspace {
 
 impl Drop for Workspace {
     fn drop(&mut self) {
-        // After an exchange it holds what has to be looked through first.
+        // After an exchange it may contain files of others.
         if !was_exchanged(&self.path) {
             let _ = remove(&self.path);
         }
     }
 }
 
-/// Where the new files of a workspace are.
+/// The path of a workspace's new files.
 pub(super) fn new_files(workspace: &Path) -> PathBuf {
     workspace.join(NEW)
 }
 
-/// Where the old files of a workspace are.
+/// The path of a workspace's old files.
 pub(super) fn old_files(workspace: &Path) -> PathBuf {
     workspace.join(OLD)
 }
 
-/// The plan of a workspace; `None` without one that is whole.
+/// The plan of a workspace; `None` if it has none or an incomplete one.
 pub(super) fn plan(workspace: &Path) -> Option<Plan> {
     let text = fs::read(workspace.join(PLAN)).ok()?;
     serde_json::from_slice(&text).ok()
 }
 
-/// Removes what runs that were killed have left for this folder, which is
-/// locked: in it, and beside it. What cannot be removed stays.
+/// Removes the workspaces of killed runs in and beside this folder, which must be
+/// locked. Ignores errors.
 pub(super) fn remove_left(folder: &Path) {
     let name = folder.file_name().unwrap_or_default();
     let beside = folder.parent().map(|parent| left_in(parent, &prefix(name)));
@@ -142,8 +140,8 @@ pub(super) fn remove_left(folder: &Path) {
     }
 }
 
-/// Removes what was left in a folder by runs that were killed while they wrote
-/// a single file of this name.
+/// Removes the workspaces in a folder of killed runs that were writing a single file
+/// with this name.
 pub(super) fn remove_left_of_file(folder: &Path, name: &OsStr) {
     for workspace in left_in(folder, &prefix(name)) {
         if let Ok(Some(_lock)) = lock(&workspace) {
@@ -152,8 +150,7 @@ pub(super) fn remove_left_of_file(folder: &Path, name: &OsStr) {
     }
 }
 
-/// The folders in `parent` that are workspaces by their names and by what is in
-/// them.
+/// Returns the folders in `parent` that are workspaces by name and content.
 fn left_in(parent: &Path, prefix: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
     let is_ours = |entry: &fs::DirEntry| {
@@ -175,9 +172,8 @@ fn holds_nothing_else(workspace: &Path) -> bool {
     })
 }
 
-/// Ends what a workspace was made for: after an exchange, files of others that
-/// came into the old folder at the last moment go into the new one. Then it
-/// goes.
+/// Finishes and removes a workspace. After an exchange, files of others that appeared
+/// in the old folder at the last moment are moved to the new one.
 fn settle(workspace: &Path, folder: &Path) -> io::Result<()> {
     if was_exchanged(workspace)
         && let Some(plan) = plan(workspace)
@@ -195,7 +191,7 @@ fn was_exchanged(workspace: &Path) -> bool {
     }
 }
 
-/// Moves files of others from the old folder into the one that took its name.
+/// Moves files of others from the old folder to the new one.
 fn hand_over(old: &Path, folder: &Path, plan: &Plan) -> io::Result<()> {
     for entry in fs::read_dir(old)? {
         let entry = entry?;
@@ -207,7 +203,7 @@ fn hand_over(old: &Path, folder: &Path, plan: &Plan) -> io::Result<()> {
         let there = folder.join(&name);
         let is_newer = match fs::symlink_metadata(&there) {
             Ok(there) => entry.metadata()?.modified()? > there.modified()?,
-            // One that was in both has been removed since.
+            // A file that was in both folders has been removed since.
             Err(_) => !is_in(&plan.kept),
         };
         if is_newer {
@@ -217,9 +213,9 @@ fn hand_over(old: &Path, folder: &Path, plan: &Plan) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes a workspace, its plan last: it says what the rest is.
+/// Removes a workspace, its plan last because it identifies the rest.
 pub(super) fn remove(workspace: &Path) -> io::Result<()> {
-    // A run that was to write into this one may have left its own.
+    // It may contain the workspace of a run that wrote into it.
     for nested in left_in(workspace, PREFIX) {
         remove(&nested)?;
     }
@@ -236,9 +232,10 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
     if plan.exists() {
         disk::remove_file(&plan)?;
     }
-    match workspace.exists() {
-        true => disk::remove_dir(workspace),
-        false => Ok(()),
+    if workspace.exists() {
+        disk::remove_dir(workspace)
+    } else {
+        Ok(())
     }
 }
 
@@ -247,7 +244,7 @@ fn prefix(folder_name: &OsStr) -> String {
     format!("{PREFIX}{}-", &hash[..16])
 }
 
-/// The number of a folder in its file system.
+/// The inode number of a folder.
 #[cfg(unix)]
 pub(super) fn number_of(path: &Path) -> io::Result<u64> {
     Ok(std::os::unix::fs::MetadataExt::ino(&path.metadata()?))

@@ -1,9 +1,8 @@
-//! What to do about errors of the system that no other file or folder mends.
+//! Advice on errors of the system that another file or folder does not solve.
 
 use std::io;
 
-/// What to do about the error; `None` where it is one of the path that was
-/// given.
+/// Returns advice on the error; `None` if it is specific to the given path.
 pub fn advice(error: &io::Error) -> Option<&'static str> {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -24,14 +23,14 @@ pub fn advice(error: &io::Error) -> Option<&'static str> {
     )
 }
 
-/// The system's number of an error that has a path put behind its message:
-/// tempfile keeps the message alone.
+/// Returns the system's number of an error whose message ends with a path: tempfile
+/// keeps only the message.
 fn code_in(message: &str) -> Option<i32> {
     let (_, behind) = message.split_once("(os error ")?;
     behind.split_once(')')?.0.parse().ok()
 }
 
-/// For errors that have no kind of their own yet.
+/// The numbers of errors that have no stable [`io::ErrorKind`].
 #[cfg(unix)]
 fn of_code(code: i32) -> Option<&'static str> {
     use nix::errno::Errno;

@@ -1,12 +1,12 @@
-//! Limits of memory that Linux's control groups set, of version 1 and 2.
+//! Memory limits of Linux control groups, versions 1 and 2.
 
 use std::fs;
 use std::path::Path;
 
-/// The files of a version: limit, use, and the line of `memory.stat` that
-/// counts pages of files, which the system takes back where it needs them.
+/// The files of a version: limit, usage, and the line of `memory.stat` that counts
+/// cached file pages, which the system reclaims if needed.
 struct Version {
-    /// Folders in which the groups may stand.
+    /// Folders in which the groups may be mounted.
     folders: [&'static str; 2],
     limit: &'static str,
     usage: &'static str,
@@ -27,9 +27,9 @@ const V2: Version = Version {
     reclaimable: "inactive_file ",
 };
 
-/// The bytes that the process's groups leave; `None` without a limit. `root`
-/// is where the groups are mounted, `memberships` the text of
-/// `/proc/self/cgroup`: a line `number:controllers:path` for each hierarchy.
+/// Returns the bytes available within the limits of the process's groups; `None`
+/// without a limit. `root` is the mount point of the groups, `memberships` the text
+/// of `/proc/self/cgroup`: a line `number:controllers:path` for each hierarchy.
 pub(super) fn free(root: &Path, memberships: &str) -> Option<u64> {
     let of_line = |line: &str| {
         let mut parts = line.splitn(3, ':').skip(1);
@@ -48,8 +48,9 @@ pub(super) fn free(root: &Path, memberships: &str) -> Option<u64> {
 }
 
 impl Version {
-    /// What the group at `path` and all around it leave. Within a container
-    /// the path may not be there: then only those around it count.
+    /// Returns the bytes available to the group at `path` within the limits of the
+    /// group and its ancestors. In a container the path may not exist: then only
+    /// ancestors that exist count.
     fn free(&self, folder: &Path, path: &str) -> Option<u64> {
         let path = Path::new(path.trim_start_matches('/'));
         let groups = path.ancestors().map(|group| folder.join(group));
@@ -59,7 +60,7 @@ impl Version {
     fn free_in(&self, group: &Path) -> Option<u64> {
         let read = |file: &str| fs::read_to_string(group.join(file)).ok();
         let number = |file: &str| read(file)?.trim().parse::<u64>().ok();
-        // No number stands for no limit.
+        // A limit that is not a number means no limit.
         let limit = number(self.limit)?;
         let usage = number(self.usage).unwrap_or(0);
         let statistics = read("memory.stat").unwrap_or_default();
@@ -75,7 +76,7 @@ impl Version {
 mod tests {
     use super::*;
 
-    /// A file system of groups, each with its files and what they hold.
+    /// A file system of groups, each with its files and their content.
     fn root(groups: &[(&str, &[(&str, &str)])]) -> tempfile::TempDir {
         let root = tempfile::tempdir().unwrap();
         for (group, files) in groups {
@@ -110,7 +111,7 @@ mod tests {
             ("memory.stat", "inactive_file 1\ntotal_inactive_file 600\n"),
         ];
         let root = root(&[("memory", &files)]);
-        // The group's own folder is not mounted: the one above it is.
+        // The group's own folder is not mounted, but its parent is.
         let memberships = "5:devices:/x\n4:cpu,memory:/container/abc\n0::/\n";
         assert_eq!(free(root.path(), memberships), Some(700));
     }

@@ -1,5 +1,5 @@
-//! What the system grants the program: how much memory it may take, a plain
-//! end where it refuses some, and what to do about its other errors.
+//! The operating system: available memory, the end of the program if an allocation
+//! fails, and advice on other errors.
 
 mod advice;
 mod allocator;
@@ -12,9 +12,9 @@ use sysinfo::System;
 pub use advice::advice;
 pub use allocator::{Allocator, may_fail};
 
-/// Memory that the program may still take, in bytes: the least of what is free
-/// on the machine, what its limits of memory leave (`ulimit -v` and `-d`), and
-/// what its control groups leave. `u64::MAX` where the system names no number.
+/// Returns the memory available to the program in bytes: the least of the free memory
+/// of the machine, the rest of the process's limits (`ulimit -v` and `-d`), and the
+/// rest of the limits of its control groups. `u64::MAX` if the system reports none.
 pub fn available_memory() -> u64 {
     let mut system = System::new();
     system.refresh_memory();
@@ -25,7 +25,7 @@ pub fn available_memory() -> u64 {
     of_machine.min(within_limits()).min(within_groups())
 }
 
-/// What is left of the process's own limits.
+/// Returns the bytes available within the process's own limits.
 #[cfg(unix)]
 fn within_limits() -> u64 {
     use nix::sys::resource::{Resource, getrlimit};
@@ -39,14 +39,14 @@ fn within_limits() -> u64 {
     left.min().unwrap_or(u64::MAX)
 }
 
-/// Other systems have no such limits.
+/// Returns no limit: other systems have none.
 #[cfg(not(unix))]
 fn within_limits() -> u64 {
     u64::MAX
 }
 
-/// Bytes of address space, and of data and stack within it, that the process
-/// has taken; 0 where the system does not count them.
+/// Returns the bytes of address space, and of data and stack within it, that the
+/// process uses; 0 if the system does not report them.
 #[cfg(unix)]
 fn bytes_in_use() -> [u64; 2] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -61,7 +61,7 @@ fn bytes_in_use() -> [u64; 2] {
     ]
 }
 
-/// What the control groups of the process leave.
+/// Returns the bytes available within the limits of the process's control groups.
 fn within_groups() -> u64 {
     let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     cgroup::free(Path::new("/sys/fs/cgroup"), &groups).unwrap_or(u64::MAX)

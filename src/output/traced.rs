@@ -5,7 +5,7 @@ use std::io::{self, Seek, Write};
 use super::rays::{CLOUD, FILE as RAYS, Rays, Traced};
 use super::{hits, states};
 use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
-use crate::provenance::{RunId, Summer, stamped};
+use crate::provenance::{Hasher, RunId, stamped};
 use crate::vtk::{Codec, Encoding};
 
 /// The name of the ParaView state.
@@ -63,18 +63,18 @@ fn own() -> Own {
 
 /// A hash of the rays, of their times and of the cloud around them.
 fn run_id(traced: &Traced) -> RunId {
-    let mut summer = Summer::new();
+    let mut hasher = Hasher::new();
     for pixel in traced.pixels {
         for ray in &pixel.tree.rays {
             let counts = [ray.node_visits, ray.primitive_tests];
-            summer.add(bytemuck::cast_slice(&counts));
+            hasher.add(bytemuck::cast_slice(&counts));
             let numbers = [ray.ray.origin, ray.ray.direction, ray.contribution];
-            summer.add(bytemuck::cast_slice(&numbers));
-            summer.add(&ray.time_ns.to_ne_bytes());
+            hasher.add(bytemuck::cast_slice(&numbers));
+            hasher.add(&ray.time_ns.to_ne_bytes());
         }
     }
     for strip in &traced.cloud.strips {
-        summer.add(bytemuck::cast_slice(&strip.position));
+        hasher.add(bytemuck::cast_slice(&strip.position));
     }
-    summer.checksum().into()
+    hasher.checksum().into()
 }

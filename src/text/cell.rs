@@ -1,17 +1,16 @@
-//! Text in tables that spreadsheets open.
+//! Text in CSV tables that spreadsheets open.
 //!
-//! A spreadsheet takes a cell that begins with `=` for a formula, and a formula
-//! may run a program or send what is in the table. Text that begins like one
-//! gets an apostrophe before it, as OWASP advises for CSV; text that begins
-//! with an apostrophe gets one more, so that a reader can take them off again.
-//! Numbers are no text: -1 stays -1.
+//! A spreadsheet interprets a cell that begins with `=` as a formula, which may run a
+//! program or send the table's content. Text that begins like a formula gets an
+//! apostrophe as a prefix, as OWASP recommends for CSV; so does text that begins with
+//! an apostrophe, so that a reader can remove the prefix. Numbers are not changed.
 
 use std::borrow::Cow;
 
-/// The text as a cell.
+/// Returns the text as a cell.
 pub(crate) fn text_cell(text: &str) -> Cow<'_, str> {
     let begins_a_formula = |c| matches!(c, '=' | '+' | '-' | '@' | '\t' | '\r' | '\n' | '\'');
-    // Some keyboards have signs of another width, which count as well.
+    // Spreadsheets also accept the full-width forms of these characters.
     let is_wide = |c| matches!(c, '＝' | '＋' | '－' | '＠');
     if text.starts_with(|c| begins_a_formula(c) || is_wide(c)) {
         Cow::Owned(format!("'{text}"))
@@ -20,7 +19,7 @@ pub(crate) fn text_cell(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The text of a cell that [`text_cell`] made.
+/// Returns the text of a cell that [`text_cell`] returned.
 pub(crate) fn text_of_cell(cell: &str) -> &str {
     cell.strip_prefix('\'').unwrap_or(cell)
 }

@@ -1,25 +1,25 @@
-//! The one way to the terminal.
+//! Output to the terminal.
 //!
-//! Names, titles and paths may come from a scene or an output that a stranger
-//! made. A control character among them could color, move or delete what
-//! stands on a terminal, and a bidirectional override could show a path that is
-//! not the one. Here they become text: `\u{1b}`. A test makes sure that nothing
-//! else writes to standard output or standard error.
+//! Names, titles and paths may come from untrusted scenes or outputs. Their control
+//! characters could color, move or delete the terminal's text, and a bidirectional
+//! override could make a path look like another. This module escapes them as
+//! `\u{1b}`. A test checks that no other module writes to standard output or standard
+//! error.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// The text with all its characters to be seen; line ends and tabs stay.
+/// Returns the text with invisible characters escaped except line ends and tabs.
 pub fn visible(text: &str) -> Cow<'_, str> {
     shown(text, |c| !matches!(c, '\n' | '\t') && is_unseen(c))
 }
 
-/// The same on one line: for a name, a title or a path.
+/// Returns the text with line ends escaped too: for a name, a title or a path.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     shown(text, is_unseen)
 }
 
-/// JSON with all characters of its strings to be seen, by escapes of JSON.
+/// Returns JSON with invisible characters of its strings escaped as JSON defines.
 pub fn visible_json(json: &str) -> String {
     let mut shown = String::with_capacity(json.len());
     for c in json.chars() {
@@ -34,37 +34,37 @@ pub fn visible_json(json: &str) -> String {
     shown
 }
 
-/// Prints to standard output, with all characters to be seen.
+/// Prints to standard output, with invisible characters escaped.
 ///
 /// # Errors
-/// What the system says; see [`io::ErrorKind::BrokenPipe`].
+/// An error of the system, such as [`io::ErrorKind::BrokenPipe`].
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(visible(text).as_bytes())?;
     out.flush()
 }
 
-/// Prints text with styles to standard output; they are left out where it is
-/// no terminal. Whatever of the text is not the program's own has to come from
-/// [`one_line`] or [`visible`]: a style of a stranger looks like one of ours.
+/// Prints styled text to standard output, without styles if that is not a terminal.
+/// Untrusted parts of the text must come from [`one_line`] or [`visible`], because
+/// their styles are indistinguishable from the program's.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn print_styled(text: &str) -> io::Result<()> {
     let mut out = anstream::stdout().lock();
     out.write_all(visible_but_styles(text).as_bytes())?;
     out.flush()
 }
 
-/// Prints text with styles and a line end to standard error, as
-/// [`print_styled`] does. Where standard error is closed, nothing can be said.
+/// Prints styled text and a line end to standard error, as [`print_styled`] does.
+/// Ignores errors, as they cannot be reported.
 pub fn print_error(text: &str) {
     let _ = writeln!(anstream::stderr(), "{}", visible_but_styles(text));
 }
 
-/// Whether a reader cannot see the character, or sees others in a wrong order:
-/// controls, line ends of Unicode, marks of direction and of nothing. Joiners
-/// are none of these: names in some languages need them.
+/// Whether the character is invisible or reorders others: control characters,
+/// Unicode line ends, direction marks and zero-width characters. Joiners are visible
+/// here, because names in some languages require them.
 fn is_unseen(c: char) -> bool {
     let is_format = matches!(c,
         '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}'
@@ -88,7 +88,7 @@ fn shown(text: &str, is_unseen: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The text with all its characters to be seen, but for sequences that choose
+/// Returns the text with invisible characters escaped except sequences that select
 /// a style: ESC, `[`, numbers, `m`.
 fn visible_but_styles(text: &str) -> String {
     let mut pieces = text.split('\u{1b}');
@@ -102,8 +102,8 @@ fn visible_but_styles(text: &str) -> String {
     shown
 }
 
-/// Bytes of the sequence at the begin that chooses a style, ESC left out; 0 if
-/// there is none.
+/// Returns the length in bytes of the leading sequence that selects a style, without
+/// its ESC; 0 if there is none.
 fn style_length(text: &str) -> usize {
     let is_number = |c: char| c.is_ascii_digit() || c == ';';
     match text.strip_prefix('[') {

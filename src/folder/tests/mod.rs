@@ -70,10 +70,7 @@ impl Scenario {
             assert_eq!(read("mine/deep.txt").unwrap(), "the user's own", "{what}");
         }
         let is_new = read("summary.json").unwrap().contains("new");
-        let (age, names): (_, &[_]) = match is_new {
-            true => ("new", &NEW),
-            false => ("old", &OLD),
-        };
+        let (age, names): (_, &[_]) = if is_new { ("new", &NEW) } else { ("old", &OLD) };
         for name in NAMES {
             let expected = names.contains(&name).then(|| content(name, age, names));
             assert_eq!(read(name).ok(), expected, "{what}: {name}");
