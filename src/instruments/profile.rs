@@ -1,5 +1,4 @@
-//! `profile.svg`: in which functions the processor was, as a flame graph
-//! (Gregg, "The Flame Graph", CACM 59(6), 2016).
+//! The sampling profiler behind `profile.svg`, a flame graph (Gregg, "The Flame Graph", CACM 59(6), 2016).
 
 use std::io::{self, Write};
 
@@ -7,8 +6,7 @@ use sampler::Sampler;
 
 use crate::provenance::RunId;
 
-/// Looks at the stacks of the threads that run, again and again, as the
-/// process uses up processor time.
+/// Samples the stacks of running threads at a fixed rate of CPU time.
 #[derive(Debug)]
 pub struct Profiler {
     sampler: Sampler,
@@ -19,22 +17,22 @@ pub struct Profiler {
 pub enum NoProfiler {
     /// The program was built without one.
     NotBuilt,
-    /// There is none for this operating system.
+    /// The operating system is not supported.
     Unknown,
-    /// The system says no.
+    /// The system refused it.
     Refused(String),
 }
 
 impl Profiler {
-    /// Takes samples from now on.
+    /// Starts sampling.
     ///
     /// # Errors
-    /// Why it cannot.
+    /// The reason why it cannot.
     pub fn start() -> Result<Self, NoProfiler> {
         Sampler::start().map(|sampler| Self { sampler })
     }
 
-    /// Writes what was seen so far as an SVG, the run's ID behind it.
+    /// Writes the samples so far as an SVG, followed by the run's ID.
     pub(crate) fn write(&self, scene: &str, run: RunId, out: &mut impl Write) -> io::Result<()> {
         out.write_all(&self.sampler.flame_graph(scene)?)?;
         out.write_all(run.comment().as_bytes())
@@ -51,11 +49,11 @@ mod sampler {
     use super::NoProfiler;
     use crate::text::numbers::counted;
 
-    /// Samples a second of processor time: a prime, so as not to keep step with
-    /// the tiles. Systems whose clock ticks less often take fewer.
+    /// Samples per second of CPU time: a prime, to avoid synchrony with the tiles.
+    /// Systems with a slower clock take fewer.
     const FREQUENCY_HZ: i32 = 997;
 
-    /// Runs as long as it lives.
+    /// Samples until it is dropped.
     pub(super) struct Sampler(ProfilerGuard<'static>);
 
     impl std::fmt::Debug for Sampler {
@@ -67,14 +65,14 @@ mod sampler {
     impl Sampler {
         pub(super) fn start() -> Result<Self, NoProfiler> {
             let builder = ProfilerGuardBuilder::default().frequency(FREQUENCY_HZ);
-            // A stack must not be unwound while the unwinder is at work.
+            // A stack must not be unwound within the unwinder itself.
             let guard = builder.blocklist(&["libgcc", "libunwind"]).build();
             guard
                 .map(Self)
                 .map_err(|error| NoProfiler::Refused(error.to_string()))
         }
 
-        /// The stacks so far as an SVG.
+        /// Returns the stacks so far as an SVG.
         pub(super) fn flame_graph(&self, scene: &str) -> io::Result<Vec<u8>> {
             let mut report = self.0.report();
             let report = report.frames_post_processor(tidy).build();
@@ -82,7 +80,7 @@ mod sampler {
             let n_samples: isize = report.data.values().sum();
             let mut svg = Vec::new();
             if n_samples == 0 {
-                // No flame graph can be drawn of nothing.
+                // A flame graph needs at least one sample.
                 svg.extend(NO_SAMPLE.as_bytes());
                 return Ok(svg);
             }
@@ -105,20 +103,18 @@ mod sampler {
 </svg>
 "#;
 
-    /// Leaves what a reader of the flame graph looks for: the program's own
-    /// functions, and whatever these call.
+    /// Removes all functions except the program's own and those that they call.
     fn tidy(frames: &mut Frames) {
-        // The threads of a pool do the same.
+        // All threads of a pool do the same work.
         "raycost".clone_into(&mut frames.thread_name);
         let stack = &mut frames.frames;
         for symbols in stack.iter_mut() {
-            // Samples are counted by the stack's functions, under the place of
-            // the first one in them: which calls were inlined is known of that
-            // place alone.
+            // Samples of a stack are merged under the address of the first one, so
+            // that inlined calls are known for that address only.
             symbols.drain(..symbols.len().saturating_sub(1));
         }
-        // A thread that waits for others takes their work, on top of its own
-        // stack: what is below a task of rayon does not call it.
+        // A waiting thread steals work on top of its own stack: functions below a
+        // task of rayon are not its callers.
         let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
         let Some(own) = stack.iter().position(|symbols| is("raycost::", symbols)) else {
             return;
@@ -130,7 +126,7 @@ mod sampler {
         stack.append(&mut callers);
     }
 
-    /// Whether a function is of a crate, as a method of a trait perhaps.
+    /// Whether a function belongs to a crate, perhaps as a method of a trait.
     fn is_of(krate: &str, symbol: &Symbol) -> bool {
         symbol.name().trim_start_matches('<').starts_with(krate)
     }

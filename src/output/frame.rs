@@ -16,8 +16,8 @@ pub(crate) const FILE: OutputFile = OutputFile {
     content: Content::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
 };
 
-/// Writes the film as ImageData with one point a pixel. VTK's rows go up, the
-/// film's go down: its last row is written first.
+/// Writes the film as ImageData with one point per pixel. VTK orders rows from bottom
+/// to top, the film from top to bottom: its last row is written first.
 pub fn write(
     film: &Film,
     encoding: impl Into<Encoding>,

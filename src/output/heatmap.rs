@@ -1,4 +1,4 @@
-//! `cost.png`: what each pixel cost as a picture.
+//! `cost.png`: the cost of each pixel as a picture.
 
 use std::io::{self, Write};
 

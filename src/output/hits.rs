@@ -1,4 +1,4 @@
-//! `hits.vtu`: the pixels that see something, as a cloud of points.
+//! `hits.vtu`: the hit points of the pixels, as a cloud.
 
 use std::io::{self, Seek, Write};
 use std::ops::Range;
@@ -19,7 +19,7 @@ pub(crate) const FILE: OutputFile = OutputFile {
     content: Content::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
 };
 
-/// Writes the film's hits as an UnstructuredGrid of one vertex a hit, in the
+/// Writes the film's hits as an UnstructuredGrid of one vertex per hit, in the
 /// order of the pixels, row 0 on top.
 pub fn write(
     film: &Film,
@@ -44,7 +44,7 @@ pub fn write(
     appended::write(&DataSet::Grid(cloud), encoding.into(), out)
 }
 
-/// Where a film's hits are. Found once: every array of the file walks them.
+/// The pixels of a film that have a hit. Computed once for all arrays of the file.
 struct Hits<'a> {
     film: &'a Film,
     /// The runs of adjacent hits in each strip, as indices into it.
@@ -63,7 +63,7 @@ impl<'a> Hits<'a> {
         Self { film, runs, n }
     }
 
-    /// Each strip that has hits, with its runs.
+    /// Returns each strip with hits, with its runs.
     fn strips(&self) -> impl Iterator<Item = (&'a Strip, &[Range<usize>])> {
         self.film
             .strips

@@ -1,9 +1,7 @@
-//! A rendering → files, one writer a file.
+//! A rendering → the files of [`files`] in a folder, one writer per file.
 //!
-//! Takes the film and all that led to it; gives the files of [`files`] in one
-//! folder. All are written into a folder of their own first and take their
-//! places together at the end: a run that fails or is killed leaves the old
-//! files.
+//! The files are written to a temporary folder and moved together at the end: a run
+//! that fails or is killed leaves the old files.
 
 mod file;
 mod bounding_sphere;
@@ -120,34 +118,34 @@ pub fn files() -> impl Iterator<Item = &'static OutputFile> {
     GROUPS.iter().flat_map(|group| group.files)
 }
 
-/// A finished rendering and what is known of it.
+/// A finished rendering with its inputs and measurements.
 #[derive(Debug)]
 pub struct Rendering<'a> {
-    /// The scene file as the user typed it.
+    /// The path of the scene file as the user typed it.
     pub scene_file: &'a str,
     /// The scene's name: the file's stem.
     pub name: &'a str,
-    /// What the file says, the command line's changes included.
+    /// The settings of the scene file, as changed by the command line.
     pub config: &'a Config,
     /// The scene in world space.
     pub scene: &'a Scene,
     /// The hierarchy's size, if there is one.
     pub bvh: Option<BvhStatistics>,
-    /// What measured the pixels.
+    /// The meter of the pixels.
     pub meter: &'a Meter,
-    /// The pixels.
+    /// The pixels and their cost.
     pub film: &'a Film,
-    /// When each tile of them was rendered.
+    /// The time span and the thread of each tile.
     pub schedule: &'a Schedule,
-    /// Each time that they were rendered.
+    /// The repeated renderings.
     pub repeats: &'a [Repeat],
-    /// What measuring them costs, where that was asked.
+    /// The overhead of measurement, if requested.
     pub overhead: Option<Overhead>,
-    /// What things cost, if that is asked for.
+    /// The cost attribution, if requested.
     pub attribution: Option<&'a CostAttribution>,
-    /// What has watched the run, if that was asked.
+    /// The profiler, if requested.
     pub profiler: Option<&'a Profiler>,
-    /// How many threads rendered.
+    /// The number of threads.
     pub threads: Threads,
 }
 
@@ -159,9 +157,9 @@ impl Rendering<'_> {
     }
 }
 
-/// Writes every file of the rendering on the current rayon pool; gives them in
-/// their order, with `summary.json` last. Files of an earlier run that this
-/// one does not write are removed.
+/// Writes every file of the rendering on the current rayon pool, and removes files of
+/// an earlier run that this one does not write. Returns the files in the order of
+/// [`files`], and the stages with those of writing.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -206,12 +204,11 @@ pub fn write(
     Ok(written)
 }
 
-/// Makes sure that no file in the folder is someone else's of a name that
-/// [`write()`] writes or removes: only files that the `summary.json` of an
-/// earlier run lists are raycost's.
+/// Checks that [`write()`] would not overwrite or remove a file of another program:
+/// only files that the `summary.json` of an earlier run lists are raycost's.
 ///
 /// # Errors
-/// Such a file.
+/// The first such file.
 pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
     folder.refuse_foreign(&own())
 }

@@ -1,4 +1,4 @@
-//! `bvh.vtu`: the boxes of the hierarchy and what each cost.
+//! `bvh.vtu`: the boxes of the hierarchy and the cost of each.
 
 use std::io::{self, Seek, Write};
 
@@ -36,7 +36,7 @@ struct Shown<'a> {
 }
 
 /// Writes the nodes and leaves within the limits as an UnstructuredGrid of one
-/// VTK_VOXEL each, each before those below it; times only if `cost` has any.
+/// VTK_VOXEL each, ancestors before descendants; times only if `cost` has any.
 pub fn write(
     hierarchy: &Hierarchy,
     limits: BvhLimits,
@@ -93,7 +93,7 @@ fn array<'a, E: Entry>(
     Array::of(name, shown.len(), move || shown.iter().map(entry))
 }
 
-/// In the order of VTK_VOXEL: x goes first, z last.
+/// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest.
 fn corners(shown: &Shown) -> [[f32; 3]; 8] {
     shown.node.bounds.corners().map(|corner| corner.to_array())
 }

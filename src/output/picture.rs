@@ -18,7 +18,7 @@ pub(super) const FILE: OutputFile = OutputFile {
     content: Content::Written(|job, out| write(job.rendering.film, job.run, job.states, out)),
 };
 
-/// Writes the film's colors, 8 bits a channel.
+/// Writes the film's colors with 8 bits per channel.
 fn write(film: &Film, run: RunId, states: &States, out: &mut impl Write) -> io::Result<()> {
     let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
     let texts = [

@@ -15,32 +15,32 @@ use crate::vtk::array::{Array, Entry, separate_cells};
 use crate::vtk::data_set::{DataSet, Mesh};
 use crate::vtk::encoding::Encoding;
 
-/// The file's name.
+/// The name of the file.
 pub const FILE: &str = "rays.vtp";
-/// The file with the cloud around the rays.
+/// The name of the file with the cloud around the rays.
 pub(super) const CLOUD: &str = "rays_cloud.vtu";
 
-/// Some pixels of a picture with all of their rays, and what is around them.
+/// Traced pixels of a picture with all of their rays, and a cloud of the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Traced<'a> {
     /// The scene that the rays went through.
     pub scene: &'a Scene,
-    /// Where the picture's pixels lie.
+    /// The image plane of the picture.
     pub plane: &'a ImagePlane,
-    /// The pixels, of `i32::MAX` rays at most.
+    /// The pixels, with at most `i32::MAX` rays.
     pub pixels: &'a [ObservedPixel],
-    /// Whether the rays have a time.
+    /// Whether the rays were timed.
     pub is_timed: bool,
-    /// A small picture of the scene, whose hits are shown as a cloud.
+    /// A small film of the scene, whose hits form the cloud.
     pub cloud: &'a Film,
 }
 
 /// The rays of traced pixels, in the order of the file.
 pub(super) struct Rays<'a> {
     traced: Traced<'a>,
-    /// How far they go that meet nothing.
+    /// Determines the length of rays without a hit.
     pub(super) bounding_sphere: BoundingSphere,
-    /// How many.
+    /// The number of rays.
     pub(super) n: usize,
 }
 
@@ -54,17 +54,17 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Where the picture's pixels lie.
+    /// The image plane of the picture.
     pub(super) fn plane(&self) -> &'a ImagePlane {
         self.traced.plane
     }
 
-    /// What is around the rays.
+    /// The film whose hits form the cloud.
     pub(super) fn cloud(&self) -> &'a Film {
         self.traced.cloud
     }
 
-    /// Writes them as PolyData: one line a ray.
+    /// Writes them as PolyData with one line per ray.
     pub(super) fn write(
         &self,
         encoding: Encoding,
@@ -108,12 +108,12 @@ impl<'a> Rays<'a> {
         arrays
     }
 
-    /// The rays, pixel after pixel.
+    /// Returns the rays, pixel by pixel.
     pub(super) fn iter(&self) -> impl Iterator<Item = &'a TracedRay> + use<'a> {
         self.traced.pixels.iter().flat_map(|pixel| &pixel.tree.rays)
     }
 
-    /// The line that shows a ray.
+    /// Returns the line that shows a ray.
     pub(super) fn line(&self, ray: &TracedRay) -> [Vec3; 2] {
         [ray.ray.origin, ray.ray.at(self.bounding_sphere.length(ray))]
     }
@@ -130,7 +130,7 @@ impl<'a> Rays<'a> {
         self.iter().flat_map(|ray| self.line(ray).map(Vec3::into))
     }
 
-    /// The number of each ray's parent in the file; -1 for none.
+    /// The index of each ray's parent in the file; -1 for none.
     fn parents(&self) -> impl Iterator<Item = i32> + '_ {
         let mut first = 0;
         self.traced.pixels.iter().flat_map(move |pixel| {
@@ -145,7 +145,8 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// Each ray's pixel, y * width + x, in as few bytes as the picture needs.
+    /// The pixel of each ray, y * width + x, in the smallest integer type that holds
+    /// all pixels.
     fn pixel_numbers(&self) -> Array<'_> {
         let [width, height] = self.traced.plane.size.map(i64::from);
         match i32::try_from(width * height) {
@@ -166,7 +167,7 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// A number of the primitive that a ray met; -1 for none.
+    /// A number of the primitive that each ray hits; -1 for none.
     fn met(&self, ray: &TracedRay, number: impl Fn(&Primitive) -> u32) -> i32 {
         ray.hit.map_or(-1, |hit| {
             number(&self.traced.scene.primitives[hit.primitive as usize]) as i32

@@ -1,4 +1,4 @@
-//! `surface.vtu`: what each primitive cost, on the scene's geometry.
+//! `surface.vtu`: the cost of each primitive, on the scene's geometry.
 
 use std::io::{self, Seek, Write};
 
@@ -29,7 +29,7 @@ pub(super) const FILE: OutputFile = OutputFile {
     }),
 };
 
-/// What the scene shows of itself.
+/// The primitives that are written.
 #[derive(Clone, Copy)]
 struct Surface<'a> {
     primitives: &'a [Primitive],
@@ -37,7 +37,7 @@ struct Surface<'a> {
     n_cells: usize,
 }
 
-/// Writes the scene's primitives but for planes as an UnstructuredGrid of one
+/// Writes the scene's primitives except planes as an UnstructuredGrid of one
 /// cell each, in their order: triangles, polygons for disks, hexahedra for
 /// boxes, triangle strips for ellipsoids, and vertices with a `radius` for
 /// spheres. `visits` are those of all primitives; times are written only if
@@ -78,7 +78,7 @@ pub fn write(
 }
 
 impl<'a> Surface<'a> {
-    /// The primitives that are shown: their indices, themselves, their visits.
+    /// Returns the index, the primitive and the visits of each cell.
     fn cells(self) -> impl Iterator<Item = (usize, &'a Primitive, &'a Visits)> {
         let all = self.primitives.iter().zip(self.visits).enumerate();
         all.map(|(index, (primitive, visits))| (index, primitive, visits))
@@ -89,7 +89,7 @@ impl<'a> Surface<'a> {
         self.primitives.iter().filter_map(Primitive::patch)
     }
 
-    /// Where each cell's points end among all points.
+    /// Returns the end of each cell's points among all points.
     fn ends(self) -> impl Iterator<Item = usize> {
         self.patches().scan(0, |end, patch| {
             *end += patch.corners().len();
@@ -145,7 +145,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// A sphere's radius, 0 for other shapes.
+/// Returns a sphere's radius, 0 for other shapes.
 fn radius(patch: &Patch) -> f32 {
     match patch {
         Patch::Ball { radius, .. } => *radius,

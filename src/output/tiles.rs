@@ -22,11 +22,10 @@ pub(super) const FILE: OutputFile = OutputFile {
     }),
 };
 
-/// Writes the schedule as ImageData with one cell a tile, which lies over the
-/// tile's pixels in `frame.vti`: a pixel's middle has whole numbers there. VTK's
-/// rows go up, the grid's go down: its last row is written first. The last tiles
-/// of a row, and those of the last row, stand out where they are less than a
-/// square.
+/// Writes the schedule as ImageData with one cell per tile, which covers the tile's
+/// pixels in `frame.vti`, where pixel centers have integer coordinates. VTK orders rows
+/// from bottom to top, the grid from top to bottom: its last row is written first.
+/// Tiles that the picture's right or lower edge cuts are written as whole squares.
 pub fn write(
     schedule: &Schedule,
     cost: CostMode,
@@ -49,7 +48,7 @@ pub fn write(
     appended::write(&cells, encoding.into(), out)
 }
 
-/// When the tiles were rendered, and by whom.
+/// The time span and the thread of each tile.
 fn times(schedule: &Schedule) -> Vec<Array<'_>> {
     vec![
         array("start_ns", schedule, |_, run| run.start_ns as f64),
@@ -63,13 +62,13 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
     ]
 }
 
-/// The sums of the pixels' counters; of the paths' lengths the greatest.
+/// The totals of the pixels' counters in each tile; for `depth` the maximum.
 fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
     let sum = |metric: Metric| array(metric.name, schedule, move |_, run| metric.of(&run.counted));
     Metric::counted().map(sum)
 }
 
-/// A value of each tile, given its number and its run.
+/// An array with one value per tile, given the tile's number and run.
 fn array<'a, E: Entry>(
     name: &'static str,
     schedule: &'a Schedule,

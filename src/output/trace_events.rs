@@ -1,5 +1,5 @@
-//! `trace.json`: the run on a line of time, in the format of Chrome's trace
-//! events, which ui.perfetto.dev and chrome://tracing show.
+//! `trace.json`: the time line of the run in Chrome's Trace Event Format, which
+//! ui.perfetto.dev and chrome://tracing display.
 //!
 //! "Trace Event Format", docs.google.com/document/d/1CvAClvFfyA5R-PhYUmn5OOQtYMH4h6I0nSsKchNAySU.
 
@@ -24,11 +24,11 @@ pub(super) const FILE: OutputFile = OutputFile {
     content: Content::Written(|job, out| write(job.rendering, job.stages, job.run, out)),
 };
 
-/// The line of the stages; the threads' lines follow.
+/// The row of the stages in the time line; the rows of the threads follow.
 const STAGES: u32 = 0;
 
-/// Writes the stages up to now, and every tile on the line of its thread, an
-/// event a line of text. Times are in microseconds since the program began.
+/// Writes the stages so far, and every tile in the row of its thread, one event per
+/// line of text. Times are in microseconds since the start of the program.
 fn write(
     rendering: &Rendering,
     stages: &Stages,
@@ -73,17 +73,17 @@ fn write(
     writeln!(out, "\n]}}")
 }
 
-/// The line of a thread.
+/// The row of a thread.
 fn line_of(thread: u32) -> u32 {
     STAGES + 1 + thread
 }
 
-/// An event of metadata: what the process or a line is called.
+/// A metadata event: the name of the process or of a row.
 fn name(kind: &str, line: u32, name: &str) -> Value {
     json!({ "ph": "M", "name": kind, "pid": 1, "tid": line, "args": { "name": name } })
 }
 
-/// A complete event, given its nanoseconds.
+/// A complete event; its time span is in nanoseconds.
 fn event(name: &str, line: u32, span_ns: Range<u64>, arguments: Value) -> Value {
     json!({
         "ph": "X",
@@ -96,7 +96,7 @@ fn event(name: &str, line: u32, span_ns: Range<u64>, arguments: Value) -> Value 
     })
 }
 
-/// What is shown of a tile that is clicked on.
+/// The arguments of a tile's event, which viewers show for the selected event.
 fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
     let mut arguments = json!({
         "position": run.position,

@@ -11,15 +11,15 @@ use crate::vtk::{Codec, Encoding};
 /// The name of the ParaView state.
 pub(crate) const STATE: &str = "rays.pvsm";
 
-/// Writes the rays of traced pixels as PolyData: one line a ray.
+/// Writes the rays of traced pixels as PolyData with one line per ray.
 ///
 /// # Errors
-/// What the system says.
+/// The errors of `out`.
 pub fn write_rays(traced: &Traced, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
     Rays::of(traced).write(codec.into(), out)
 }
 
-/// Writes all files of traced pixels; gives them in their order.
+/// Writes all files of traced pixels and returns them in their order.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -48,11 +48,10 @@ pub fn write_traced(
     Ok(written)
 }
 
-/// Makes sure that no file in the folder is someone else's of a name that
-/// [`write_traced`] writes.
+/// Checks that [`write_traced`] would not overwrite a file of another program.
 ///
 /// # Errors
-/// Such a file.
+/// The first such file.
 pub fn refuse_foreign_traced(folder: &OutputFolder) -> Result<(), WriteError> {
     folder.refuse_foreign(&own())
 }
@@ -61,7 +60,7 @@ fn own() -> Own {
     Own::Marked(vec![RAYS, CLOUD, STATE])
 }
 
-/// A hash of the rays, of their times and of the cloud around them.
+/// Returns a hash of the rays, their times and the cloud.
 fn run_id(traced: &Traced) -> RunId {
     let mut hasher = Hasher::new();
     for pixel in traced.pixels {

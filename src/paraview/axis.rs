@@ -15,7 +15,7 @@ pub(crate) enum AxisScale {
     Diverging,
 }
 
-/// An array of a file as colors or an axis show it.
+/// An array of a file on a color bar or an axis of a plot.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     /// The array's name in the file.
@@ -23,22 +23,22 @@ pub(crate) struct Axis {
     name: String,
     unit: Option<TimeUnit>,
     scale: AxisScale,
-    /// In the unit shown.
+    /// The least value, in the displayed unit.
     low: f64,
     high: f64,
     n_labels: usize,
 }
 
-/// A unit for times that files have in nanoseconds.
+/// A display unit of times, which are in nanoseconds in files.
 #[derive(Clone, Copy, Debug)]
 struct TimeUnit {
     name: &'static str,
-    /// Formula's end that turns nanoseconds into it.
+    /// The suffix of a formula that converts nanoseconds into it.
     scaled: &'static str,
     ns: f64,
 }
 
-/// From small to large.
+/// In ascending order.
 const TIME_UNITS: [TimeUnit; 3] = [
     TimeUnit {
         name: "µs",
@@ -58,7 +58,7 @@ const TIME_UNITS: [TimeUnit; 3] = [
 ];
 
 impl Axis {
-    /// An array shown as it is in the file, under this name.
+    /// Creates the axis of an array with the values of the file and this title.
     pub(crate) fn new(array: &str, name: &str, scale: AxisScale, [low, high]: [f64; 2]) -> Self {
         Self {
             array: array.to_owned(),
@@ -71,8 +71,8 @@ impl Axis {
         }
     }
 
-    /// The same for times in nanoseconds, shown in the largest unit in which
-    /// the middle of the axis is not small, and in µs if it is in all.
+    /// Displays times, which are in nanoseconds, in the largest unit in which the
+    /// middle of the axis is not small; in µs if there is none.
     pub(crate) fn of_time(self) -> Self {
         let middle = match self.scale {
             AxisScale::Logarithmic => (self.low * self.high).sqrt(),
@@ -88,12 +88,12 @@ impl Axis {
         }
     }
 
-    /// The same with at most so many labels.
+    /// Limits the number of labels.
     pub(crate) fn with_labels(self, n_labels: usize) -> Self {
         Self { n_labels, ..self }
     }
 
-    /// The value of a key without the axis' own prefix.
+    /// Returns the value of a key without the axis' own prefix.
     pub(crate) fn value(&self, key: &str) -> Option<Value> {
         let log10_of_ends = || [self.low, self.high].map(f64::log10);
         let number = match key {
@@ -129,19 +129,19 @@ impl Axis {
         }
     }
 
-    /// Places and texts by turns.
+    /// Returns positions and texts in alternation.
     fn labels(&self, place: impl Fn(f64) -> f64) -> Vec<String> {
         let labels = self.ticks().into_iter();
         let label = |value| [place(value).to_string(), text(value)];
         labels.flat_map(label).collect()
     }
 
-    /// At most `n_labels` round values between the ends.
+    /// Returns at most `n_labels` round values between the ends.
     fn ticks(&self) -> Vec<f64> {
         match self.scale {
             AxisScale::Logarithmic => self.log_ticks(),
             AxisScale::Linear => {
-                // What has no unit is a count.
+                // Values without a unit are counts.
                 let least_step = if self.unit.is_some() { 0.0 } else { 1.0 };
                 linear_ticks([self.low, self.high], self.n_labels, least_step)
             }
@@ -149,7 +149,7 @@ impl Axis {
         }
     }
 
-    /// Round values, the closest of which are left out.
+    /// Returns round values, without those that are too close together.
     fn log_ticks(&self) -> Vec<f64> {
         let gap = 1.0 / (self.n_labels as f64 - 0.5);
         let position = |value: f64| (value / self.low).ln() / (self.high / self.low).ln();
@@ -164,8 +164,8 @@ impl Axis {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten, at most `n`, that are at least
-/// so far apart.
+/// Returns at most `n` multiples of 1, 2 or 5 times a power of ten that have at least
+/// this distance.
 fn linear_ticks([low, high]: [f64; 2], n: usize, least_step: f64) -> Vec<f64> {
     let least_step = least_step.max((high - low) / (n as f64 - 1.0));
     let power = 10f64.powf(least_step.log10().floor());
@@ -178,7 +178,7 @@ fn linear_ticks([low, high]: [f64; 2], n: usize, least_step: f64) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// `0.05`, `200`, `20k`, `−3`: three digits at most.
+/// Formats a label with at most three digits: `0.05`, `200`, `20k`, `−3`.
 fn text(value: f64) -> String {
     let size = value.abs();
     let (size, suffix) = match size {

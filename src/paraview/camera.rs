@@ -6,7 +6,7 @@ use super::panels::{Panel, Panels};
 use super::template::Value;
 use crate::camera::{ImagePlane, Projection};
 
-/// The scene's camera as ParaView has them: never off-axis, and right-handed.
+/// The scene's camera as ParaView's cameras are: not off-axis, and right-handed.
 pub(crate) struct Camera {
     position: Vec3,
     focal_point: Vec3,
@@ -20,7 +20,7 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// The camera of the plane's rays.
+    /// Returns the camera of the plane's rays.
     pub(crate) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
         let (position, forward, is_parallel) = match plane.projection {
@@ -61,18 +61,18 @@ impl Camera {
         }
     }
 
-    /// Where it is; the middle of the picture's plane if parallel.
+    /// Its position; the center of the image plane if parallel.
     pub(crate) fn position(&self) -> Vec3 {
         self.position
     }
 
-    /// To the right, up and forward as ParaView's view has them, unit vectors.
+    /// The right, up and forward directions of ParaView's view, unit vectors.
     pub(crate) fn axes(&self) -> [Vec3; 3] {
         let forward = (self.focal_point - self.position).normalize();
         [forward.cross(self.up), self.up, forward]
     }
 
-    /// The point in the world as the view shows it.
+    /// Transforms a point of world space as the view shows it.
     pub(crate) fn mirrored(&self, point: Vec3) -> Vec3 {
         if self.is_mirrored {
             point - 2.0 * self.right.dot(point - self.position) * self.right
@@ -81,15 +81,15 @@ impl Camera {
         }
     }
 
-    /// The value of a key such as `camera2.view_angle`: in one of two panels, for
-    /// a picture of this size.
+    /// Returns the value of a key such as `camera2.view_angle`: in one of two panels,
+    /// for a picture of this size.
     pub(crate) fn value(&self, size: [f64; 2], key: &str) -> Option<Value> {
         let (n, key) = Panels::split_key(key, "camera")?;
         let number = self.number(key, Panels::of(n, size).panel())?;
         Some(number.to_string().into())
     }
 
-    /// The value of a key without its `camera2.`, for a view in which the
+    /// Returns the value of a key without its `camera2.`, for a view in which the
     /// picture fills the panel.
     fn number(&self, key: &str, panel: Panel) -> Option<f64> {
         let (name, index) = match key.split_once('.') {
@@ -130,8 +130,8 @@ impl Camera {
     }
 }
 
-/// Where to look from `eye`: straight at the plane, which shows the picture
-/// undistorted, if that meets the picture; else at the picture's middle.
+/// Returns the point to look at from `eye`: along the normal of the plane, which shows
+/// the picture undistorted, if that hits the picture; else its center.
 fn direction(plane: &ImagePlane, eye: Vec3) -> Vec3 {
     let to_center = plane.center() - eye;
     let normal = plane.right.normalize().cross(plane.down.normalize());

@@ -1,15 +1,14 @@
-//! How the panels of a state are arranged, and how much of each a picture
-//! fills.
+//! The arrangement of a state's panels, and the size of pictures in them.
 
 use super::template::Value;
 
-/// Width over height of the area that ParaView's window has for all panels, at
-/// least: a narrower one would cut the pictures' sides off.
+/// Least aspect ratio of the area of ParaView's window for all panels: a narrower one
+/// would crop the pictures.
 const AREA_ASPECT: f64 = 1.55;
-/// Parts of that area's height that a title and a color bar take.
+/// Fractions of that area's height for a title and a color bar.
 const TITLE: f64 = 0.05;
 const COLOR_BAR: f64 = 0.085;
-/// Part of a panel's width that a picture fills at most.
+/// Greatest fraction of a panel's width that a picture fills.
 const FILLED_WIDTH: f64 = 0.96;
 /// Pictures wider than this are shown in rows, taller ones than [`TALL`] in
 /// columns.
@@ -28,7 +27,7 @@ pub(crate) struct Panels {
 }
 
 impl Panels {
-    /// That of `n` panels for pictures of this width and height.
+    /// Returns the arrangement of `n` panels for pictures of this width and height.
     pub(crate) fn of(n: u32, [width, height]: [f64; 2]) -> Self {
         Self {
             n,
@@ -36,14 +35,14 @@ impl Panels {
         }
     }
 
-    /// The number of panels that a key such as `image3.scale` names, and the
-    /// rest of the key.
+    /// Returns the number of panels in a key such as `image3.scale`, and the rest of
+    /// the key.
     pub(crate) fn split_key<'k>(key: &'k str, name: &str) -> Option<(u32, &'k str)> {
         let (n, rest) = key.strip_prefix(name)?.split_once('.')?;
         Some((n.parse().ok()?, rest))
     }
 
-    /// How the first split (`outer`) or the others (`inner`) divide their space.
+    /// Returns the direction of the first split (`outer`) or of the others (`inner`).
     pub(crate) fn direction(self, split: &str) -> Option<u8> {
         let (is_wide, is_tall) = (self.is_wide(), self.is_tall());
         let is_in_rows = match (self.n, split) {
@@ -73,7 +72,7 @@ impl Panels {
         }
     }
 
-    /// How many labels a panel's color bar has room for.
+    /// Returns the number of labels that fit on a panel's color bar.
     pub(crate) fn n_labels(self) -> usize {
         if self.is_tall() && self.n > 2 { 4 } else { 6 }
     }
@@ -91,14 +90,14 @@ impl Panels {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panel {
     aspect: f64,
-    /// Parts of its height that the title and the color bar take.
+    /// Fractions of its height for the title and the color bar.
     title: f64,
     color_bar: f64,
 }
 
 impl Panel {
-    /// Half the height of the view, in units of a thing of this width and
-    /// height in its middle: the thing fills the panel between title and bar.
+    /// Returns half the height of the view in units of a centered object with this
+    /// width and height, which fills the panel between title and bar.
     pub(crate) fn half_height(self, [width, height]: [f64; 2]) -> f64 {
         let by_height = height / (2.0 * (1.0 - 2.0 * self.color_bar.max(self.title)));
         by_height.max(self.half_height_for(width))
@@ -108,8 +107,8 @@ impl Panel {
         width / (2.0 * FILLED_WIDTH * self.aspect)
     }
 
-    /// The value of a key of a flat picture's camera: it looks at a point below
-    /// the middle, since the color bar takes more room than the title.
+    /// Returns the value of a key of a flat picture's camera, which looks at a point
+    /// below the center, because the color bar is higher than the title.
     pub(crate) fn picture_camera(self, [width, height]: [f64; 2], key: &str) -> Option<f64> {
         let by_height = height / (2.0 * (1.0 - self.title - self.color_bar));
         let scale = by_height.max(self.half_height_for(width));
@@ -122,7 +121,7 @@ impl Panel {
     }
 }
 
-/// The value of a key of an arrangement of panels, `panels3.outer`, or of the
+/// Returns the value of a key of an arrangement of panels, `panels3.outer`, or of the
 /// camera of a picture in one of them, `image3.parallel_scale`.
 pub(crate) fn value_of_panels(size: [f64; 2], key: &str) -> Option<Value> {
     if let Some((n, split)) = Panels::split_key(key, "panels") {

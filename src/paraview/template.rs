@@ -1,9 +1,9 @@
-//! Filling in a state that carries keys.
+//! Replacing the keys of a state by values.
 
-/// What takes the place of what a key marks.
+/// The value of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value {
-    /// An attribute's value.
+    /// The value of an attribute.
     One(String),
     /// All elements of a property.
     Many(Vec<String>),
@@ -21,10 +21,9 @@ impl From<&str> for Value {
     }
 }
 
-/// The template with the attribute before each `fill="KEY"` replaced by what
-/// `value` has for the key, and the keys taken out. A key of a `<Property>`
-/// stands for all of its elements. A key that `value` does not know keeps what
-/// the template has. Values are escaped to ASCII.
+/// Replaces the attribute before each `fill="KEY"` of a template by the key's value,
+/// and removes the keys. The value of a key of a `<Property>` replaces all of its
+/// elements. A key without a value keeps the template's. Values are escaped to ASCII.
 pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<Value>) -> String {
     let mut filled = String::with_capacity(template.len());
     let mut lines = template.split_inclusive('\n');
@@ -53,8 +52,8 @@ pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<Value>) -> Str
     filled
 }
 
-/// The line up to the attribute's `=`, the attribute's value, the key and what
-/// follows it, of a line that has a key.
+/// Splits a line with a key into the text before the attribute's `=`, the attribute's
+/// value, the key, and the rest.
 fn marked(line: &str) -> Option<(&str, &str, &str, &str)> {
     let (element, mark) = line.split_once("\" fill=\"")?;
     let (key, after) = mark.split_once('"')?;
@@ -62,8 +61,7 @@ fn marked(line: &str) -> Option<(&str, &str, &str, &str)> {
     Some((before, old, key, after))
 }
 
-/// XML text in ASCII, other characters by their numbers: a PNG's text chunk
-/// holds no more.
+/// Escapes XML text to ASCII, as a PNG's text chunk requires.
 fn escape(text: &str) -> String {
     let mut escaped = String::new();
     for character in text.chars() {

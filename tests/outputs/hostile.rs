@@ -1,5 +1,5 @@
-//! Outputs that a stranger made to take time or memory are refused by what is
-//! known of them before anything is read.
+//! Outputs that are crafted to take time or memory are refused before their arrays are
+//! read.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use raycost::output::write_frame;
 use raycost::results::{FrameFile, Results};
 use raycost::vtk::Codec;
 
-/// A frame whose header `change` has changed.
+/// Opens a frame whose header `change` has edited; returns the error, or `fine`.
 fn frame(folder: &Path, change: impl FnOnce(&str) -> String) -> String {
     let path = folder.join("frame.vti");
     let film = noise(2, 2, CostMode::None, 1);
@@ -107,7 +107,7 @@ fn a_table_longer_than_its_scene_is_refused() {
     let whole = fs::read_to_string(&path).unwrap();
     let results = Results::open(folder.path()).unwrap();
     let (head, rows) = whole.split_once('\n').unwrap();
-    // One row too many, and so many that no row has to be read.
+    // One row too many, and so many that the length of the file suffices.
     for (n, last) in [(1, "object,9,x,hit,all,1,1,1,1,1,1,1,1,1,1\n"), (3000, "")] {
         fs::write(&path, format!("{head}\n{}{last}", rows.repeat(n))).unwrap();
         let error = results.objects().unwrap_err().to_string();
@@ -187,7 +187,7 @@ fn arrays_that_share_bytes_are_refused() {
     assert!(error.contains("share bytes"), "{error}");
 }
 
-/// A few bytes cannot stand for more than a compressor makes of them.
+/// The compression ratio of a block is limited by its format.
 #[test]
 fn blocks_that_are_too_short_for_their_array_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -216,7 +216,7 @@ fn blocks_that_are_too_short_for_their_array_are_refused() {
     }
 }
 
-/// Pixels that a page does not show are never in memory all at once.
+/// Pixels that a page does not show are not all in memory at the same time.
 #[test]
 fn selected_pixels_are_those_of_the_frame() {
     let folder = tempfile::tempdir().unwrap();

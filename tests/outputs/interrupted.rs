@@ -1,5 +1,5 @@
-//! Runs that are stopped, killed or denied leave one whole run behind, and what
-//! belongs to others.
+//! Runs that are stopped, killed or refused leave one complete run and all files of
+//! others.
 #![cfg(unix)]
 
 use std::fs;
@@ -22,7 +22,7 @@ fn render(out: &Path, width: u32) -> Command {
     command
 }
 
-/// A run that takes hours, once it is at work in its folder.
+/// Starts a run that takes hours, and waits until it writes to its folder.
 fn endless(out: &Path, flags: &[&str]) -> Child {
     let mut command = raycost();
     command.arg("render").arg("--quiet").arg("--out").arg(out);
@@ -40,7 +40,7 @@ fn endless(out: &Path, flags: &[&str]) -> Child {
     child
 }
 
-/// Whether a run is at work in the folder.
+/// Whether a run has a workspace for the folder.
 fn is_locked(folder: &Path) -> bool {
     let file = fs::File::open(folder);
     file.is_ok_and(|file| file.try_lock().is_err())
@@ -61,13 +61,13 @@ fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A folder with a whole run and a file of the user's.
+/// A folder with a complete run and a file of the user.
 fn rendered(out: &Path) {
     assert_success(&render(out, 80).output().unwrap());
     fs::write(out.join("notes.txt"), "mine").unwrap();
 }
 
-/// Kills runs at moments all over their time; gives how many were killed.
+/// Kills runs at moments spread over their duration; returns the number of killed runs.
 fn kill_runs(out: &Path, n_tries: u32) -> u32 {
     rendered(out);
     let begin = std::time::Instant::now();
@@ -75,7 +75,7 @@ fn kill_runs(out: &Path, n_tries: u32) -> u32 {
     let whole = begin.elapsed();
     let mut n_killed = 0;
     for number in 0..n_tries {
-        // The last half of a run is the writing of it.
+        // The second half of a run writes files.
         let mut child = render(out, [80, 90][number as usize % 2]).spawn().unwrap();
         sleep(whole * (number + 1) / (n_tries + 1));
         let _ = child.kill();
@@ -102,7 +102,7 @@ fn a_killed_run_leaves_one_whole_run() {
     assert!(names(&out).iter().all(|name| !name.starts_with('.')));
 }
 
-/// A folder of the user's keeps the folders from being exchanged.
+/// A folder of the user in the output folder prevents the exchange of folders.
 #[test]
 fn a_killed_run_leaves_one_whole_run_where_folders_cannot_be_exchanged() {
     let temporary = tempfile::tempdir().unwrap();
@@ -116,7 +116,7 @@ fn a_killed_run_leaves_one_whole_run_where_folders_cannot_be_exchanged() {
 }
 
 #[test]
-fn a_signal_ends_a_run_and_nothing_is_left_of_it() {
+fn a_signal_ends_a_run_and_removes_its_files() {
     for (name, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         for flags in [&["--cost=time", "--repeats=1"][..], &["--cost=counters"]] {
             let temporary = tempfile::tempdir().unwrap();
@@ -148,7 +148,7 @@ fn a_second_run_is_refused_and_the_first_goes_on() {
     assert_success(&render(&out, 80).output().unwrap());
 }
 
-/// The signal of a file that is too long ends no run without a word.
+/// SIGXFSZ, the signal of a file that is too long, does not end a run silently.
 #[test]
 fn a_limit_on_a_files_length_is_a_message() {
     let temporary = tempfile::tempdir().unwrap();
@@ -245,7 +245,7 @@ fn equal_runs_are_equal_bytes() {
 }
 
 #[test]
-fn a_page_goes_to_a_regular_file_alone() {
+fn a_page_is_written_to_regular_files_only() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
     rendered(&out);

@@ -3,7 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod charged_files;
+mod attribution_files;
 mod hostile;
 mod interrupted;
 mod output_folder;

@@ -129,7 +129,7 @@ fn the_schedule_is_written_on_request_and_removed_later() {
     }
     assert_success(&render(out).output().unwrap());
     assert_eq!(names(out), expected_of_every_run());
-    // The summary has it in any case: it costs nothing.
+    // The summary always has it.
     assert_eq!(summary(out)["schedule"]["n_tiles"], 6);
 }
 
@@ -162,7 +162,7 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
     assert_success(&render(out).arg("--spp=3").output().unwrap());
     let summary = summary(out);
 
-    // Every file but the summary itself, with its length.
+    // Every file except the summary itself, with its length.
     let mut listed = Vec::new();
     for file in summary["files"].as_array().unwrap() {
         let name = file["file"].as_str().unwrap();
@@ -267,8 +267,8 @@ fn a_read_only_folder_is_refused() {
     assert_eq!(names(Path::new("/sys")), before);
 }
 
-/// A limit on the length of files simulates a disk that fills up half-way:
-/// `image.png` fits, the VTK files do not.
+/// A limit on the length of files simulates a disk that becomes full: `image.png` fits,
+/// the VTK files do not.
 #[test]
 #[cfg(unix)]
 fn a_run_that_fails_half_way_leaves_the_old_files() {
@@ -329,7 +329,7 @@ fn render_at([width, height]: [u32; 2], out: &Path) -> Command {
     command
 }
 
-/// The command, run by a shell that has done `before`.
+/// Runs the command in a shell after `before`.
 #[cfg(unix)]
 fn in_shell(before: &str, command: &Command) -> Command {
     let mut shell = Command::new("sh");
@@ -353,7 +353,7 @@ fn summary(out: &Path) -> Value {
     serde_json::from_slice(&fs::read(out.join("summary.json")).unwrap()).unwrap()
 }
 
-/// Exit code 1 and a message, on standard error alone.
+/// Checks exit code 1 and a message on standard error only.
 fn assert_refused(output: &Output) {
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");

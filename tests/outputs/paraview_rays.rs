@@ -1,4 +1,4 @@
-//! ParaView loads `rays.pvsm` without a word of complaint, and shows rays in
+//! ParaView loads `rays.pvsm` without an error or a warning, and shows rays in
 //! the colors of their kinds. Screenshots stay in `target/paraview/`.
 
 use std::path::{Path, PathBuf};

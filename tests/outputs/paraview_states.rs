@@ -1,5 +1,5 @@
-//! ParaView loads the states without a word of complaint, and shows what the
-//! camera saw. Screenshots stay in `target/paraview/`, to be looked at.
+//! ParaView loads the states without an error or a warning, and shows what the camera
+//! sees. Screenshots remain in `target/paraview/` for inspection.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use crate::common::data_set::DataSet;
 use crate::common::paraview::{NOTHING, folder, load, render, scene_file, screenshot};
 use crate::common::{assert_success, in_repository, raycost};
 
-/// Far from the origin, higher than wide, nothing in it symmetric.
+/// A scene far from the origin, taller than wide, without symmetry.
 const TOWER: &str = "
 image: { width: 240, height: 360, samples_per_pixel: 2 }
 camera:

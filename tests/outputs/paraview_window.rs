@@ -1,6 +1,6 @@
-//! ParaView's own window opens every state without an error or a warning, and
-//! shows it: `pvbatch` is silent where the window is not. Pictures of the screen
-//! stay in `target/paraview/`, to be looked at.
+//! ParaView's window opens every state without an error or a warning, and shows it: the
+//! window reports messages that `pvbatch` does not. Screenshots remain in
+//! `target/paraview/` for inspection.
 
 use std::fs;
 use std::path::Path;

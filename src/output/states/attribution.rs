@@ -1,4 +1,4 @@
-//! What `bvh.pvsm` and `surface.pvsm` show.
+//! The values of `bvh.pvsm` and `surface.pvsm`.
 
 use std::iter::zip;
 
@@ -8,9 +8,9 @@ use crate::config::{BvhLimits, CostMode};
 use crate::output::Rendering;
 use crate::paraview::{Axis, AxisScale, Value};
 
-/// Most boxes shown: of a larger hierarchy a higher level is shown.
+/// Most boxes shown; a larger hierarchy is shown at a higher level.
 const MAX_BOXES: usize = 3000;
-/// Most boxes drawn as wireframes, which do not hide the scene.
+/// Most boxes drawn as wireframes.
 const MAX_FRAMES: usize = 200;
 /// Most primitives drawn with their edges.
 const MAX_EDGES: usize = 100;
@@ -29,7 +29,7 @@ struct Primitives {
     wasted: Axis,
 }
 
-/// The boxes that are shown, and their cost.
+/// The boxes shown, and their cost.
 struct Boxes {
     level: Level,
     n: usize,
@@ -37,7 +37,7 @@ struct Boxes {
     wasted: Axis,
 }
 
-/// Which boxes are shown.
+/// The level of the hierarchy that is shown.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Level {
     Leaves,
@@ -63,7 +63,7 @@ impl AttributionValues {
         }
     }
 
-    /// The value of a key.
+    /// Returns the value of a key.
     pub(super) fn value(&self, key: &str) -> Option<Value> {
         let (what, key) = key.split_once('.')?;
         match what {
@@ -162,7 +162,7 @@ impl Level {
         }
     }
 
-    /// The array whose value [`number`](Self::number) the boxes have.
+    /// The array that selects the boxes: its value is [`number`](Self::number).
     fn array(self) -> &'static str {
         match self {
             Self::Leaves => "is_leaf",
@@ -214,9 +214,8 @@ fn wasted_axis(visits: &[Visits], name: &str, array: &str) -> Axis {
     Axis::new(array, name, AxisScale::Logarithmic, most(wasted))
 }
 
-/// The positive values between which most of the weight lies: from the 1 % to
-/// the 99 % quantile. What is behind the scene weighs little, and leaves the
-/// colors to what is seen.
+/// Returns the weighted 1 % and 99 % quantiles of the positive values. Hidden parts of
+/// the scene have small weights, so that visible parts determine the colors.
 fn most(weighted: impl Iterator<Item = (f64, u64)>) -> [f64; 2] {
     let mut values: Vec<(f64, u64)> = weighted.filter(|(value, _)| *value > 0.0).collect();
     values.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -236,7 +235,7 @@ fn most(weighted: impl Iterator<Item = (f64, u64)>) -> [f64; 2] {
             .map_or(1.0, |(value, _)| *value)
     };
     let [low, high] = [0.01, 0.99].map(quantile);
-    // Ends closer than a factor of 1.5 would make colors of what is the same.
+    // A smaller range would exaggerate differences.
     if high >= 1.5 * low {
         [low, high]
     } else {

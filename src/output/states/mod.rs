@@ -1,5 +1,4 @@
-//! `geometry.pvsm`, `heatmap.pvsm` and the others: ParaView states for this
-//! output.
+//! The values of the keys in ParaView states.
 
 mod attribution;
 mod tiles;
@@ -21,11 +20,11 @@ use crate::text::numbers::capitalized;
 /// The template of `geometry.pvsm`.
 pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("../../../paraview/geometry.pvsm");
 
-/// The states of one output, in ASCII.
+/// The values of a rendering for all states.
 pub(super) struct States<'a> {
     folder: &'a OutputFolder,
-    /// The preferred cost metric; the distance if no cost was measured. Then the
-    /// second metric.
+    /// The axis of the preferred cost metric, or of the distance if no cost was
+    /// measured.
     cost: Axis,
     counter: Option<Axis>,
     camera: Camera,
@@ -33,13 +32,13 @@ pub(super) struct States<'a> {
     size: [f64; 2],
     schedule: TileValues,
     has_hits: bool,
-    /// Hits farther away are not shown.
+    /// Largest distance of hits that are shown.
     max_distance: f64,
     attribution: AttributionValues,
 }
 
 impl<'a> States<'a> {
-    /// The states that show this rendering's files in this folder.
+    /// Computes the values for this rendering's files in this folder.
     pub(super) fn new(rendering: &Rendering, folder: &'a OutputFolder) -> Self {
         let film = rendering.film;
         let size = [film.grid.width, film.grid.height].map(f64::from);
@@ -72,7 +71,7 @@ impl<'a> States<'a> {
         self.filled(GEOMETRY_TEMPLATE)
     }
 
-    /// A state whose template has these keys filled in.
+    /// Returns a template with its keys replaced by values, in ASCII.
     pub(super) fn filled(&self, template: &str) -> String {
         fill(template, |key| self.value(key))
     }
@@ -121,8 +120,8 @@ fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
     }
 }
 
-/// The metric without the one value in 200 that is least and the one that is
-/// greatest; the ends are at least 1 apart.
+/// Returns the axis of a metric from the 0.5 % to the 99.5 % quantile; its ends differ
+/// by at least 1.
 fn counter_axis(film: &Film, metric: Metric) -> Axis {
     let mut counts = film.metric(metric);
     let [low, high] = [1, 199].map(|part| {
@@ -138,13 +137,12 @@ fn counter_axis(film: &Film, metric: Metric) -> Axis {
     )
 }
 
-/// How far the hits are along their camera rays.
+/// The distances of the hits along their camera rays.
 struct Distances {
     /// The 50 % [`quantile`]; `None` without hits.
     median: Option<f32>,
-    /// Where the cloud is cut off, so that the near hits are seen: ParaView
-    /// clips all that is 1000 times nearer than the farthest point, and a
-    /// plane has hits up to its horizon.
+    /// Largest distance that is shown. ParaView clips points 1000 times nearer than
+    /// the farthest one, and a plane has hits up to its horizon.
     max_shown: f64,
 }
 

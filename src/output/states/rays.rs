@@ -12,14 +12,13 @@ use crate::paraview::{Axis, AxisScale, Camera, Panels, Value, fill};
 
 const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
 
-/// Rays longer than this, in radii of the scene, are not shown: a plane has
-/// hits up to its horizon, and ParaView clips all that is 1000 times nearer
-/// than the farthest point.
+/// Greatest length of rays that are shown, in radii of the scene: a plane has hits up
+/// to its horizon, and ParaView clips points 1000 times nearer than the farthest one.
 const LONGEST: f32 = 50.0;
-/// How far from the middle the points are that the view is to hold, in radii:
-/// those of rays and those of the scene.
+/// Greatest distance from the center, in radii, of points that must be in view: those
+/// of rays and those of the scene.
 const FRAMED: [f32; 2] = [1.5, 0.8];
-/// So many rays are drawn as wide lines; more would cover each other.
+/// Most rays drawn as wide lines; more would cover each other.
 const FEW: usize = 300;
 /// The view's vertical angle in degrees.
 const VIEW_ANGLE: f32 = 30.0;
@@ -35,12 +34,12 @@ const KINDS: [(&str, [f32; 3]); 4] = [
     ("refraction", [0.0, 0.62, 0.45]),
 ];
 
-/// The state that shows these rays.
+/// Returns the state for these rays.
 pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
     let size = rays.plane().size.map(f64::from);
     let camera = Camera::of(rays.plane(), None);
-    // A plane's hits beyond the scene would make all else small.
+    // A plane's hits beyond the scene would make the rest small.
     let BoundingSphere { center, radius } = rays.bounding_sphere;
     let beyond = f64::from(camera.position().distance(center) + radius);
     let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
@@ -67,7 +66,7 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
             "panels2.outer" => view.panels.direction("outer").map(|n| n.to_string().into()),
             "rays.kinds" => Some(Value::Many(kinds.iter().flat_map(name).collect())),
             "rays.kind_colors" => Some(Value::Many(kinds.iter().flat_map(color).collect())),
-            // Where the head begins that ends where the ray does.
+            // The start of the arrow's head, which ends at the end of the ray.
             "rays.to_head" => Some(format!("direction*(0.5*length-{})", 0.5 * head).into()),
             _ => match key.strip_prefix("rays.cost.") {
                 Some(key) => cost.value(key),
@@ -104,8 +103,8 @@ fn cost_axis(rays: &Rays) -> Axis {
     )
 }
 
-/// Where the colors of these values end: at the greatest, but for one in 200,
-/// which may be an interruption by the system. `None` if all are the same.
+/// Returns the upper end of the colors: the 99.5 % quantile, since greater values may
+/// be interruptions by the system. `None` if all values are equal.
 fn high(mut values: Vec<f32>) -> Option<f32> {
     values.sort_unstable_by(f32::total_cmp);
     let [low, .., high] = values[..] else {

@@ -1,4 +1,4 @@
-//! What `schedule.pvsm` shows of the tiles.
+//! The values of `schedule.pvsm`.
 
 use crate::chart::Range;
 use crate::paraview::{Axis, AxisScale, Value};
@@ -16,7 +16,7 @@ impl TileValues {
     pub(super) fn of(schedule: &Schedule, n_labels: usize) -> Self {
         let runs = &schedule.runs;
         let durations: Vec<f32> = runs.iter().map(|run| run.duration_ns() as f32).collect();
-        // Without outliers: a thread that was interrupted shows no more than that.
+        // Without outliers, which are interrupted threads.
         let Range { low, high, .. } = Range::of(&durations);
         let last_start = runs.iter().map(|run| run.start_ns).max();
         let last_start = last_start.unwrap_or(0).max(1) as f64;

@@ -123,7 +123,7 @@ fn expected_nodes(hierarchy: &Hierarchy, limits: BvhLimits, cost: CostMode) -> D
     grid(arrays, points, voxels)
 }
 
-/// The arrays of what rays came to; times last.
+/// The arrays of visits and hits; times last.
 fn visit_arrays<I: Iterator<Item = Visits>>(
     [n, wasted]: [&str; 2],
     cost: CostMode,
@@ -182,7 +182,7 @@ fn expected_surface(scene: &Scene, visits: &[Visits], cost: CostMode) -> DataSet
             _ => 6,
         };
         cells.push((patch.corners().len() as i32, cell_type));
-        // What is drawn is where the primitive is.
+        // The drawn shape is at the primitive's position.
         let bounds = primitive.bounds();
         let slack = 1e-4 * (bounds.max - bounds.min).length();
         for corner in patch.corners() {
@@ -267,7 +267,7 @@ fn threads_change_no_byte() {
 }
 
 #[test]
-fn files_go_when_nobody_asks_for_them_any_more() {
+fn files_that_are_no_longer_requested_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     render("blocks.yaml", folder.path(), &[]);
     let charged = [
@@ -354,7 +354,7 @@ fn the_rows_of_the_table_sum_up_to_the_summary() {
 }
 
 #[test]
-fn times_that_nobody_measured_are_left_out() {
+fn unmeasured_times_are_left_out() {
     let folder = tempfile::tempdir().unwrap();
     render("blocks.yaml", folder.path(), &["--cost=counters"]);
     let rows = rows(folder.path());
