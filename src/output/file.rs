@@ -17,12 +17,12 @@ pub struct OutputFile {
     /// Its name in the folder.
     pub name: &'static str,
     pub(super) is_wanted: fn(&Request) -> bool,
-    pub(super) content: Content,
+    pub(super) content: FileContent,
 }
 
 /// How an output file is written.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Content {
+pub(super) enum FileContent {
     /// By a function.
     Written(fn(&Job, &mut FileWriter) -> io::Result<()>),
     /// As a ParaView state: a template whose keys [`States`] fills in.
@@ -58,8 +58,8 @@ impl OutputFile {
 
     pub(super) fn write(&self, job: &Job, out: &mut FileWriter) -> io::Result<()> {
         match self.content {
-            Content::Written(write) => write(job, out),
-            Content::State(template) => {
+            FileContent::Written(write) => write(job, out),
+            FileContent::State(template) => {
                 let state = job.states.filled(template);
                 out.write_all(stamped(&state, job.run).as_bytes())
             }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Seek, Write};
 
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::film::{Column, Film, columns};
 use crate::vtk::appended;
 use crate::vtk::array::Array;
@@ -13,7 +13,7 @@ use crate::vtk::encoding::Encoding;
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "frame.vti",
     is_wanted: |_| true,
-    content: Content::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
+    content: FileContent::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
 };
 
 /// Writes the film as ImageData with one point per pixel. VTK orders rows from bottom

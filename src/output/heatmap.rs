@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::Rendering;
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::chart::{CostMap, Scale, draw, png};
 use crate::cost::Metric;
 use crate::provenance::{self, RunId};
@@ -14,7 +14,7 @@ use crate::text::numbers;
 pub(super) const FILE: OutputFile = OutputFile {
     name: "cost.png",
     is_wanted: |request| request.has_counters(),
-    content: Content::Written(|job, out| write(job.rendering, job.run, out)),
+    content: FileContent::Written(|job, out| write(job.rendering, job.run, out)),
 };
 
 /// Writes the map of the film's first metric; nothing for a film without cost.

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use vtkio::model::CellType;
 
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
@@ -16,7 +16,7 @@ use crate::vtk::encoding::Encoding;
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "hits.vtu",
     is_wanted: |_| true,
-    content: Content::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
+    content: FileContent::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
 };
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex per hit, in the

@@ -4,7 +4,7 @@ use std::io::{self, Seek, Write};
 
 use vtkio::model::CellType;
 
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode, OptionalOutput};
@@ -18,7 +18,7 @@ use crate::vtk::encoding::Encoding;
 pub(super) const FILE: OutputFile = OutputFile {
     name: "bvh.vtu",
     is_wanted: |request| request.has(OptionalOutput::Bvh),
-    content: Content::Written(|job, out| {
+    content: FileContent::Written(|job, out| {
         let rendering = job.rendering;
         let hierarchy = rendering.attribution.and_then(|of| of.hierarchy.as_ref());
         let (limits, cost) = (rendering.config.output.bvh, rendering.film.cost);

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::Rendering;
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::config::OptionalOutput;
 use crate::cost::{Metric, RayKind};
@@ -13,7 +13,7 @@ use crate::text::text_cell;
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "objects.csv",
     is_wanted: |request| request.has(OptionalOutput::Objects),
-    content: Content::Written(|job, out| match job.rendering.attribution {
+    content: FileContent::Written(|job, out| match job.rendering.attribution {
         Some(attribution) => write(job.rendering, attribution, out),
         None => Ok(()),
     }),

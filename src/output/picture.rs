@@ -5,7 +5,7 @@
 
 use std::io::{self, Write};
 
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use super::states::States;
 use crate::chart::png;
 use crate::film::Film;
@@ -15,7 +15,7 @@ use crate::provenance::{self, RunId};
 pub(super) const FILE: OutputFile = OutputFile {
     name: "image.png",
     is_wanted: |_| true,
-    content: Content::Written(|job, out| write(job.rendering.film, job.run, job.states, out)),
+    content: FileContent::Written(|job, out| write(job.rendering.film, job.run, job.states, out)),
 };
 
 /// Writes the film's colors with 8 bits per channel.

@@ -4,7 +4,7 @@
 use indexmap::IndexMap;
 use serde_json::Number;
 
-use super::file::{Content, Job, OutputFile};
+use super::file::{FileContent, Job, OutputFile};
 use super::{Rendering, thread_time};
 use crate::cost::RayKind;
 use crate::film::Film;
@@ -20,7 +20,7 @@ use crate::text::numbers::milliseconds;
 pub(super) const FILE: OutputFile = OutputFile {
     name: SUMMARY,
     is_wanted: |_| true,
-    content: Content::Written(|job, out| of(job).write(out)),
+    content: FileContent::Written(|job, out| of(job).write(out)),
 };
 
 /// Returns the summary of a rendering whose other files are written.

@@ -4,7 +4,7 @@ use std::io::{self, Seek, Write};
 
 use vtkio::model::{CellType, ScalarType};
 
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::attribution::Visits;
 use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
@@ -19,7 +19,7 @@ use crate::vtk::encoding::Encoding;
 pub(super) const FILE: OutputFile = OutputFile {
     name: "surface.vtu",
     is_wanted: |request| request.has(OptionalOutput::Surface),
-    content: Content::Written(|job, out| {
+    content: FileContent::Written(|job, out| {
         let rendering = job.rendering;
         let visits = rendering.attribution.and_then(|of| of.primitives.as_ref());
         let (scene, cost) = (rendering.scene, rendering.film.cost);

@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use super::Rendering;
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::schedule::{Schedule, TileRun};
@@ -16,7 +16,7 @@ use crate::vtk::encoding::Encoding;
 pub(super) const FILE: OutputFile = OutputFile {
     name: "tiles.vti",
     is_wanted: |request| request.has(OptionalOutput::Schedule),
-    content: Content::Written(|job, out| {
+    content: FileContent::Written(|job, out| {
         let Rendering { schedule, film, .. } = job.rendering;
         write(schedule, film.cost, job.encoding(), out)
     }),

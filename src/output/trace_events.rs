@@ -10,7 +10,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::Rendering;
-use super::file::{Content, OutputFile};
+use super::file::{FileContent, OutputFile};
 use crate::config::OptionalOutput;
 use crate::cost::Metric;
 use crate::instruments::Stages;
@@ -21,7 +21,7 @@ use crate::schedule::{Tile, TileRun};
 pub(super) const FILE: OutputFile = OutputFile {
     name: "trace.json",
     is_wanted: |request| request.has(OptionalOutput::Schedule),
-    content: Content::Written(|job, out| write(job.rendering, job.stages, job.run, out)),
+    content: FileContent::Written(|job, out| write(job.rendering, job.stages, job.run, out)),
 };
 
 /// The row of the stages in the time line; the rows of the threads follow.

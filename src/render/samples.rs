@@ -76,14 +76,14 @@ fn summarize_strip(strip: &mut Strip, samples: &[Vec<Sample>]) {
 
 /// The statistics of a pixel's samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Summary {
+struct SampleSummary {
     median_ns: f32,
     mad_ns: f32,
     n_rejected: u8,
 }
 
 /// Computes the statistics of 1 to 255 samples; `kept` is a reused buffer.
-fn summary(samples: &[Sample], kept: &mut Vec<f64>) -> Summary {
+fn summary(samples: &[Sample], kept: &mut Vec<f64>) -> SampleSummary {
     kept.clear();
     let is_kept = |sample: &&Sample| !sample.is_rejected();
     let ns = |sample: &Sample| f64::from(sample.ns());
@@ -95,7 +95,7 @@ fn summary(samples: &[Sample], kept: &mut Vec<f64>) -> Summary {
     }
     let median_ns = median(kept).unwrap_or_default();
     kept.iter_mut().for_each(|ns| *ns = (*ns - median_ns).abs());
-    Summary {
+    SampleSummary {
         median_ns: median_ns as f32,
         mad_ns: median(kept).unwrap_or_default() as f32,
         n_rejected: n_rejected as u8,
@@ -110,7 +110,7 @@ mod tests {
     use crate::config::CostMode;
     use crate::schedule::TileGrid;
 
-    fn summary_of(samples: &[(f32, bool)]) -> Summary {
+    fn summary_of(samples: &[(f32, bool)]) -> SampleSummary {
         let samples: Vec<Sample> = samples
             .iter()
             .map(|&(ns, is_rejected)| Sample::new(ns, is_rejected))
@@ -153,7 +153,7 @@ mod tests {
                 .collect();
             let median = plain_median(&kept);
             let deviations: Vec<f64> = kept.iter().map(|ns| (ns - median).abs()).collect();
-            let expected = Summary {
+            let expected = SampleSummary {
                 median_ns: median as f32,
                 mad_ns: plain_median(&deviations) as f32,
                 n_rejected: n_rejected as u8,
@@ -168,7 +168,7 @@ mod tests {
         let [median_ns, mad_ns] = [102.0, 2.0];
         assert_eq!(
             summary,
-            Summary {
+            SampleSummary {
                 median_ns,
                 mad_ns,
                 n_rejected: 1
@@ -209,7 +209,7 @@ mod tests {
             (0..).zip(times.zip(deviations).zip(rejected))
         {
             let expected = summary_of(&[0, 1, 2].map(|rendering| sample(pixel, rendering)));
-            let found = Summary {
+            let found = SampleSummary {
                 median_ns,
                 mad_ns,
                 n_rejected,

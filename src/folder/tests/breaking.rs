@@ -1,5 +1,5 @@
-//! Every call of a commit fails, and every call is the last one: a reader finds
-//! all old files or all new ones.
+//! Each call of a commit fails, or the process is killed at it: a reader finds all old
+//! files or all new ones.
 
 use super::*;
 use crate::folder::disk::faults;
@@ -8,9 +8,8 @@ use crate::folder::disk::faults::Fault;
 const EIO: i32 = 5;
 const ENOSPC: i32 = 28;
 
-/// Breaks a run at each of its calls, in each way; gives how many tries that
-/// were.
-fn break_at_every_call(way: Way) -> usize {
+/// Injects each fault into each call of a run; returns the number of tries.
+fn break_at_every_call(method: CommitMethod) -> usize {
     let faults = [
         Fault::Kill,
         Fault::Error(EIO),
@@ -21,11 +20,11 @@ fn break_at_every_call(way: Way) -> usize {
     let mut n_tries = 0;
     for fault in faults {
         for number in 0.. {
-            let scenario = Scenario::new(way);
-            let what = format!("{way:?}, {fault:?} at call {number}");
+            let scenario = Scenario::new(method);
+            let what = format!("{method:?}, {fault:?} at call {number}");
             let sync = fault == Fault::Error(EIO);
             let (done, n_calls) = faults::with(number, fault, || scenario.run(sync));
-            if way == Way::Journal {
+            if method == CommitMethod::Journal {
                 settle(&scenario.folder()).unwrap();
             }
             let is_new = scenario.is_new(&what);
@@ -54,22 +53,22 @@ fn break_at_every_call(way: Way) -> usize {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_broken_exchange_leaves_all_old_files_or_all_new_ones() {
-    assert!(break_at_every_call(Way::Exchange) > 100);
+    assert!(break_at_every_call(CommitMethod::Exchange) > 100);
 }
 
 #[test]
 fn a_broken_journal_leaves_all_old_files_or_all_new_ones() {
-    assert!(break_at_every_call(Way::Journal) > 100);
+    assert!(break_at_every_call(CommitMethod::Journal) > 100);
 }
 
-/// A taking back that is itself broken off at any call is taken up again.
+/// A rollback that is interrupted at any call is repeated.
 #[test]
 fn a_journal_is_taken_back_however_often_that_is_broken_off() {
-    let scenario = Scenario::new(Way::Journal);
+    let scenario = Scenario::new(CommitMethod::Journal);
     let (_, n_calls) = faults::with(usize::MAX, Fault::Kill, || scenario.run(false));
     for first in 0..n_calls {
         for second in 0.. {
-            let scenario = Scenario::new(Way::Journal);
+            let scenario = Scenario::new(CommitMethod::Journal);
             let what = format!("killed at call {first}, then at {second}");
             let _ = faults::with(first, Fault::Kill, || scenario.run(false));
             let (_, n_calls) = faults::with(second, Fault::Kill, || settle(&scenario.folder()));
@@ -84,14 +83,14 @@ fn a_journal_is_taken_back_however_often_that_is_broken_off() {
     }
 }
 
-/// Before and after the exchange others go on as if nothing were.
+/// Other programs use the folder before and after the exchange.
 #[test]
 #[cfg(target_os = "linux")]
 fn files_of_others_survive_a_kill_after_the_exchange() {
-    let count = Scenario::new(Way::Exchange);
+    let count = Scenario::new(CommitMethod::Exchange);
     let (_, n_calls) = faults::with(usize::MAX, Fault::Kill, || count.run(false));
     let killed_after_the_exchange = (0..n_calls).find_map(|number| {
-        let scenario = Scenario::new(Way::Exchange);
+        let scenario = Scenario::new(CommitMethod::Exchange);
         let _ = faults::with(number, Fault::Kill, || scenario.run(false));
         scenario.is_new("").then_some(scenario)
     });

@@ -1,4 +1,4 @@
-//! What the tests of folders have in common.
+//! The common parts of the tests of folders.
 
 mod breaking;
 mod others;
@@ -7,14 +7,14 @@ use std::io::Write;
 
 use super::*;
 
-/// Raycost's names in these tests.
+/// The names of raycost's files in these tests.
 const NAMES: [&str; 5] = ["a.png", "b.vti", "c.png", "d.json", "summary.json"];
 const OLD: [&str; 4] = ["a.png", "b.vti", "c.png", "summary.json"];
 const NEW: [&str; 4] = ["a.png", "b.vti", "d.json", "summary.json"];
 
-/// What keeps folders from being exchanged, if anything does.
+/// The method of a commit: a folder of the user prevents the exchange of folders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum CommitMethod {
     Exchange,
     Journal,
 }
@@ -22,14 +22,14 @@ enum Way {
 /// A folder with old files, and with files of others.
 struct Scenario {
     temporary: tempfile::TempDir,
-    way: Way,
+    method: CommitMethod,
 }
 
 impl Scenario {
-    fn new(way: Way) -> Self {
+    fn new(method: CommitMethod) -> Self {
         let this = Self {
             temporary: tempfile::tempdir().unwrap(),
-            way,
+            method,
         };
         let folder = this.folder();
         fs::create_dir(&folder).unwrap();
@@ -37,7 +37,7 @@ impl Scenario {
             fs::write(folder.join(name), content(name, "old", &OLD)).unwrap();
         }
         fs::write(folder.join("notes.txt"), "the user's own").unwrap();
-        if way == Way::Journal {
+        if method == CommitMethod::Journal {
             fs::create_dir(folder.join("mine")).unwrap();
             fs::write(folder.join("mine/deep.txt"), "the user's own").unwrap();
         }
@@ -48,7 +48,7 @@ impl Scenario {
         self.temporary.path().join("out")
     }
 
-    /// Writes new files over the old ones.
+    /// Replaces the old files by new ones.
     fn run(&self, sync: bool) -> Result<(), WriteError> {
         let folder = OutputFolder::create(&self.folder(), 0)?.synced(sync);
         let staging = folder.stage_files()?;
@@ -60,13 +60,13 @@ impl Scenario {
         staging.commit(&files, &own())
     }
 
-    /// Whether the folder's files are the new ones; all are of one kind, and
-    /// those of others are there.
+    /// Whether the folder has the new files. Checks that all are old or all are new,
+    /// and that those of others exist.
     fn is_new(&self, what: &str) -> bool {
         let folder = self.folder();
         let read = |name: &str| fs::read_to_string(folder.join(name));
         assert_eq!(read("notes.txt").unwrap(), "the user's own", "{what}");
-        if self.way == Way::Journal {
+        if self.method == CommitMethod::Journal {
             assert_eq!(read("mine/deep.txt").unwrap(), "the user's own", "{what}");
         }
         let is_new = read("summary.json").unwrap().contains("new");
@@ -78,7 +78,7 @@ impl Scenario {
         is_new
     }
 
-    /// Makes sure that nothing unfinished is left.
+    /// Checks that no workspace and no journal are left.
     fn assert_clean(&self, what: &str) {
         for folder in [self.temporary.path(), &self.folder()] {
             let names = fs::read_dir(folder).unwrap();

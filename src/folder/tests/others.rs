@@ -1,4 +1,4 @@
-//! What belongs to others stays, and is not written over.
+//! Files of others remain, and are not overwritten.
 
 use std::io::Write;
 
@@ -6,7 +6,7 @@ use super::*;
 
 #[test]
 fn a_second_run_is_refused_until_the_first_one_ends() {
-    let scenario = Scenario::new(Way::Exchange);
+    let scenario = Scenario::new(CommitMethod::Exchange);
     let first = OutputFolder::create(&scenario.folder(), 0).unwrap();
     let refused = OutputFolder::create(&scenario.folder(), 0).unwrap_err();
     assert!(refused.to_string().contains("another run"), "{refused}");
@@ -20,7 +20,7 @@ fn a_second_run_is_refused_until_the_first_one_ends() {
     };
     let files = NEW.map(stage);
     staging.commit(&files, &own()).unwrap();
-    // The name leads to another folder now, which is locked, too.
+    // The name now belongs to another folder, which is locked too.
     let refused = OutputFolder::create(&scenario.folder(), 0).unwrap_err();
     assert!(refused.to_string().contains("another run"), "{refused}");
     drop(folder);
@@ -65,8 +65,8 @@ fn marked_files_are_replaced_and_no_others() {
 #[cfg(unix)]
 fn permissions_stay() {
     use std::os::unix::fs::PermissionsExt;
-    for way in [Way::Exchange, Way::Journal] {
-        let scenario = Scenario::new(way);
+    for method in [CommitMethod::Exchange, CommitMethod::Journal] {
+        let scenario = Scenario::new(method);
         let folder = scenario.folder();
         let set = |path: &Path, mode| {
             fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
@@ -82,7 +82,7 @@ fn permissions_stay() {
 
 #[test]
 fn a_failed_write_leaves_the_old_file_and_nothing_else() {
-    let scenario = Scenario::new(Way::Exchange);
+    let scenario = Scenario::new(CommitMethod::Exchange);
     let folder = OutputFolder::create(&scenario.folder(), 0).unwrap();
     let staging = folder.stage_files().unwrap();
     let full = || io::Error::from(io::ErrorKind::StorageFull);
