@@ -2,7 +2,7 @@
 
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::cost::Metric;
-use crate::output::{Group, Rendering};
+use crate::output::{Group, RenderingView};
 use crate::text::one_line;
 
 /// Most rows of a table; the last one sums up the rest.
@@ -19,7 +19,7 @@ struct ShareRow {
 
 /// Formats two tables with the share of the picture and the share of the cost of
 /// each object and each material, the most expensive first.
-pub(super) fn tables(rendering: &Rendering, attribution: &CostAttribution) -> String {
+pub(super) fn tables(rendering: &RenderingView, attribution: &CostAttribution) -> String {
     let whole = attribution.objects.iter().copied();
     let whole = whole.fold(AttributedCost::default(), AttributedCost::with);
     let all = whole.all(AttributionRule::Hit);

@@ -5,7 +5,7 @@ use super::{charges, hottest, shell_word, shown, timing_quality};
 use crate::config::OptionalOutput;
 use crate::folder::Written;
 use crate::instruments::Stages;
-use crate::output::{GEOMETRY, HEATMAP, Rendering};
+use crate::output::{GEOMETRY, HEATMAP, RenderingView};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::text::numbers::{bytes, count, counted, duration};
@@ -13,7 +13,7 @@ use crate::text::numbers::{bytes, count, counted, duration};
 /// Returns the summary of a rendered scene and the files written.
 pub(super) fn lines(
     scene: &SceneArguments,
-    rendering: &Rendering,
+    rendering: &RenderingView,
     stages: &Stages,
     written: &[Written],
 ) -> String {
@@ -97,7 +97,7 @@ fn tiles(schedule: &Schedule) -> String {
 }
 
 /// Rays per second, or samples per second if rays were not counted.
-fn speed(rendering: &Rendering) -> String {
+fn speed(rendering: &RenderingView) -> String {
     let seconds = rendering.median_wall().as_secs_f64();
     let millions = |n: u64| n as f64 / seconds / 1e6;
     if rendering.film.cost.has_counters() {

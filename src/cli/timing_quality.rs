@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use crate::output::{Rendering, thread_time};
+use crate::output::{RenderingView, thread_time};
 use crate::render::{N_ROUNDS, Overhead};
 use crate::summary::ThreadTime;
 use crate::text::numbers;
 
 /// Returns the lines that apply, each with a line feed.
-pub(super) fn lines(rendering: &Rendering) -> String {
+pub(super) fn lines(rendering: &RenderingView) -> String {
     let time = thread_time(rendering);
     let lines = [
         time.as_ref().map(threads),
@@ -34,7 +34,7 @@ fn threads(time: &ThreadTime) -> String {
 }
 
 /// The number of repeats, the spread of the times, and the rejected ones.
-fn repeats(rendering: &Rendering) -> Option<String> {
+fn repeats(rendering: &RenderingView) -> Option<String> {
     let film = rendering.film;
     let n_rejected: u64 = rendering
         .repeats

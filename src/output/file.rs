@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::Rendering;
+use super::RenderingView;
 use super::states::States;
 use crate::config::{Config, OptionalOutput};
 use crate::folder::{FileWriter, Written};
@@ -40,7 +40,7 @@ pub struct Request<'a> {
 
 /// What a writer may use.
 pub(super) struct Job<'a> {
-    pub(super) rendering: &'a Rendering<'a>,
+    pub(super) rendering: &'a RenderingView<'a>,
     /// The stages that have ended.
     pub(super) stages: &'a Stages,
     pub(super) states: &'a States<'a>,

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::Rendering;
+use super::RenderingView;
 use super::file::{FileContent, OutputFile};
 use crate::chart::{CostMap, Scale, draw, png};
 use crate::cost::Metric;
@@ -18,7 +18,7 @@ pub(super) const FILE: OutputFile = OutputFile {
 };
 
 /// Writes the map of the film's first metric; nothing for a film without cost.
-fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<()> {
+fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Result<()> {
     let film = rendering.film;
     let Some([metric, _]) = film.heatmap_metrics() else {
         return Ok(());
@@ -39,7 +39,7 @@ fn write(rendering: &Rendering, run: RunId, out: &mut impl Write) -> io::Result<
     png::write([width, height], rows, &texts, out)
 }
 
-fn subtitle(rendering: &Rendering, metric: Metric, values: &[f32]) -> String {
+fn subtitle(rendering: &RenderingView, metric: Metric, values: &[f32]) -> String {
     let image = &rendering.config.image;
     let n_threads = rendering.threads.used;
     let median = upper_median(&mut values.to_vec(), f32::total_cmp);

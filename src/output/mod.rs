@@ -118,9 +118,9 @@ pub fn files() -> impl Iterator<Item = &'static OutputFile> {
     GROUPS.iter().flat_map(|group| group.files)
 }
 
-/// A finished rendering with its inputs and measurements.
+/// A finished rendering with its inputs and measurements, as the writers see it.
 #[derive(Debug)]
-pub struct Rendering<'a> {
+pub struct RenderingView<'a> {
     /// The path of the scene file as the user typed it.
     pub scene_file: &'a str,
     /// The scene's name: the file's stem.
@@ -149,7 +149,7 @@ pub struct Rendering<'a> {
     pub threads: Threads,
 }
 
-impl Rendering<'_> {
+impl RenderingView<'_> {
     /// Wall time of one rendering: the [upper median](upper_median) of several.
     pub fn median_wall(&self) -> Duration {
         let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();
@@ -164,7 +164,7 @@ impl Rendering<'_> {
 /// # Errors
 /// The first file that could not be written; then no file has changed.
 pub fn write(
-    rendering: &Rendering,
+    rendering: &RenderingView,
     folder: &OutputFolder,
     stages: &mut Stages,
 ) -> Result<Vec<Written>, WriteError> {

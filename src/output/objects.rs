@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::Rendering;
+use super::RenderingView;
 use super::file::{FileContent, OutputFile};
 use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use crate::config::OptionalOutput;
@@ -57,7 +57,7 @@ pub struct Group<'a> {
 
 impl<'a> Group<'a> {
     /// Returns objects, then materials.
-    pub fn all(rendering: &Rendering, attribution: &'a CostAttribution) -> [Self; 2] {
+    pub fn all(rendering: &RenderingView, attribution: &'a CostAttribution) -> [Self; 2] {
         let config = rendering.config;
         let object = |(id, object): (usize, &crate::config::Object)| match &object.name {
             Some(name) => name.clone(),
@@ -84,7 +84,7 @@ impl<'a> Group<'a> {
 /// Writes a row for each object and material, each attribution rule and each
 /// kind of ray; times only if they were measured.
 fn write(
-    rendering: &Rendering,
+    rendering: &RenderingView,
     attribution: &CostAttribution,
     out: &mut impl Write,
 ) -> io::Result<()> {

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::Rendering;
+use super::RenderingView;
 use crate::film::{Column, Strip, columns};
 use crate::provenance::{Hasher, RunId};
 
 /// Returns the ID of a rendering: a hash of its settings and of every array of
 /// its film except `thread`, which varies from run to run.
-pub(super) fn id_of(rendering: &Rendering) -> RunId {
+pub(super) fn id_of(rendering: &RenderingView) -> RunId {
     let film = rendering.film;
     let columns: Vec<Column> = columns(film.cost, film.repeats)
         .filter(|column| column.name != "thread")

@@ -5,7 +5,7 @@ use indexmap::IndexMap;
 use serde_json::Number;
 
 use super::file::{FileContent, Job, OutputFile};
-use super::{Rendering, thread_time};
+use super::{RenderingView, thread_time};
 use crate::cost::RayKind;
 use crate::film::Film;
 use crate::folder::SUMMARY;
@@ -59,7 +59,7 @@ fn of(job: &Job) -> Summary {
     }
 }
 
-fn objects(rendering: &Rendering) -> Vec<ObjectEntry> {
+fn objects(rendering: &RenderingView) -> Vec<ObjectEntry> {
     let object = |object: &crate::config::Object| ObjectEntry {
         name: object.name.clone(),
         kind: object.geometry.to_string(),
@@ -68,7 +68,7 @@ fn objects(rendering: &Rendering) -> Vec<ObjectEntry> {
     rendering.config.objects.iter().map(object).collect()
 }
 
-fn repeats(rendering: &Rendering) -> RepeatsSection {
+fn repeats(rendering: &RenderingView) -> RepeatsSection {
     let repeats = rendering.repeats;
     let wall_ms = repeats.iter().map(|repeat| milliseconds(repeat.wall));
     RepeatsSection {
@@ -80,7 +80,7 @@ fn repeats(rendering: &Rendering) -> RepeatsSection {
     }
 }
 
-fn cost(rendering: &Rendering) -> CostSection {
+fn cost(rendering: &RenderingView) -> CostSection {
     let film = rendering.film;
     let seconds = rendering.median_wall().as_secs_f64();
     let has_counters = film.cost.has_counters();

@@ -1,10 +1,10 @@
 //! The breakdown of the threads' time.
 
-use super::Rendering;
+use super::RenderingView;
 use crate::summary::ThreadTime;
 
 /// Computes the breakdown of a rendering; `None` if pixels were not timed.
-pub fn thread_time(rendering: &Rendering) -> Option<ThreadTime> {
+pub fn thread_time(rendering: &RenderingView) -> Option<ThreadTime> {
     let clock = rendering.meter.clock()?;
     let repeats = rendering.repeats;
     let n_readings = repeats.len() * rendering.config.image.n_pixels();

@@ -2,7 +2,7 @@
 
 use std::io::{self, Seek, Write};
 
-use super::Rendering;
+use super::RenderingView;
 use super::file::{FileContent, OutputFile};
 use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
@@ -17,7 +17,7 @@ pub(super) const FILE: OutputFile = OutputFile {
     name: "tiles.vti",
     is_wanted: |request| request.has(OptionalOutput::Schedule),
     content: FileContent::Written(|job, out| {
-        let Rendering { schedule, film, .. } = job.rendering;
+        let RenderingView { schedule, film, .. } = job.rendering;
         write(schedule, film.cost, job.encoding(), out)
     }),
 };

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::Rendering;
+use super::RenderingView;
 use super::file::{FileContent, OutputFile};
 use crate::config::OptionalOutput;
 use crate::cost::Metric;
@@ -30,7 +30,7 @@ const STAGES: u32 = 0;
 /// Writes the stages so far, and every tile in the row of its thread, one event per
 /// line of text. Times are in microseconds since the start of the program.
 fn write(
-    rendering: &Rendering,
+    rendering: &RenderingView,
     stages: &Stages,
     run: RunId,
     out: &mut impl Write,

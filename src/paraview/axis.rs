@@ -1,5 +1,5 @@
-//! What colors and axes stand for: a formula, a title with a unit, the ends,
-//! and a few round labels.
+//! Color scales and axes of ParaView states: formula, title with unit, ends, and round
+//! labels.
 
 use super::template::Value;
 use crate::chart::{ticks, ticks_around_zero};

@@ -91,9 +91,9 @@ impl Rendering<'_> {
     }
 
     /// Borrows the rendering for the writers.
-    pub(crate) fn view<'a>(&'a self, profiler: Option<&'a Profiler>) -> output::Rendering<'a> {
+    pub(crate) fn view<'a>(&'a self, profiler: Option<&'a Profiler>) -> output::RenderingView<'a> {
         let measured = &self.measured;
-        output::Rendering {
+        output::RenderingView {
             scene_file: self.session.scene_file(),
             name: self.session.name(),
             config: self.session.config(),

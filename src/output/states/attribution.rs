@@ -5,7 +5,7 @@ use std::iter::zip;
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
-use crate::output::Rendering;
+use crate::output::RenderingView;
 use crate::paraview::{Axis, AxisScale, Value};
 
 /// Most boxes shown; a larger hierarchy is shown at a higher level.
@@ -46,7 +46,7 @@ enum Level {
 
 impl AttributionValues {
     /// Returns the values of the rendering's cost attribution, if it has one.
-    pub(super) fn of(rendering: &Rendering) -> Self {
+    pub(super) fn of(rendering: &RenderingView) -> Self {
         let Some(attribution) = rendering.attribution else {
             return Self::default();
         };

@@ -8,7 +8,7 @@ use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
 
-use super::{Rendering, files};
+use super::{RenderingView, files};
 use crate::chart::Range;
 use crate::cost::Metric;
 use crate::film::Film;
@@ -39,7 +39,7 @@ pub(super) struct States<'a> {
 
 impl<'a> States<'a> {
     /// Computes the values for this rendering's files in this folder.
-    pub(super) fn new(rendering: &Rendering, folder: &'a OutputFolder) -> Self {
+    pub(super) fn new(rendering: &RenderingView, folder: &'a OutputFolder) -> Self {
         let film = rendering.film;
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
