@@ -19,7 +19,7 @@ use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
 use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
-use raycost::render::{Plan, render};
+use raycost::render::{TilePlan, render};
 use raycost::results::{FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
 use raycost::statistics::{Ratio, SampleStatistics};
@@ -150,7 +150,7 @@ fn film(width: u32, height: u32) -> Film {
     let geometries = Geometries::read(&config, "configs".as_ref(), u64::MAX).unwrap();
     let scene = Scene::new(&config, geometries).unwrap();
     let accel = Accel::new(&scene.primitives, config.acceleration);
-    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }
 

@@ -8,7 +8,7 @@ use crate::output;
 use crate::render::repeat_bytes_per_pixel;
 use crate::scene::{Geometries, Primitive};
 use crate::schedule::{self, TileGrid};
-use crate::yaml::{Fault, Path};
+use crate::yaml::{Fault, FieldPath};
 
 pub use crate::host::available_memory as available;
 
@@ -77,7 +77,7 @@ impl Memory {
         if self.n_primitives > Bvh::MAX_PRIMITIVES {
             let most = Bvh::MAX_PRIMITIVES;
             let message = format!("the scene has {} primitives", self.n_primitives);
-            let objects = Path::default().key("objects");
+            let objects = FieldPath::default().key("objects");
             return Err(
                 Fault::of_key(objects, message, format!("expected at most {most}"))
                     .with_help("reduce the `count` of generators, or use smaller files"),
@@ -97,7 +97,7 @@ impl Memory {
         };
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         Err(Fault::of_key(
-            Path::default().key(section),
+            FieldPath::default().key(section),
             format!(
                 "{what} is too large: {:.1} GiB of memory are needed, {:.1} GiB are free",
                 gib(self.total()),
@@ -118,7 +118,7 @@ impl Memory {
 
 /// Returns the fault of a hierarchy that turned out too large.
 pub fn too_large(error: TooLarge) -> Fault {
-    let objects = Path::default().key("objects");
+    let objects = FieldPath::default().key("objects");
     Fault::of_key(objects, error.to_string(), "their hierarchy is too large")
         .with_help("reduce the `count` of generators, or use `acceleration: { quality: fast }`")
 }

@@ -16,7 +16,7 @@ use std::time::Instant;
 use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
-use raycost::render::{Plan, render};
+use raycost::render::{TilePlan, render};
 use raycost::scene::{Geometries, Scene};
 use raycost::statistics::median;
 use raycost::text::Diagnostic;
@@ -58,7 +58,7 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
 fn compare(path: &Path) -> Result<(), Diagnostic> {
     let (config, scene) = read(path)?;
     let accel = Accel::new(&scene.primitives, config.acceleration);
-    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let meters = MODES.map(Meter::new);
     let mut times = [[0.0; N_ROUNDS]; 3];
     let mut n_rays = 0;

@@ -2,7 +2,7 @@
 
 use super::CostAttribution;
 use super::attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
-use super::tally::{Counter, Tally};
+use super::tally::{Tally, TallyCache};
 use crate::accel::{Accel, BvhNode, Hit, TraversalStep};
 use crate::attribution::{Observer, RayTree, TracedRay};
 use crate::config::{Image, OptionalOutput, Outputs};
@@ -96,13 +96,13 @@ impl<'a> Attributor<'a> {
                 primitives: &scene.primitives,
                 background: [scene.n_objects() as u32, scene.materials.len() as u32],
                 accounts: [
-                    Counter::new(&tallies.objects),
-                    Counter::new(&tallies.materials),
+                    TallyCache::new(&tallies.objects),
+                    TallyCache::new(&tallies.materials),
                 ],
             },
             steps: Steps {
-                primitives: tallies.primitives.as_ref().map(Counter::new),
-                lines: tallies.lines.as_ref().map(Counter::new),
+                primitives: tallies.primitives.as_ref().map(TallyCache::new),
+                lines: tallies.lines.as_ref().map(TallyCache::new),
             },
         }
     }
@@ -141,7 +141,7 @@ struct ObjectTallies<'a> {
     /// The object and the material that represent the background.
     background: [u32; 2],
     /// The tallies of objects and of materials.
-    accounts: [Counter<'a, 4>; 2],
+    accounts: [TallyCache<'a, 4>; 2],
 }
 
 impl ObjectTallies<'_> {
@@ -170,8 +170,8 @@ impl ObjectTallies<'_> {
 
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
-    primitives: Option<Counter<'a, 3>>,
-    lines: Option<Counter<'a, 3>>,
+    primitives: Option<TallyCache<'a, 3>>,
+    lines: Option<TallyCache<'a, 3>>,
 }
 
 impl Steps<'_> {
@@ -208,7 +208,7 @@ impl Steps<'_> {
     }
 }
 
-fn add(counter: &mut Option<Counter<3>>, row: u32, amounts: [u64; 3]) {
+fn add(counter: &mut Option<TallyCache<3>>, row: u32, amounts: [u64; 3]) {
     if let Some(counter) = counter {
         counter.add(row, amounts);
     }

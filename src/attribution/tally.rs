@@ -30,12 +30,12 @@ impl<const N: usize> Tally<N> {
     }
 }
 
-/// Rows that a [`Counter`] caches.
+/// Rows that a [`TallyCache`] caches.
 const N_SLOTS: usize = 1 << 10;
 
 /// A thread's write cache of a tally. It avoids contention on rows that all
 /// threads add to, such as that of the root, which each ray visits.
-pub(super) struct Counter<'a, const N: usize> {
+pub(super) struct TallyCache<'a, const N: usize> {
     tally: &'a Tally<N>,
     slots: Vec<Slot<N>>,
 }
@@ -46,7 +46,7 @@ struct Slot<const N: usize> {
     amounts: [u64; N],
 }
 
-impl<'a, const N: usize> Counter<'a, N> {
+impl<'a, const N: usize> TallyCache<'a, N> {
     pub(super) fn new(tally: &'a Tally<N>) -> Self {
         let empty = Slot {
             row: 0,
@@ -81,7 +81,7 @@ impl<const N: usize> Slot<N> {
 }
 
 /// Flushes all rows.
-impl<const N: usize> Drop for Counter<'_, N> {
+impl<const N: usize> Drop for TallyCache<'_, N> {
     fn drop(&mut self) {
         for slot in &mut self.slots {
             slot.flush(self.tally);
@@ -101,7 +101,7 @@ mod tests {
             for thread in 0..4 {
                 let tally = &tally;
                 scope.spawn(move || {
-                    let mut counter = Counter::new(tally);
+                    let mut counter = TallyCache::new(tally);
                     for i in 0..20 * n_rows {
                         // Some rows often, in an order that evicts others.
                         counter.add(i * 7 % n_rows, [1, u64::from(i % 5 + thread)]);

@@ -2,7 +2,7 @@
 
 use image::{Rgb, RgbImage};
 
-use super::canvas::{self, Rect, Triangle, px};
+use super::canvas::{self, PixelTriangle, Rect, px};
 use super::colors::Colors;
 use super::label::Unit;
 use super::range::{Range, Scale};
@@ -174,7 +174,7 @@ impl Placed<'_> {
     fn paint_tip(&self, picture: &mut RgbImage, foot: u32, point: u32, color: Rgb<u8>) {
         let line = self.bar.line_px as f32;
         let thickness = self.bar.thickness_px() as f32;
-        let outline: Triangle = [
+        let outline: PixelTriangle = [
             self.point(foot as f32, -line),
             self.point(foot as f32, thickness + line),
             self.point(point as f32, thickness / 2.0),

@@ -77,10 +77,10 @@ pub fn blend(picture: &mut RgbImage, x: i64, y: i64, color: Rgb<u8>, coverage: f
 }
 
 /// Corners of a triangle, x and y in pixels.
-pub type Triangle = [[f32; 2]; 3];
+pub type PixelTriangle = [[f32; 2]; 3];
 
 /// Paints `triangle` in `color` with smooth edges.
-pub fn fill_triangle(picture: &mut RgbImage, triangle: Triangle, color: Rgb<u8>) {
+pub fn fill_triangle(picture: &mut RgbImage, triangle: PixelTriangle, color: Rgb<u8>) {
     let span = |axis: usize| {
         let along = triangle.map(|corner| corner[axis]);
         let low = along.into_iter().fold(f32::INFINITY, f32::min);
@@ -95,7 +95,7 @@ pub fn fill_triangle(picture: &mut RgbImage, triangle: Triangle, color: Rgb<u8>)
 }
 
 /// Moves each edge of the triangle inward by `inset_px`, less than the radius of its incircle.
-pub fn inset(triangle: Triangle, inset_px: f32) -> Triangle {
+pub fn inset(triangle: PixelTriangle, inset_px: f32) -> PixelTriangle {
     let [a, b, c] = triangle;
     let lengths = [distance(b, c), distance(c, a), distance(a, b)];
     let perimeter: f32 = lengths.iter().sum();
@@ -108,7 +108,7 @@ pub fn inset(triangle: Triangle, inset_px: f32) -> Triangle {
 }
 
 /// Returns the share of pixel (x, y) inside `triangle`, from 8 x 8 samples.
-fn coverage(triangle: &Triangle, x: i64, y: i64) -> f32 {
+fn coverage(triangle: &PixelTriangle, x: i64, y: i64) -> f32 {
     const N: usize = 8;
     let [a, b, c] = *triangle;
     let orientation = edge(a, b, c).signum();

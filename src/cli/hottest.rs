@@ -5,9 +5,9 @@ use super::scene::SceneArguments;
 use super::{Failure, shell_word};
 use crate::accel::Accel;
 use crate::config::{Config, CostMode, Repeats};
-use crate::cost::{Meter, Metric, Unit};
+use crate::cost::{Meter, Metric, MetricUnit};
 use crate::film::{Film, HotPixel};
-use crate::render::{Plan, least_repeats, repeat};
+use crate::render::{TilePlan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::text::Diagnostic;
 
@@ -74,7 +74,7 @@ pub(super) fn search(config: &Config, scene: &Scene, accel: &Accel, quiet: bool)
     let n_rendered = u64::from(least_repeats(config)) * config.image.n_pixels() as u64;
     let meter = Meter::new(config.cost);
     with_bar(n_rendered, quiet, |report| {
-        let plan = Plan::new(scene, accel, &config.image, config.tiles);
+        let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
         repeat(config.repeats, scene, accel, &plan, &meter, report).0
     })
 }
@@ -131,7 +131,7 @@ fn value(hottest: Hottest) -> String {
 /// Formats a value of a metric with its unit.
 fn shown(metric: Metric, value: f64) -> String {
     match metric.unit {
-        Unit::Nanoseconds => metric.format(value),
-        Unit::Count => format!("{} {}", metric.format(value), metric.label),
+        MetricUnit::Nanoseconds => metric.format(value),
+        MetricUnit::Count => format!("{} {}", metric.format(value), metric.label),
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::render::Progress;
-use crate::session::Event;
+use crate::session::{Event, Report};
 use crate::text::one_line;
 
 /// A build shows no bar before this time.
@@ -202,6 +202,3 @@ pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) 
     bar.clear();
     done
 }
-
-/// Receives progress from any thread.
-pub(super) type Report<'a> = &'a (dyn Fn(Progress) + Sync);

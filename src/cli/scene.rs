@@ -178,7 +178,7 @@ impl SceneArguments {
             }
             (Some(_), None) => Err(source.point_at(
                 Fault::new(
-                    yaml::Path::default().key("cost"),
+                    yaml::FieldPath::default().key("cost"),
                     message,
                     "expected `time`",
                 )

@@ -16,7 +16,7 @@ use crate::film::HotPixel;
 use crate::folder::{OutputFolder, Written};
 use crate::memory::{self, Memory};
 use crate::output::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
-use crate::render::{Plan, Progress, render};
+use crate::render::{Progress, TilePlan, render};
 use crate::scene::{Geometries, Scene};
 use crate::session::Input;
 use crate::stop;
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let small = small(&image);
     scene.image_plane = config.camera.image_plane(small.width, small.height);
     let (cloud, _) = pool.install(|| {
-        let plan = Plan::new(&scene, &accel, &small, Tiling::default());
+        let plan = TilePlan::new(&scene, &accel, &small, Tiling::default());
         render(&scene, &accel, &plan, &Meter::Off, |_| {})
     });
     stop::check()?;

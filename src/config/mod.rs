@@ -35,7 +35,7 @@ use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
 use crate::vtk::Codec;
-use crate::yaml::{Fault, Path};
+use crate::yaml::{Fault, FieldPath};
 
 /// A whole scene file.
 ///
@@ -113,7 +113,7 @@ impl Config {
             return Ok(());
         }
         let message = "`repeats` requires times, and none are measured";
-        let repeats = Path::default().key("repeats");
+        let repeats = FieldPath::default().key("repeats");
         Err(Fault::new(
             repeats,
             message,
@@ -142,7 +142,7 @@ impl Config {
         if has_cloud {
             return Ok(());
         }
-        let objects = Path::default().key("objects");
+        let objects = FieldPath::default().key("objects");
         let message = "the scene has no `sphere_cloud`, whose count could change";
         Err(Fault::new(objects, message, "no `sphere_cloud` here"))
     }

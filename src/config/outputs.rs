@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 
 use super::{Acceleration, CostMode};
-use crate::yaml::{self, Fault, Path};
+use crate::yaml::{self, Fault, FieldPath};
 
 /// The optional outputs of a run.
 ///
@@ -121,7 +121,7 @@ impl Outputs {
         for &requested in &self.optional {
             let name = requested.name();
             let fault = |message: String, help: &str| {
-                let output = Path::default().key("output");
+                let output = FieldPath::default().key("output");
                 let fault = Fault::of_key(output, message, format!("requests `{name}`"));
                 Err((requested, fault.with_help(help)))
             };

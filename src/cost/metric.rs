@@ -23,18 +23,18 @@ pub struct Metric {
     /// Description in a line.
     pub about: &'static str,
     /// Unit.
-    pub unit: Unit,
+    pub unit: MetricUnit,
     /// How the values of several pixels combine.
     pub aggregation: Aggregation,
     /// Whether values usually span decades, so that a logarithmic scale suits.
     pub spans_decades: bool,
     /// Where the values come from.
-    pub source: Source,
+    pub source: MetricSource,
 }
 
 /// The unit of a cost metric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum MetricUnit {
     /// Time.
     Nanoseconds,
     /// A count of what the label names.
@@ -52,7 +52,7 @@ pub enum Aggregation {
 
 /// The origin of a metric's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
+pub enum MetricSource {
     /// The clock. The only one with noise.
     Clock,
     /// A counter.
@@ -67,10 +67,10 @@ const fn counter(name: &'static str, label: &'static str, counter: Counter) -> M
         label,
         title: label,
         about: label,
-        unit: Unit::Count,
+        unit: MetricUnit::Count,
         aggregation: Aggregation::Sum,
         spans_decades: false,
-        source: Source::Counter(counter),
+        source: MetricSource::Counter(counter),
     }
 }
 
@@ -79,9 +79,9 @@ impl Metric {
     pub const TIME: Self = Self {
         title: "time per pixel",
         about: "thread time spent in the pixel",
-        unit: Unit::Nanoseconds,
+        unit: MetricUnit::Nanoseconds,
         spans_decades: true,
-        source: Source::Clock,
+        source: MetricSource::Clock,
         ..counter("time_ns", "time", Counter::NodeVisits)
     };
     /// BVH nodes visited.
@@ -106,7 +106,7 @@ impl Metric {
     pub const RAYS: Self = Self {
         title: "rays per pixel",
         about: "rays of all kinds",
-        source: Source::AllRays,
+        source: MetricSource::AllRays,
         ..counter("rays", "rays", Counter::ShadowRays)
     };
     /// The longest path.
@@ -157,15 +157,15 @@ impl Metric {
 
     /// Whether its values come from the clock.
     pub fn is_timed(self) -> bool {
-        self.source == Source::Clock
+        self.source == MetricSource::Clock
     }
 
     /// Returns its value of a counted cost; 0 for a time.
     pub fn of(self, cost: &Cost) -> u64 {
         match self.source {
-            Source::Clock => 0,
-            Source::Counter(counter) => cost.get(counter),
-            Source::AllRays => cost.n_rays(),
+            MetricSource::Clock => 0,
+            MetricSource::Counter(counter) => cost.get(counter),
+            MetricSource::AllRays => cost.n_rays(),
         }
     }
 
@@ -180,16 +180,16 @@ impl Metric {
     /// The unit in legends: "ns", or the label of what is counted.
     pub fn unit_label(self) -> &'static str {
         match self.unit {
-            Unit::Nanoseconds => "ns",
-            Unit::Count => self.label,
+            MetricUnit::Nanoseconds => "ns",
+            MetricUnit::Count => self.label,
         }
     }
 
     /// Formats a value for people, a time with its unit.
     pub fn format(self, value: f64) -> String {
         match self.unit {
-            Unit::Nanoseconds => numbers::duration(Duration::from_nanos(value as u64)),
-            Unit::Count => numbers::count(value as u64),
+            MetricUnit::Nanoseconds => numbers::duration(Duration::from_nanos(value as u64)),
+            MetricUnit::Count => numbers::count(value as u64),
         }
     }
 
@@ -221,8 +221,8 @@ mod tests {
     #[test]
     fn every_counter_is_a_metric_and_every_metric_has_its_value() {
         let counters = Metric::ALL.iter().filter_map(|metric| match metric.source {
-            Source::Counter(counter) => Some(counter),
-            Source::Clock | Source::AllRays => None,
+            MetricSource::Counter(counter) => Some(counter),
+            MetricSource::Clock | MetricSource::AllRays => None,
         });
         assert!(counters.eq(Counter::ALL));
         let cost = Cost {

@@ -20,7 +20,7 @@ pub use counter::Counter;
 pub use counters::Counters;
 pub use interruption::Interruptions;
 pub use meter::Meter;
-pub use metric::{Aggregation, Metric, Source, Unit};
+pub use metric::{Aggregation, Metric, MetricSource, MetricUnit};
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
 pub use traversals::Traversals;
 

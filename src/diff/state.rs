@@ -6,7 +6,7 @@ use super::file::DiffFile;
 use super::{Diff, volume};
 use crate::chart::{Range, Scale};
 use crate::folder::OutputFolder;
-use crate::paraview::{Axis, AxisScale, Panels, fill, value_of_panels};
+use crate::paraview::{Axis, ColorScale, Panels, fill, value_of_panels};
 use crate::provenance::stamped;
 
 const TEMPLATE: &str = include_str!("../../paraview/diff.pvsm");
@@ -40,13 +40,13 @@ fn text(diff: &Diff, folder: &OutputFolder) -> String {
     };
     let difference = axis(
         "difference",
-        AxisScale::Diverging,
+        ColorScale::Diverging,
         [-max_difference, max_difference],
     );
     let max_ratio = change.max_ratio;
     let ratio = axis(
         "ratio",
-        AxisScale::Logarithmic,
+        ColorScale::Logarithmic,
         [max_ratio.recip(), max_ratio],
     );
     fill(TEMPLATE, |key| {

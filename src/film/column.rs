@@ -4,7 +4,7 @@ use vtkio::model::ScalarType;
 
 use super::{Film, Strip};
 use crate::config::{CostMode, Repeats};
-use crate::cost::{Metric, Source};
+use crate::cost::{Metric, MetricSource};
 
 /// An array of the film as in files.
 #[derive(Debug, Clone, Copy)]
@@ -114,7 +114,7 @@ impl Column {
     pub fn is_stored(&self) -> bool {
         match self.origin {
             Origin::Stored(_) => true,
-            Origin::Counted(metric) => metric.source != Source::AllRays,
+            Origin::Counted(metric) => metric.source != MetricSource::AllRays,
             Origin::Tile | Origin::Thread => false,
         }
     }

@@ -32,7 +32,7 @@ impl Film {
         if metric.is_timed() {
             return self.times().hottest(n);
         }
-        let mut list = List::new(n);
+        let mut list = HottestList::new(n);
         let mut counts = Vec::new();
         for strip in &self.strips {
             self.counts(strip, metric, &mut counts);
@@ -70,7 +70,7 @@ impl Times<'_> {
     /// The `n` pixels that took longest, of those whose times can be trusted, as
     /// [`Film::hottest`] has them.
     pub fn hottest(&self, n: usize) -> Vec<HotPixel> {
-        let mut list = List::new(n);
+        let mut list = HottestList::new(n);
         for (y, row) in self.ns.iter().enumerate() {
             for (x, &ns) in row.iter().enumerate() {
                 let place = (x as u32, y as u32);
@@ -107,7 +107,7 @@ impl Times<'_> {
 /// The `n` pixels of the highest counts, given row by row, row 0 on top, as
 /// [`Film::hottest`] has them.
 pub fn highest_counts<'a>(rows: impl Iterator<Item = &'a [u32]>, n: usize) -> Vec<HotPixel> {
-    let mut list = List::new(n);
+    let mut list = HottestList::new(n);
     for (row, y) in rows.zip(0..) {
         list.add_row(row, y);
     }
@@ -115,12 +115,12 @@ pub fn highest_counts<'a>(rows: impl Iterator<Item = &'a [u32]>, n: usize) -> Ve
 }
 
 /// The most expensive pixels so far, the most expensive first.
-struct List {
+struct HottestList {
     most: usize,
     pixels: Vec<HotPixel>,
 }
 
-impl List {
+impl HottestList {
     fn new(most: usize) -> Self {
         Self {
             most,

@@ -1,19 +1,19 @@
 //! The cost metrics of a film.
 
 use super::{Film, Strip};
-use crate::cost::{Counter, Metric, RayKind, Source};
+use crate::cost::{Counter, Metric, MetricSource, RayKind};
 
 impl Film {
     /// Overwrites `counts` with a counted metric of the pixels of a strip.
     pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
         counts.clear();
         match metric.source {
-            Source::Clock => counts.resize(strip.rgb.len(), 0),
-            Source::Counter(counter) => {
+            MetricSource::Clock => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Counter(counter) => {
                 counts.resize(strip.rgb.len(), 0);
                 self.add_counts(strip, counter, counts);
             }
-            Source::AllRays => {
+            MetricSource::AllRays => {
                 counts.resize(strip.rgb.len(), self.n_samples);
                 for counter in RayKind::ALL.into_iter().filter_map(Counter::of_rays) {
                     self.add_counts(strip, counter, counts);

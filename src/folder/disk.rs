@@ -109,7 +109,7 @@ pub(super) mod faults {
 
     /// The fault of a call.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub(in crate::folder) enum Fault {
+    pub(in crate::folder) enum DiskFault {
         /// The process is killed: neither this call nor any later one changes
         /// the disk.
         Kill,
@@ -120,7 +120,7 @@ pub(super) mod faults {
     }
 
     thread_local! {
-        static PLAN: Cell<Option<(usize, Fault)>> = const { Cell::new(None) };
+        static PLAN: Cell<Option<(usize, DiskFault)>> = const { Cell::new(None) };
         static N_CALLS: Cell<usize> = const { Cell::new(0) };
     }
 
@@ -128,7 +128,7 @@ pub(super) mod faults {
     /// number of calls.
     pub(in crate::folder) fn with<T>(
         number: usize,
-        fault: Fault,
+        fault: DiskFault,
         work: impl FnOnce() -> T,
     ) -> (T, usize) {
         N_CALLS.set(0);
@@ -145,9 +145,9 @@ pub(super) mod faults {
         let n = N_CALLS.get();
         N_CALLS.set(n + 1);
         match fault {
-            Fault::Kill if n >= number => Err(io::Error::other("killed")),
-            Fault::Error(code) if n == number => Err(io::Error::from_raw_os_error(code)),
-            Fault::Errors(code) if n >= number => Err(io::Error::from_raw_os_error(code)),
+            DiskFault::Kill if n >= number => Err(io::Error::other("killed")),
+            DiskFault::Error(code) if n == number => Err(io::Error::from_raw_os_error(code)),
+            DiskFault::Errors(code) if n >= number => Err(io::Error::from_raw_os_error(code)),
             _ => Ok(()),
         }
     }

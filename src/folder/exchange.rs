@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use super::disk;
 use super::lock::is_same;
-use super::workspace::{Plan, Workspace};
+use super::workspace::{CommitPlan, Workspace};
 
 /// Most files of others that are linked.
 const MAX_KEPT: usize = 1000;
@@ -31,7 +31,7 @@ pub(super) fn parent_of(folder: &Path) -> Option<PathBuf> {
 pub(super) fn commit(
     folder: &Path,
     workspace: &Workspace,
-    mut plan: Plan,
+    mut plan: CommitPlan,
     sync: bool,
 ) -> io::Result<bool> {
     let Some(kept) = kept(folder, &plan.old)? else {

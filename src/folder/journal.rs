@@ -11,7 +11,7 @@ use std::path::Path;
 
 use super::disk;
 use super::error::WriteError;
-use super::workspace::{self, Plan, Workspace};
+use super::workspace::{self, CommitPlan, Workspace};
 
 /// The name of the journal during a commit.
 const NAME: &str = ".raycost-journal";
@@ -26,7 +26,7 @@ const TAKEN_BACK: &str = ".raycost-taken-back";
 pub(super) fn commit(
     folder: &Path,
     workspace: &Workspace,
-    plan: &Plan,
+    plan: &CommitPlan,
     sync: bool,
 ) -> io::Result<()> {
     let journal = folder.join(NAME);
@@ -46,7 +46,7 @@ pub(super) fn commit(
     Ok(())
 }
 
-fn move_files(folder: &Path, journal: &Path, plan: &Plan, sync: bool) -> io::Result<()> {
+fn move_files(folder: &Path, journal: &Path, plan: &CommitPlan, sync: bool) -> io::Result<()> {
     let (new, old) = (workspace::new_files(journal), workspace::old_files(journal));
     for name in &plan.new {
         let (at, saved) = (folder.join(name), old.join(name));
@@ -89,7 +89,7 @@ pub(super) fn roll_back(folder: &Path) -> Result<(), WriteError> {
     put_back(folder, &journal, &plan).map_err(|error| WriteError::new(&journal, error))
 }
 
-fn put_back(folder: &Path, journal: &Path, plan: &Plan) -> io::Result<()> {
+fn put_back(folder: &Path, journal: &Path, plan: &CommitPlan) -> io::Result<()> {
     let (new, old) = (workspace::new_files(journal), workspace::old_files(journal));
     for name in &plan.old {
         if old.join(name).symlink_metadata().is_ok() {

@@ -6,7 +6,7 @@ use std::io;
 use super::error::WriteError;
 use super::own::{self, Own};
 use super::staged::{FileWriter, StagedFile};
-use super::workspace::{self, Plan, Workspace};
+use super::workspace::{self, CommitPlan, Workspace};
 use super::{OutputFolder, disk, exchange, journal};
 
 /// New files of an output folder. Dropping them without a commit removes them.
@@ -50,7 +50,7 @@ impl Staging<'_> {
             return Err(own::foreign(&path.join(name)));
         }
         let fail = |error| WriteError::new(path, error);
-        let plan = Plan {
+        let plan = CommitPlan {
             raycost: env!("CARGO_PKG_VERSION").to_owned(),
             staged: workspace::number_of(&self.workspace.new_files()).map_err(fail)?,
             new,
@@ -80,7 +80,7 @@ impl Staging<'_> {
 
     /// Gives each new file the permissions of the old one, and flushes it to the disk
     /// if requested.
-    fn prepare(&self, plan: &Plan) -> io::Result<()> {
+    fn prepare(&self, plan: &CommitPlan) -> io::Result<()> {
         let new_files = self.workspace.new_files();
         for name in &plan.new {
             let (old, new) = (self.folder.place.join(name), new_files.join(name));

@@ -1,7 +1,7 @@
 //! A temporary folder for new files.
 //!
 //! Its name is `.raycost-<hash>-<random>`, with a hash of the output folder's name. It
-//! contains `new/` with the new files, a [`Plan`] during a commit, and files of that
+//! contains `new/` with the new files, a [`CommitPlan`] during a commit, and files of that
 //! commit. The process that creates it locks it: a workspace that is not locked
 //! belongs to a killed process. Only its user may open it.
 
@@ -26,7 +26,7 @@ const PLAN: &str = "plan.json";
 
 /// The steps of a commit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Plan {
+pub(super) struct CommitPlan {
     /// The version of raycost that commits.
     pub(super) raycost: String,
     /// The inode number of the folder of new files.
@@ -70,7 +70,7 @@ impl Workspace {
     }
 
     /// Writes the plan of a commit.
-    pub(super) fn write_plan(&self, plan: &Plan) -> io::Result<()> {
+    pub(super) fn write_plan(&self, plan: &CommitPlan) -> io::Result<()> {
         let path = self.path.join(PLAN);
         if path.exists() {
             disk::remove_file(&path)?;
@@ -122,7 +122,7 @@ pub(super) fn old_files(workspace: &Path) -> PathBuf {
 }
 
 /// The plan of a workspace; `None` if it has none or an incomplete one.
-pub(super) fn plan(workspace: &Path) -> Option<Plan> {
+pub(super) fn plan(workspace: &Path) -> Option<CommitPlan> {
     let text = fs::read(workspace.join(PLAN)).ok()?;
     serde_json::from_slice(&text).ok()
 }
@@ -192,7 +192,7 @@ fn was_exchanged(workspace: &Path) -> bool {
 }
 
 /// Moves files of others from the old folder to the new one.
-fn hand_over(old: &Path, folder: &Path, plan: &Plan) -> io::Result<()> {
+fn hand_over(old: &Path, folder: &Path, plan: &CommitPlan) -> io::Result<()> {
     for entry in fs::read_dir(old)? {
         let entry = entry?;
         let name = entry.file_name();

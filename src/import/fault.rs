@@ -11,7 +11,7 @@ pub struct FileFault {
     /// The path of the file as given; empty until it is known.
     file: String,
     /// The position in the file, if it is known.
-    pub place: Option<Place>,
+    pub location: Option<FileLocation>,
     /// What is wrong.
     pub problem: String,
     /// What would be right, as it follows the word "expected".
@@ -20,7 +20,7 @@ pub struct FileFault {
 
 /// A position in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Place {
+pub enum FileLocation {
     /// A line of a text file; the first one is 1.
     Line(u64),
     /// An element of a binary file: its kind and its number; the first one is 0.
@@ -44,15 +44,15 @@ impl FileFault {
     pub(super) fn new(problem: impl Into<String>, expected: impl Into<String>) -> Self {
         Self {
             file: String::new(),
-            place: None,
+            location: None,
             problem: problem.into(),
             expected: expected.into(),
         }
     }
 
     /// The same fault at this position, unless a position is known already.
-    pub(super) fn at(mut self, place: Place) -> Self {
-        self.place.get_or_insert(place);
+    pub(super) fn at(mut self, location: FileLocation) -> Self {
+        self.location.get_or_insert(location);
         self
     }
 
@@ -65,9 +65,9 @@ impl FileFault {
     /// File, position and problem in one line.
     pub fn message(&self) -> String {
         let Self { file, problem, .. } = self;
-        match &self.place {
+        match &self.location {
             None => format!("`{file}`: {problem}"),
-            Some(place) => format!("`{file}`, {place}: {problem}"),
+            Some(location) => format!("`{file}`, {location}: {problem}"),
         }
     }
 }
@@ -80,7 +80,7 @@ impl From<io::Error> for FileFault {
 }
 
 /// `line 7` or `face 12`
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(number) => write!(f, "line {number}"),

@@ -18,7 +18,7 @@ use std::path::Path;
 
 use crate::stop;
 
-pub use fault::{FileFault, Place};
+pub use fault::{FileFault, FileLocation};
 pub use mesh::{Mesh, Normals};
 pub use spheres::Spheres;
 
@@ -26,7 +26,7 @@ pub use spheres::Spheres;
 pub type Result<T> = std::result::Result<T, FileFault>;
 
 /// An open file to be read.
-type Input = BufReader<Stoppable>;
+type GeometryFileReader = BufReader<Stoppable>;
 
 /// A file that cannot be read on once the program is asked to end.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ impl Read for Stoppable {
 pub const MAX_BYTES_PER_BYTE: u64 = 36;
 
 /// A reader of one format.
-type MeshReader = fn(Input) -> Result<Mesh>;
+type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;
 
 /// The mesh formats by the extension of their files, in lower case.
 const FORMATS: &[(&str, MeshReader)] = &[("obj", obj::read), ("ply", ply::read)];
@@ -98,7 +98,7 @@ pub fn n_bytes(path: &Path) -> Result<u64> {
     length.map_err(|fault| fault.in_file(path))
 }
 
-fn open(path: &Path) -> Result<Input> {
+fn open(path: &Path) -> Result<GeometryFileReader> {
     let file = Stoppable(File::open(path)?);
     Ok(BufReader::with_capacity(1 << 18, file))
 }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::fault::cut;
 use super::lines::Lines;
 use super::mesh::{Mesh, Normals, count, fan, finite};
-use super::{FileFault, Input, Place, Result};
+use super::{FileFault, FileLocation, GeometryFileReader, Result};
 
 /// Statements that are ignored: other elements, texture coordinates, groups,
 /// materials and display attributes.
@@ -41,7 +41,7 @@ const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
 /// Placeholder for the normals of a triangle without any, replaced at the end.
 const MISSING: [u32; 3] = [u32::MAX; 3];
 
-pub(super) fn read(file: Input) -> Result<Mesh> {
+pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
     let mut lines = Lines::new(file);
     let mut reader = Reader::default();
     loop {
@@ -49,7 +49,7 @@ pub(super) fn read(file: Input) -> Result<Mesh> {
             Some(line) => reader.statement(&line),
             None => return Ok(reader.finish()),
         };
-        read.map_err(|fault| fault.at(Place::Line(lines.number())))?;
+        read.map_err(|fault| fault.at(FileLocation::Line(lines.number())))?;
     }
 }
 

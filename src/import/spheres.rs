@@ -4,7 +4,7 @@ use csv::{ByteRecord, ErrorKind, Position, ReaderBuilder, Trim};
 
 use super::fault::cut;
 use super::mesh::finite;
-use super::{FileFault, Input, Place, Result};
+use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use crate::geometry::Sphere;
 use crate::text::did_you_mean;
 use crate::yaml::hex_color;
@@ -30,10 +30,10 @@ impl Spheres {
     }
 }
 
-pub(super) fn read(file: Input, radius: Option<f32>) -> Result<Spheres> {
+pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Spheres> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
     let columns = SphereColumns::of(table.byte_headers().map_err(of_table)?, radius)
-        .map_err(|fault| fault.at(Place::Line(1)))?;
+        .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     let mut found = Spheres {
         spheres: Vec::new(),
         colors: columns.color.map(|_| Vec::new()),
@@ -41,7 +41,7 @@ pub(super) fn read(file: Input, radius: Option<f32>) -> Result<Spheres> {
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
         let line = row.position().map_or(0, Position::line);
-        let at_line = |fault: FileFault| fault.at(Place::Line(line));
+        let at_line = |fault: FileFault| fault.at(FileLocation::Line(line));
         found.spheres.push(columns.sphere(&row).map_err(at_line)?);
         if let (Some(column), Some(colors)) = (columns.color, &mut found.colors) {
             colors.push(color(word(&row, column)).map_err(at_line)?);
@@ -145,7 +145,7 @@ fn color(word: &str) -> Result<[u8; 3]> {
 fn of_table(error: csv::Error) -> FileFault {
     let line = error
         .position()
-        .map(|position| Place::Line(position.line()));
+        .map(|position| FileLocation::Line(position.line()));
     let fault = match error.into_kind() {
         ErrorKind::Io(error) => FileFault::from(error),
         ErrorKind::UnequalLengths {

@@ -9,7 +9,7 @@ use super::file::{FileContent, OutputFile};
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
-use crate::vtk::data_set::{DataSet, Mesh};
+use crate::vtk::data_set::{CellMesh, DataSet};
 use crate::vtk::encoding::Encoding;
 
 /// The file.
@@ -33,7 +33,7 @@ pub fn write(
     let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(column_array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     let [connectivity, offsets] = separate_cells(1, n);
-    let cloud = Mesh {
+    let cloud = CellMesh {
         n_points: n,
         n_cells: n,
         points: column_array(Column::POSITION),

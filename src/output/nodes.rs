@@ -11,7 +11,7 @@ use crate::config::{BvhLimits, CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells, types_of};
-use crate::vtk::data_set::{DataSet, Mesh};
+use crate::vtk::data_set::{CellMesh, DataSet};
 use crate::vtk::encoding::Encoding;
 
 /// The file.
@@ -47,7 +47,7 @@ pub fn write(
     let shown = shown(hierarchy, limits);
     let n = shown.len();
     let [connectivity, offsets] = separate_cells(8, n);
-    let boxes = Mesh {
+    let boxes = CellMesh {
         n_points: 8 * n,
         n_cells: n,
         point_data: Vec::new(),

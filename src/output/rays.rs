@@ -12,7 +12,7 @@ use crate::film::Film;
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells};
-use crate::vtk::data_set::{DataSet, Mesh};
+use crate::vtk::data_set::{CellMesh, DataSet};
 use crate::vtk::encoding::Encoding;
 
 /// The name of the file.
@@ -71,7 +71,7 @@ impl<'a> Rays<'a> {
         out: &mut (impl Write + Seek),
     ) -> io::Result<()> {
         let [connectivity, offsets] = separate_cells(2, self.n);
-        let lines = Mesh {
+        let lines = CellMesh {
             n_points: 2 * self.n,
             n_cells: self.n,
             point_data: Vec::new(),

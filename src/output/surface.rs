@@ -12,7 +12,7 @@ use crate::geometry::Patch;
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, Integers};
-use crate::vtk::data_set::{DataSet, Mesh};
+use crate::vtk::data_set::{CellMesh, DataSet};
 use crate::vtk::encoding::Encoding;
 
 /// The file.
@@ -58,7 +58,7 @@ pub fn write(
     };
     let n_points = surface.ends().last().unwrap_or(0);
     let ids = Integers::up_to(n_points);
-    let mesh = Mesh {
+    let mesh = CellMesh {
         n_points,
         n_cells: surface.n_cells,
         point_data: Vec::new(),

@@ -1,12 +1,12 @@
 //! Color scales and axes of ParaView states: formula, title with unit, ends, and round
 //! labels.
 
-use super::template::Value;
+use super::template::StateValue;
 use crate::chart::{ticks, ticks_around_zero};
 
-/// The scale of an axis.
+/// The scale of colors or of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum AxisScale {
+pub(crate) enum ColorScale {
     /// For positive values.
     Logarithmic,
     /// For values from 0 or a least value.
@@ -22,7 +22,7 @@ pub(crate) struct Axis {
     array: String,
     name: String,
     unit: Option<TimeUnit>,
-    scale: AxisScale,
+    scale: ColorScale,
     /// The least value, in the displayed unit.
     low: f64,
     high: f64,
@@ -59,7 +59,7 @@ const TIME_UNITS: [TimeUnit; 3] = [
 
 impl Axis {
     /// Creates the axis of an array with the values of the file and this title.
-    pub(crate) fn new(array: &str, name: &str, scale: AxisScale, [low, high]: [f64; 2]) -> Self {
+    pub(crate) fn new(array: &str, name: &str, scale: ColorScale, [low, high]: [f64; 2]) -> Self {
         Self {
             array: array.to_owned(),
             name: name.to_owned(),
@@ -75,8 +75,8 @@ impl Axis {
     /// middle of the axis is not small; in µs if there is none.
     pub(crate) fn of_time(self) -> Self {
         let middle = match self.scale {
-            AxisScale::Logarithmic => (self.low * self.high).sqrt(),
-            AxisScale::Linear | AxisScale::Diverging => 0.5 * self.high,
+            ColorScale::Logarithmic => (self.low * self.high).sqrt(),
+            ColorScale::Linear | ColorScale::Diverging => 0.5 * self.high,
         };
         let fits = |unit: &&TimeUnit| middle >= 0.1 * unit.ns;
         let unit = TIME_UNITS.iter().rfind(fits).unwrap_or(&TIME_UNITS[0]);
@@ -94,16 +94,16 @@ impl Axis {
     }
 
     /// Returns the value of a key without the axis' own prefix.
-    pub(crate) fn value(&self, key: &str) -> Option<Value> {
+    pub(crate) fn value(&self, key: &str) -> Option<StateValue> {
         let log10_of_ends = || [self.low, self.high].map(f64::log10);
         let number = match key {
             "array" => return Some(self.array.clone().into()),
             "formula" => return Some(self.formula().into()),
             "title" => return Some(self.title().into()),
-            "labels" => return Some(Value::Many(self.labels(|value| value))),
+            "labels" => return Some(StateValue::Many(self.labels(|value| value))),
             "log10.formula" => return Some(format!("log10({})", self.formula()).into()),
             "log10.title" => return Some(format!("{}, log scale", self.title()).into()),
-            "log10.labels" => return Some(Value::Many(self.labels(f64::log10))),
+            "log10.labels" => return Some(StateValue::Many(self.labels(f64::log10))),
             _ => match key.split_once('(')? {
                 ("log", f) => between(f, |f| self.low * (self.high / self.low).powf(f)),
                 ("linear", f) => between(f, |f| self.low + (self.high - self.low) * f),
@@ -139,13 +139,13 @@ impl Axis {
     /// Returns at most `n_labels` round values between the ends.
     fn ticks(&self) -> Vec<f64> {
         match self.scale {
-            AxisScale::Logarithmic => self.log_ticks(),
-            AxisScale::Linear => {
+            ColorScale::Logarithmic => self.log_ticks(),
+            ColorScale::Linear => {
                 // Values without a unit are counts.
                 let least_step = if self.unit.is_some() { 0.0 } else { 1.0 };
                 linear_ticks([self.low, self.high], self.n_labels, least_step)
             }
-            AxisScale::Diverging => ticks_around_zero(self.high, 0.17).major,
+            ColorScale::Diverging => ticks_around_zero(self.high, 0.17).major,
         }
     }
 
@@ -214,7 +214,7 @@ mod tests {
             .collect()
     }
 
-    fn axis(scale: AxisScale, ends: [f64; 2]) -> Axis {
+    fn axis(scale: ColorScale, ends: [f64; 2]) -> Axis {
         Axis::new("time_ns", "Time", scale, ends)
     }
 
@@ -226,7 +226,7 @@ mod tests {
             (3e6, "Time (ms)", "time_ns*0.000001"),
             (2e9, "Time (s)", "time_ns*0.000000001"),
         ] {
-            let axis = axis(AxisScale::Logarithmic, [0.1 * high, high]).of_time();
+            let axis = axis(ColorScale::Logarithmic, [0.1 * high, high]).of_time();
             assert_eq!(
                 (axis.title().as_str(), axis.formula().as_str()),
                 (title, formula)
@@ -236,15 +236,15 @@ mod tests {
 
     #[test]
     fn labels_are_round() {
-        let log = axis(AxisScale::Logarithmic, [52.0, 1900.0]).of_time();
+        let log = axis(ColorScale::Logarithmic, [52.0, 1900.0]).of_time();
         assert_eq!(texts(&log), ["0.1", "0.2", "0.5", "1"]);
         assert_eq!(
-            texts(&axis(AxisScale::Linear, [0.0, 23.0])),
+            texts(&axis(ColorScale::Linear, [0.0, 23.0])),
             ["0", "5", "10", "15", "20"]
         );
-        let around = axis(AxisScale::Diverging, [-700.0, 700.0]);
+        let around = axis(ColorScale::Diverging, [-700.0, 700.0]);
         assert_eq!(texts(&around), ["−500", "0", "500"]);
-        let wide = axis(AxisScale::Logarithmic, [1.0, 1e9]);
+        let wide = axis(ColorScale::Logarithmic, [1.0, 1e9]);
         assert_eq!(texts(&wide), ["1", "100", "10k", "1M", "100M"]);
     }
 
@@ -254,7 +254,7 @@ mod tests {
             for i in 0..600 {
                 let low = 10f64.powf(f64::from(i) * 0.013 - 2.0);
                 for ratio in [1.01, 1.3, 3.0, 17.0, 400.0, 1e7] {
-                    for scale in [AxisScale::Logarithmic, AxisScale::Linear] {
+                    for scale in [ColorScale::Logarithmic, ColorScale::Linear] {
                         let axis = axis(scale, [low, low * ratio])
                             .of_time()
                             .with_labels(n_labels);

@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use super::panels::{Panel, Panels};
-use super::template::Value;
+use super::template::StateValue;
 use crate::camera::{ImagePlane, Projection};
 
 /// The scene's camera as ParaView's cameras are: not off-axis, and right-handed.
-pub(crate) struct Camera {
+pub(crate) struct ViewCamera {
     position: Vec3,
     focal_point: Vec3,
     right: Vec3,
@@ -19,7 +19,7 @@ pub(crate) struct Camera {
     is_mirrored: bool,
 }
 
-impl Camera {
+impl ViewCamera {
     /// Returns the camera of the plane's rays.
     pub(crate) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
@@ -83,7 +83,7 @@ impl Camera {
 
     /// Returns the value of a key such as `camera2.view_angle`: in one of two panels,
     /// for a picture of this size.
-    pub(crate) fn value(&self, size: [f64; 2], key: &str) -> Option<Value> {
+    pub(crate) fn value(&self, size: [f64; 2], key: &str) -> Option<StateValue> {
         let (n, key) = Panels::split_key(key, "camera")?;
         let number = self.number(key, Panels::of(n, size).panel())?;
         Some(number.to_string().into())
@@ -151,7 +151,7 @@ mod tests {
         let camera: crate::camera::Camera =
             crate::yaml::from_str("window: { eye: [3, 0, -1], x: [2, 4], y: [-1, 1], z: 0 }")
                 .unwrap();
-        let camera = Camera::of(&camera.image_plane(10, 10), None);
+        let camera = ViewCamera::of(&camera.image_plane(10, 10), None);
         assert!(camera.is_mirrored);
         let row: Vec<f32> = (0..4).map(|i| camera.mirror(i)).collect();
         assert_eq!(row, [-1.0, 0.0, 0.0, 6.0]);
@@ -163,7 +163,7 @@ mod tests {
         let focal_point = |eye: &str| {
             let text = format!("window: {{ eye: {eye}, x: [-1, 1], y: [-1, 1], z: 0 }}");
             let camera: crate::camera::Camera = crate::yaml::from_str(&text).unwrap();
-            Camera::of(&camera.image_plane(10, 10), Some(1.0)).focal_point
+            ViewCamera::of(&camera.image_plane(10, 10), Some(1.0)).focal_point
         };
         assert_eq!(focal_point("[0.9, -0.5, -1]"), Vec3::new(0.9, -0.5, 0.0));
         let beside = focal_point("[4, 0, -3]");
@@ -176,7 +176,7 @@ mod tests {
         let camera: crate::camera::Camera =
             crate::yaml::from_str("look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 90 }")
                 .unwrap();
-        let camera = Camera::of(&camera.image_plane(100, 100), Some(4.0));
+        let camera = ViewCamera::of(&camera.image_plane(100, 100), Some(4.0));
         assert!(!camera.is_mirrored);
         assert!((camera.focal_point - Vec3::Z).length() < 1e-6);
         let panel = Panels::of(2, [1.0, 1.0]).panel();

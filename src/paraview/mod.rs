@@ -14,7 +14,7 @@ mod panels;
 mod axis;
 mod camera;
 
-pub(crate) use axis::{Axis, AxisScale};
-pub(crate) use camera::Camera;
+pub(crate) use axis::{Axis, ColorScale};
+pub(crate) use camera::ViewCamera;
 pub(crate) use panels::{Panels, value_of_panels};
-pub(crate) use template::{Value, fill};
+pub(crate) use template::{StateValue, fill};

@@ -1,6 +1,6 @@
 //! The arrangement of a state's panels, and the size of pictures in them.
 
-use super::template::Value;
+use super::template::StateValue;
 
 /// Least aspect ratio of the area of ParaView's window for all panels: a narrower one
 /// would crop the pictures.
@@ -123,7 +123,7 @@ impl Panel {
 
 /// Returns the value of a key of an arrangement of panels, `panels3.outer`, or of the
 /// camera of a picture in one of them, `image3.parallel_scale`.
-pub(crate) fn value_of_panels(size: [f64; 2], key: &str) -> Option<Value> {
+pub(crate) fn value_of_panels(size: [f64; 2], key: &str) -> Option<StateValue> {
     if let Some((n, split)) = Panels::split_key(key, "panels") {
         return Some(Panels::of(n, size).direction(split)?.to_string().into());
     }

@@ -2,20 +2,20 @@
 
 /// The value of a key.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Value {
+pub(crate) enum StateValue {
     /// The value of an attribute.
     One(String),
     /// All elements of a property.
     Many(Vec<String>),
 }
 
-impl From<String> for Value {
+impl From<String> for StateValue {
     fn from(text: String) -> Self {
         Self::One(text)
     }
 }
 
-impl From<&str> for Value {
+impl From<&str> for StateValue {
     fn from(text: &str) -> Self {
         Self::One(text.to_owned())
     }
@@ -24,7 +24,7 @@ impl From<&str> for Value {
 /// Replaces the attribute before each `fill="KEY"` of a template by the key's value,
 /// and removes the keys. The value of a key of a `<Property>` replaces all of its
 /// elements. A key without a value keeps the template's. Values are escaped to ASCII.
-pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<Value>) -> String {
+pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<StateValue>) -> String {
     let mut filled = String::with_capacity(template.len());
     let mut lines = template.split_inclusive('\n');
     while let Some(line) = lines.next() {
@@ -34,8 +34,10 @@ pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<Value>) -> Str
         };
         match value(key) {
             None => filled += &format!("{before}=\"{old}\"{after}"),
-            Some(Value::One(new)) => filled += &format!("{before}=\"{}\"{after}", escape(&new)),
-            Some(Value::Many(new)) => {
+            Some(StateValue::One(new)) => {
+                filled += &format!("{before}=\"{}\"{after}", escape(&new))
+            }
+            Some(StateValue::Many(new)) => {
                 filled += &format!("{before}=\"{}\"{after}", new.len());
                 for (index, value) in new.iter().enumerate() {
                     let value = escape(value);
@@ -99,7 +101,7 @@ mod tests {
     fn a_marked_property_gets_as_many_elements_as_there_are_values() {
         let template = "<Property name=\"a\" number_of_elements=\"1\" fill=\"k\">\n <Element index=\"0\" value=\"old\"/>\n</Property>\n<Other/>\n";
         let filled = fill(template, |_| {
-            Some(Value::Many(vec!["x".into(), "y".into()]))
+            Some(StateValue::Many(vec!["x".into(), "y".into()]))
         });
         let expected = "<Property name=\"a\" number_of_elements=\"2\">\n<Element index=\"0\" value=\"x\"/>\n<Element index=\"1\" value=\"y\"/>\n</Property>\n<Other/>\n";
         assert_eq!(filled, expected);

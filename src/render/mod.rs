@@ -11,7 +11,7 @@ mod wave;
 mod stream;
 mod timed;
 mod prepass;
-mod plan;
+mod tile_plan;
 mod samples;
 mod repeat;
 mod overhead;
@@ -31,9 +31,9 @@ use timed::SingleRayRenderer;
 pub(crate) use view::View;
 
 pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
-pub use plan::Plan;
 pub use repeat::{Repeat, repeat};
 pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
+pub use tile_plan::TilePlan;
 
 /// Most pixels rendered at a time: a larger tile is rendered in groups of rows,
 /// whose pixels stay in the cache until they are written to the film.
@@ -55,7 +55,7 @@ pub struct Progress {
 pub fn render(
     scene: &Scene,
     accel: &Accel,
-    plan: &Plan,
+    plan: &TilePlan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
@@ -68,7 +68,7 @@ fn render_onto(
     film: Film,
     scene: &Scene,
     accel: &Accel,
-    plan: &Plan,
+    plan: &TilePlan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
@@ -95,7 +95,7 @@ trait TileRenderer {
 /// order until there is none.
 fn render_tiles<R: TileRenderer>(
     mut film: Film,
-    plan: &Plan,
+    plan: &TilePlan,
     renderer: impl Fn() -> R + Sync,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {

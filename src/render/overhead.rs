@@ -13,7 +13,7 @@ use std::hint::black_box;
 use cpu_time::ProcessTime;
 
 use super::timed::SingleRayRenderer;
-use super::{Plan, Progress, View, render, render_tiles};
+use super::{Progress, TilePlan, View, render, render_tiles};
 use crate::accel::Accel;
 use crate::config::CostMode;
 use crate::cost::Meter;
@@ -54,7 +54,7 @@ impl Overhead {
     pub fn measure(
         scene: &Scene,
         accel: &Accel,
-        plan: &Plan,
+        plan: &TilePlan,
         report: impl Fn(Progress) + Sync,
     ) -> Self {
         let [none, counters, time] =
@@ -118,7 +118,7 @@ impl Variant {
         self,
         scene: &Scene,
         accel: &Accel,
-        plan: &Plan,
+        plan: &TilePlan,
         report: impl Fn(Progress) + Sync,
     ) -> Film {
         match self {

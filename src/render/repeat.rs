@@ -9,7 +9,7 @@
 use std::time::{Duration, Instant};
 
 use super::samples::{SAMPLE_BYTES, Samples};
-use super::{Plan, Progress, render_onto};
+use super::{Progress, TilePlan, render_onto};
 use crate::accel::Accel;
 use crate::config::{Config, Repeats};
 use crate::cost::Meter;
@@ -80,7 +80,7 @@ pub fn repeat(
     repeats: Repeats,
     scene: &Scene,
     accel: &Accel,
-    plan: &Plan,
+    plan: &TilePlan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule, Vec<Repeat>) {

@@ -28,7 +28,7 @@ pub(super) const WAVE_LEN: usize = 2048;
 pub(super) struct StreamRenderer<'a, P> {
     view: View<'a>,
     /// In the order in which their camera rays are traced.
-    places: Vec<Place>,
+    places: Vec<PixelPlace>,
     pixels: Vec<Pixel>,
     probe: P,
     wave: Wave,
@@ -44,7 +44,7 @@ pub(super) struct StreamRenderer<'a, P> {
 
 /// A pixel to render.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PixelPlace {
     /// Its index among the pixels that are rendered together.
     pub(super) pixel: u32,
     /// Its column and row in the picture.
@@ -71,7 +71,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order.
     #[inline(always)]
-    pub(super) fn follow(&mut self, places: impl Iterator<Item = Place>) {
+    pub(super) fn follow(&mut self, places: impl Iterator<Item = PixelPlace>) {
         self.places.clear();
         self.places.extend(places);
         let n_pixels = self.places.len();
@@ -122,7 +122,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     fn shoot(&mut self, samples: Range<u32>) {
         self.wave.clear();
         let mut slot = 0;
-        for &Place { pixel, at } in &self.places {
+        for &PixelPlace { pixel, at } in &self.places {
             for sample in samples.clone() {
                 let ray = self.view.camera_ray(at, sample);
                 self.wave.push(ray, pixel, Path::from_eye(ray.origin), slot);
@@ -181,12 +181,12 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
 impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
     fn render(&mut self, tile: &Tile) -> Rendered<'_> {
-        let place = |at| Place {
+        let place = |at| PixelPlace {
             pixel: tile.index(at),
             at,
         };
         self.follow(tile.pixels().map(place));
-        for &Place { pixel, at } in &self.places {
+        for &PixelPlace { pixel, at } in &self.places {
             self.view.finish(&mut self.pixels[pixel as usize], at);
         }
         Rendered {

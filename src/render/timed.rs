@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use super::view::{View, limited};
-use super::{Plan, TileRenderer};
+use super::{TilePlan, TileRenderer};
 use crate::config::Image;
 use crate::cost::{Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
@@ -40,7 +40,7 @@ pub(super) struct SingleRayRenderer<'a> {
 impl<'a> SingleRayRenderer<'a> {
     /// Creates a renderer of the plan's tiles for the calling thread, and warms up
     /// the thread.
-    pub(super) fn new(view: View<'a>, clock: Option<&'a Clock>, plan: &Plan) -> Self {
+    pub(super) fn new(view: View<'a>, clock: Option<&'a Clock>, plan: &TilePlan) -> Self {
         let n_pixels = plan.max_pixels();
         // Filled with nonzero values, so that page faults are not part of a pixel's
         // time: the system would map zeroed pages only at the first write.
@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::accel::Accel;
     use crate::config::{Config, Tiling};
-    use crate::render::Plan;
+    use crate::render::TilePlan;
     use crate::scene::{Geometries, Scene};
     use crate::yaml::Source;
 
@@ -250,7 +250,7 @@ mod tests {
         let geometries = Geometries::read(&config, source.folder(), u64::MAX).unwrap();
         let scene = Scene::new(&config, geometries).unwrap();
         let accel = Accel::new(&scene.primitives, config.acceleration);
-        let plan = Plan::new(&scene, &accel, &config.image, Tiling::default());
+        let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
         let view = View::new(&scene, &accel, &config.image);
         let clock = Clock::calibrated();
         let mut cold = SingleRayRenderer::new(view, None, &plan);

@@ -1,11 +1,11 @@
 //! The geometries of all objects, with the contents of their files.
 
-use std::path::Path as FilePath;
+use std::path::Path;
 
 use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
 use crate::geometry::Shape;
 use crate::import::{self, FileFault, Mesh, Spheres};
-use crate::yaml::{Fault, Path};
+use crate::yaml::{Fault, FieldPath};
 
 /// The geometries of the objects of a config.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +26,14 @@ impl Geometries {
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
-    pub fn read(config: &Config, folder: &FilePath, available: u64) -> Result<Self, Fault> {
+    pub fn read(config: &Config, folder: &Path, available: u64) -> Result<Self, Fault> {
         let mut found = Self(Vec::with_capacity(config.objects.len()));
         for (index, object) in config.objects.iter().enumerate() {
             found.0.push(match &object.geometry {
                 Geometry::Shape(shape) => ObjectGeometry::Shape(shape.clone()),
                 Geometry::Generator(generator) => ObjectGeometry::Generator(generator.clone()),
                 Geometry::File(file) => {
-                    let path = Path::default().key("objects").index(index);
+                    let path = FieldPath::default().key("objects").index(index);
                     let path = path.key(file.to_string()).key("file");
                     let available = available.saturating_sub(found.n_bytes());
                     check_size(&folder.join(file.file()), available, &path)
@@ -67,7 +67,7 @@ impl Geometries {
 }
 
 /// Makes sure that the file fits into memory, whatever it contains.
-fn check_size(file: &FilePath, available: u64, path: &Path) -> Result<(), Fault> {
+fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault> {
     let n_bytes = import::n_bytes(file).map_err(|fault| at(path, &fault))?;
     let needed = n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE);
     if needed <= available {
@@ -83,7 +83,7 @@ fn check_size(file: &FilePath, available: u64, path: &Path) -> Result<(), Fault>
     Err(Fault::new(path.clone(), message, "expected a smaller file"))
 }
 
-fn read(file: &GeometryFile, folder: &FilePath) -> import::Result<ObjectGeometry> {
+fn read(file: &GeometryFile, folder: &Path) -> import::Result<ObjectGeometry> {
     let path = folder.join(file.file());
     match file {
         GeometryFile::Mesh(file) => read_mesh(file, &path).map(ObjectGeometry::Mesh),
@@ -93,7 +93,7 @@ fn read(file: &GeometryFile, folder: &FilePath) -> import::Result<ObjectGeometry
     }
 }
 
-fn read_mesh(file: &MeshFile, path: &FilePath) -> import::Result<Mesh> {
+fn read_mesh(file: &MeshFile, path: &Path) -> import::Result<Mesh> {
     let mut mesh = import::read_mesh(path)?;
     match file.normals {
         MeshNormals::File => {}
@@ -104,7 +104,7 @@ fn read_mesh(file: &MeshFile, path: &FilePath) -> import::Result<Mesh> {
 }
 
 /// The file's fault as a fault of the scene file's value at `path`.
-fn at(path: &Path, fault: &FileFault) -> Fault {
+fn at(path: &FieldPath, fault: &FileFault) -> Fault {
     Fault::new(
         path.clone(),
         fault.message(),

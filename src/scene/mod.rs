@@ -16,7 +16,7 @@ use crate::config::{Background, Config, Geometry, GeometryFile, Object, Shading}
 use crate::light::Light;
 use crate::material::Material;
 use crate::text::did_you_mean;
-use crate::yaml::{Fault, Path};
+use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
 use placement::Placement;
@@ -60,7 +60,7 @@ impl Scene {
     pub fn new(config: &Config, geometries: Geometries) -> Result<Self, Fault> {
         if config.objects.is_empty() {
             return Err(Fault::new(
-                Path::default().key("objects"),
+                FieldPath::default().key("objects"),
                 "the scene has no objects",
                 "expected at least one",
             )
@@ -79,7 +79,7 @@ impl Scene {
             attributes: Vec::with_capacity(config.objects.len()),
         };
         for (index, (object, geometry)) in config.objects.iter().zip(geometries.0).enumerate() {
-            let path = Path::default().key("objects").index(index);
+            let path = FieldPath::default().key("objects").index(index);
             let materials = material_ids(config, object, &path)?;
             let first = scene.primitives.len() as u32;
             let placement = Placement::new(object, ObjectId(index as u32), &materials, &path)?;
@@ -132,7 +132,11 @@ impl Scene {
     }
 }
 
-fn material_ids(config: &Config, object: &Object, path: &Path) -> Result<Vec<MaterialId>, Fault> {
+fn material_ids(
+    config: &Config,
+    object: &Object,
+    path: &FieldPath,
+) -> Result<Vec<MaterialId>, Fault> {
     let names = &object.material.0;
     let path = path.clone().key("material");
     let takes_many = matches!(
@@ -155,7 +159,7 @@ fn material_ids(config: &Config, object: &Object, path: &Path) -> Result<Vec<Mat
     names.iter().enumerate().map(id_of).collect()
 }
 
-fn unknown_material(config: &Config, name: &str, path: Path) -> Fault {
+fn unknown_material(config: &Config, name: &str, path: FieldPath) -> Fault {
     let known: Vec<&str> = config.materials.keys().map(String::as_str).collect();
     let list = if known.is_empty() {
         "there are no `materials`".to_owned()

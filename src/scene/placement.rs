@@ -9,7 +9,7 @@ use crate::config::Object;
 use crate::geometry::{Shape, Transform};
 use crate::import::{Mesh, Spheres};
 use crate::stop;
-use crate::yaml::{Fault, Path};
+use crate::yaml::{Fault, FieldPath};
 
 /// The id, the materials and the transform of an object.
 pub(super) struct Placement<'a> {
@@ -18,7 +18,7 @@ pub(super) struct Placement<'a> {
     /// At least one.
     materials: &'a [MaterialId],
     transform: Option<Transform>,
-    path: &'a Path,
+    path: &'a FieldPath,
 }
 
 impl<'a> Placement<'a> {
@@ -30,7 +30,7 @@ impl<'a> Placement<'a> {
         object: &'a Object,
         id: ObjectId,
         materials: &'a [MaterialId],
-        path: &'a Path,
+        path: &'a FieldPath,
     ) -> Result<Self, Fault> {
         let transform = match object.transform.as_slice() {
             [] => None,
@@ -156,7 +156,7 @@ fn is_degenerate(primitive: &Primitive) -> bool {
 
 /// The fault of an object whose position or size exceeds the range of 32-bit
 /// numbers.
-fn out_of_range(object: &Object, path: &Path) -> Fault {
+fn out_of_range(object: &Object, path: &FieldPath) -> Fault {
     let (key, help) = if object.transform.is_empty() {
         (
             object.geometry.to_string(),

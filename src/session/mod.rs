@@ -23,7 +23,7 @@ use crate::folder::{OutputFolder, WriteError};
 use crate::instruments::Stages;
 use crate::memory::{self, Memory};
 use crate::output;
-use crate::render::{N_RENDERINGS, Overhead, Plan, least_repeats, repeat};
+use crate::render::{N_RENDERINGS, Overhead, TilePlan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
 use crate::summary::Threads;
@@ -32,9 +32,8 @@ use crate::yaml::Source;
 
 pub use error::RenderError;
 pub use input::Input;
-use options::Report;
-pub(crate) use options::thread_pool;
 pub use options::{Event, Options};
+pub(crate) use options::{Report, thread_pool};
 use rendering::Measured;
 pub use rendering::Rendering;
 
@@ -176,7 +175,7 @@ impl Session {
         if meter.clock().is_some() {
             stages.end("calibrate");
         }
-        let plan = Plan::new(scene, accel, &config.image, config.tiles);
+        let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
         if plan.order == TileOrder::Cost {
             stages.end("order");
         }

@@ -8,7 +8,7 @@ use crate::stop::Cancellation;
 use crate::text::Diagnostic;
 
 /// Receives progress, from any thread.
-pub(super) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
+pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 
 /// How a scene is rendered, besides what its config says.
 ///

@@ -21,13 +21,13 @@ pub(crate) enum DataSet<'a> {
         cell_data: Vec<Array<'a>>,
     },
     /// Cells of any type; the last array of `cells` is `types`.
-    Grid(Mesh<'a>),
+    Grid(CellMesh<'a>),
     /// Lines only.
-    Lines(Mesh<'a>),
+    Lines(CellMesh<'a>),
 }
 
 /// Points and cells with their arrays.
-pub(crate) struct Mesh<'a> {
+pub(crate) struct CellMesh<'a> {
     pub(crate) n_points: usize,
     pub(crate) n_cells: usize,
     pub(crate) point_data: Vec<Array<'a>>,
@@ -50,7 +50,7 @@ impl<'a> DataSet<'a> {
     }
 }
 
-impl<'a> Mesh<'a> {
+impl<'a> CellMesh<'a> {
     fn arrays(&self) -> impl Iterator<Item = &Array<'a>> {
         let data = self.point_data.iter().chain(&self.cell_data);
         data.chain([&self.points]).chain(&self.cells)

@@ -4,11 +4,11 @@ use serde::Serialize;
 use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType};
 
 use super::array::Array;
-use super::data_set::{DataSet, Mesh};
+use super::data_set::{CellMesh, DataSet};
 
 /// The element of a data set.
 #[derive(Serialize)]
-pub(super) enum Content {
+pub(super) enum DataElement {
     ImageData(ImageElement),
     UnstructuredGrid(MeshElement),
     PolyData(MeshElement),
@@ -73,7 +73,7 @@ struct DataArrays {
 }
 
 /// Returns the type and the element of a data set.
-pub(super) fn content(data_set: &DataSet) -> (DataSetType, Content) {
+pub(super) fn content(data_set: &DataSet) -> (DataSetType, DataElement) {
     match data_set {
         DataSet::Image { size, point_data } => {
             (DataSetType::ImageData, image_element(*size, point_data))
@@ -92,9 +92,9 @@ pub(super) fn content(data_set: &DataSet) -> (DataSetType, Content) {
     }
 }
 
-fn image_element([width, height]: [u32; 2], point_data: &[Array]) -> Content {
+fn image_element([width, height]: [u32; 2], point_data: &[Array]) -> DataElement {
     let extent = format!("0 {} 0 {} 0 0", width - 1, height - 1);
-    Content::ImageData(ImageElement {
+    DataElement::ImageData(ImageElement {
         extent: extent.clone(),
         origin: "0 0 0".to_owned(),
         spacing: "1 1 1".to_owned(),
@@ -111,9 +111,9 @@ fn image_cells_element(
     [x, y]: [f64; 2],
     spacing: f64,
     cell_data: &[Array],
-) -> Content {
+) -> DataElement {
     let extent = format!("0 {n_columns} 0 {n_rows} 0 0");
-    Content::ImageData(ImageElement {
+    DataElement::ImageData(ImageElement {
         extent: extent.clone(),
         origin: format!("{x} {y} 0"),
         spacing: format!("{spacing} {spacing} {spacing}"),
@@ -125,29 +125,29 @@ fn image_cells_element(
     })
 }
 
-fn grid_element(mesh: &Mesh) -> Content {
+fn grid_element(mesh: &CellMesh) -> DataElement {
     let piece = MeshPiece {
         n_cells: Some(mesh.n_cells),
         cells: Some(data_arrays(&mesh.cells)),
         ..mesh_piece(mesh)
     };
-    Content::UnstructuredGrid(MeshElement { piece })
+    DataElement::UnstructuredGrid(MeshElement { piece })
 }
 
-fn lines_element(mesh: &Mesh) -> Content {
+fn lines_element(mesh: &CellMesh) -> DataElement {
     let piece = MeshPiece {
         n_lines: Some(mesh.n_cells),
         lines: Some(data_arrays(&mesh.cells)),
         ..mesh_piece(mesh)
     };
-    Content::PolyData(MeshElement { piece })
+    DataElement::PolyData(MeshElement { piece })
 }
 
 /// The point array that VTK uses as normals.
 const NORMALS: &str = "Normals";
 
 /// The parts that all kinds of meshes have.
-fn mesh_piece(mesh: &Mesh) -> MeshPiece {
+fn mesh_piece(mesh: &CellMesh) -> MeshPiece {
     let normals = mesh.point_data.iter().any(|array| array.name == NORMALS);
     MeshPiece {
         n_points: mesh.n_points,

@@ -8,7 +8,7 @@ use vtkio::xml::{DataSetType, ScalarType, se};
 
 use super::codec::Compressor;
 use super::data_set::DataSet;
-use super::elements::{Content, content};
+use super::elements::{DataElement, content};
 use crate::provenance::RunId;
 
 /// The offset of each array after the underscore, in the order of the arrays.
@@ -91,7 +91,7 @@ struct VtkFile {
     #[serde(rename = "@raycost_run", skip_serializing_if = "Option::is_none")]
     run: Option<RunId>,
     #[serde(rename = "$value")]
-    content: Content,
+    content: DataElement,
 }
 
 fn native_byte_order() -> ByteOrder {

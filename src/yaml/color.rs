@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use super::number::{List, NON_NEGATIVE, Number, Splat};
+use super::number::{NON_NEGATIVE, Number, NumberList, Splat};
 
 const EXPECTED: &str = "a color: [r, g, b], \"#rrggbb\" or one number for a gray";
 
@@ -56,7 +56,7 @@ struct Color(Number);
 
 impl Color {
     fn numbers(self) -> Splat<3> {
-        Splat(List(self.0, EXPECTED))
+        Splat(NumberList(self.0, EXPECTED))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::path::Path;
+use super::field_path::FieldPath;
 use crate::text::Diagnostic;
 
 /// A mistake in a scene, not yet connected to a line of the text.
@@ -22,21 +22,25 @@ pub struct Fault {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spot {
     /// The value at a path.
-    Value(Path),
+    Value(FieldPath),
     /// The key at the end of a path.
-    Key(Path),
+    Key(FieldPath),
     /// A range of bytes of the text.
     Bytes(Range<usize>),
 }
 
 impl Fault {
     /// Creates a fault at the value at `path`.
-    pub fn new(path: Path, message: impl Into<String>, expected: impl Into<String>) -> Self {
+    pub fn new(path: FieldPath, message: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::at(Spot::Value(path), message, expected)
     }
 
     /// Creates a fault at the key at the end of `path`.
-    pub fn of_key(path: Path, message: impl Into<String>, expected: impl Into<String>) -> Self {
+    pub fn of_key(
+        path: FieldPath,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
         Self::at(Spot::Key(path), message, expected)
     }
 

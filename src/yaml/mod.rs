@@ -8,7 +8,7 @@
 mod color;
 mod name;
 mod number;
-mod path;
+mod field_path;
 mod fault;
 mod syntax;
 mod expansion;
@@ -19,10 +19,10 @@ mod source;
 
 pub use color::{ColorOr, color, hex_color, radiance};
 pub use fault::{Fault, Spot};
+pub use field_path::{FieldPath, Step};
 pub use name::{MAX_NAME, name};
 pub use number::{
     Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
     positive_range, range, scale, seed, vector, whole,
 };
-pub use path::{Path, Step};
 pub use source::{Source, from_str};

@@ -110,20 +110,20 @@ where
 
 /// Reads a point: `[x, y, z]`.
 pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    d.deserialize_seq(List(COORDINATE, "a point [x, y, z]"))
+    d.deserialize_seq(NumberList(COORDINATE, "a point [x, y, z]"))
         .map(Vec3::from_array)
 }
 
 /// Reads a displacement, which may be zero: `[x, y, z]`.
 pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    d.deserialize_seq(List(COORDINATE, "a vector [x, y, z]"))
+    d.deserialize_seq(NumberList(COORDINATE, "a vector [x, y, z]"))
         .map(Vec3::from_array)
 }
 
 /// Reads a direction, `[x, y, z]` of any length but zero; returns the unit
 /// vector.
 pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    let found = Vec3::from(d.deserialize_seq(List(COORDINATE, "a direction [x, y, z]"))?);
+    let found = Vec3::from(d.deserialize_seq(NumberList(COORDINATE, "a direction [x, y, z]"))?);
     // Scaled first, so that no square overflows or underflows f32.
     let largest = found.abs().max_element();
     (found / largest).try_normalize().ok_or_else(|| {
@@ -136,13 +136,13 @@ pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
 
 /// Reads factors along x, y and z: `[x, y, z]`, or one number for all three.
 pub fn scale<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    d.deserialize_any(Splat(List(SCALE, "a factor, or three [x, y, z]")))
+    d.deserialize_any(Splat(NumberList(SCALE, "a factor, or three [x, y, z]")))
         .map(Vec3::from_array)
 }
 
 /// Reads an interval `[from, to]` of coordinates with `from < to`.
 pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
-    let [from, to] = d.deserialize_seq(List(COORDINATE, "a range [from, to]"))?;
+    let [from, to] = d.deserialize_seq(NumberList(COORDINATE, "a range [from, to]"))?;
     if from < to {
         Ok([from, to])
     } else {
@@ -155,7 +155,10 @@ pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
 /// Reads the least and the greatest length: `[from, to]` with `from <= to`, or
 /// one number for both.
 pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
-    let [from, to] = d.deserialize_any(Splat(List(POSITIVE, "a length, or a range [from, to]")))?;
+    let [from, to] = d.deserialize_any(Splat(NumberList(
+        POSITIVE,
+        "a length, or a range [from, to]",
+    )))?;
     if from <= to {
         Ok([from, to])
     } else {
@@ -198,9 +201,9 @@ impl<'de> DeserializeSeed<'de> for Number {
 }
 
 /// Reads a list of `N` numbers; the text describes the list in messages.
-pub(super) struct List<const N: usize>(pub Number, pub &'static str);
+pub(super) struct NumberList<const N: usize>(pub Number, pub &'static str);
 
-impl<'de, const N: usize> Visitor<'de> for List<N> {
+impl<'de, const N: usize> Visitor<'de> for NumberList<N> {
     type Value = [f32; N];
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -222,7 +225,7 @@ impl<'de, const N: usize> Visitor<'de> for List<N> {
 }
 
 /// Reads a list of `N` numbers, or one number for all of them.
-pub(super) struct Splat<const N: usize>(pub List<N>);
+pub(super) struct Splat<const N: usize>(pub NumberList<N>);
 
 impl<'de, const N: usize> Visitor<'de> for Splat<N> {
     type Value = [f32; N];

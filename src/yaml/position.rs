@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::fault::Fault;
-use super::path::Path;
+use super::field_path::FieldPath;
 use super::syntax;
 use super::walk::walk;
 
@@ -71,7 +71,7 @@ pub(super) fn check(text: &str) -> Result<(), Fault> {
 }
 
 /// Locates the value at `path`, or its nearest ancestor in the text.
-pub(super) fn locate(text: &str, path: &Path) -> Option<Location> {
+pub(super) fn locate(text: &str, path: &FieldPath) -> Option<Location> {
     let mut deepest: Option<(usize, Location)> = None;
     // After a syntax error the values before it remain valid.
     let _ = walk(text, |node| {

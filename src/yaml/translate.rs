@@ -9,7 +9,7 @@
 use serde_path_to_error::Segment;
 
 use super::fault::Fault;
-use super::path::{Path, Step};
+use super::field_path::{FieldPath, Step};
 use super::position::{self, Location};
 use super::syntax;
 use crate::text::{did_you_mean, number_meant};
@@ -44,7 +44,7 @@ pub(super) fn fault(
     }
     match message.as_str() {
         "repetition limit exceeded" => Fault::new(
-            Path::default(),
+            FieldPath::default(),
             "the aliases (`*name`) expand to too many values",
             "begins here",
         )
@@ -78,7 +78,7 @@ fn message_of(error: &serde_yaml::Error) -> String {
     }
 }
 
-fn unknown_key(path: Path, word: &str, expected: &str) -> Fault {
+fn unknown_key(path: FieldPath, word: &str, expected: &str) -> Fault {
     let list = format!("the choices are {}", listed(expected));
     let help = match did_you_mean(word, quoted(expected)) {
         Some(suggestion) => format!("{suggestion} ({list})"),
@@ -88,7 +88,7 @@ fn unknown_key(path: Path, word: &str, expected: &str) -> Fault {
 }
 
 /// A variant is a string, or the only key of a mapping.
-fn unknown_choice(text: &str, path: Path, word: &str, expected: &str) -> Fault {
+fn unknown_choice(text: &str, path: FieldPath, word: &str, expected: &str) -> Fault {
     let is_key = path.0.last() == Some(&Step::Key(word.to_owned()))
         && location_of(text, &path).is_none_or(|location| location.written(text) != word);
     let label = format!("expected {}", listed(expected));
@@ -102,7 +102,7 @@ fn unknown_choice(text: &str, path: Path, word: &str, expected: &str) -> Fault {
     Fault { help, ..fault }
 }
 
-fn missing_key(text: &str, path: Path, word: &str) -> Fault {
+fn missing_key(text: &str, path: FieldPath, word: &str) -> Fault {
     let help = if location_of(text, &path).is_some_and(|location| location.is_empty) {
         format!("add `{word}: …` below it, indented deeper")
     } else {
@@ -113,7 +113,7 @@ fn missing_key(text: &str, path: Path, word: &str) -> Fault {
 }
 
 /// A value of the wrong type or out of its range.
-fn invalid(text: &str, path: Path, problem: &str, expected: &str) -> Fault {
+fn invalid(text: &str, path: FieldPath, problem: &str, expected: &str) -> Fault {
     let subject = subject(&path);
     let location = location_of(text, &path);
     let written = location
@@ -153,7 +153,7 @@ fn invalid(text: &str, path: Path, problem: &str, expected: &str) -> Fault {
     Fault { help, ..fault }
 }
 
-fn not_one_key(path: Path, subject: &str) -> Fault {
+fn not_one_key(path: FieldPath, subject: &str) -> Fault {
     let is_item = matches!(path.0.last(), Some(Step::Index(_)));
     let fault = Fault::new(
         path,
@@ -210,7 +210,7 @@ fn description(expected: &str) -> String {
 }
 
 /// Locates exactly the value at `path`; `None` for a value inside an alias.
-fn location_of(text: &str, path: &Path) -> Option<Location> {
+fn location_of(text: &str, path: &FieldPath) -> Option<Location> {
     position::locate(text, path).filter(|location| location.is_exact)
 }
 
@@ -230,7 +230,7 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Names the value at the path; begins a sentence.
-fn subject(path: &Path) -> String {
+fn subject(path: &FieldPath) -> String {
     if path.0.is_empty() {
         "the scene".to_owned()
     } else {
@@ -238,8 +238,8 @@ fn subject(path: &Path) -> String {
     }
 }
 
-fn path_of(path: &serde_path_to_error::Path) -> Path {
-    Path(
+fn path_of(path: &serde_path_to_error::Path) -> FieldPath {
+    FieldPath(
         path.iter()
             .filter_map(|segment| match segment {
                 Segment::Seq { index } => Some(Step::Index(*index)),

@@ -6,8 +6,8 @@ use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
 
 use super::expansion::Expansion;
 use super::fault::Fault;
+use super::field_path::{FieldPath, Step};
 use super::name::{MAX_NAME, is_long};
-use super::path::{Path, Step};
 use super::syntax::{self, bytes};
 
 /// A value of the text.
@@ -116,7 +116,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
                 &format!("expected at most {MAX_NAME} characters"),
             ),
             (Event::Scalar(word, ..), Some(seen)) if seen.contains(&**word) => {
-                let path = Path(self.path.clone()).key(&**word);
+                let path = FieldPath(self.path.clone()).key(&**word);
                 fault(&format!("`{path}` is given twice"), "the second one")
             }
             _ => Ok(()),

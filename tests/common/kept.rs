@@ -5,7 +5,7 @@ use raycost::attribution::CostAttribution;
 use raycost::config::{Config, OptionalOutput};
 use raycost::cost::Meter;
 use raycost::film::Film;
-use raycost::render::{Plan, render};
+use raycost::render::{TilePlan, render};
 use raycost::scene::Scene;
 
 use super::scene_of;
@@ -28,7 +28,7 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
         .build()
         .unwrap();
     let (film, attribution) = pool.install(|| {
-        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
         let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
         let world = (&scene, &accel, &config.image);
         let attribution = CostAttribution::measure(world, (&film, &meter), &config.output, |_| {});

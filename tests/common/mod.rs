@@ -19,7 +19,7 @@ use raycost::accel::{Accel, Simd};
 use raycost::config::{Config, CostMode};
 use raycost::cost::{self, Counter, Meter, Metric};
 use raycost::film::{Film, Strip};
-use raycost::render::{Plan, render};
+use raycost::render::{TilePlan, render};
 use raycost::scene::{Geometries, Scene};
 use raycost::schedule::Schedule;
 use raycost::yaml::Source;
@@ -113,7 +113,7 @@ pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedul
         .build()
         .unwrap();
     pool.install(|| {
-        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
         render(&scene, &accel, &plan, &Meter::new(config.cost), |_| {})
     })
 }
@@ -152,7 +152,7 @@ pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
 
 /// One counter of all pixels.
 pub fn counts(film: &Film, counter: Counter) -> Vec<u32> {
-    let is_of = |metric: &Metric| metric.source == cost::Source::Counter(counter);
+    let is_of = |metric: &Metric| metric.source == cost::MetricSource::Counter(counter);
     let metric = Metric::ALL.into_iter().find(is_of).unwrap();
     of_strips(film, |strip, counts| film.counts(strip, metric, counts))
 }

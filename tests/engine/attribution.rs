@@ -64,9 +64,10 @@ fn costs_of_nodes_and_primitives_sum_to_the_film() {
         let primitives = attribution.primitives.unwrap();
         let (mut visits, mut tests) = (0, 0);
         for (node, found) in hierarchy.nodes.iter().zip(&hierarchy.visits) {
-            match node.is_leaf {
-                true => tests += found.n * u64::from(node.n_primitives),
-                false => visits += found.n,
+            if node.is_leaf {
+                tests += found.n * u64::from(node.n_primitives);
+            } else {
+                visits += found.n;
             }
             assert!(found.n_hits <= found.n);
         }

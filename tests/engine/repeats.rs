@@ -13,7 +13,7 @@ use raycost::accel::Accel;
 use raycost::config::{Config, CostMode, Repeats};
 use raycost::cost::Meter;
 use raycost::film::Film;
-use raycost::render::{Plan, Repeat, render, repeat};
+use raycost::render::{Repeat, TilePlan, render, repeat};
 
 fn small(name: &str) -> Config {
     let mut config = config(name);
@@ -28,7 +28,7 @@ fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
     let (film, _, repeats) = pool.install(|| {
-        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
         repeat(exactly(n_repeats), &scene, &accel, &plan, &meter, |_| {})
     });
     (film, repeats)
@@ -69,7 +69,7 @@ fn each_repeat_reports_its_pixels() {
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let meter = Meter::new(config.cost);
-    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let n_pixels = std::sync::atomic::AtomicU64::new(0);
     let report = |progress: raycost::render::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
@@ -203,7 +203,7 @@ fn a_single_rendering_of_auto_has_a_spread_of_zero() {
     let config = small("seed_sphere");
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
-    let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let meter = Meter::new(CostMode::Time);
     // A rendering that is reported so slowly that no second one is made.
     let wait = std::time::Duration::from_millis(300);
@@ -221,7 +221,7 @@ fn auto_renders_once_without_times() {
         let config = with_cost(small("seed_sphere"), mode);
         let scene = scene_of(&config);
         let accel = Accel::new(&scene.primitives, config.acceleration);
-        let plan = Plan::new(&scene, &accel, &config.image, config.tiles);
+        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
         let meter = Meter::new(mode);
         let (_, _, repeats) = repeat(Repeats::Auto, &scene, &accel, &plan, &meter, |_| {});
         assert_eq!(repeats.len(), 1);

@@ -110,7 +110,7 @@ impl Study {
         if plan.n_runs() > StudyPlan::MAX_RUNS {
             let message = format!("the study has {} runs", numbers::count(plan.n_runs()));
             let expected = format!("expected at most {}", numbers::count(StudyPlan::MAX_RUNS));
-            let fault = Fault::new(yaml::Path::default(), message, expected)
+            let fault = Fault::new(yaml::FieldPath::default(), message, expected)
                 .with_help("vary less at once, or lower `repeats`");
             return Err(source.point_at(fault).into());
         }

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::folder::disk::faults;
-use crate::folder::disk::faults::Fault;
+use crate::folder::disk::faults::DiskFault;
 
 const EIO: i32 = 5;
 const ENOSPC: i32 = 28;
@@ -11,18 +11,18 @@ const ENOSPC: i32 = 28;
 /// Injects each fault into each call of a run; returns the number of tries.
 fn break_at_every_call(method: CommitMethod) -> usize {
     let faults = [
-        Fault::Kill,
-        Fault::Error(EIO),
-        Fault::Error(ENOSPC),
-        Fault::Errors(EIO),
-        Fault::Errors(ENOSPC),
+        DiskFault::Kill,
+        DiskFault::Error(EIO),
+        DiskFault::Error(ENOSPC),
+        DiskFault::Errors(EIO),
+        DiskFault::Errors(ENOSPC),
     ];
     let mut n_tries = 0;
     for fault in faults {
         for number in 0.. {
             let scenario = Scenario::new(method);
             let what = format!("{method:?}, {fault:?} at call {number}");
-            let sync = fault == Fault::Error(EIO);
+            let sync = fault == DiskFault::Error(EIO);
             let (done, n_calls) = faults::with(number, fault, || scenario.run(sync));
             if method == CommitMethod::Journal {
                 settle(&scenario.folder()).unwrap();
@@ -30,7 +30,7 @@ fn break_at_every_call(method: CommitMethod) -> usize {
             let is_new = scenario.is_new(&what);
             let said = done.as_ref().map_err(WriteError::to_string).err();
             let is_unsure = |said: &String| said.contains("may not survive a power cut");
-            if fault != Fault::Kill {
+            if fault != DiskFault::Kill {
                 let expected = said.as_ref().is_none_or(is_unsure);
                 assert_eq!(is_new, expected, "{what}: {said:?}");
             }
@@ -65,13 +65,13 @@ fn a_broken_journal_leaves_all_old_files_or_all_new_ones() {
 #[test]
 fn a_journal_is_taken_back_however_often_that_is_broken_off() {
     let scenario = Scenario::new(CommitMethod::Journal);
-    let (_, n_calls) = faults::with(usize::MAX, Fault::Kill, || scenario.run(false));
+    let (_, n_calls) = faults::with(usize::MAX, DiskFault::Kill, || scenario.run(false));
     for first in 0..n_calls {
         for second in 0.. {
             let scenario = Scenario::new(CommitMethod::Journal);
             let what = format!("killed at call {first}, then at {second}");
-            let _ = faults::with(first, Fault::Kill, || scenario.run(false));
-            let (_, n_calls) = faults::with(second, Fault::Kill, || settle(&scenario.folder()));
+            let _ = faults::with(first, DiskFault::Kill, || scenario.run(false));
+            let (_, n_calls) = faults::with(second, DiskFault::Kill, || settle(&scenario.folder()));
             settle(&scenario.folder()).unwrap();
             scenario.is_new(&what);
             OutputFolder::create(&scenario.folder(), 0).unwrap();
@@ -88,10 +88,10 @@ fn a_journal_is_taken_back_however_often_that_is_broken_off() {
 #[cfg(target_os = "linux")]
 fn files_of_others_survive_a_kill_after_the_exchange() {
     let count = Scenario::new(CommitMethod::Exchange);
-    let (_, n_calls) = faults::with(usize::MAX, Fault::Kill, || count.run(false));
+    let (_, n_calls) = faults::with(usize::MAX, DiskFault::Kill, || count.run(false));
     let killed_after_the_exchange = (0..n_calls).find_map(|number| {
         let scenario = Scenario::new(CommitMethod::Exchange);
-        let _ = faults::with(number, Fault::Kill, || scenario.run(false));
+        let _ = faults::with(number, DiskFault::Kill, || scenario.run(false));
         scenario.is_new("").then_some(scenario)
     });
     let scenario = killed_after_the_exchange.unwrap();

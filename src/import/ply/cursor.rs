@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
 
-use crate::import::Input;
+use crate::import::GeometryFileReader;
 
 /// The position of a [`Cursor`].
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ pub(super) struct Position {
 /// A file that updates its [`Position`].
 #[derive(Debug)]
 pub(super) struct Cursor<'a> {
-    file: Input,
+    file: GeometryFileReader,
     position: &'a Position,
 }
 
@@ -42,7 +42,7 @@ impl Position {
 }
 
 impl<'a> Cursor<'a> {
-    pub(super) fn new(file: Input, position: &'a Position) -> Self {
+    pub(super) fn new(file: GeometryFileReader, position: &'a Position) -> Self {
         Self { file, position }
     }
 

@@ -14,17 +14,17 @@ use serde::de::MapAccess;
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 
 use super::mesh::{Mesh, Normals, fan, finite};
-use super::{FileFault, Input, Place, Result};
+use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use cursor::{Cursor, Position};
 use header::MeshHeader;
 use rows::Rows;
 
-pub(super) fn read(file: Input) -> Result<Mesh> {
+pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
     let position = Position::default();
     let mut cursor = Cursor::new(file, &position);
     let mut reader = PlyReader::from_reader(&mut cursor).map_err(|error| {
         let problem = format!("the header is damaged: {}", error.0);
-        FileFault::new(problem, "a PLY file").at(Place::Line(position.line()))
+        FileFault::new(problem, "a PLY file").at(FileLocation::Line(position.line()))
     })?;
     let header = MeshHeader::new(reader.header())?;
     let elements = reader.header().elem_defs.clone();
@@ -36,9 +36,9 @@ pub(super) fn read(file: Input) -> Result<Mesh> {
         body.read(element, &mut reader, &mut n_rows)
             .map_err(|fault| {
                 fault.at(if is_text {
-                    Place::Line(position.line())
+                    FileLocation::Line(position.line())
                 } else {
-                    Place::Element(element.name.clone(), u64::max(n_rows, 1) - 1)
+                    FileLocation::Element(element.name.clone(), u64::max(n_rows, 1) - 1)
                 })
             })?;
     }

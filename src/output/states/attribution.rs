@@ -6,7 +6,7 @@ use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
 use crate::output::RenderingView;
-use crate::paraview::{Axis, AxisScale, Value};
+use crate::paraview::{Axis, ColorScale, StateValue};
 
 /// Most boxes shown; a larger hierarchy is shown at a higher level.
 const MAX_BOXES: usize = 3000;
@@ -64,7 +64,7 @@ impl AttributionValues {
     }
 
     /// Returns the value of a key.
-    pub(super) fn value(&self, key: &str) -> Option<Value> {
+    pub(super) fn value(&self, key: &str) -> Option<StateValue> {
         let (what, key) = key.split_once('.')?;
         match what {
             "bvh" => self.bvh.as_ref()?.value(key),
@@ -87,7 +87,7 @@ impl Primitives {
         }
     }
 
-    fn value(&self, key: &str) -> Option<Value> {
+    fn value(&self, key: &str) -> Option<StateValue> {
         match (key, key.strip_prefix("wasted.")) {
             ("representation", _) if self.has_edges => Some("Surface With Edges".into()),
             ("representation", _) => Some("Surface".into()),
@@ -111,14 +111,14 @@ impl Boxes {
             cost: match level {
                 Level::Leaves => cost_axis(&visits, cost, "leaf of the hierarchy", "visits"),
                 Level::Depth(_) => {
-                    Axis::new("measured_cost", title, AxisScale::Logarithmic, most(below))
+                    Axis::new("measured_cost", title, ColorScale::Logarithmic, most(below))
                 }
             },
             wasted: wasted_axis(&visits, "Visits per box that met nothing", "wasted_visits"),
         }
     }
 
-    fn value(&self, key: &str) -> Option<Value> {
+    fn value(&self, key: &str) -> Option<StateValue> {
         let is_framed = self.n <= MAX_FRAMES;
         let text = match key {
             "representation" if is_framed => "Wireframe".to_owned(),
@@ -198,7 +198,7 @@ fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axi
         return Axis::new(
             "time_ns",
             &format!("Time per {thing}"),
-            AxisScale::Logarithmic,
+            ColorScale::Logarithmic,
             most(times),
         )
         .of_time();
@@ -206,12 +206,12 @@ fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axi
     let counts = visits.iter().map(|of| (of.n as f64, of.n_hits));
     let mut name = format!("{count} per {thing}");
     name[..1].make_ascii_uppercase();
-    Axis::new(count, &name, AxisScale::Logarithmic, most(counts))
+    Axis::new(count, &name, ColorScale::Logarithmic, most(counts))
 }
 
 fn wasted_axis(visits: &[Visits], name: &str, array: &str) -> Axis {
     let wasted = visits.iter().map(|of| (of.n_wasted() as f64, of.n));
-    Axis::new(array, name, AxisScale::Logarithmic, most(wasted))
+    Axis::new(array, name, ColorScale::Logarithmic, most(wasted))
 }
 
 /// Returns the weighted 1 % and 99 % quantiles of the positive values. Hidden parts of

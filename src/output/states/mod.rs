@@ -13,7 +13,7 @@ use crate::chart::Range;
 use crate::cost::Metric;
 use crate::film::Film;
 use crate::folder::OutputFolder;
-use crate::paraview::{Axis, AxisScale, Camera, Panels, Value, fill, value_of_panels};
+use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
 use crate::statistics::quantile;
 use crate::text::numbers::capitalized;
 
@@ -27,7 +27,7 @@ pub(super) struct States<'a> {
     /// measured.
     cost: Axis,
     counter: Option<Axis>,
-    camera: Camera,
+    camera: ViewCamera,
     /// Width and height of the picture.
     size: [f64; 2],
     schedule: TileValues,
@@ -57,7 +57,7 @@ impl<'a> States<'a> {
             folder,
             cost: cost.with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
-            camera: Camera::of(&rendering.scene.image_plane, distances.median),
+            camera: ViewCamera::of(&rendering.scene.image_plane, distances.median),
             size,
             schedule: TileValues::of(rendering.schedule, n_labels),
             has_hits: distances.median.is_some(),
@@ -76,7 +76,7 @@ impl<'a> States<'a> {
         fill(template, |key| self.value(key))
     }
 
-    fn value(&self, key: &str) -> Option<Value> {
+    fn value(&self, key: &str) -> Option<StateValue> {
         if files().any(|file| file.name == key) {
             let path = self.folder.path_of(key);
             return Some(path.to_string_lossy().into_owned().into());
@@ -105,7 +105,12 @@ impl<'a> States<'a> {
 /// `cost.png`.
 fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
     let axis = |array, name, range: Range| {
-        Axis::new(array, name, AxisScale::Logarithmic, [range.low, range.high])
+        Axis::new(
+            array,
+            name,
+            ColorScale::Logarithmic,
+            [range.low, range.high],
+        )
     };
     let Some(metric) = metric else {
         let range = Range::of(film.rows(|strip| &strip.distance).flatten());
@@ -132,7 +137,7 @@ fn counter_axis(film: &Film, metric: Metric) -> Axis {
     Axis::new(
         metric.name,
         &capitalized(metric.title),
-        AxisScale::Linear,
+        ColorScale::Linear,
         ends,
     )
 }

@@ -8,7 +8,7 @@ use crate::cost::Metric;
 use crate::folder::OutputFolder;
 use crate::output::bounding_sphere::BoundingSphere;
 use crate::output::rays::{CLOUD, FILE, Rays};
-use crate::paraview::{Axis, AxisScale, Camera, Panels, Value, fill};
+use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill};
 
 const RAYS: &str = include_str!("../../../paraview/rays.pvsm");
 
@@ -38,7 +38,7 @@ const KINDS: [(&str, [f32; 3]); 4] = [
 pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
     let size = rays.plane().size.map(f64::from);
-    let camera = Camera::of(rays.plane(), None);
+    let camera = ViewCamera::of(rays.plane(), None);
     // A plane's hits beyond the scene would make the rest small.
     let BoundingSphere { center, radius } = rays.bounding_sphere;
     let beyond = f64::from(camera.position().distance(center) + radius);
@@ -64,8 +64,8 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
             FILE => Some(path_of(FILE).into()),
             CLOUD => Some(path_of(CLOUD).into()),
             "panels2.outer" => view.panels.direction("outer").map(|n| n.to_string().into()),
-            "rays.kinds" => Some(Value::Many(kinds.iter().flat_map(name).collect())),
-            "rays.kind_colors" => Some(Value::Many(kinds.iter().flat_map(color).collect())),
+            "rays.kinds" => Some(StateValue::Many(kinds.iter().flat_map(name).collect())),
+            "rays.kind_colors" => Some(StateValue::Many(kinds.iter().flat_map(color).collect())),
             // The start of the arrow's head, which ends at the end of the ray.
             "rays.to_head" => Some(format!("direction*(0.5*length-{})", 0.5 * head).into()),
             _ => match key.strip_prefix("rays.cost.") {
@@ -84,7 +84,7 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
 fn cost_axis(rays: &Rays) -> Axis {
     let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
     let axis =
-        |array, name, high: f32| Axis::new(array, name, AxisScale::Linear, [0.0, high.into()]);
+        |array, name, high: f32| Axis::new(array, name, ColorScale::Linear, [0.0, high.into()]);
     if let Some(high) = high(|ray| ray.time_ns) {
         return axis(Metric::TIME.name, "Time of each ray", high).of_time();
     }
@@ -127,7 +127,7 @@ struct SideView {
 }
 
 impl SideView {
-    fn of(rays: &Rays, camera: &Camera, max_distance: f32) -> Self {
+    fn of(rays: &Rays, camera: &ViewCamera, max_distance: f32) -> Self {
         let [right, up, forward] = camera.axes();
         let back = (0.75 * right + 0.4 * up - 0.6 * forward).normalize();
         let to_right = up.cross(back).normalize();

@@ -1,7 +1,7 @@
 //! The values of `schedule.pvsm`.
 
 use crate::chart::Range;
-use crate::paraview::{Axis, AxisScale, Value};
+use crate::paraview::{Axis, ColorScale, StateValue};
 use crate::schedule::Schedule;
 
 /// The values of the keys that begin with `tiles.`.
@@ -28,15 +28,15 @@ impl TileValues {
             duration: axis(
                 "duration_ns",
                 "Time per tile",
-                AxisScale::Logarithmic,
+                ColorScale::Logarithmic,
                 [low, high],
             )
             .of_time(),
-            thread: axis("thread", "Thread", AxisScale::Linear, [0.0, last_thread]),
+            thread: axis("thread", "Thread", ColorScale::Linear, [0.0, last_thread]),
             start: axis(
                 "start_ns",
                 "Begun after",
-                AxisScale::Linear,
+                ColorScale::Linear,
                 [0.0, last_start],
             )
             .of_time(),
@@ -44,7 +44,7 @@ impl TileValues {
     }
 
     /// The value of a key without its `tiles.`.
-    pub(super) fn value(&self, key: &str) -> Option<Value> {
+    pub(super) fn value(&self, key: &str) -> Option<StateValue> {
         let is_alone = self.n_threads == 1;
         let (name, rest) = key.split_once('.')?;
         match (name, rest) {

@@ -137,7 +137,7 @@ mod tests {
     use crate::vtk::Codec;
     use crate::vtk::appended;
     use crate::vtk::array::Array;
-    use crate::vtk::data_set::{DataSet, Mesh};
+    use crate::vtk::data_set::{CellMesh, DataSet};
     use crate::vtk::read::{DataArraysElement, VtkReader};
 
     /// Lengths around multiples of the block size, and any others.
@@ -171,7 +171,7 @@ mod tests {
     fn written_and_read(bytes: &[u8], codec: Codec) -> (Vec<u8>, Vec<[f32; 3]>) {
         let n = bytes.len();
         let point = |i: usize| [0, 1, 2].map(|j| (3 * i + j) as f32);
-        let cloud = Mesh {
+        let cloud = CellMesh {
             n_points: n,
             n_cells: 0,
             point_data: vec![Array::of("bytes", n, || bytes.iter().copied())],

@@ -5,7 +5,7 @@ use raycost::import::read_spheres;
 use super::{mesh_of, message, reading};
 
 #[test]
-fn each_mistake_is_told_at_its_place() {
+fn each_mistake_is_reported_at_its_position() {
     let ply = |body: &str| format!("ply\nformat ascii 1.0\n{body}");
     let triangle = |header: &str, rows: &str| {
         ply(&format!(
@@ -193,7 +193,7 @@ fn each_mistake_is_told_at_its_place() {
 }
 
 #[test]
-fn a_mistake_in_a_table_is_told_at_its_line() {
+fn a_mistake_in_a_table_is_reported_with_its_line() {
     let cases = [
         (
             "",

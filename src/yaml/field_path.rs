@@ -13,9 +13,9 @@ pub enum Step {
 
 /// The path from the root of a YAML tree to one of its values.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
-pub struct Path(pub Vec<Step>);
+pub struct FieldPath(pub Vec<Step>);
 
-impl Path {
+impl FieldPath {
     /// Appends a key.
     pub fn key(mut self, key: impl Into<String>) -> Self {
         self.0.push(Step::Key(key.into()));
@@ -30,7 +30,7 @@ impl Path {
 }
 
 /// `objects[2].sphere.radius`
-impl fmt::Display for Path {
+impl fmt::Display for FieldPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (depth, step) in self.0.iter().enumerate() {
             match step {

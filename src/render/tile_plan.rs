@@ -9,7 +9,7 @@ use crate::schedule::{Tile, TileGrid, hilbert_curve};
 
 /// A picture divided into tiles, which can be rendered any number of times.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct TilePlan {
     /// The picture.
     pub image: Image,
     /// Its tiles.
@@ -20,7 +20,7 @@ pub struct Plan {
     sequence: Vec<u32>,
 }
 
-impl Plan {
+impl TilePlan {
     /// Divides the picture into tiles and orders them. [`TileOrder::Cost`] traces
     /// a few rays through each tile on the current rayon pool.
     pub fn new(scene: &Scene, accel: &Accel, image: &Image, tiling: Tiling) -> Self {
