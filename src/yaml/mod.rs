@@ -10,6 +10,7 @@ mod name;
 mod number;
 mod field_path;
 mod fault;
+mod quote;
 mod syntax;
 mod expansion;
 mod walk;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use saphyr_parser::{ScanError, Span};
 
 use super::fault::Fault;
+use super::quote;
 use crate::text::line_start;
 
 /// The remedy of most mistakes.
@@ -12,7 +13,6 @@ const ADVICE: &str = "put a space after each `:` (also on the line above), inden
                       mapping by the same number of spaces, and quote a text that contains `: `";
 const BRACKETS: &str = "put a comma between two entries and close each bracket";
 const QUOTE_TEXT: &str = "quote a text that contains such a character";
-const CLOSE_QUOTES: &str = "close a quote on the line that opens it";
 
 /// A part of a parser's message, the label that replaces it, and the remedy.
 const REWORDED: &[(&str, &str, &str)] = &[
@@ -30,22 +30,15 @@ const REWORDED: &[(&str, &str, &str)] = &[
         "`- ` is not allowed in brackets",
         BRACKETS,
     ),
-    ("indentation in quoted scalar", "not closed", CLOSE_QUOTES),
-    (
-        "quoted scalar, found unexpected",
-        "not closed",
-        CLOSE_QUOTES,
-    ),
-    ("unexpected end of stream", "not closed", CLOSE_QUOTES),
-    (
-        "trailing content after",
-        "expected nothing after the closing quote",
-        "inside single quotes, write a single quote twice",
-    ),
     (
         "escape character",
         "not a valid escape in YAML",
         "write `\\\\` for a backslash, or use single quotes",
+    ),
+    (
+        "quoted scalar",
+        "this quote is not closed",
+        "close each quote on the line that opens it",
     ),
     (
         "mapping values are not allowed",
@@ -159,6 +152,9 @@ const REWORDED: &[(&str, &str, &str)] = &[
 
 /// Replaces a parser's message if the mistake is not at the start of a line.
 const END_OF_LINE: &str = "end of the line";
+/// A part of a parser's message about a text that goes on after its closing quote.
+const AFTER_QUOTE: &str = "trailing content after";
+const SUBJECT: &str = "invalid YAML syntax";
 
 /// Converts an error of saphyr. The collections that start at the bytes
 /// `opened`, the outermost first, were open at that point.
@@ -168,6 +164,14 @@ pub(super) fn fault(
     opened: impl DoubleEndedIterator<Item = usize>,
 ) -> Fault {
     let at = byte_of(text, error.marker().index());
+    if let Some(fault) = quote::unclosed(text, at) {
+        return fault;
+    }
+    if error.info().contains(AFTER_QUOTE) {
+        let expected = "expected nothing after the closing quote";
+        let fault = Fault::of_bytes(at..at, SUBJECT, expected);
+        return fault.with_help(quote::how_to_quote(text, at));
+    }
     let bracket = opened
         .rev()
         .find(|&start| text[start..].starts_with(['[', '{']));
@@ -184,7 +188,8 @@ pub(super) fn fault(
         _ => info,
     };
     let fault = broken(span, info, ADVICE);
-    let concerns_brackets = info.contains("invalid indentation") || info.contains("',' or");
+    let concerns_brackets = !info.contains("quoted scalar")
+        && (info.contains("invalid indentation") || info.contains("',' or"));
     match bracket.filter(|_| concerns_brackets) {
         Some(bracket) => fault.with_help(still_open(text, bracket)),
         None => fault,
@@ -234,7 +239,7 @@ pub(super) fn check_characters(text: &str) -> Result<(), Fault> {
 fn broken(span: Range<usize>, info: &str, help: &str) -> Fault {
     let words = REWORDED.iter().find(|(part, ..)| info.contains(part));
     let (expected, help) = words.map_or((info, help), |&(_, expected, help)| (expected, help));
-    Fault::of_bytes(span, "invalid YAML syntax", expected).with_help(help)
+    Fault::of_bytes(span, SUBJECT, expected).with_help(help)
 }
 
 /// Returns the bytes to underline: the parser reports only where it stopped.
