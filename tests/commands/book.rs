@@ -50,6 +50,21 @@ fn the_readme_is_short() {
     assert!(readme().lines().count() <= 150);
 }
 
+/// The tests run the examples.
+#[test]
+fn rust_in_the_book_is_part_of_an_example() {
+    let examples = fs::read_dir(in_repository("examples")).unwrap();
+    let examples: Vec<String> = examples
+        .map(|entry| fs::read_to_string(entry.unwrap().path()).unwrap())
+        .collect();
+    for (path, text) in pages() {
+        for block in blocks(&text, "rust") {
+            let is_example = examples.iter().any(|example| example.contains(&block));
+            assert!(is_example, "{path}:\n{block}");
+        }
+    }
+}
+
 #[test]
 fn the_scene_renders() {
     let mut config = parse(&scene());
