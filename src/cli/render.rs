@@ -19,34 +19,34 @@ pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
 
-    /// Threads to render on [default: one for each processor]
+    /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// Also render in each mode of `--cost` by turns, and tell what measuring costs
+    /// Also render in each cost mode in turn, and report the overhead of measuring
     #[arg(long)]
     measure_overhead: bool,
 
-    /// Have the processor count cycles, instructions, cache and branch misses of
-    /// each stage, where the machine lets it; see `stages` in summary.json
+    /// Count cycles, instructions, cache and branch misses of each stage in hardware,
+    /// if the machine allows it; see `stages` in summary.json
     #[arg(long)]
     hardware_counters: bool,
 
-    /// Sample in which functions the processor is, and write `profile.svg`, a
-    /// flame graph; needs a build with `--features profile`
+    /// Sample the running functions and write `profile.svg`, a flame graph; needs a
+    /// build with `--features profile`
     #[arg(long)]
     profile: bool,
 
-    /// Force the files onto the disk before they take their places: they survive
-    /// a power cut right after
+    /// Flush the files to the disk before they replace older ones, so that they survive
+    /// a power cut
     #[arg(long)]
     sync: bool,
 
-    /// End as soon as standard input does: with the process that holds its other end
+    /// Stop when standard input ends, as it does with the process at its other end
     #[arg(long, hide = true)]
     while_input_is_open: bool,
 
-    /// Print nothing but errors
+    /// Print only errors
     #[arg(long, short)]
     quiet: bool,
 }
