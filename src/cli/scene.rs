@@ -6,7 +6,8 @@ use clap::ValueEnum;
 
 use super::shell_word;
 use crate::config::{
-    Config, CostMode, MAX_SIDE, OptionalOutput, Repeats, Structure, TileOrder, Tiling,
+    Config, CostMode, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats, Structure,
+    TileOrder, Tiling,
 };
 use crate::memory::Memory;
 use crate::scene::Geometries;
@@ -34,7 +35,7 @@ pub(super) struct SceneArguments {
     height: Option<u32>,
 
     /// Samples per pixel, instead of the file's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES as i64))]
     spp: Option<u32>,
 
     /// Seed of the sampling pattern, instead of the file's
@@ -51,7 +52,7 @@ pub(super) struct SceneArguments {
 
     /// Spheres of each `sphere_cloud`, instead of the file's; their radii change
     /// so that they fill the same share of space
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SHAPES as i64))]
     count: Option<u32>,
 
     /// Cost to measure for each pixel, instead of the file's

@@ -11,7 +11,7 @@ use crate::sampling::uniform;
 use crate::yaml;
 
 /// Most shapes of one generator.
-const MAX_SHAPES: u32 = 1_000_000_000;
+pub const MAX_SHAPES: u32 = 1_000_000_000;
 
 /// A procedural set of spheres.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,6 +7,9 @@ use crate::yaml;
 /// Longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 65_535;
 
+/// Most camera rays through a pixel.
+pub const MAX_SAMPLES: u32 = 65_536;
+
 /// Size and sampling of the picture.
 ///
 /// ```
@@ -29,7 +32,7 @@ pub struct Image {
     #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
     pub height: u32,
     /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
-    #[serde(deserialize_with = "yaml::count::<_, 65_536>", default = "one")]
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SAMPLES>", default = "one")]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
     #[serde(deserialize_with = "yaml::seed", default)]

@@ -7,7 +7,7 @@ use serde::de::MapAccess;
 use super::factor_level::{
     BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, keyword, max_depth,
 };
-use crate::config::{CostMode, Structure, TileOrder, Tiling};
+use crate::config::{CostMode, MAX_SAMPLES, MAX_SHAPES, Structure, TileOrder, Tiling};
 use crate::vtk::Codec;
 
 /// Makes the enum of factors, their names and how levels are read: one row a factor,
@@ -49,13 +49,13 @@ factors! {
     /// Width and height of the image in pixels: `[width, height]`.
     ImageSize "image_size": ImageSize => ImageSize::level;
     /// Samples per pixel.
-    SamplesPerPixel "samples_per_pixel": BoundedCount<65_536> => |n| n.level("spp");
+    SamplesPerPixel "samples_per_pixel": BoundedCount<{ MAX_SAMPLES as u64 }> => |n| n.level("spp");
     /// Number of rendering threads.
     Threads "threads": BoundedCount<1024> => |n| n.level("threads");
     /// The acceleration structure.
     Acceleration "acceleration": Structure => |structure| keyword("acceleration", structure);
     /// Number of spheres per generator of the scene.
-    Objects "objects": BoundedCount<1_000_000_000> => |n| n.level("count");
+    Objects "objects": BoundedCount<{ MAX_SHAPES as u64 }> => |n| n.level("count");
     /// Maximum number of bounces of a path.
     MaxDepth "max_depth": u8 => max_depth;
     /// Side of a tile in pixels.
