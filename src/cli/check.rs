@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::run_summary::primitives;
 use super::scene::SceneArguments;
-use super::{Failure, shown};
-use crate::config::{Acceleration, Config, CostMode, Image, Repeats, TileOrder, Tiling};
+use super::{Failure, on_threads, shown};
+use crate::config::{Acceleration, Config, CostMode, Image, Repeats, Tiling};
 use crate::folder::SUMMARY;
 use crate::memory::{self, Memory};
 use crate::output::{self, Request};
@@ -47,6 +47,10 @@ impl CheckArguments {
 }
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
+    on_threads(|| check(arguments))
+}
+
+fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if arguments.scene.scene.join(SUMMARY).exists() {
         return verified(&arguments.scene.scene);
     }
@@ -167,13 +171,11 @@ fn tiles(config: &Config) -> String {
     let Image { width, height, .. } = config.image;
     let Tiling { size, order } = config.tiles;
     let n_tiles = TileGrid::new(width, height, size).n_tiles();
-    let order = match order {
-        TileOrder::Scanline => "along rows",
-        TileOrder::Hilbert => "along a Hilbert curve",
-        TileOrder::Cost => "the most expensive first",
-    };
     let n_tiles = counted(n_tiles.into(), "tile");
-    format!("{n_tiles} of {size} x {size} pixels, {order}")
+    format!(
+        "{n_tiles} of {size} x {size} pixels in {} order",
+        order.name()
+    )
 }
 
 /// The cost that would be measured, and how.

@@ -6,6 +6,8 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
+use crate::text;
+
 /// The structure that finds the nearest hit of a ray.
 ///
 /// ```
@@ -50,11 +52,8 @@ impl fmt::Display for Quality {
 }
 
 /// An [`Acceleration`] as one word, for the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, serde::Serialize, clap::ValueEnum)]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "`fast`, `balanced`, `high` or `brute_force`"
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
 pub enum Structure {
     /// A BVH of this quality
@@ -65,6 +64,12 @@ pub enum Structure {
     High,
     /// Every shape against every ray
     BruteForce,
+}
+
+impl<'de> Deserialize<'de> for Structure {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
 }
 
 impl From<Structure> for Acceleration {

@@ -1,6 +1,8 @@
 //! The `cost` section.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::text;
 
 /// The cost measured for each pixel. All modes give the same picture, and the
 /// two modes with counters the same counters.
@@ -10,8 +12,9 @@ use serde::{Deserialize, Serialize};
 /// let cost: CostMode = raycost::yaml::from_str("counters").unwrap();
 /// # assert_eq!(cost, CostMode::Counters);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case", expecting = "`none`, `counters` or `time`")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
 pub enum CostMode {
     /// Nothing; traces rays in streams
     None,
@@ -40,5 +43,11 @@ impl CostMode {
             Self::None | Self::Counters => "stream",
             Self::Time => "single_ray",
         }
+    }
+}
+
+impl<'de> Deserialize<'de> for CostMode {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
     }
 }

@@ -8,6 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 
 use super::{Acceleration, CostMode};
+use crate::text;
 use crate::yaml::{self, Fault, FieldPath};
 
 /// The optional outputs of a run.
@@ -65,8 +66,7 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 impl OptionalOutput {
     /// Its name in scene files and on the command line.
     fn name(self) -> String {
-        let value = self.to_possible_value();
-        value.map_or_else(String::new, |value| value.get_name().to_owned())
+        text::keyword_name(&self)
     }
 
     /// Whether it requires the cost attribution, and therefore counters.

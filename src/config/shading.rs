@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
+use crate::text;
 use crate::yaml;
 
 /// The shading model and its parameters.
@@ -28,14 +29,20 @@ pub struct Shading {
 }
 
 /// A shading model.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "`blinn_phong` or `seed`")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum ShadingModel {
     /// Blinn-Phong with shadows and Whitted's recursive reflection.
     #[default]
     BlinnPhong,
     /// The model of the course's NumPy code, for comparison with it.
     Seed,
+}
+
+impl<'de> Deserialize<'de> for ShadingModel {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
 }
 
 fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::text;
 use crate::yaml;
 
 /// How the picture is divided among threads. It changes neither the picture nor
@@ -29,11 +30,9 @@ pub struct Tiling {
 }
 
 /// The order in which threads take tiles.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "`scanline`, `hilbert` or `cost`"
-)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
 pub enum TileOrder {
     /// Row by row, from the top left
     #[default]
@@ -64,12 +63,14 @@ impl Default for Tiling {
 
 impl TileOrder {
     /// Its name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scanline => "scanline",
-            Self::Hilbert => "hilbert",
-            Self::Cost => "cost",
-        }
+    pub fn name(self) -> String {
+        text::keyword_name(&self)
+    }
+}
+
+impl<'de> Deserialize<'de> for TileOrder {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod cell;
 mod diagnostic;
+mod keyword;
 pub mod numbers;
 mod suggestion;
 mod terminal;
@@ -10,6 +11,7 @@ mod terminal;
 pub(crate) use cell::{text_cell, text_of_cell};
 pub use diagnostic::Diagnostic;
 pub(crate) use diagnostic::line_start;
+pub(crate) use keyword::{keyword, keyword_name};
 pub use suggestion::did_you_mean;
 pub(crate) use suggestion::number_meant;
 pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json};

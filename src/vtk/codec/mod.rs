@@ -10,7 +10,9 @@ use std::fmt::Debug;
 use std::io;
 
 use clap::ValueEnum;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::text;
 
 /// The compression of the arrays in VTK files. All of them are lossless.
 ///
@@ -19,8 +21,9 @@ use serde::{Deserialize, Serialize};
 /// let compress: Codec = raycost::yaml::from_str("zlib").unwrap();
 /// # assert_eq!(compress, Codec::Zlib);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, ValueEnum)]
-#[serde(rename_all = "snake_case", expecting = "`none`, `lz4` or `zlib`")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
 pub enum Codec {
     /// No compression: supported by every reader of VTK files
     #[default]
@@ -49,6 +52,12 @@ impl Codec {
     /// Returns the largest compression ratio that the format permits.
     pub fn max_ratio(self) -> u64 {
         self.compressor().map_or(1, Compressor::max_ratio)
+    }
+}
+
+impl<'de> Deserialize<'de> for Codec {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
     }
 }
 
