@@ -2,7 +2,7 @@
 //!
 //! Each kind of camera has one file, which reads its YAML keys and places an
 //! [`ImagePlane`]; the rays depend on nothing else. To add a camera, write its
-//! file, its `mod` line and its arms in [`Camera`].
+//! file, its `mod` line and its row in the list of cameras.
 
 mod image_plane;
 mod basis;
@@ -13,32 +13,40 @@ mod window;
 use serde::Deserialize;
 
 pub use image_plane::{ImagePlane, Projection};
-pub use look_at::LookAt;
-pub use orthographic::Orthographic;
-pub use window::{Window, WindowSamples};
+pub use window::WindowSamples;
 
-/// The scene file's `camera`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "a camera such as { look_at: { … } }"
-)]
-pub enum Camera {
-    /// A perspective camera, given by eye, target and field of view.
-    LookAt(LookAt),
-    /// A camera with parallel rays.
-    Orthographic(Orthographic),
-    /// A perspective camera, given by eye and window, which may be off-axis.
-    Window(Window),
+/// Defines [`Camera`] and its dispatch from one list. A row has the kind, whose YAML key
+/// is its name in snake case, and the type in the kind's file.
+macro_rules! cameras {
+    ($($(#[$doc:meta])* $kind:ident($file:ident::$camera:ident),)*) => {
+        $(pub use $file::$camera;)*
+
+        /// The scene file's `camera`.
+        #[derive(Debug, Clone, PartialEq, Deserialize)]
+        #[serde(
+            rename_all = "snake_case",
+            expecting = "a camera such as { look_at: { … } }"
+        )]
+        pub enum Camera {
+            $($(#[$doc])* $kind($camera),)*
+        }
+
+        impl Camera {
+            /// The image plane of an image of `width * height` pixels.
+            pub fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+                match self {
+                    $(Self::$kind(camera) => camera.image_plane(width, height),)*
+                }
+            }
+        }
+    };
 }
 
-impl Camera {
-    /// The image plane of an image of `width * height` pixels.
-    pub fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
-        match self {
-            Self::LookAt(camera) => camera.image_plane(width, height),
-            Self::Orthographic(camera) => camera.image_plane(width, height),
-            Self::Window(camera) => camera.image_plane(width, height),
-        }
-    }
+cameras! {
+    /// A perspective camera, given by eye, target and field of view.
+    LookAt(look_at::LookAt),
+    /// A camera with parallel rays.
+    Orthographic(orthographic::Orthographic),
+    /// A perspective camera, given by eye and window, which may be off-axis.
+    Window(window::Window),
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Failure, shell_word, shown};
+use super::{Failure, on_threads, shell_word, shown};
 use crate::diff::{self, Diff, Gate, Limit, Side};
 use crate::folder::{OutputFolder, Written};
 use crate::results::read_unchanged;
@@ -39,6 +39,10 @@ pub(super) struct DiffArguments {
 }
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), Failure> {
+    on_threads(|| compare(arguments))
+}
+
+fn compare(arguments: &DiffArguments) -> Result<(), Failure> {
     let folders: [&Path; 2] = [&arguments.a, &arguments.b];
     let (sides, diff) = read_unchanged(&folders, || {
         let sides = Side::open(folders)?;

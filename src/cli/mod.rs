@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand.
+//! The command line: one file per subcommand, and one row in the list of commands.
 
 mod charges;
 mod check;
@@ -41,10 +41,28 @@ pub struct Cli {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
+/// Defines [`Command`] and its dispatch from one list. A row has the subcommand and the
+/// type of its arguments in its file, whose `run` takes them.
+macro_rules! commands {
+    ($($(#[$doc:meta])* $command:ident($file:ident::$arguments:ident),)*) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($(#[$doc])* $command($file::$arguments),)*
+        }
+
+        impl Command {
+            fn run(&self) -> Result<(), Failure> {
+                match self {
+                    $(Self::$command(arguments) => $file::run(arguments),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
     /// Render a scene and write its files
-    Render(render::Arguments),
+    Render(render::RenderArguments),
     /// Check a scene without rendering it, or verify an output folder
     Check(check::CheckArguments),
     /// Write a page that shows an output folder in a browser
@@ -91,22 +109,10 @@ impl Cli {
                 "cannot listen for signals: {error}"
             )))
         })?;
-        match (self.run_command(), stop::check()) {
+        match (self.command.run(), stop::check()) {
             // A command that fails after a signal fails because of the signal.
             (Err(_), Err(stopped)) => Err(stopped.into()),
             (ended, _) => ended,
-        }
-    }
-
-    fn run_command(self) -> Result<(), Failure> {
-        match self.command {
-            Command::Render(arguments) => render::run(&arguments),
-            Command::Check(arguments) => on_threads(|| check::run(&arguments)),
-            Command::View(arguments) => on_threads(|| view::run(&arguments)),
-            Command::Diff(arguments) => on_threads(|| diff::run(&arguments)),
-            Command::Trace(arguments) => trace::run(&arguments),
-            Command::Study(arguments) => study::run(&arguments),
-            Command::Completions(arguments) => completions::run(&arguments),
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::text::{self, Diagnostic};
 #[command(after_help = "Examples:
   raycost render configs/seed_sphere.yaml
   raycost render configs/seed_extended.yaml --width 1600 --height 1200 --spp 4 --out /tmp/big")]
-pub(super) struct Arguments {
+pub(super) struct RenderArguments {
     #[command(flatten)]
     scene: SceneArguments,
 
@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if arguments.while_input_is_open {
         std::thread::spawn(|| {
             let _ = io::copy(&mut io::stdin(), &mut io::sink());

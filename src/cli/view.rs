@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Failure, shown};
+use super::{Failure, on_threads, shown};
 use crate::folder::{Replace, target, write_file};
 use crate::results::{Results, read_unchanged};
 use crate::text;
@@ -43,6 +43,10 @@ fn megabytes(text: &str) -> Result<u64, String> {
 }
 
 pub(super) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
+    on_threads(|| write_page(arguments))
+}
+
+fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),

@@ -1,22 +1,52 @@
 //! The counters of a pixel.
 
-use super::RayKind;
+use super::{Cost, RayKind};
 
-/// A counter of each pixel. Camera rays have none: each sample has one ray.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Counter {
+/// Defines the enum from one list. A row has the counter and its field of [`Cost`].
+macro_rules! counters {
+    ($($(#[$doc:meta])* $counter:ident: |$cost:ident| $field:expr,)*) => {
+        /// A counter of each pixel. Camera rays have none: each sample has one ray.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Counter {
+            $($(#[$doc])* $counter,)*
+        }
+
+        impl Counter {
+            /// All counters, in the order of declaration.
+            pub const ALL: [Self; [$(Self::$counter),*].len()] = [$(Self::$counter),*];
+        }
+
+        impl Cost {
+            /// Returns one of the counters.
+            pub fn get(&self, counter: Counter) -> u64 {
+                match counter {
+                    $(Counter::$counter => { let $cost = self; $field })*
+                }
+            }
+
+            /// Returns one of the counters for writing.
+            pub(super) fn get_mut(&mut self, counter: Counter) -> &mut u64 {
+                match counter {
+                    $(Counter::$counter => { let $cost = self; &mut $field })*
+                }
+            }
+        }
+    };
+}
+
+counters! {
     /// BVH nodes visited.
-    NodeVisits,
+    NodeVisits: |cost| cost.node_visits,
     /// Ray-primitive tests.
-    PrimitiveTests,
+    PrimitiveTests: |cost| cost.primitive_tests,
     /// Rays toward lights.
-    ShadowRays,
+    ShadowRays: |cost| cost.rays[RayKind::Shadow as usize],
     /// Reflected rays.
-    ReflectionRays,
+    ReflectionRays: |cost| cost.rays[RayKind::Reflection as usize],
     /// Refracted rays.
-    RefractionRays,
+    RefractionRays: |cost| cost.rays[RayKind::Refraction as usize],
     /// Bounces of the longest path.
-    Depth,
+    Depth: |cost| cost.depth,
 }
 
 impl Counter {
@@ -30,14 +60,4 @@ impl Counter {
             RayKind::Refraction => Some(Self::RefractionRays),
         }
     }
-
-    /// All counters, in the order of declaration.
-    pub const ALL: [Self; 6] = [
-        Self::NodeVisits,
-        Self::PrimitiveTests,
-        Self::ShadowRays,
-        Self::ReflectionRays,
-        Self::RefractionRays,
-        Self::Depth,
-    ];
 }

@@ -2,7 +2,8 @@
 //! tables and pages take names, labels and units.
 //!
 //! To add a metric, add its row to [`Metric::ALL`]; one that is counted also needs
-//! its [`Counter`], its field in [`Cost`], and the code that counts it.
+//! its row in the list of [`Counter`]s, its field in [`Cost`], and the code that counts
+//! it.
 
 use std::time::Duration;
 

@@ -72,30 +72,6 @@ impl Cost {
         self.rays.iter().sum()
     }
 
-    /// Returns one of the counters for writing.
-    fn get_mut(&mut self, counter: Counter) -> &mut u64 {
-        match counter {
-            Counter::NodeVisits => &mut self.node_visits,
-            Counter::PrimitiveTests => &mut self.primitive_tests,
-            Counter::ShadowRays => &mut self.rays[RayKind::Shadow as usize],
-            Counter::ReflectionRays => &mut self.rays[RayKind::Reflection as usize],
-            Counter::RefractionRays => &mut self.rays[RayKind::Refraction as usize],
-            Counter::Depth => &mut self.depth,
-        }
-    }
-
-    /// Returns one of the counters.
-    pub fn get(&self, counter: Counter) -> u64 {
-        match counter {
-            Counter::NodeVisits => self.node_visits,
-            Counter::PrimitiveTests => self.primitive_tests,
-            Counter::ShadowRays => self.rays_of(RayKind::Shadow),
-            Counter::ReflectionRays => self.rays_of(RayKind::Reflection),
-            Counter::RefractionRays => self.rays_of(RayKind::Refraction),
-            Counter::Depth => self.depth,
-        }
-    }
-
     /// Adds the counts of both, and takes the greater depth.
     pub fn with(self, other: Self) -> Self {
         Self {

@@ -1,15 +1,18 @@
-//! The list of shapes.
+//! The list of shapes, and all kinds of shapes under their names.
 
 use std::fmt;
 
 use glam::Vec3;
 use serde::de::MapAccess;
 
-use super::{Aabb, Cuboid, Disk, Intersectable, Patch, Plane, Ray, Sphere, Transform, Triangle};
+use super::{Aabb, Intersectable, Patch, Ray, Transform};
 
-/// Defines the enum, its YAML keys and its dispatch from one list.
+/// Defines the enum, its YAML keys and its dispatch from one list. A row has the YAML
+/// key and the type in the shape's file.
 macro_rules! shapes {
-    ($($(#[$doc:meta])* $key:literal => $shape:ident,)*) => {
+    ($($(#[$doc:meta])* $key:literal => $file:ident::$shape:ident,)*) => {
+        $(pub use super::$file::$shape;)*
+
         /// A shape of any kind, in object space.
         #[derive(Debug, Clone, PartialEq)]
         pub enum Shape {
@@ -69,13 +72,13 @@ macro_rules! shapes {
 
 shapes! {
     /// A sphere.
-    "sphere" => Sphere,
+    "sphere" => sphere::Sphere,
     /// An infinite plane.
-    "plane" => Plane,
+    "plane" => plane::Plane,
     /// A flat disk.
-    "disk" => Disk,
+    "disk" => disk::Disk,
     /// A triangle.
-    "triangle" => Triangle,
+    "triangle" => triangle::Triangle,
     /// An axis-aligned box.
-    "box" => Cuboid,
+    "box" => cuboid::Cuboid,
 }

@@ -33,7 +33,7 @@ pub struct DirectionalLight {
 }
 
 impl DirectionalLight {
-    pub(super) fn illuminate(&self) -> Illumination {
+    pub(super) fn illuminate(&self, _: Vec3) -> Illumination {
         Illumination {
             direction: -self.direction,
             distance: f32::INFINITY,

@@ -1,7 +1,7 @@
 //! Lights: a point → the light that arrives there.
 //!
 //! Each kind of light has one file. To add a light, write its file, its `mod` line and
-//! its arms in [`Light`].
+//! its row in the list of lights.
 
 mod default;
 mod directional;
@@ -12,30 +12,39 @@ mod point;
 use glam::Vec3;
 use serde::Deserialize;
 
-pub use directional::DirectionalLight;
 pub use falloff::Falloff;
 pub use illumination::Illumination;
-pub use point::PointLight;
 
-/// One of the scene file's `lights`.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "a light such as { point: { … } }"
-)]
-pub enum Light {
-    /// A light at a point.
-    Point(PointLight),
-    /// A light infinitely far away.
-    Directional(DirectionalLight),
+/// Defines [`Light`] and its dispatch from one list. A row has the kind, whose YAML key
+/// is its name in snake case, and the type in the kind's file.
+macro_rules! lights {
+    ($($(#[$doc:meta])* $kind:ident($file:ident::$light:ident),)*) => {
+        $(pub use $file::$light;)*
+
+        /// One of the scene file's `lights`.
+        #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+        #[serde(
+            rename_all = "snake_case",
+            expecting = "a light such as { point: { … } }"
+        )]
+        pub enum Light {
+            $($(#[$doc])* $kind($light),)*
+        }
+
+        impl Light {
+            /// The light that arrives at `point` unless it is occluded.
+            pub fn illuminate(&self, point: Vec3) -> Illumination {
+                match self {
+                    $(Self::$kind(light) => light.illuminate(point),)*
+                }
+            }
+        }
+    };
 }
 
-impl Light {
-    /// The light that arrives at `point` unless it is occluded.
-    pub fn illuminate(&self, point: Vec3) -> Illumination {
-        match self {
-            Self::Point(light) => light.illuminate(point),
-            Self::Directional(light) => light.illuminate(),
-        }
-    }
+lights! {
+    /// A light at a point.
+    Point(point::PointLight),
+    /// A light infinitely far away.
+    Directional(directional::DirectionalLight),
 }

@@ -1,10 +1,12 @@
 //! Materials: how surfaces reflect light.
 
+mod checker;
 mod texture;
 
 use serde::Deserialize;
 
-pub use texture::{Axes, Checker, Rounding, Texture};
+pub use checker::{Axes, Rounding};
+pub use texture::*;
 
 use crate::yaml;
 

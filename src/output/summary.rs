@@ -6,7 +6,7 @@ use serde_json::Number;
 
 use super::file::{FileContent, Job, OutputFile};
 use super::{RenderingView, thread_time};
-use crate::cost::RayKind;
+use crate::cost::{Metric, MetricSource, RayKind};
 use crate::film::Film;
 use crate::folder::SUMMARY;
 use crate::instruments::peak_memory_bytes;
@@ -95,21 +95,20 @@ fn cost(rendering: &RenderingView) -> CostSection {
 
 /// The sums of the film's arrays, by the arrays' names.
 fn totals(film: &Film) -> IndexMap<String, Option<Number>> {
-    let totals = &film.totals;
-    let time_ns = film.cost.has_time().then(|| film.total_time_ns());
-    let counters = [
-        ("node_visits", totals.node_visits),
-        ("primitive_tests", totals.primitive_tests),
-        ("rays", totals.n_rays()),
-        ("camera_rays", totals.rays_of(RayKind::Camera)),
-        ("shadow_rays", totals.rays_of(RayKind::Shadow)),
-        ("reflection_rays", totals.rays_of(RayKind::Reflection)),
-        ("refraction_rays", totals.rays_of(RayKind::Refraction)),
-        ("depth", totals.depth),
-    ];
-    let counters = counters.map(|(name, n)| (name, Some(Number::from(n))));
-    std::iter::once(("time_ns", time_ns.and_then(Number::from_f64)))
-        .chain(counters)
-        .map(|(name, total)| (name.to_owned(), total))
-        .collect()
+    let mut totals = IndexMap::new();
+    for metric in Metric::ALL {
+        let total = if metric.is_timed() {
+            let time_ns = film.cost.has_time().then(|| film.total_time_ns());
+            time_ns.and_then(Number::from_f64)
+        } else {
+            Some(metric.of(&film.totals).into())
+        };
+        totals.insert(metric.name.to_owned(), total);
+        if metric.source == MetricSource::AllRays {
+            // Camera rays are no metric: each pixel has the same number.
+            let camera_rays = film.totals.rays_of(RayKind::Camera);
+            totals.insert("camera_rays".to_owned(), Some(camera_rays.into()));
+        }
+    }
+    totals
 }
