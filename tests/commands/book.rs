@@ -13,7 +13,7 @@ use raycost::study::StudyPlan;
 use raycost::yaml::Source;
 
 /// The README and all pages of the book, by their paths in the repository.
-fn pages() -> Vec<(String, String)> {
+pub fn pages() -> Vec<(String, String)> {
     let mut paths = vec!["README.md".to_owned(), "paraview/README.md".to_owned()];
     for entry in fs::read_dir(in_repository("docs")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();

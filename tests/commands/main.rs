@@ -6,6 +6,7 @@ mod common;
 mod architecture;
 mod benches;
 mod book;
+mod choices;
 mod configs;
 mod cost_law;
 mod diff;

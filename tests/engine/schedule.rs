@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
+use clap::ValueEnum;
 use serde_json::Value;
 
 use crate::common::data_set::DataSet;
@@ -16,8 +17,6 @@ use raycost::config::{Config, CostMode, TileOrder, Tiling};
 use raycost::cost::{Cost, Counter};
 use raycost::film::Film;
 use raycost::schedule::Schedule;
-
-const ORDERS: [TileOrder; 3] = [TileOrder::Scanline, TileOrder::Hilbert, TileOrder::Cost];
 
 fn tiled(name: &str, order: TileOrder, size: u32) -> Config {
     let mut config = config(name);
@@ -37,7 +36,10 @@ fn neither_order_nor_size_changes_a_byte() {
         };
         let plain = films(TileOrder::Scanline, 16, 1);
         for size in [2, 5, 16, 64, 256] {
-            for (order, n_threads) in ORDERS.into_iter().flat_map(|o| [(o, 1), (o, 2), (o, 5)]) {
+            for (order, n_threads) in TileOrder::value_variants()
+                .iter()
+                .flat_map(|&o| [(o, 1), (o, 2), (o, 5)])
+            {
                 let film = films(order, size, n_threads);
                 assert!(film == plain, "{mode:?}, {size}, {order:?}, {n_threads}");
             }
@@ -47,7 +49,10 @@ fn neither_order_nor_size_changes_a_byte() {
 
 #[test]
 fn the_schedule_agrees_with_the_film() {
-    for (order, size) in ORDERS.into_iter().flat_map(|o| [(o, 3), (o, 16), (o, 256)]) {
+    for (order, size) in TileOrder::value_variants()
+        .iter()
+        .flat_map(|&o| [(o, 3), (o, 16), (o, 256)])
+    {
         let config = tiled("sphere_cloud", order, size);
         let (film, schedule) = rendered(&config, 3, Simd::best());
         check(&film, &schedule, 3);

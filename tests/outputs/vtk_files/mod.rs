@@ -7,6 +7,7 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Instant;
 
+use clap::ValueEnum;
 use expected::{expected_frame, expected_hits, expected_tiles};
 
 use crate::common::data_set::{Array, DataSet, assert_same};
@@ -109,8 +110,6 @@ mod tiles {
     }
 }
 
-const CODECS: [Codec; 3] = [Codec::None, Codec::Lz4, Codec::Zlib];
-
 const SPHERE: &str = "{ center: [0.5, 0.3, 0], radius: 1 }";
 
 /// A sphere before a gradient.
@@ -144,7 +143,7 @@ fn film_of_hits(n_hits: usize, config: &Config) -> Film {
 fn check(film: &Film, read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
     let [frame, hits] = ["frame.vti", "hits.vtu"].map(|file| folder.path().join(file));
-    for codec in CODECS {
+    for &codec in Codec::value_variants() {
         write_frame(film, codec, &mut File::create(&frame).unwrap()).unwrap();
         write_hits(film, codec, &mut File::create(&hits).unwrap()).unwrap();
         assert_same(read(&frame), expected_frame(film));
@@ -223,7 +222,7 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
     for cost in [CostMode::None, CostMode::Time] {
         let path = folder.path().join("tiles.vti");
-        for codec in CODECS {
+        for &codec in Codec::value_variants() {
             write_tiles(&schedule, cost, codec, &mut File::create(&path).unwrap()).unwrap();
             assert_same(read(&path), expected_tiles(cost));
         }
