@@ -7,7 +7,7 @@ use super::colors::Colors;
 use super::label::Unit;
 use super::range::{Range, Scale};
 use super::text::{CAP_HEIGHT_EM, Style};
-use super::ticks::{ticks, ticks_around_zero};
+use super::ticks::{log_ticks, ticks_around_zero};
 
 /// The direction of increasing values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl Bar {
         let scale_px = (length_px - low_tip_px - high_tip_px) as f32;
         let min_gap = (pitch_em * em_px / scale_px).into();
         let ticks = match range.scale {
-            Scale::Logarithmic => ticks(range.low, range.high, min_gap),
+            Scale::Logarithmic => log_ticks(range.low, range.high, min_gap),
             Scale::Diverging => ticks_around_zero(range.high, min_gap),
         };
         let style = Style::new(em_px, canvas::INK);

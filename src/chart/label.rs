@@ -1,48 +1,68 @@
 //! Formats values with engineering units and without trailing zeros.
 
+/// Formats a number with at most six digits, three decimals and an SI prefix: "0.05", "65.536 k",
+/// "1.5 M".
+pub fn short_number(value: f64) -> String {
+    COUNT.label_within(value, 6, 3)
+}
+
 /// The suffixes of a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// Suffixes and their size in the values' unit, smallest first.
-    suffixes: [(&'static str, f64); 4],
+    suffixes: &'static [(&'static str, f64)],
 }
+
+const TIME: Unit = Unit {
+    suffixes: &[(" ns", 1.0), (" µs", 1e3), (" ms", 1e6), (" s", 1e9)],
+};
+
+const COUNT: Unit = Unit {
+    suffixes: &[
+        ("", 1.0),
+        (" k", 1e3),
+        (" M", 1e6),
+        (" G", 1e9),
+        (" T", 1e12),
+    ],
+};
 
 impl Unit {
     /// Returns units of time for "ns", and powers of 1000 for all others.
     pub fn named(name: &str) -> Self {
-        let suffixes = match name {
-            "ns" => [(" ns", 1.0), (" µs", 1e3), (" ms", 1e6), (" s", 1e9)],
-            _ => [("", 1.0), (" k", 1e3), (" M", 1e6), (" G", 1e9)],
-        };
-        Self { suffixes }
+        match name {
+            "ns" => TIME,
+            _ => COUNT,
+        }
     }
 
     /// Formats `value` with `n_digits` significant digits: "500 ns", "1.5 µs", "−20 ns", "0".
     pub fn label(&self, value: f64, n_digits: usize) -> String {
+        self.label_within(value, n_digits, usize::MAX)
+    }
+
+    /// Formats `value` with `n_digits` significant digits and at most `max_decimals` decimals.
+    fn label_within(&self, value: f64, n_digits: usize, max_decimals: usize) -> String {
         match value {
             0.0 => "0".to_owned(),
-            ..0.0 => format!("−{}", self.size_label(-value, n_digits)),
-            _ => self.size_label(value, n_digits),
+            ..0.0 => format!("−{}", self.size_label(-value, n_digits, max_decimals)),
+            _ => self.size_label(value, n_digits, max_decimals),
         }
     }
 
     /// Formats a positive number.
-    fn size_label(&self, value: f64, n_digits: usize) -> String {
+    fn size_label(&self, value: f64, n_digits: usize, max_decimals: usize) -> String {
         let exponential = format!("{:.*e}", n_digits - 1, value);
         let rounded: f64 = exponential.parse().unwrap_or(value);
-        let [smallest, .., largest] = self.suffixes;
-        let fitting = self
-            .suffixes
-            .iter()
-            .rev()
-            .find(|(_, size)| rounded >= *size);
-        let (suffix, size) = fitting.copied().unwrap_or(smallest);
+        let fitting = self.suffixes.iter().rfind(|(_, size)| rounded >= *size);
+        let (suffix, size) = fitting.copied().unwrap_or(self.suffixes[0]);
         let number = rounded / size;
-        if number < 1e-3 || number >= 1e4 && size == largest.1 {
+        if !(1e-3..1e4).contains(&number) {
             return format!("{number:e}{suffix}");
         }
         let n_integer_digits = number.log10().floor() as i32 + 1;
         let n_decimals = (n_digits as i32 - n_integer_digits).max(0) as usize;
+        let n_decimals = n_decimals.min(max_decimals);
         let fixed = format!("{number:.n_decimals$}");
         let trimmed = if n_decimals > 0 {
             fixed.trim_end_matches('0').trim_end_matches('.')
@@ -92,6 +112,24 @@ mod tests {
         ];
         for (value, expected) in table {
             assert_eq!(Unit::named("node visits").label(value, 3), expected);
+        }
+    }
+
+    #[test]
+    fn short_numbers_have_at_most_three_decimals() {
+        let table = [
+            (0.0, "0"),
+            (0.05, "0.05"),
+            (7.0, "7"),
+            (999.0, "999"),
+            (1500.0, "1.5 k"),
+            (65_536.0, "65.536 k"),
+            (1_048_576.0, "1.049 M"),
+            (2e12, "2 T"),
+            (3.0 * 1e-4, "3e-4"),
+        ];
+        for (value, expected) in table {
+            assert_eq!(short_number(value), expected);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The per-pixel cost map as a picture with title, subtitle, map, color bar and footer.
 //!
-//! [`draw`] takes one value per pixel and returns an RGB picture. Cost spans decades, so that the
+//! [`write`] takes one value per pixel and writes a PNG. Cost spans decades, so that the
 //! colors (Inferno, perceptually uniform) follow the logarithm. `range` chooses the range of the
 //! colors such that one interrupted pixel does not compress the rest; the footer and the tips of the
 //! color bar show what is clipped. Changes of cost have a diverging scale around zero.
@@ -18,14 +18,18 @@ mod text;
 mod bar;
 mod layout;
 
+use std::io::{self, Write};
+
 use image::RgbImage;
 
+use crate::provenance::{self, RunId};
 use canvas::{GRAY_INK, INK, LINE, PAPER};
 use colors::Colors;
+pub use label::short_number;
 use layout::Layout;
 pub use range::{Range, Scale};
 use text::Style;
-pub use ticks::{Ticks, ticks, ticks_around_zero};
+pub use ticks::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
 
 /// The contents of a cost picture.
 #[derive(Clone, Copy, Debug)]
@@ -48,12 +52,24 @@ pub struct CostMap<'a> {
     pub subtitle: &'a str,
 }
 
+/// Writes the picture of `map` as a PNG with the run's ID.
+///
+/// # Errors
+/// If writing fails.
+pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> {
+    let picture = draw(map);
+    let (width, height) = picture.dimensions();
+    let rows = picture.chunks_exact(3 * width as usize);
+    let texts = [(provenance::KEY, &*run.to_string())];
+    png::write([width, height], rows, &texts, out)
+}
+
 /// Draws `map` with its title, color bar and footer.
 ///
 /// Each value becomes a square of n by n pixels, where n is the smallest integer for which the
 /// longer side of the map has at least 600 pixels. The font size is 2 % of that side, within 14 to
 /// 160 pixels. The same map gives the same picture, and no value causes a panic.
-pub fn draw(map: &CostMap) -> RgbImage {
+fn draw(map: &CostMap) -> RgbImage {
     debug_assert_eq!(map.values.len(), map.width as usize * map.height as usize);
     let range = Range::on(map.scale, map.values);
     let colors = Colors::over(&range);

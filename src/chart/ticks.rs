@@ -1,36 +1,53 @@
-//! The ticks of a scale.
+//! Ticks at round values.
 
 /// The ticks of a scale, in increasing order and within its ends.
 #[derive(Debug, Default, PartialEq)]
 pub struct Ticks {
-    /// Values with a label; at least two.
+    /// Values with a label.
     pub major: Vec<f64>,
     /// Values without a label; some may also be major ones.
     pub minor: Vec<f64>,
 }
 
-/// Ticks of a logarithmic scale from `low` to `high`, at least 1 % above it, as dense as labels fit that need `min_gap`
-/// of the scale's length, up to 0.14, from one to the next.
+impl Ticks {
+    /// Labels each of `values`, in increasing order, whose `position` along the scale, from 0 to 1,
+    /// is at least `min_gap` after that of the last labeled one; the others are minor ticks.
+    pub fn spaced(values: &[f64], min_gap: f64, position: impl Fn(f64) -> f64) -> Self {
+        let mut ticks = Self::default();
+        for &value in values {
+            let is_apart = |last: &f64| position(value) - position(*last) >= min_gap;
+            if ticks.major.last().is_none_or(is_apart) {
+                ticks.major.push(value);
+            } else {
+                ticks.minor.push(value);
+            }
+        }
+        ticks
+    }
+}
+
+/// Returns the ticks of a logarithmic scale from `low` to `high`, at least 1 % above it: at least two
+/// labels, as dense as they fit if each needs `min_gap`, up to 0.14, of the scale's length.
 ///
-/// They are 1, 2, 5 times a power of ten; on a narrow range multiples of such a number; on a wide
-/// one every power of ten, or every n-th.
-pub fn ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
+/// Labels are at 1, 2 and 5 times a power of ten; on a narrow range at multiples of such a number; on
+/// a wide one at every power of ten, or every n-th.
+pub fn log_ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
     let min_gap_decades = min_gap * (high / low).log10();
     if min_gap_decades <= 2f64.log10() {
-        let major = multiples(&[1.0, 2.0, 5.0], low, high);
+        let major = in_each_decade(&[1.0, 2.0, 5.0], low, high);
         if major.len() >= 3 {
             return Ticks {
                 major,
-                minor: multiples(&ONE_TO_NINE, low, high),
+                minor: in_each_decade(&ONE_TO_NINE, low, high),
             };
         }
-        return linear_ticks(low, high, min_gap_decades);
+        return narrow_log_ticks(low, high, min_gap_decades);
     }
-    let powers = multiples(&[1.0], low, high);
+    let powers = in_each_decade(&[1.0], low, high);
     if min_gap_decades <= 1.0 {
         return Ticks {
             major: powers,
-            minor: multiples(&ONE_TO_NINE, low, high),
+            minor: in_each_decade(&ONE_TO_NINE, low, high),
         };
     }
     let stride = min_gap_decades.ceil();
@@ -41,87 +58,95 @@ pub fn ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
     }
 }
 
-/// Ticks of a linear scale from `-reach` to `reach`, with labels at least `min_gap` of its length
-/// apart, up to 0.14: at zero and at multiples of 1, 2 or 5 times a power of ten on both sides.
+/// Returns the ticks of a linear scale from `low` to `high`, above it: labels at the multiples of the
+/// least 1, 2 or 5 times a power of ten that is at least `min_step`, a positive number.
+pub fn linear_ticks(low: f64, high: f64, min_step: f64) -> Ticks {
+    let power = 10f64.powf(min_step.log10().floor());
+    let is_large_enough = |step: &RoundStep| step.size * power >= min_step * (1.0 - TOLERANCE);
+    let step = ROUND_STEPS[..4].iter().find(|step| is_large_enough(step));
+    step.unwrap_or(&ROUND_STEPS[3]).ticks(power, low, high)
+}
+
+/// Returns the ticks of a linear scale from `-reach` to `reach`: zero and at least one label on both
+/// sides, at least `min_gap`, up to 0.25, of the scale's length apart.
 pub fn ticks_around_zero(reach: f64, min_gap: f64) -> Ticks {
     // Closer labels are hard to read.
-    let least_step = 2.0 * reach * min_gap.max(0.08);
-    let power = 10f64.powf(least_step.log10().floor());
-    let choices = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0), (10.0, 5.0)];
-    let is_far_enough = |(factor, _): &(f64, f64)| factor * power >= least_step;
-    let (factor, n_minor_steps) = choices
-        .into_iter()
-        .find(is_far_enough)
-        .unwrap_or(choices[3]);
-    let on_both_sides = |step: f64| -> Vec<f64> {
-        let n = (reach / step * (1.0 + 1e-9)).floor() as i64;
-        (-n..=n).map(|i| i as f64 * step).collect()
-    };
-    Ticks {
-        major: on_both_sides(factor * power),
-        minor: on_both_sides(factor * power / n_minor_steps),
-    }
+    linear_ticks(-reach, reach, 2.0 * reach * min_gap.max(0.08))
 }
+
+/// Part by which a value may differ from a bound because of rounding.
+const TOLERANCE: f64 = 1e-9;
 
 const ONE_TO_NINE: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
 
-/// Each factor times each power of ten from `low` to `high`.
-fn multiples(factors: &[f64], low: f64, high: f64) -> Vec<f64> {
-    let exponents = low.log10().floor() as i32..=high.log10().floor() as i32;
-    exponents
-        .flat_map(|exponent| {
-            factors
-                .iter()
-                .map(move |factor| factor * 10f64.powi(exponent))
-        })
-        .filter(|&value| is_within(value, low, high))
-        .collect()
+/// A distance between labels, to be scaled by a power of ten.
+struct RoundStep {
+    size: f64,
+    /// Number of minor steps in it.
+    n_minor: f64,
 }
 
-/// Equal steps of 1, 2 or 5 times a power of ten: at most seven, and as far apart as asked at the
-/// high end, where they are closest.
-fn linear_ticks(low: f64, high: f64, min_gap_decades: f64) -> Ticks {
+const ROUND_STEPS: [RoundStep; 6] = [
+    RoundStep::new(1.0, 5.0),
+    RoundStep::new(2.0, 4.0),
+    RoundStep::new(5.0, 5.0),
+    RoundStep::new(10.0, 5.0),
+    RoundStep::new(20.0, 4.0),
+    RoundStep::new(50.0, 5.0),
+];
+
+impl RoundStep {
+    const fn new(size: f64, n_minor: f64) -> Self {
+        Self { size, n_minor }
+    }
+
+    /// Labels at the multiples of this step times `power`.
+    fn ticks(&self, power: f64, low: f64, high: f64) -> Ticks {
+        let step = self.size * power;
+        Ticks {
+            major: multiples(step, low, high),
+            minor: multiples(step / self.n_minor, low, high),
+        }
+    }
+}
+
+/// Returns the ticks of a logarithmic scale of less than a decade, in equal steps: at most seven
+/// labels, as far apart as necessary at the high end, where they are closest.
+fn narrow_log_ticks(low: f64, high: f64, min_gap_decades: f64) -> Ticks {
     let smallest = 10f64.powf((high - low).log10().floor() - 1.0);
-    let factors = [
-        (1.0, 5.0),
-        (2.0, 4.0),
-        (5.0, 5.0),
-        (10.0, 5.0),
-        (20.0, 4.0),
-        (50.0, 5.0),
-    ];
     let mut ticks = Ticks::default();
-    for (factor, n_minor_steps) in factors {
-        let step = factor * smallest;
-        let (major, minor) = (
-            steps(step, low, high),
-            steps(step / n_minor_steps, low, high),
-        );
-        if major.len() < 2 {
+    for step in &ROUND_STEPS {
+        let wider = step.ticks(smallest, low, high);
+        if wider.major.len() < 2 {
             break;
         }
-        let gap = |pair: &[f64]| (pair[1] / pair[0]).log10();
-        let fits = major.len() <= 7 && major.windows(2).all(|pair| gap(pair) >= min_gap_decades);
-        ticks = Ticks { major, minor };
-        if fits {
+        ticks = wider;
+        let is_apart = |pair: &[f64]| (pair[1] / pair[0]).log10() >= min_gap_decades;
+        if ticks.major.len() <= 7 && ticks.major.windows(2).all(is_apart) {
             break;
         }
     }
     ticks
 }
 
-/// Each multiple of `step` from `low` to `high`.
-fn steps(step: f64, low: f64, high: f64) -> Vec<f64> {
-    let counts = (low / step).floor() as u64..=(high / step).ceil() as u64;
-    counts
-        .map(|i| i as f64 * step)
-        .filter(|&value| is_within(value, low, high))
+/// Returns each factor times each power of ten from `low`, above 0, to `high`.
+fn in_each_decade(factors: &[f64], low: f64, high: f64) -> Vec<f64> {
+    let is_within =
+        |value: &f64| *value >= low * (1.0 - TOLERANCE) && *value <= high * (1.0 + TOLERANCE);
+    let exponents = low.log10().floor() as i32..=high.log10().floor() as i32;
+    let powers = exponents.map(|exponent| 10f64.powi(exponent));
+    powers
+        .flat_map(|power| factors.iter().map(move |factor| factor * power))
+        .filter(is_within)
         .collect()
 }
 
-/// Tolerates the rounding of `value`.
-fn is_within(value: f64, low: f64, high: f64) -> bool {
-    value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9)
+/// Returns each multiple of `step` from `low` to `high`.
+fn multiples(step: f64, low: f64, high: f64) -> Vec<f64> {
+    let tolerance = TOLERANCE * low.abs().max(high) / step;
+    let first = (low / step - tolerance).ceil() as i64;
+    let last = (high / step + tolerance).floor() as i64;
+    (first..=last).map(|i| i as f64 * step).collect()
 }
 
 #[cfg(test)]
@@ -167,7 +192,7 @@ mod tests {
             (1.0, 1e9, 0.14, &[1.0, 100.0, 1e4, 1e6, 1e8]),
         ];
         for (low, high, min_gap, expected) in table {
-            let got = ticks(low, high, min_gap).major;
+            let got = log_ticks(low, high, min_gap).major;
             let is_equal = got.len() == expected.len()
                 && got
                     .iter()
@@ -212,13 +237,14 @@ mod tests {
                 ] {
                     let low = 10f64.powf(-38.0 + f64::from(i) * 0.0937);
                     let high = low * 10f64.powf(n_decades);
-                    let Ticks { major, minor } = ticks(low, high, min_gap);
+                    let Ticks { major, minor } = log_ticks(low, high, min_gap);
+                    let is_within = |v: f64| v >= low * (1.0 - 2e-9) && v <= high * (1.0 + 2e-9);
                     let context = format!("{low} to {high}, gap {min_gap}: {major:?}");
                     assert!(major.len() >= 2, "{context}");
                     assert!(
                         [&major, &minor]
                             .iter()
-                            .all(|t| t.iter().all(|&v| is_within(v, low, high))),
+                            .all(|t| t.iter().all(|&v| is_within(v))),
                         "{context}"
                     );
                     let gap = |pair: &[f64]| (pair[1] / pair[0]).log10() / n_decades;

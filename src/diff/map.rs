@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use super::file::DiffFile;
 use super::report::ratio_label;
 use super::{Diff, Noise, Side};
-use crate::chart::{CostMap, Scale, draw, png};
-use crate::provenance::{self, RunId};
+use crate::chart::{self, CostMap, Scale};
+use crate::provenance::RunId;
 
 /// The file.
 pub(super) const FILE: DiffFile = DiffFile {
@@ -18,7 +18,7 @@ pub(super) const FILE: DiffFile = DiffFile {
 fn write(diff: &Diff, [a, b]: &[Side; 2], run: RunId, out: &mut impl Write) -> io::Result<()> {
     let change = &diff.change;
     let [width, height] = diff.size;
-    let picture = draw(&CostMap {
+    let map = CostMap {
         values: &change.differences,
         scale: Scale::Diverging,
         width,
@@ -31,11 +31,8 @@ fn write(diff: &Diff, [a, b]: &[Side; 2], run: RunId, out: &mut impl Write) -> i
         ),
         unit: change.metric.unit_label(),
         subtitle: &subtitle(diff),
-    });
-    let (width, height) = picture.dimensions();
-    let rows = picture.chunks_exact(3 * width as usize);
-    let texts = [(provenance::KEY, &*run.to_string())];
-    png::write([width, height], rows, &texts, out)
+    };
+    chart::write(&map, run, out)
 }
 
 fn subtitle(diff: &Diff) -> String {

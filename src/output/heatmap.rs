@@ -4,9 +4,9 @@ use std::io::{self, Write};
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
-use crate::chart::{CostMap, Scale, draw, png};
+use crate::chart::{self, CostMap, Scale};
 use crate::cost::Metric;
-use crate::provenance::{self, RunId};
+use crate::provenance::RunId;
 use crate::statistics::upper_median;
 use crate::text::numbers;
 
@@ -24,7 +24,7 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
         return Ok(());
     };
     let values = film.metric(metric);
-    let picture = draw(&CostMap {
+    let map = CostMap {
         values: &values,
         scale: Scale::Logarithmic,
         width: film.grid.width,
@@ -32,11 +32,8 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
         title: &format!("{}: {}", rendering.name, metric.title),
         unit: metric.unit_label(),
         subtitle: &subtitle(rendering, metric, &values),
-    });
-    let (width, height) = picture.dimensions();
-    let rows = picture.chunks_exact(3 * width as usize);
-    let texts = [(provenance::KEY, &*run.to_string())];
-    png::write([width, height], rows, &texts, out)
+    };
+    chart::write(&map, run, out)
 }
 
 fn subtitle(rendering: &RenderingView, metric: Metric, values: &[f32]) -> String {

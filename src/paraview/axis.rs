@@ -1,21 +1,21 @@
-//! Color scales and axes of ParaView states: formula, title with unit, ends, and round
-//! labels.
+//! Color scales and axes of ParaView: a formula over an array, a title with a unit, a range and a
+//! few round labels.
 
 use super::template::StateValue;
-use crate::chart::{ticks, ticks_around_zero};
+use crate::chart::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
 
 /// The scale of colors or of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ColorScale {
     /// For positive values.
     Logarithmic,
-    /// For values from 0 or a least value.
+    /// Linear, from any value to a greater one.
     Linear,
     /// Linear and symmetric around zero, from `-high` to `high`.
     Diverging,
 }
 
-/// An array of a file on a color bar or an axis of a plot.
+/// An array of a file that determines colors or positions along an axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     /// The array's name in the file.
@@ -23,22 +23,25 @@ pub(crate) struct Axis {
     name: String,
     unit: Option<TimeUnit>,
     scale: ColorScale,
-    /// The least value, in the displayed unit.
+    /// The value at the low end, in the unit shown.
     low: f64,
+    /// The value at the high end, in the unit shown.
     high: f64,
+    /// Maximum number of labels.
     n_labels: usize,
 }
 
-/// A display unit of times, which are in nanoseconds in files.
+/// A unit of times, which files store in nanoseconds.
 #[derive(Clone, Copy, Debug)]
 struct TimeUnit {
     name: &'static str,
-    /// The suffix of a formula that converts nanoseconds into it.
+    /// The end of a formula that converts from nanoseconds.
     scaled: &'static str,
+    /// Nanoseconds per unit.
     ns: f64,
 }
 
-/// In ascending order.
+/// From the smallest to the largest.
 const TIME_UNITS: [TimeUnit; 3] = [
     TimeUnit {
         name: "µs",
@@ -58,7 +61,7 @@ const TIME_UNITS: [TimeUnit; 3] = [
 ];
 
 impl Axis {
-    /// Creates the axis of an array with the values of the file and this title.
+    /// Creates an axis of the array's own values, from `low` to `high`, titled `name`.
     pub(crate) fn new(array: &str, name: &str, scale: ColorScale, [low, high]: [f64; 2]) -> Self {
         Self {
             array: array.to_owned(),
@@ -71,8 +74,8 @@ impl Axis {
         }
     }
 
-    /// Displays times, which are in nanoseconds, in the largest unit in which the
-    /// middle of the axis is not small; in µs if there is none.
+    /// Converts from nanoseconds to the largest unit in which the middle of the axis is at least
+    /// 0.1, or to µs if there is none.
     pub(crate) fn of_time(self) -> Self {
         let middle = match self.scale {
             ColorScale::Logarithmic => (self.low * self.high).sqrt(),
@@ -88,12 +91,13 @@ impl Axis {
         }
     }
 
-    /// Limits the number of labels.
+    /// Sets the maximum number of labels.
     pub(crate) fn with_labels(self, n_labels: usize) -> Self {
         Self { n_labels, ..self }
     }
 
-    /// Returns the value of a key without the axis' own prefix.
+    /// Returns the value of a template's key without the prefix of this axis, such as `title` or
+    /// `log(0.5)`; `None` for an unknown key.
     pub(crate) fn value(&self, key: &str) -> Option<StateValue> {
         let log10_of_ends = || [self.low, self.high].map(f64::log10);
         let number = match key {
@@ -129,10 +133,10 @@ impl Axis {
         }
     }
 
-    /// Returns positions and texts in alternation.
-    fn labels(&self, place: impl Fn(f64) -> f64) -> Vec<String> {
+    /// Returns the `position` and the text of each label in turn, as ParaView stores annotations.
+    fn labels(&self, position: impl Fn(f64) -> f64) -> Vec<String> {
         let labels = self.ticks().into_iter();
-        let label = |value| [place(value).to_string(), text(value)];
+        let label = |value| [position(value).to_string(), label_text(value)];
         labels.flat_map(label).collect()
     }
 
@@ -141,45 +145,33 @@ impl Axis {
         match self.scale {
             ColorScale::Logarithmic => self.log_ticks(),
             ColorScale::Linear => {
+                let min_step = (self.high - self.low) / (self.n_labels as f64 - 1.0);
                 // Values without a unit are counts.
-                let least_step = if self.unit.is_some() { 0.0 } else { 1.0 };
-                linear_ticks([self.low, self.high], self.n_labels, least_step)
+                let is_count = self.unit.is_none();
+                let min_step = if is_count {
+                    min_step.max(1.0)
+                } else {
+                    min_step
+                };
+                linear_ticks(self.low, self.high, min_step).major
             }
             ColorScale::Diverging => ticks_around_zero(self.high, 0.17).major,
         }
     }
 
-    /// Returns round values, without those that are too close together.
+    /// Returns round values at least the distance of `n_labels` labels apart, which may be more than
+    /// [`log_ticks`] can keep.
     fn log_ticks(&self) -> Vec<f64> {
-        let gap = 1.0 / (self.n_labels as f64 - 0.5);
+        let min_gap = 1.0 / (self.n_labels as f64 - 0.5);
+        let ticks = log_ticks(self.low, self.high, min_gap.min(0.14)).major;
         let position = |value: f64| (value / self.low).ln() / (self.high / self.low).ln();
-        let mut kept: Vec<f64> = Vec::new();
-        for tick in ticks(self.low, self.high, gap.min(0.14)).major {
-            let is_apart = |last: &f64| position(tick) - position(*last) >= gap;
-            if kept.last().is_none_or(is_apart) {
-                kept.push(tick);
-            }
-        }
-        kept
+        Ticks::spaced(&ticks, min_gap, position).major
     }
 }
 
-/// Returns at most `n` multiples of 1, 2 or 5 times a power of ten that have at least
-/// this distance.
-fn linear_ticks([low, high]: [f64; 2], n: usize, least_step: f64) -> Vec<f64> {
-    let least_step = least_step.max((high - low) / (n as f64 - 1.0));
-    let power = 10f64.powf(least_step.log10().floor());
-    let factors = [1.0, 2.0, 5.0, 10.0].into_iter();
-    let mut steps = factors.map(|factor| factor * power);
-    let step = steps.find(|step| *step >= least_step * (1.0 - 1e-9));
-    let step = step.unwrap_or(least_step);
-    let first = (low / step - 1e-9).ceil() as i64;
-    let last = (high / step + 1e-9).floor() as i64;
-    (first..=last).map(|i| i as f64 * step).collect()
-}
-
-/// Formats a label with at most three digits: `0.05`, `200`, `20k`, `−3`.
-fn text(value: f64) -> String {
+/// Formats a round number for a narrow color bar, without a space and with "k" only from 10,000:
+/// "0.05", "2000", "20k", "−3".
+fn label_text(value: f64) -> String {
     let size = value.abs();
     let (size, suffix) = match size {
         1e10.. => return format!("{value:.1e}"),
@@ -196,8 +188,8 @@ fn text(value: f64) -> String {
     format!("{sign}{rounded}{suffix}")
 }
 
-/// The interpolated value for the text behind `log(` or `linear(`: a fraction
-/// from 0 to 1 and a closing bracket.
+/// Interpolates at the fraction, from 0 to 1, at the beginning of `0.5)`, the rest of a key such as
+/// `log(0.5)`; `None` if that is no number and a closing parenthesis.
 pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }

@@ -1,4 +1,4 @@
-//! Cameras of ParaView's views.
+//! Cameras of ParaView's render views.
 
 use glam::Vec3;
 
@@ -6,21 +6,26 @@ use super::panels::{Panel, Panels};
 use super::template::StateValue;
 use crate::camera::{ImagePlane, Projection};
 
-/// The scene's camera as ParaView's cameras are: not off-axis, and right-handed.
+/// The scene's camera, converted to ParaView's: on-axis and right-handed. Positions and directions
+/// are in world space.
 pub(crate) struct ViewCamera {
     position: Vec3,
     focal_point: Vec3,
+    /// A unit vector.
     right: Vec3,
+    /// A unit vector.
     up: Vec3,
-    /// Tangents of half the picture's angles, or half its width and height if
-    /// parallel.
+    /// Tangents of half the horizontal and half the vertical angle of view; half the width and half
+    /// the height of the picture if parallel.
     half: [f32; 2],
     is_parallel: bool,
+    /// Whether the scene's camera is left-handed, so that ParaView shows the scene mirrored.
     is_mirrored: bool,
 }
 
 impl ViewCamera {
-    /// Returns the camera of the plane's rays.
+    /// Converts the camera of an image plane. The focal point is at `median_distance` from the
+    /// position; without one, at the distance of the picture's middle, at least 1.
     pub(crate) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
         let (position, forward, is_parallel) = match plane.projection {
@@ -61,18 +66,18 @@ impl ViewCamera {
         }
     }
 
-    /// Its position; the center of the image plane if parallel.
+    /// Returns the position of the eye; the middle of the image plane if parallel.
     pub(crate) fn position(&self) -> Vec3 {
         self.position
     }
 
-    /// The right, up and forward directions of ParaView's view, unit vectors.
+    /// Returns the unit vectors to the right, up and forward in ParaView's view.
     pub(crate) fn axes(&self) -> [Vec3; 3] {
         let forward = (self.focal_point - self.position).normalize();
         [forward.cross(self.up), self.up, forward]
     }
 
-    /// Transforms a point of world space as the view shows it.
+    /// Mirrors a point in world space if the view shows the scene mirrored.
     pub(crate) fn mirrored(&self, point: Vec3) -> Vec3 {
         if self.is_mirrored {
             point - 2.0 * self.right.dot(point - self.position) * self.right
@@ -81,16 +86,16 @@ impl ViewCamera {
         }
     }
 
-    /// Returns the value of a key such as `camera2.view_angle`: in one of two panels,
-    /// for a picture of this size.
+    /// Returns the value of a key such as `camera2.view_angle`, the view angle in one of two panels,
+    /// for a picture of this width and height; `None` for other keys.
     pub(crate) fn value(&self, size: [f64; 2], key: &str) -> Option<StateValue> {
         let (n, key) = Panels::split_key(key, "camera")?;
         let number = self.number(key, Panels::of(n, size).panel())?;
         Some(number.to_string().into())
     }
 
-    /// Returns the value of a key without its `camera2.`, for a view in which the
-    /// picture fills the panel.
+    /// Returns the value of a key without its prefix `camera2.`, for a view in which the picture fills
+    /// the panel.
     fn number(&self, key: &str, panel: Panel) -> Option<f64> {
         let (name, index) = match key.split_once('.') {
             Some((name, index)) => (name, index.parse().ok()?),
@@ -113,9 +118,8 @@ impl ViewCamera {
         Some(number.into())
     }
 
-    /// Entry `i` of the 4 x 4 matrix, row-major, that mirrors the scene for
-    /// a camera whose x, y and view direction are left-handed, in the plane
-    /// through the eye at right angles to x; else of the identity.
+    /// Returns entry `i` of a 4 x 4 matrix, row-major: if the camera is left-handed, the reflection in
+    /// the plane through the eye perpendicular to `right`, else the identity.
     fn mirror(&self, i: usize) -> f32 {
         let (row, column) = (i / 4, i % 4);
         let identity = if row == column { 1.0 } else { 0.0 };
@@ -130,8 +134,8 @@ impl ViewCamera {
     }
 }
 
-/// Returns the point to look at from `eye`: along the normal of the plane, which shows
-/// the picture undistorted, if that hits the picture; else its center.
+/// Returns the unit direction of view from `eye`: perpendicular to the plane, which does not distort the
+/// picture, if that ray meets the picture; else toward the middle of the picture.
 fn direction(plane: &ImagePlane, eye: Vec3) -> Vec3 {
     let to_center = plane.center() - eye;
     let normal = plane.right.normalize().cross(plane.down.normalize());

@@ -1,33 +1,35 @@
-//! The arrangement of a state's panels, and the size of pictures in them.
+//! The layout of a state's panels, and the size of the picture in each.
 
 use super::template::StateValue;
 
-/// Least aspect ratio of the area of ParaView's window for all panels: a narrower one
-/// would crop the pictures.
+/// Least aspect ratio, width over height, of the area of all panels in ParaView's window: a narrower
+/// area cuts off the sides of the pictures.
 const AREA_ASPECT: f64 = 1.55;
-/// Fractions of that area's height for a title and a color bar.
+/// Height of a title as a fraction of that area's height.
 const TITLE: f64 = 0.05;
+/// Height of a color bar with its labels as a fraction of that area's height.
 const COLOR_BAR: f64 = 0.085;
 /// Greatest fraction of a panel's width that a picture fills.
 const FILLED_WIDTH: f64 = 0.96;
-/// Pictures wider than this are shown in rows, taller ones than [`TALL`] in
-/// columns.
+/// Aspect ratio above which panels are stacked in rows.
 const WIDE: f64 = 2.1;
+/// Aspect ratio below which panels stand side by side in columns.
 const TALL: f64 = 0.64;
-/// ParaView's numbers of a split into rows and one into columns.
+/// ParaView's direction of a split into rows.
 const ROWS: u8 = 1;
+/// ParaView's direction of a split into columns.
 const COLUMNS: u8 = 2;
 
-/// The arrangement of two, three or four panels that show pictures of one
-/// shape.
+/// The layout of two, three or four panels that show pictures of the same size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panels {
     n: u32,
+    /// Width over height.
     picture_aspect: f64,
 }
 
 impl Panels {
-    /// Returns the arrangement of `n` panels for pictures of this width and height.
+    /// Creates the layout of `n` panels for pictures of `width * height`.
     pub(crate) fn of(n: u32, [width, height]: [f64; 2]) -> Self {
         Self {
             n,
@@ -35,14 +37,14 @@ impl Panels {
         }
     }
 
-    /// Returns the number of panels in a key such as `image3.scale`, and the rest of
-    /// the key.
+    /// Splits a key such as `image3.parallel_scale`, where `name` is `image`, into the number of
+    /// panels and the rest after the dot.
     pub(crate) fn split_key<'k>(key: &'k str, name: &str) -> Option<(u32, &'k str)> {
         let (n, rest) = key.strip_prefix(name)?.split_once('.')?;
         Some((n.parse().ok()?, rest))
     }
 
-    /// Returns the direction of the first split (`outer`) or of the others (`inner`).
+    /// Returns ParaView's direction of the first split (`outer`) or of the others (`inner`).
     pub(crate) fn direction(self, split: &str) -> Option<u8> {
         let (is_wide, is_tall) = (self.is_wide(), self.is_tall());
         let is_in_rows = match (self.n, split) {
@@ -54,7 +56,7 @@ impl Panels {
         Some(if is_in_rows { ROWS } else { COLUMNS })
     }
 
-    /// The shape of a panel.
+    /// Returns the shape of one panel.
     pub(crate) fn panel(self) -> Panel {
         let [width, height] = match self.n {
             2 if self.is_wide() => [1.0, 0.5],
@@ -72,7 +74,7 @@ impl Panels {
         }
     }
 
-    /// Returns the number of labels that fit on a panel's color bar.
+    /// Returns the number of labels that fit beside a panel's color bar.
     pub(crate) fn n_labels(self) -> usize {
         if self.is_tall() && self.n > 2 { 4 } else { 6 }
     }
@@ -89,15 +91,17 @@ impl Panels {
 /// The shape of a panel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panel {
+    /// Width over height.
     aspect: f64,
-    /// Fractions of its height for the title and the color bar.
+    /// Height of the title as a fraction of the panel's height.
     title: f64,
+    /// Height of the color bar as a fraction of the panel's height.
     color_bar: f64,
 }
 
 impl Panel {
-    /// Returns half the height of the view in units of a centered object with this
-    /// width and height, which fills the panel between title and bar.
+    /// Returns half the height of the view for which an object of `width * height` in its middle
+    /// fills the panel between title and color bar, in the unit of `width` and `height`.
     pub(crate) fn half_height(self, [width, height]: [f64; 2]) -> f64 {
         let by_height = height / (2.0 * (1.0 - 2.0 * self.color_bar.max(self.title)));
         by_height.max(self.half_height_for(width))
@@ -107,8 +111,8 @@ impl Panel {
         width / (2.0 * FILLED_WIDTH * self.aspect)
     }
 
-    /// Returns the value of a key of a flat picture's camera, which looks at a point
-    /// below the center, because the color bar is higher than the title.
+    /// Returns the value of a key of the camera of a flat picture, in pixels. The camera looks at a
+    /// point below the middle, since the color bar is higher than the title.
     pub(crate) fn picture_camera(self, [width, height]: [f64; 2], key: &str) -> Option<f64> {
         let by_height = height / (2.0 * (1.0 - self.title - self.color_bar));
         let scale = by_height.max(self.half_height_for(width));
@@ -121,8 +125,8 @@ impl Panel {
     }
 }
 
-/// Returns the value of a key of an arrangement of panels, `panels3.outer`, or of the
-/// camera of a picture in one of them, `image3.parallel_scale`.
+/// Returns the value of a key of the layout, such as `panels3.outer`, or of the camera of a picture in
+/// one of its panels, such as `image3.parallel_scale`; `None` for other keys.
 pub(crate) fn value_of_panels(size: [f64; 2], key: &str) -> Option<StateValue> {
     if let Some((n, split)) = Panels::split_key(key, "panels") {
         return Some(Panels::of(n, size).direction(split)?.to_string().into());

@@ -1,11 +1,11 @@
-//! Replacing the keys of a state by values.
+//! Templates of states: replaces marked values.
 
-/// The value of a key.
+/// The replacement of a marked value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum StateValue {
     /// The value of an attribute.
     One(String),
-    /// All elements of a property.
+    /// The values of all elements of a property.
     Many(Vec<String>),
 }
 
@@ -21,9 +21,9 @@ impl From<&str> for StateValue {
     }
 }
 
-/// Replaces the attribute before each `fill="KEY"` of a template by the key's value,
-/// and removes the keys. The value of a key of a `<Property>` replaces all of its
-/// elements. A key without a value keeps the template's. Values are escaped to ASCII.
+/// Replaces the attribute before each `fill="KEY"` by `value(KEY)` and removes the keys. A key of a
+/// `<Property>` replaces all of its elements. If `value` returns `None`, the template's value stays.
+/// New values are escaped to ASCII.
 pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<StateValue>) -> String {
     let mut filled = String::with_capacity(template.len());
     let mut lines = template.split_inclusive('\n');
@@ -54,8 +54,8 @@ pub(crate) fn fill(template: &str, value: impl Fn(&str) -> Option<StateValue>) -
     filled
 }
 
-/// Splits a line with a key into the text before the attribute's `=`, the attribute's
-/// value, the key, and the rest.
+/// Splits a line with a key into the text before the attribute's `=`, the attribute's value, the key,
+/// and the text after it; `None` without a key.
 fn marked(line: &str) -> Option<(&str, &str, &str, &str)> {
     let (element, mark) = line.split_once("\" fill=\"")?;
     let (key, after) = mark.split_once('"')?;
@@ -63,7 +63,8 @@ fn marked(line: &str) -> Option<(&str, &str, &str, &str)> {
     Some((before, old, key, after))
 }
 
-/// Escapes XML text to ASCII, as a PNG's text chunk requires.
+/// Escapes XML text to ASCII, as text chunks of PNGs require: other characters become character
+/// references.
 fn escape(text: &str) -> String {
     let mut escaped = String::new();
     for character in text.chars() {

@@ -4,11 +4,13 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-use crate::chart::{Ticks, ticks};
+use crate::chart::{Ticks, linear_ticks, log_ticks, short_number};
 use crate::study::AxisScale;
 
 /// Length of a label as a share of a logarithmic axis.
 const LABEL_GAP: f64 = 0.12;
+/// Maximum number of steps between the labels of a linear axis.
+const N_STEPS: f64 = 8.0;
 /// Minimum distance between two labeled levels as a share of the axis.
 const LEVEL_GAP: f64 = 0.07;
 
@@ -76,30 +78,15 @@ impl PlotAxis {
             };
         }
         if self.levels.len() > 1 {
-            return self.ticks_at_levels();
+            return Ticks::spaced(&self.levels, LEVEL_GAP, |level| self.share(level));
         }
         match self.scale {
-            AxisScale::Log => ticks(self.low, self.high, LABEL_GAP),
+            AxisScale::Log => log_ticks(self.low, self.high, LABEL_GAP),
             AxisScale::Linear => Ticks {
-                major: even_steps(self.low, self.high),
                 minor: Vec::new(),
+                ..linear_ticks(self.low, self.high, (self.high - self.low) / N_STEPS)
             },
         }
-    }
-
-    /// A major tick for each level that is far enough from the one before.
-    fn ticks_at_levels(&self) -> Ticks {
-        let mut major: Vec<f64> = Vec::new();
-        let mut minor = Vec::new();
-        for &level in &self.levels {
-            let is_far = |last: &f64| self.share(level) - self.share(*last) >= LEVEL_GAP;
-            if major.last().is_none_or(is_far) {
-                major.push(level);
-            } else {
-                minor.push(level);
-            }
-        }
-        Ticks { major, minor }
     }
 
     /// The position of a value on the axis, from 0 to 1.
@@ -109,17 +96,6 @@ impl PlotAxis {
             AxisScale::Linear => (value - self.low) / (self.high - self.low),
         }
     }
-}
-
-/// Multiples of 1, 2 or 5 times a power of ten, at most eight.
-fn even_steps(low: f64, high: f64) -> Vec<f64> {
-    let power = 10_f64.powf(((high - low) / 8.0).log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
-    let step = steps.into_iter().find(|step| (high - low) / step <= 8.0);
-    let step = step.unwrap_or(high - low);
-    let first = (low / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
-    (first..=last).map(|i| i as f64 * step).collect()
 }
 
 impl Ranged for PlotAxis {
@@ -153,41 +129,16 @@ impl ValueFormatter<f64> for PlotAxis {
     }
 }
 
-/// A number with at most three decimals and an SI prefix, such as "20 k" for 20,000.
-pub(super) fn short_number(value: f64) -> String {
-    let units = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
-    let unit = units
-        .into_iter()
-        .find(|(unit, _)| value.abs() >= 0.999 * unit);
-    let (unit, name) = unit.unwrap_or((1.0, ""));
-    let digits = format!("{:.3}", value / unit);
-    let digits = digits.trim_end_matches('0').trim_end_matches('.');
-    match name {
-        "" => digits.to_owned(),
-        name => format!("{digits} {name}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_prefixes() {
-        let names = [0.0, 0.05, 7.0, 1500.0, 2e6].map(short_number);
-        assert_eq!(names, ["0", "0.05", "7", "1.5 k", "2 M"]);
-    }
-
-    #[test]
-    fn steps_are_round_and_few() {
-        assert_eq!(
-            even_steps(0.0, 7.3),
-            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
-        );
-        assert_eq!(
-            even_steps(0.0, 0.9),
-            [0.0, 0.2, 0.4, 0.6, 0.8].map(|x: f64| (x / 0.2).round() * 0.2)
-        );
+    fn a_linear_axis_has_few_round_ticks_from_zero() {
+        let ticks = |high: f64| PlotAxis::around([high].into_iter(), AxisScale::Linear).ticks();
+        assert_eq!(ticks(7.0).major, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let fifths = [0.0, 1.0, 2.0, 3.0, 4.0].map(|n| n * 0.2);
+        assert_eq!(ticks(0.9).major, fifths);
     }
 
     #[test]

@@ -8,8 +8,8 @@
 
 use serde_json::Value;
 
-use super::axis::short_number;
 use super::figure::{Ceiling, Figure, PlotPoint, factor_label};
+use crate::chart::short_number;
 use crate::instruments::MachineLimits;
 use crate::study::{AxisScale, PowerLaw, RooflinePoint};
 
