@@ -23,7 +23,7 @@ pub(super) struct DiffArguments {
     /// Output folder B, with a picture of the same size
     b: PathBuf,
 
-    /// Folder to write to [default: out/diff-<A>-<B>]
+    /// Folder to write to [default: out/diff-A-B]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 

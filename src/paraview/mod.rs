@@ -7,7 +7,7 @@
 //! <Element index="0" value="$RAYCOST_OUT/frame.vti" fill="frame.vti"/>
 //! ```
 //!
-//! [`fill`] replaces the values and removes the keys.
+//! `fill` replaces the values and removes the keys.
 
 mod template;
 mod panels;

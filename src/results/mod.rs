@@ -163,7 +163,7 @@ impl Results {
 }
 
 /// Calls `read`, and again if another run has changed one of the folders meanwhile, up
-/// to [`MAX_RETRIES`] times.
+/// to `MAX_RETRIES` times.
 ///
 /// # Errors
 /// The error of the last call of `read`.

@@ -25,7 +25,7 @@ pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 pub struct Options<'a> {
     /// Number of threads, at least 1; `None` for one per processor.
     pub threads: Option<u16>,
-    /// Whether the picture is also rendered in each cost mode by turns, for
+    /// Whether the picture is also rendered in each cost mode in turn, for
     /// [`Rendering::overhead`](super::Rendering::overhead).
     pub measure_overhead: bool,
     /// Cancels the rendering.

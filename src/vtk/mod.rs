@@ -1,4 +1,4 @@
-//! VTK XML files: [`write`](appended::write) and [`VtkReader`](read::VtkReader).
+//! VTK XML files: `appended::write` writes them, and `read::VtkReader` reads them.
 //!
 //! The header consists of vtkio's types, serialized by vtkio. The arrays follow
 //! it as appended data, raw or compressed a few blocks at a time, directly from

@@ -38,7 +38,7 @@ pub(super) struct StudyArguments {
     #[arg(value_name = "STUDY")]
     studies: Vec<PathBuf>,
 
-    /// Output folder [default: out/studies/<name of the study>]; several studies get a
+    /// Output folder [default: out/studies/STUDY]; several studies get a
     /// folder each inside it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
