@@ -19,17 +19,23 @@
 //! that the documentation leaves out are public for the tests and the benchmarks
 //! alone, and change without notice.
 
+#[doc(hidden)]
 pub mod stop;
 #[doc(hidden)]
 pub mod host;
+#[doc(hidden)]
 pub mod text;
+#[doc(hidden)]
 pub mod provenance;
+#[doc(hidden)]
 pub mod folder;
+#[doc(hidden)]
 pub mod vtk;
 #[doc(hidden)]
 pub mod yaml;
 #[doc(hidden)]
 pub mod sampling;
+#[doc(hidden)]
 pub mod statistics;
 pub mod geometry;
 #[doc(hidden)]
@@ -51,11 +57,13 @@ pub mod film;
 #[doc(hidden)]
 pub mod render;
 pub mod attribution;
+#[doc(hidden)]
 pub mod instruments;
 #[doc(hidden)]
 pub mod chart;
 #[doc(hidden)]
 pub mod paraview;
+#[doc(hidden)]
 pub mod summary;
 #[doc(hidden)]
 pub mod output;

@@ -19,17 +19,25 @@ use crate::attribution::CostAttribution;
 use crate::config::{Config, TileOrder};
 use crate::cost::Meter;
 use crate::film::columns;
-use crate::folder::{OutputFolder, WriteError};
-use crate::instruments::Stages;
+use crate::folder::OutputFolder;
 use crate::memory::{self, Memory};
 use crate::output;
-use crate::render::{N_RENDERINGS, Overhead, TilePlan, least_repeats, repeat};
+use crate::render::{N_RENDERINGS, TilePlan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
 use crate::summary::Threads;
-use crate::text::Diagnostic;
 use crate::yaml::Source;
 
+#[doc(inline)]
+pub use crate::folder::{WriteError, Written};
+#[doc(inline)]
+pub use crate::instruments::{Stage, Stages};
+#[doc(inline)]
+pub use crate::render::{Overhead, Progress};
+#[doc(inline)]
+pub use crate::stop::{Cancellation, Stopped};
+#[doc(inline)]
+pub use crate::text::Diagnostic;
 pub use error::RenderError;
 pub use input::Input;
 pub use options::{Event, Options};
@@ -137,7 +145,7 @@ impl Session {
     /// # Errors
     /// The folder cannot be written to, has too little space, or has a file of
     /// another program where raycost would write.
-    pub fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
+    pub(crate) fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
         let folder = OutputFolder::create(path, least_bytes(&self.config))?;
         output::refuse_foreign(&folder)?;
         Ok(folder)

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use raycost::config::CostMode;
 use raycost::cost::Metric;
 use raycost::results::Results;
-use raycost::session::{Event, Options, RenderError, Session};
-use raycost::stop::{Cancellation, Stopped};
+use raycost::session::{Cancellation, Event, Options, RenderError, Session, Stopped};
+
 use serde_json::json;
 
 use crate::common::{in_repository, names};
