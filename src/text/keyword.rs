@@ -42,13 +42,13 @@ struct NamedKeyword<T>(T);
 
 impl<'de, T: ValueEnum> Deserialize<'de> for NamedKeyword<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_identifier(NameVisitor(PhantomData))
+        d.deserialize_identifier(KeywordNameVisitor(PhantomData))
     }
 }
 
-struct NameVisitor<T>(PhantomData<T>);
+struct KeywordNameVisitor<T>(PhantomData<T>);
 
-impl<T: ValueEnum> Visitor<'_> for NameVisitor<T> {
+impl<T: ValueEnum> Visitor<'_> for KeywordNameVisitor<T> {
     type Value = NamedKeyword<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -85,12 +85,12 @@ mod tests {
 
     #[derive(Debug, Clone, PartialEq, ValueEnum)]
     #[value(rename_all = "snake_case")]
-    enum Size {
-        Small,
-        VeryLarge,
+    enum Width {
+        Narrow,
+        VeryWide,
     }
 
-    impl<'de> Deserialize<'de> for Size {
+    impl<'de> Deserialize<'de> for Width {
         fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
             keyword(d)
         }
@@ -99,12 +99,12 @@ mod tests {
     #[test]
     fn names_are_those_of_the_command_line_and_messages_list_them() {
         let read = |json: &str| {
-            let read: Result<Size, _> = serde_json::from_str(json);
+            let read: Result<Width, _> = serde_json::from_str(json);
             read.map_err(|error| error.to_string())
         };
-        assert_eq!(read("\"very_large\""), Ok(Size::VeryLarge));
-        let error = read("\"large\"").unwrap_err();
-        let expected = "unknown variant `large`, expected `small` or `very_large`";
+        assert_eq!(read("\"very_wide\""), Ok(Width::VeryWide));
+        let error = read("\"wide\"").unwrap_err();
+        let expected = "unknown variant `wide`, expected `narrow` or `very_wide`";
         assert!(error.starts_with(expected), "{error}");
         assert!(read("1").is_err());
     }
