@@ -27,10 +27,7 @@ impl TilePlan {
         let grid = TileGrid::new(image.width, image.height, tiling.size);
         let sequence = match tiling.order {
             TileOrder::Scanline => (0..grid.n_tiles()).collect(),
-            TileOrder::Hilbert => hilbert_curve(grid.n_columns, grid.n_rows)
-                .into_iter()
-                .map(|(column, row)| row * grid.n_columns + column)
-                .collect(),
+            TileOrder::Hilbert => grid.numbers(hilbert_curve(grid.n_columns, grid.n_rows)),
             TileOrder::Cost => most_work_first(&prepass::work(scene, accel, image, &grid)),
         };
         Self {

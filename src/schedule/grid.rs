@@ -51,6 +51,12 @@ impl TileGrid {
         self.n_columns * self.n_rows
     }
 
+    /// The numbers of the tiles at these columns and rows of the grid.
+    pub fn numbers(&self, cells: Vec<(u32, u32)>) -> Vec<u32> {
+        let number = |(column, row)| row * self.n_columns + column;
+        cells.into_iter().map(number).collect()
+    }
+
     /// The tiles that contain a row of pixels, from left to right.
     pub fn tiles_of_row(&self, y: u32) -> impl Iterator<Item = Tile> {
         let first = y / self.tile_size * self.n_columns;
