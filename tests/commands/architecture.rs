@@ -1,5 +1,6 @@
 //! The order of the modules in `lib.rs` is the order of the data: a module uses
-//! only those above it. Inside a folder no files use each other in a circle.
+//! only those above it. Inside a folder no files use each other in a circle. Each
+//! name means one type.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -218,6 +219,33 @@ fn files_and_folders_belong_to_a_module() {
         let known = modules.contains(&stem) || ["lib", "main"].contains(&stem.as_str());
         assert!(known, "{} is not listed in lib.rs", path.display());
     }
+}
+
+/// The name of the type that a line defines outside other items.
+fn defined_type(line: &str) -> Option<&str> {
+    let item = if line.starts_with("pub(") {
+        line.split_once(") ")?.1
+    } else {
+        line.strip_prefix("pub ").unwrap_or(line)
+    };
+    let kinds = ["struct ", "enum ", "trait ", "type "];
+    let rest = kinds.iter().find_map(|kind| item.strip_prefix(kind))?;
+    rest.split(|c: char| !c.is_alphanumeric()).next()
+}
+
+#[test]
+fn no_two_types_have_the_same_name() {
+    let mut files_of: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+    for path in files(&in_repository("src")) {
+        let text = fs::read_to_string(&path).unwrap();
+        for name in text.lines().filter_map(defined_type) {
+            let found = files_of.entry(name.to_owned()).or_default();
+            found.push(path.clone());
+        }
+    }
+    assert!(files_of.len() > 200 && files_of.contains_key("Sphere"));
+    files_of.retain(|_, files| files.len() > 1);
+    assert_eq!(files_of, BTreeMap::new());
 }
 
 #[test]
