@@ -5,17 +5,8 @@ use raycost::import::read_spheres;
 use super::{mesh_of, message, reading};
 
 #[test]
-fn each_mistake_is_reported_at_its_position() {
-    let ply = |body: &str| format!("ply\nformat ascii 1.0\n{body}");
-    let triangle = |header: &str, rows: &str| {
-        ply(&format!(
-            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-             element face 1\n{header}end_header\n{rows}"
-        ))
-    };
-    let list = "property list uchar int vertex_indices\n";
-    let rows = "0 0 0\n1 0 0\n0 1 0\n";
-    let cases: &[(&str, &str, &str)] = &[
+fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
+    assert_messages(&[
         (
             "a.stl",
             "",
@@ -122,6 +113,21 @@ fn each_mistake_is_reported_at_its_position() {
             "solid cube\n",
             ", line 1: unknown statement `solid`, expected an OBJ file of polygons: `v`, `vn` and `f`",
         ),
+    ]);
+}
+
+#[test]
+fn each_mistake_in_a_ply_file_is_reported_at_its_position() {
+    let ply = |body: &str| format!("ply\nformat ascii 1.0\n{body}");
+    let triangle = |header: &str, rows: &str| {
+        ply(&format!(
+            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\n{header}end_header\n{rows}"
+        ))
+    };
+    let list = "property list uchar int vertex_indices\n";
+    let rows = "0 0 0\n1 0 0\n0 1 0\n";
+    assert_messages(&[
         (
             "a.ply",
             "",
@@ -182,7 +188,11 @@ fn each_mistake_is_reported_at_its_position() {
             &triangle(list, &format!("{rows}3 0 1 2\n\n 4\n")),
             ": there is more data than the header declares, expected as many numbers in each row as it has properties",
         ),
-    ];
+    ]);
+}
+
+/// Checks the messages about files with these names and contents.
+fn assert_messages(cases: &[(&str, &str, &str)]) {
     for (name, text, expected) in cases {
         assert_eq!(
             message(mesh_of(name, text.as_bytes())),
@@ -212,8 +222,8 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
             ", line 1: two columns are named `x`, expected different names",
         ),
         (
-            "x,y,z,r,colour\n",
-            ", line 1: unknown column `colour`, did you mean `color`?, \
+            "x,y,z,r,colr\n",
+            ", line 1: unknown column `colr`, did you mean `color`?, \
              expected a first line of `x`, `y`, `z`, `r` and `color`",
         ),
         (
