@@ -171,13 +171,13 @@ impl Placed<'_> {
     }
 
     /// Paints a framed triangle as wide as the bar, from its base to its apex along the bar.
-    fn paint_tip(&self, picture: &mut RgbImage, foot: u32, point: u32, color: Rgb<u8>) {
+    fn paint_tip(&self, picture: &mut RgbImage, base: u32, apex: u32, color: Rgb<u8>) {
         let line = self.bar.line_px as f32;
         let thickness = self.bar.thickness_px() as f32;
         let outline: PixelTriangle = [
-            self.point(foot as f32, -line),
-            self.point(foot as f32, thickness + line),
-            self.point(point as f32, thickness / 2.0),
+            self.point(base as f32, -line),
+            self.point(base as f32, thickness + line),
+            self.point(apex as f32, thickness / 2.0),
         ];
         canvas::fill_triangle(picture, outline, canvas::LINE);
         canvas::fill_triangle(picture, canvas::inset(outline, line), color);

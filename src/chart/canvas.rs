@@ -24,9 +24,13 @@ pub fn line_px(em_px: f32) -> u32 {
 /// A rectangle of pixels; `x` and `y` are its top left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rect {
+    /// The first column.
     pub x: u32,
+    /// The first row.
     pub y: u32,
+    /// Number of columns.
     pub width: u32,
+    /// Number of rows.
     pub height: u32,
 }
 

@@ -17,7 +17,7 @@ pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
 pub struct Colors {
     range: Range,
     /// Colors at equal steps of position from 0 to 1.
-    ladder: Vec<Rgb<u8>>,
+    by_position: Vec<Rgb<u8>>,
     /// Colors by interval of bits; empty unless the scale is logarithmic.
     by_interval: Vec<Rgb<u8>>,
     low_bits: u32,
@@ -32,7 +32,7 @@ impl Colors {
         let (low_bits, high_bits) = ((range.low as f32).to_bits(), (range.high as f32).to_bits());
         let mut colors = Self {
             range: *range,
-            ladder: ladder(range.scale),
+            by_position: sampled(range.scale),
             by_interval: Vec::new(),
             low_bits,
             high_bits,
@@ -72,12 +72,12 @@ impl Colors {
     pub fn at(&self, position: f32) -> Rgb<u8> {
         let step = position * (N_COLORS - 1) as f32;
         // The cast saturates: below the range to 0.
-        self.ladder[((step + 0.5) as usize).min(N_COLORS - 1)]
+        self.by_position[((step + 0.5) as usize).min(N_COLORS - 1)]
     }
 }
 
 /// Samples the color map of a scale in equal steps.
-fn ladder(scale: Scale) -> Vec<Rgb<u8>> {
+fn sampled(scale: Scale) -> Vec<Rgb<u8>> {
     let color = |i| match scale {
         Scale::Logarithmic => colorous::INFERNO.eval_rational(i, N_COLORS),
         Scale::Diverging => colorous::RED_BLUE.eval_rational(N_COLORS - 1 - i, N_COLORS),

@@ -94,7 +94,7 @@ impl Histogram {
 
     /// Returns the 99 % quantile, or the greatest value if that is within a factor of two or there
     /// are fewer than a hundred values.
-    pub fn size_of_most(&self) -> f64 {
+    pub fn robust_max(&self) -> f64 {
         let max = f64::from(self.max);
         let n_tail = if self.n < 100 { 0 } else { self.n / 100 };
         let most = upper_edge(self.bin_past(n_tail, (0..N_BINS).rev()));

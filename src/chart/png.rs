@@ -1,9 +1,9 @@
-//! Rows of RGB pixels → a PNG, fast.
+//! Writes rows of RGB pixels as a PNG, fast rather than small.
 
 use std::io::{self, Write};
 
-/// Writes a picture of `size`, width and height, from its rows, 8 bits a
-/// channel and row 0 on top, with text chunks of keyword and ASCII text.
+/// Writes a picture of `width * height` pixels from its rows, row 0 on top, 8 bits per channel.
+/// `texts` are text chunks, keyword and ASCII text.
 pub(crate) fn write<'a>(
     [width, height]: [u32; 2],
     rows: impl Iterator<Item = &'a [u8]>,

@@ -88,7 +88,7 @@ impl Range {
         let histogram = Histogram::of(&sizes);
         let reach = match histogram.n {
             0 => 1.0,
-            _ => histogram.size_of_most(),
+            _ => histogram.robust_max(),
         };
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let n = |is_so: &dyn Fn(f64) -> bool| finite().filter(|&v| is_so(v.into())).count() as u64;
