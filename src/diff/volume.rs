@@ -2,13 +2,11 @@
 
 use std::io::{self, Seek, Write};
 
-use vtkio::model::ScalarType;
-
 use super::file::DiffFile;
 use super::{Diff, Side, picture, ratio};
 use crate::cost::Metric;
 use crate::provenance::RunId;
-use crate::vtk::array::Array;
+use crate::vtk::array::{Array, Entry};
 use crate::vtk::data_set::DataSet;
 use crate::vtk::{Codec, Encoding, appended};
 
@@ -27,9 +25,7 @@ fn write(
     run: RunId,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    let [width, height] = diff.size;
-    let n_pixels = u64::from(width) * u64::from(height);
-    let rows = BottomUp(width as usize);
+    let pixels = Pixels { size: diff.size };
     let names: Vec<(Metric, [String; 2])> = diff
         .totals
         .0
@@ -41,28 +37,15 @@ fn write(
         .collect();
     let mut arrays = Vec::new();
     for (metric, [difference, ratio]) in &names {
-        arrays.push(differences(*metric, difference, sides, rows, n_pixels));
-        arrays.push(ratios(*metric, ratio, sides, rows, n_pixels));
+        arrays.push(differences(*metric, difference, sides, pixels));
+        arrays.push(ratios(*metric, ratio, sides, pixels));
     }
-    arrays.push(Array {
-        name: "RGB_difference",
-        scalar: ScalarType::U8,
-        n_components: 1,
-        n_bytes: n_pixels,
-        write: Box::new(move |out| {
-            let [a, b] = sides;
-            let difference = picture::by_pixel(&read(a.colors())?, &read(b.colors())?);
-            rows.write(&difference, out)
-        }),
-    });
+    let [a, b] = sides;
+    arrays.push(pixels.array("RGB_difference", move || {
+        Ok(picture::by_pixel(&read(a.colors())?, &read(b.colors())?))
+    }));
     for name in ["object", "tile"] {
-        arrays.push(Array {
-            name,
-            scalar: ScalarType::I32,
-            n_components: 1,
-            n_bytes: 4 * n_pixels,
-            write: Box::new(move |out| rows.write(&read(sides[1].ids(name))?, out)),
-        });
+        arrays.push(pixels.array(name, move || read(b.ids(name))));
     }
     let image = DataSet::Image {
         size: diff.size,
@@ -75,60 +58,35 @@ fn write(
     appended::write(&image, encoding, out)
 }
 
-/// The differences of a metric: of times as 32-bit floats, as in `frame.vti`, of
-/// counters as 64-bit integers.
+/// Creates the array of a metric's differences: of times as 32-bit floats, as in
+/// `frame.vti`, of counters as 64-bit integers.
 fn differences<'a>(
     metric: Metric,
     name: &'a str,
     sides: &'a [Side; 2],
-    rows: BottomUp,
-    n_pixels: u64,
+    pixels: Pixels,
 ) -> Array<'a> {
-    let (scalar, width) = match metric {
-        Metric::TIME => (ScalarType::F32, 4),
-        _ => (ScalarType::I64, 8),
+    let differences = move || {
+        let [a, b] = values(sides, metric)?;
+        io::Result::Ok(b.into_iter().zip(a).map(|(b, a)| b - a))
     };
-    Array {
-        name,
-        scalar,
-        n_components: 1,
-        n_bytes: width * n_pixels,
-        write: Box::new(move |out| {
-            let [a, b] = values(sides, metric)?;
-            let difference = a.iter().zip(&b).map(|(a, b)| b - a);
-            match metric {
-                Metric::TIME => {
-                    let times: Vec<f32> = difference.map(|time| time as f32).collect();
-                    rows.write(&times, out)
-                }
-                _ => {
-                    let counts: Vec<i64> = difference.map(|count| count as i64).collect();
-                    rows.write(&counts, out)
-                }
-            }
+    match metric {
+        Metric::TIME => pixels.array(name, move || {
+            Ok(differences()?.map(|time| time as f32).collect())
+        }),
+        _ => pixels.array(name, move || {
+            Ok(differences()?.map(|count| count as i64).collect())
         }),
     }
 }
 
-fn ratios<'a>(
-    metric: Metric,
-    name: &'a str,
-    sides: &'a [Side; 2],
-    rows: BottomUp,
-    n_pixels: u64,
-) -> Array<'a> {
-    Array {
-        name,
-        scalar: ScalarType::F32,
-        n_components: 1,
-        n_bytes: 4 * n_pixels,
-        write: Box::new(move |out| {
-            let [a, b] = values(sides, metric)?;
-            let pairs = a.iter().zip(&b);
-            let ratios: Vec<f32> = pairs.map(|(&a, &b)| ratio([a, b]) as f32).collect();
-            rows.write(&ratios, out)
-        }),
-    }
+/// Creates the array of a metric's ratios.
+fn ratios<'a>(metric: Metric, name: &'a str, sides: &'a [Side; 2], pixels: Pixels) -> Array<'a> {
+    pixels.array(name, move || {
+        let [a, b] = values(sides, metric)?;
+        let pairs = a.into_iter().zip(b);
+        Ok(pairs.map(|(a, b)| ratio([a, b]) as f32).collect())
+    })
 }
 
 fn values([a, b]: &[Side; 2], metric: Metric) -> io::Result<[Vec<f64>; 2]> {
@@ -141,13 +99,33 @@ fn read<T>(found: Result<T, crate::text::Diagnostic>) -> io::Result<T> {
     found.map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// Writes rows of this many pixels, the bottom row first, as VTK orders them.
+/// The pixels of the picture.
 #[derive(Clone, Copy)]
-struct BottomUp(usize);
+struct Pixels {
+    /// Width and height.
+    size: [u32; 2],
+}
 
-impl BottomUp {
-    fn write<T: bytemuck::NoUninit>(self, values: &[T], out: &mut dyn Write) -> io::Result<()> {
-        let mut bottom_up = values.chunks_exact(self.0).rev();
-        bottom_up.try_for_each(|row| out.write_all(bytemuck::cast_slice(row)))
+impl Pixels {
+    /// Creates an array with one entry per pixel. `entries`, row-major, row 0 on top, is
+    /// called when the array is written; the file has the bottom row first, as VTK orders
+    /// them.
+    fn array<'a, E: Entry>(
+        self,
+        name: &'a str,
+        entries: impl Fn() -> io::Result<Vec<E>> + 'a,
+    ) -> Array<'a> {
+        let [width, height] = self.size.map(|n| n as usize);
+        Array {
+            name,
+            scalar: E::SCALAR,
+            n_components: E::N_COMPONENTS,
+            n_bytes: (width * height * size_of::<E>()) as u64,
+            write: Box::new(move |out| {
+                let entries = entries()?;
+                let mut bottom_up = entries.chunks_exact(width).rev();
+                bottom_up.try_for_each(|row| out.write_all(bytemuck::cast_slice(row)))
+            }),
+        }
     }
 }

@@ -24,18 +24,31 @@ pub fn write(
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
-    let array = |column: Column| Array {
-        name: column.name,
-        scalar: column.scalar,
-        n_components: column.n_components,
-        n_bytes: n_pixels * column.stride() as u64,
-        write: Box::new(move |out| write_rows(film, &column, out)),
+    let array = |column| {
+        column_array(column, n_pixels, |column, out| {
+            write_rows(film, column, out)
+        })
     };
     let image = DataSet::Image {
         size: [film.grid.width, film.grid.height],
         point_data: columns(film.cost, film.repeats).map(array).collect(),
     };
     appended::write(&image, encoding.into(), out)
+}
+
+/// Creates the array of a column with `n` entries, which `write` writes.
+pub(super) fn column_array<'a>(
+    column: Column,
+    n: u64,
+    write: impl Fn(&Column, &mut dyn Write) -> io::Result<()> + 'a,
+) -> Array<'a> {
+    Array {
+        name: column.name,
+        scalar: column.scalar,
+        n_components: column.n_components,
+        n_bytes: n * column.stride() as u64,
+        write: Box::new(move |out| write(&column, out)),
+    }
 }
 
 fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {

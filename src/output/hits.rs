@@ -6,6 +6,7 @@ use std::ops::Range;
 use vtkio::model::CellType;
 
 use super::file::{FileContent, OutputFile};
+use super::frame::column_array;
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
@@ -29,14 +30,18 @@ pub fn write(
     let hits = Hits::of(film);
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
-    let column_array = |column| array(column, n, |column, out| hits.write_values(column, out));
-    let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(column_array).collect();
+    let array = |column| {
+        column_array(column, n as u64, |column, out| {
+            hits.write_values(column, out)
+        })
+    };
+    let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     let [connectivity, offsets] = separate_cells(1, n);
     let cloud = CellMesh {
         n_points: n,
         n_cells: n,
-        points: column_array(Column::POSITION),
+        points: array(Column::POSITION),
         point_data,
         cell_data: Vec::new(),
         cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
@@ -105,20 +110,6 @@ fn hit_runs(objects: &[i32]) -> impl Iterator<Item = Range<usize>> {
                 .unwrap_or(run.len());
         Some(start..next)
     })
-}
-
-fn array<'a>(
-    column: Column,
-    n: usize,
-    write: impl Fn(&Column, &mut dyn Write) -> io::Result<()> + 'a,
-) -> Array<'a> {
-    Array {
-        name: column.name,
-        scalar: column.scalar,
-        n_components: column.n_components,
-        n_bytes: (n * column.stride()) as u64,
-        write: Box::new(move |out| write(&column, out)),
-    }
 }
 
 #[cfg(test)]

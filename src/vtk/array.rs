@@ -30,33 +30,15 @@ pub(crate) trait Entry: NoUninit {
     const N_COMPONENTS: usize = 1;
 }
 
-impl Entry for u8 {
-    const SCALAR: ScalarType = ScalarType::U8;
+macro_rules! entries {
+    ($($number:ty: $scalar:ident),*) => {$(
+        impl Entry for $number {
+            const SCALAR: ScalarType = ScalarType::$scalar;
+        }
+    )*};
 }
 
-impl Entry for i32 {
-    const SCALAR: ScalarType = ScalarType::I32;
-}
-
-impl Entry for i64 {
-    const SCALAR: ScalarType = ScalarType::I64;
-}
-
-impl Entry for u32 {
-    const SCALAR: ScalarType = ScalarType::U32;
-}
-
-impl Entry for u64 {
-    const SCALAR: ScalarType = ScalarType::U64;
-}
-
-impl Entry for f64 {
-    const SCALAR: ScalarType = ScalarType::F64;
-}
-
-impl Entry for f32 {
-    const SCALAR: ScalarType = ScalarType::F32;
-}
+entries!(u8: U8, i32: I32, i64: I64, u32: U32, u64: U64, f32: F32, f64: F64);
 
 impl<E: Entry, const N: usize> Entry for [E; N]
 where
