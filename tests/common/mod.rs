@@ -24,6 +24,17 @@ use raycost::scene::{Geometries, Scene};
 use raycost::schedule::Schedule;
 use raycost::yaml::Source;
 
+/// The names of the counters, as arrays and totals have them; all but the last add up.
+pub const COUNTERS: [&str; 7] = [
+    "node_visits",
+    "primitive_tests",
+    "rays",
+    "shadow_rays",
+    "reflection_rays",
+    "refraction_rays",
+    "depth",
+];
+
 /// Returns a path in the repository.
 pub fn in_repository(path: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)

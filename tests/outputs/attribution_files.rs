@@ -17,27 +17,7 @@ use raycost::output::{write_nodes, write_surface};
 use raycost::scene::Scene;
 use raycost::vtk::Codec;
 
-/// Two tests of each scene.
-macro_rules! scenes {
-    ($($name:ident: $config:expr;)*) => {$(
-        mod $name {
-            use super::*;
-
-            #[test]
-            fn as_the_format_says() {
-                check(&$config, DataSet::read);
-            }
-
-            #[test]
-            #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
-            fn by_vtk() {
-                check(&$config, DataSet::read_with_vtk);
-            }
-        }
-    )*};
-}
-
-scenes! {
+read_both_ways! {
     triangles: small("spot", CostMode::Time);
     boxes_and_a_disk: small("blocks", CostMode::Counters);
     spheres_and_triangles: small("trellis", CostMode::Time);

@@ -3,6 +3,26 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+/// Two tests of each case: `check` compares what this crate's tests and what VTK reads.
+macro_rules! read_both_ways {
+    ($($name:ident: $case:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[test]
+            fn as_the_format_says() {
+                check(&$case, DataSet::read);
+            }
+
+            #[test]
+            #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+            fn by_vtk() {
+                check(&$case, DataSet::read_with_vtk);
+            }
+        }
+    )*};
+}
+
 mod attribution_files;
 mod hostile;
 mod interrupted;

@@ -13,7 +13,7 @@ use raycost::output::{Request, files};
 use raycost::yaml::Source;
 
 use crate::common::data_set::DataSet;
-use crate::common::{assert_success, in_repository, names, raycost};
+use crate::common::{COUNTERS, assert_success, in_repository, names, raycost};
 
 /// The files that a run of [`scene`] with these settings writes, sorted.
 fn expected(cost: CostMode, optional: &[OptionalOutput]) -> Vec<&'static str> {
@@ -179,14 +179,7 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
     let total = |name: &str| totals[name].as_u64().unwrap_or_else(|| panic!("{name}"));
     let frame = DataSet::read(&out.join("frame.vti"));
     let sum = |name: &str| frame.array(name).u32s().map(u64::from).sum::<u64>();
-    for counter in [
-        "node_visits",
-        "primitive_tests",
-        "rays",
-        "shadow_rays",
-        "reflection_rays",
-        "refraction_rays",
-    ] {
+    for counter in &COUNTERS[..6] {
         assert_eq!(total(counter), sum(counter), "{counter}");
     }
     assert_eq!(

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::{SCENE, diff, json_report, outputs, render};
-use crate::common::assert_success;
 use crate::common::data_set::{Array, DataSet};
+use crate::common::{COUNTERS, assert_success};
 
 fn frame(path: PathBuf) -> DataSet {
     DataSet::read(&path.join("frame.vti"))
@@ -25,16 +25,6 @@ fn numbers(array: &Array) -> Vec<f64> {
     };
     array.bytes.chunks_exact(4).map(number).collect()
 }
-
-const COUNTERS: [&str; 7] = [
-    "node_visits",
-    "primitive_tests",
-    "rays",
-    "shadow_rays",
-    "reflection_rays",
-    "refraction_rays",
-    "depth",
-];
 
 fn assert_differences(folder: &Path, arrays: &[&str]) {
     let [a, b] = ["a", "b"].map(|name| frame(folder.join(name)));

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use super::{rendered, rendered_at, viewed};
 use crate::common::{assert_success, raycost};
@@ -25,17 +26,18 @@ fn the_same_rendering_gives_the_same_page() {
     assert!(names.into_iter().all(|name| !name.contains(".part")));
 }
 
+/// Returns the command that writes the page of an output folder.
+fn view_to(page: &Path, folder: &Path) -> Command {
+    let mut command = raycost();
+    command.arg("view").arg(folder).arg("--out").arg(page);
+    command
+}
+
 #[test]
 fn out_sets_the_path_of_the_page() {
     let folder = rendered("seed_sphere", &[]);
     let page = folder.path().join("elsewhere.html");
-    let mut command = raycost();
-    command
-        .arg("view")
-        .arg(folder.path())
-        .arg("--out")
-        .arg(&page);
-    assert_success(&command.output().unwrap());
+    assert_success(&view_to(&page, folder.path()).output().unwrap());
     assert!(page.exists() && !folder.path().join("view.html").exists());
     // A folder in place of the page is a failure of the system, as with `render`.
     let in_the_way = raycost()
@@ -84,12 +86,7 @@ fn a_page_has_at_most_the_requested_size() {
     let folder = rendered_at([300, 200], "seed_extended", &["--cost", "counters"]);
     let page = folder.path().join("small.html");
     let view = |megabytes: &str| {
-        let mut command = raycost();
-        command
-            .arg("view")
-            .arg(folder.path())
-            .arg("--out")
-            .arg(&page);
+        let mut command = view_to(&page, folder.path());
         command.arg("--max-mb").arg(megabytes).output().unwrap()
     };
     let whole = fs::metadata(viewed(folder.path())).unwrap().len();

@@ -20,27 +20,7 @@ use raycost::output::{write_frame, write_hits, write_tiles};
 use raycost::schedule::{Schedule, TileGrid, TileRun};
 use raycost::vtk::Codec;
 
-/// Two tests of each film.
-macro_rules! films {
-    ($($name:ident: $film:expr;)*) => {$(
-        mod $name {
-            use super::*;
-
-            #[test]
-            fn as_the_format_says() {
-                check(&$film, DataSet::read);
-            }
-
-            #[test]
-            #[ignore = "needs PyPI's vtk: run tests/with-paraview"]
-            fn by_vtk() {
-                check(&$film, DataSet::read_with_vtk);
-            }
-        }
-    )*};
-}
-
-films! {
+read_both_ways! {
     seed_extended: film(&config("seed_extended"), 2);
     // The last tile of each row and the last strip are cut.
     odd_size: film(&scene(33, 17, 1, SPHERE), 2);
