@@ -103,6 +103,43 @@ impl Config {
         self.output.check(self.cost, self.acceleration)
     }
 
+    /// Checks the sizes of the image and of its tiles, which a program may have
+    /// changed.
+    ///
+    /// # Errors
+    /// The first one that is out of its range.
+    pub fn check_sizes(&self) -> Result<(), Fault> {
+        let Image {
+            width,
+            height,
+            samples_per_pixel,
+            ..
+        } = self.image;
+        let tiles = Tiling::MIN_SIZE..=Tiling::MAX_SIZE;
+        for (section, key, value, range) in [
+            ("image", "width", width, 1..=MAX_SIDE),
+            ("image", "height", height, 1..=MAX_SIDE),
+            (
+                "image",
+                "samples_per_pixel",
+                samples_per_pixel,
+                1..=MAX_SAMPLES,
+            ),
+            ("tiles", "size", self.tiles.size, tiles),
+        ] {
+            if !range.contains(&value) {
+                let path = FieldPath::default().key(section).key(key);
+                let expected = format!("expected {} to {}", range.start(), range.end());
+                return Err(Fault::new(
+                    path,
+                    format!("`{key}` cannot be {value}"),
+                    expected,
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Checks that pixels are timed if several repeats are requested.
     ///
     /// # Errors

@@ -30,6 +30,7 @@ impl Input {
         needed: impl Fn(&Config, &Geometries) -> Memory,
     ) -> Result<Self, Diagnostic> {
         let point_at = |fault| source.point_at(fault);
+        config.check_sizes().map_err(point_at)?;
         config.check_repeats().map_err(point_at)?;
         config
             .check_output()

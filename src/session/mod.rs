@@ -39,7 +39,7 @@ pub use crate::stop::{Cancellation, Stopped};
 #[doc(inline)]
 pub use crate::text::Diagnostic;
 pub use error::RenderError;
-pub use input::Input;
+pub(crate) use input::Input;
 pub use options::{Event, Options};
 pub(crate) use options::{Report, thread_pool};
 use rendering::Measured;
@@ -69,7 +69,8 @@ impl Session {
     }
 
     /// Does what [`Self::open`] does, after `change` has changed settings of the
-    /// scene file.
+    /// scene file. Values have to stay in the ranges that their descriptions state;
+    /// sizes of the image and of tiles are checked.
     ///
     /// # Errors
     /// Those of [`Self::open`].

@@ -4,7 +4,7 @@
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use raycost::config::CostMode;
+use raycost::config::{Config, CostMode};
 use raycost::cost::Metric;
 use raycost::results::Results;
 use raycost::session::{Cancellation, Event, Options, RenderError, Session, Stopped};
@@ -69,6 +69,20 @@ fn a_mistake_in_a_scene_in_code_is_shown_in_its_json() {
 fn counted(name: &str) -> Session {
     let path = in_repository(&format!("configs/{name}.yaml"));
     Session::open_with(path, |config| config.cost = CostMode::Counters).unwrap()
+}
+
+#[test]
+fn a_size_that_a_program_sets_out_of_range_is_refused() {
+    let changes: [fn(&mut Config); 3] = [
+        |config| config.image.width = 0,
+        |config| config.image.samples_per_pixel = 0,
+        |config| config.tiles.size = 1,
+    ];
+    for change in changes {
+        let path = in_repository("configs/seed_sphere.yaml");
+        let error = Session::open_with(path, change).unwrap_err().to_string();
+        assert!(error.contains("cannot be"), "{error}");
+    }
 }
 
 #[test]
