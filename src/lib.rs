@@ -11,13 +11,25 @@
 //! # Ok(()) }
 //! ```
 //!
-//! [`session`] is the entrance. [`film`] holds the pixels, [`cost`] lists the
+//! [`session`] is where a program starts. [`film`] holds the pixels, [`cost`] lists the
 //! metrics of a pixel, [`config`] the settings of a scene, and [`results`] reads the
 //! files of an earlier rendering. The folder `examples/` has programs.
 //!
-//! The modules stand in the order of the data; each uses only those above it. Those
-//! that the documentation leaves out are public for the tests and the benchmarks
-//! alone, and change without notice.
+//! # How the data flows
+//!
+//! The modules stand in the order of the data; each uses only those above it.
+//!
+//! 1. `yaml` and `config` check the values of a scene file, `import` reads the files
+//!    that it names, and `scene` places everything in world space.
+//! 2. `accel` finds hits, `trace` and `shade` make colors of them, and `schedule` and
+//!    `render` do so tile by tile on all threads. `cost` counts and times.
+//! 3. `film` holds the pixels, and `attribution` the cost of objects and nodes.
+//! 4. `output` writes files, by way of `vtk`, `chart`, `paraview` and `folder`.
+//! 5. `results` reads them again, for `view`, `diff` and `study`.
+//!
+//! `session` runs these steps; `cli` is its command line. The modules that this
+//! documentation leaves out are public for the tests and the benchmarks alone, and
+//! change without notice.
 
 #[doc(hidden)]
 pub mod stop;
