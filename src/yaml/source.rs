@@ -95,17 +95,9 @@ impl Source {
             Spot::Key(path) => location_of(path).map(Location::key),
             Spot::Bytes(bytes) => Some(bytes.clone()),
         };
-        let diagnostic = Diagnostic::new(fault.message);
-        let diagnostic = match fault.help {
-            Some(help) => diagnostic.with_help(help),
-            None => diagnostic,
-        };
-        diagnostic.at(
-            &self.name,
-            &self.text,
-            span.unwrap_or(0..0),
-            &fault.expected,
-        )
+        let (span, expected) = (span.unwrap_or(0..0), fault.expected.clone());
+        let diagnostic = fault.without_place();
+        diagnostic.at(&self.name, &self.text, span, &expected)
     }
 
     /// The name of the source in messages.
