@@ -28,9 +28,8 @@ impl Film {
         if metric.is_timed() {
             return self
                 .rows(|strip| &strip.time_ns)
-                .flatten()
-                .copied()
-                .collect();
+                .collect::<Vec<_>>()
+                .concat();
         }
         let (mut of_strip, mut all) = (Vec::new(), Vec::new());
         for strip in &self.strips {
