@@ -49,6 +49,8 @@ pub mod yaml;
 pub mod sampling;
 #[doc(hidden)]
 pub mod statistics;
+#[doc(hidden)]
+pub mod simd;
 pub mod geometry;
 #[doc(hidden)]
 pub mod import;

@@ -8,13 +8,14 @@ use std::hint::black_box;
 use std::path::Path;
 
 use glam::Vec3;
-use raycost::accel::{Accel, ShadowRay, Simd};
+use raycost::accel::{Accel, ShadowRay};
 use raycost::config::Acceleration;
 use raycost::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};
 use raycost::geometry::{Ray, Shape, Sphere, Triangle};
 use raycost::import::read_mesh;
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
+use raycost::simd::Simd;
 use serde_json::json;
 
 /// The file of the scene `mesh`.

@@ -15,12 +15,13 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::Vec3;
-use raycost::accel::{Accel, Simd};
+use raycost::accel::Accel;
 use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, NoProbe, Probe};
 use raycost::geometry::Ray;
 use raycost::sampling::uniform;
 use raycost::scene::Primitive;
+use raycost::simd::Simd;
 use raycost::statistics::upper_median;
 use scenes::View;
 

@@ -4,8 +4,8 @@
 use super::layout::{
     self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, NODE_LINES, NodeRef, WideNode,
 };
-use super::simd::N_LANES;
 use crate::geometry::Aabb;
+use crate::simd::N_LANES;
 
 /// Cache lines in which every reference that a traversal can reach refers to a
 /// whole node or leaf.

@@ -13,9 +13,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::simd::N_LANES;
 use crate::geometry::Shape;
 use crate::scene::Primitive;
+use crate::simd::N_LANES;
 
 /// A cache line.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -9,7 +9,6 @@
 //! traverses it, with eight lanes (`simd`), for a nearest-hit or an any-hit
 //! `search`.
 
-mod simd;
 mod layout;
 mod arena;
 mod hit;
@@ -27,6 +26,7 @@ use crate::config::Acceleration;
 use crate::cost::{NoProbe, Probe, StreamProbe};
 use crate::geometry::Ray;
 use crate::scene::{ObjectId, Primitive};
+use crate::simd::Simd;
 
 use arena::Arena;
 pub use build::TooLarge;
@@ -38,7 +38,6 @@ pub use nodes::BvhNode;
 use record::Recorder;
 pub use record::TraversalStep;
 use search::{AnyHit, NearestHit, Query, Search};
-pub use simd::Simd;
 pub use statistics::BvhStatistics;
 
 /// An acceleration structure over the primitives of a scene.

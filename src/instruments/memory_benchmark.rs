@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 use bytemuck::{Pod, Zeroable};
 
 use super::{DataCache, HardwareCounters, MachineLimits, MemoryBlock};
-use crate::accel::Simd;
 use crate::host;
+use crate::simd::Simd;
 
 /// Size of the smallest block in words of four bytes: 16 KiB.
 const MIN_WORDS: usize = 1 << 12;

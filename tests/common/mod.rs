@@ -15,13 +15,14 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-use raycost::accel::{Accel, Simd};
+use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
 use raycost::cost::{self, Counter, Meter, Metric};
 use raycost::film::{Film, Strip};
 use raycost::render::{TilePlan, render};
 use raycost::scene::{Geometries, Scene};
 use raycost::schedule::Schedule;
+use raycost::simd::Simd;
 use raycost::yaml::Source;
 
 /// The names of the counters, as arrays and totals have them; all but the last add up.

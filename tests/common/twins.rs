@@ -3,11 +3,12 @@
 use std::fmt::Debug;
 
 use proptest::prelude::*;
-use raycost::accel::{Accel, Hit, ShadowRay, Simd};
+use raycost::accel::{Accel, Hit, ShadowRay};
 use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, StreamProbe, Traversals};
 use raycost::geometry::Ray;
 use raycost::scene::{ObjectId, Primitive};
+use raycost::simd::Simd;
 
 /// A query's answer and its cost.
 type Answer<A> = (A, Cost);

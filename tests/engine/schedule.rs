@@ -12,11 +12,11 @@ use crate::common::{
     assert_success, config, counts, film, in_repository, lasting, raycost, rays, rendered,
     tiles_and_threads,
 };
-use raycost::accel::Simd;
 use raycost::config::{Config, CostMode, TileOrder, Tiling};
 use raycost::cost::{Cost, Counter};
 use raycost::film::Film;
 use raycost::schedule::Schedule;
+use raycost::simd::Simd;
 
 fn tiled(name: &str, order: TileOrder, size: u32) -> Config {
     let mut config = config(name);

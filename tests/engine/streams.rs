@@ -3,8 +3,8 @@
 use crate::common::scenes::{RandomScene, scenes};
 use crate::common::{film, film_on, lasting, with_cost};
 use proptest::prelude::*;
-use raycost::accel::Simd;
 use raycost::config::CostMode;
+use raycost::simd::Simd;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]

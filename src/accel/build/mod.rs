@@ -33,9 +33,9 @@ use rayon::prelude::*;
 
 use super::arena::Arena;
 use super::layout::{CacheLine, NodeRef};
-use super::simd::Simd;
 use crate::config::Quality;
 use crate::scene::Primitive;
+use crate::simd::Simd;
 use binary::{BinaryNode, BuildContext, Subtree};
 use partition::Subset;
 use reference::Reference;

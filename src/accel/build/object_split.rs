@@ -6,7 +6,7 @@
 
 use super::bounds::LaneBounds;
 use super::reference::{Reference, map_reduce};
-use crate::accel::simd::{InstructionSet, Simd, SimdKernel};
+use crate::simd::{InstructionSet, Simd, SimdKernel};
 
 /// Number of references from which they are binned in parallel.
 const PARALLEL: usize = 1 << 16;

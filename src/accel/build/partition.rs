@@ -6,8 +6,8 @@ use super::bounds::LaneBounds;
 use super::object_split::ObjectSplit;
 use super::reference::Reference;
 use super::spatial_split::SpatialSplit;
-use crate::accel::simd::{InstructionSet, Simd, SimdKernel};
 use crate::scene::Primitive;
+use crate::simd::{InstructionSet, Simd, SimdKernel};
 
 /// Number of references from which they are moved in parallel.
 const PARALLEL: usize = 1 << 16;

@@ -4,8 +4,8 @@ use super::object_split::ObjectSplit;
 use super::partition::Subset;
 use super::reference::Reference;
 use super::spatial_split::SpatialSplit;
-use crate::accel::simd::Simd;
 use crate::scene::Primitive;
+use crate::simd::Simd;
 
 /// Least number of references for a spatial split: fewer fit into a leaf.
 const MIN_SPATIAL_SPLIT: usize = 9;

@@ -10,8 +10,8 @@ use glam::Vec3;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
-use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
 use crate::geometry::{Ray, Shear};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
 
 /// What the tests of a ray against all leaves share.
 pub(super) struct LeafIntersector<I: InstructionSet> {

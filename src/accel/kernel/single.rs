@@ -8,9 +8,9 @@ use super::stack::Stack;
 use crate::accel::arena::Arena;
 use crate::accel::layout::{NodeRef, WideNode};
 use crate::accel::search::Search;
-use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
 use crate::cost::Probe;
 use crate::geometry::Ray;
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
 
 /// One ray's traversal of an arena, which is not empty.
 pub(in crate::accel) struct SingleTraversal<'a, S, P> {

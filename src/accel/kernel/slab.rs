@@ -1,8 +1,8 @@
 //! The test of a ray against the eight boxes of a node.
 
 use crate::accel::layout::WideNode;
-use crate::accel::simd::{InstructionSet, Lanes};
 use crate::geometry::Ray;
+use crate::simd::{InstructionSet, Lanes};
 
 /// Least magnitude of a direction's component: smaller ones are replaced by it,
 /// so that reciprocals are finite and no product is NaN. Where the replacement
@@ -114,7 +114,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accel::simd::{Lanes, Mask, Simd, SimdKernel};
+    use crate::simd::{Lanes, Mask, Simd, SimdKernel};
 
     /// Tests a ray against a node whose only child is the unit cube.
     struct EnterCube {

@@ -17,8 +17,8 @@ use super::stack::Stack;
 use crate::accel::arena::Arena;
 use crate::accel::layout::NodeRef;
 use crate::accel::search::{Query, Search};
-use crate::accel::simd::{InstructionSet, SimdKernel};
 use crate::cost::StreamProbe;
+use crate::simd::{InstructionSet, SimdKernel};
 
 /// Number of rays in flight: enough to hide the latency of memory, few enough
 /// for their state to stay in the L1 cache.

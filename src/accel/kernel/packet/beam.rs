@@ -3,7 +3,7 @@
 use super::rays::{PacketRays, greatest, least};
 use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
-use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES};
 
 /// A bound of all rays of a packet: on each axis the extremes of the origins and
 /// of the reciprocal directions, which have the same sign.
@@ -132,9 +132,9 @@ mod tests {
     use super::*;
     use crate::accel::kernel::packet::soa::RaySoa;
     use crate::accel::search::NearestHit;
-    use crate::accel::simd::{Simd, SimdKernel};
     use crate::geometry::Ray;
     use crate::sampling::uniform;
+    use crate::simd::{Simd, SimdKernel};
 
     /// Boxes of any size around the origin, and coherent rays.
     fn random(i: u64) -> (WideNode, [Ray; 16]) {

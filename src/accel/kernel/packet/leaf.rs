@@ -8,8 +8,8 @@ use super::rays::{Half, PacketRays};
 use super::soa::N_HALVES;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
-use crate::accel::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
 use crate::geometry::Shear;
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests triangles. Calls `found` for each hit, with the ray, the parameter and

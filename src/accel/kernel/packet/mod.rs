@@ -36,8 +36,8 @@ mod traversal;
 
 use super::batch::Batch;
 use crate::accel::search::Query;
-use crate::accel::simd::{InstructionSet, SimdKernel};
 use crate::cost::StreamProbe;
+use crate::simd::{InstructionSet, SimdKernel};
 use rays::PacketRays;
 use soa::{N_RAYS, RaySoa};
 use traversal::{Packet, PacketStack};
@@ -106,11 +106,11 @@ mod tests {
 
     use super::*;
     use crate::accel::bvh::Bvh;
-    use crate::accel::simd::Simd;
     use crate::config::Quality;
     use crate::cost::NoProbe;
     use crate::geometry::{Ray, Shape, Sphere};
     use crate::scene::{MaterialId, ObjectId, Primitive};
+    use crate::simd::Simd;
 
     /// The indices of the rays that no packet takes.
     fn incoherent(simd: Simd, rays: &[Ray]) -> Vec<u32> {

@@ -14,7 +14,7 @@ use super::lanes::{InstructionSet, Lanes, Mask, N_LANES};
 
 /// A set that has AVX2 at least. A value of it proves that the CPU has the
 /// instructions: only `detect` makes one. So each method takes `self`.
-pub(in crate::accel) trait Registers: Copy {
+pub(crate) trait Registers: Copy {
     /// One boolean per lane.
     type Mask: Mask;
     /// `a < b`, `false` if one is NaN.
@@ -30,7 +30,7 @@ pub(in crate::accel) trait Registers: Copy {
 /// Eight numbers in a register, and the set that made them as the proof that
 /// the CPU has such registers.
 #[derive(Clone, Copy)]
-pub(in crate::accel) struct Ymm<R>(__m256, R);
+pub(crate) struct Ymm<R>(__m256, R);
 
 impl<R: Registers> InstructionSet for R {
     type Lanes = Ymm<R>;

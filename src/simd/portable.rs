@@ -7,7 +7,7 @@ use super::lanes::{InstructionSet, Lanes, Mask, N_LANES};
 
 /// The set that needs no instructions beyond the target's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Portable;
+pub(crate) struct Portable;
 
 impl InstructionSet for Portable {
     type Lanes = F32x8;
@@ -47,11 +47,11 @@ impl InstructionSet for Portable {
 
 /// Eight numbers.
 #[derive(Clone, Copy)]
-pub(super) struct F32x8([f32; N_LANES]);
+pub(crate) struct F32x8([f32; N_LANES]);
 
 /// One boolean per lane: bit `i` for lane `i`.
 #[derive(Clone, Copy)]
-pub(super) struct BitMask(u8);
+pub(crate) struct BitMask(u8);
 
 impl Mask for BitMask {
     #[inline(always)]

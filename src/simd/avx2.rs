@@ -9,11 +9,11 @@ use super::x86::Registers;
 
 /// Proof that the CPU has AVX2, and the bit instructions that come with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Avx2(());
+pub(crate) struct Avx2(());
 
 impl Avx2 {
     /// The proof, if the CPU has the instructions.
-    pub(super) fn detect() -> Option<Self> {
+    pub(crate) fn detect() -> Option<Self> {
         let is_available = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
@@ -23,7 +23,7 @@ impl Avx2 {
 
     /// Runs the kernel with these instructions.
     #[inline]
-    pub(super) fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
+    pub(crate) fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
         #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
         fn with_avx2<K: SimdKernel>(set: Avx2, kernel: K) -> K::Output {
             kernel.run(set)
@@ -36,7 +36,7 @@ impl Avx2 {
 /// One boolean per lane: all bits of the lane, or none. Only comparisons of
 /// lanes make one, so that it proves AVX2 as they do.
 #[derive(Clone, Copy)]
-pub(in crate::accel) struct WideMask(__m256);
+pub(crate) struct WideMask(__m256);
 
 impl Mask for WideMask {
     #[inline(always)]

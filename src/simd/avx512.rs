@@ -10,11 +10,11 @@ use super::x86::Registers;
 
 /// Proof that the CPU has AVX2, AVX-512F and AVX-512VL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Avx512(());
+pub(crate) struct Avx512(());
 
 impl Avx512 {
     /// The proof, if the CPU has the instructions.
-    pub(super) fn detect() -> Option<Self> {
+    pub(crate) fn detect() -> Option<Self> {
         let is_available =
             is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
         Avx2::detect().filter(|_| is_available).map(|_| Self(()))
@@ -22,7 +22,7 @@ impl Avx512 {
 
     /// Runs the kernel with these instructions.
     #[inline]
-    pub(super) fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
+    pub(crate) fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
         #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,avx512f,avx512vl")]
         fn with_avx512<K: SimdKernel>(set: Avx512, kernel: K) -> K::Output {
             kernel.run(set)
@@ -34,7 +34,7 @@ impl Avx512 {
 
 /// One boolean per lane: bit `i` for lane `i`.
 #[derive(Clone, Copy)]
-pub(in crate::accel) struct MaskRegister(__mmask8);
+pub(crate) struct MaskRegister(__mmask8);
 
 impl Mask for MaskRegister {
     #[inline(always)]

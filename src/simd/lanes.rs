@@ -3,10 +3,10 @@
 use std::ops::{Add, BitAnd, Div, Mul, Sub};
 
 /// Number of lanes.
-pub(in crate::accel) const N_LANES: usize = 8;
+pub(crate) const N_LANES: usize = 8;
 
 /// A computation that is compiled once for each instruction set.
-pub(in crate::accel) trait SimdKernel {
+pub(crate) trait SimdKernel {
     /// Its result.
     type Output;
     /// Runs it. Implementations are `#[inline(always)]`: they must be inlined
@@ -16,7 +16,7 @@ pub(in crate::accel) trait SimdKernel {
 
 /// The source of [`Lanes`]. A value of it is the proof that the CPU has the
 /// instructions.
-pub(in crate::accel) trait InstructionSet: Copy {
+pub(crate) trait InstructionSet: Copy {
     /// Its eight lanes.
     type Lanes: Lanes;
     /// The same number in all lanes.
@@ -35,7 +35,7 @@ pub(in crate::accel) trait InstructionSet: Copy {
 }
 
 /// Eight numbers. Comparisons with NaN are false.
-pub(in crate::accel) trait Lanes:
+pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// One boolean per lane.
@@ -76,7 +76,7 @@ pub(in crate::accel) trait Lanes:
 }
 
 /// One boolean per lane.
-pub(in crate::accel) trait Mask: Copy + BitAnd<Output = Self> {
+pub(crate) trait Mask: Copy + BitAnd<Output = Self> {
     /// Bit `i` for lane `i`.
     fn bits(self) -> u8;
 }

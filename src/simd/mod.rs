@@ -26,9 +26,9 @@ use std::fmt;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
-pub(super) use lanes::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
+pub(crate) use lanes::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
 use portable::Portable;
-pub(super) use vector::Vec3Lanes;
+pub(crate) use vector::Vec3Lanes;
 
 /// An instruction set that the CPU has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl Simd {
 
     /// Runs the kernel with this instruction set.
     #[inline]
-    pub(super) fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
+    pub(crate) fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
         match self.0 {
             DetectedSet::Portable(portable) => kernel.run(portable),
             #[cfg(target_arch = "x86_64")]

@@ -12,7 +12,7 @@ impl Simd {
     /// after the last multiple of 64.
     ///
     /// ```
-    /// # use raycost::accel::Simd;
+    /// # use raycost::simd::Simd;
     /// assert_eq!(Simd::best().sum(&[0.5; 640]), 320.0);
     /// ```
     pub fn sum(self, numbers: &[f32]) -> f32 {
