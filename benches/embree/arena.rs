@@ -7,16 +7,18 @@ use raycost::accel::Accel;
 use raycost::config::{self, Acceleration};
 use raycost::geometry::Shape;
 use raycost::scene::Primitive;
+use raycost::simd::Simd;
 
 use crate::agreement::Agreement;
 use crate::contest::{self, fastest, rivals};
-use crate::device::{Device, Geometry, Scene};
+use crate::device::{Device, Geometry, Mode, Scene};
 use crate::ffi::{Functions, Quality};
 use crate::kernel::CountingStream;
 use crate::race::{Course, in_turn};
 use crate::rays::{self, Kind, Rays};
 use crate::report::{Discipline, Outcome, Row, goal};
 use crate::scenes::View;
+use crate::selection::{BUILD, Selection};
 
 /// A build quality of raycost and the corresponding one of Embree.
 struct Build {
@@ -38,15 +40,15 @@ const BUILDS: [Build; 2] = [
     },
 ];
 
-/// Embree's instruction sets.
-pub const ISAS: [&str; 2] = ["avx2", "avx512"];
-
 /// Devices by their instruction sets.
 type Devices = Vec<(&'static str, Device)>;
 
 /// A scene and the rays to trace through it.
 pub struct Arena<'a> {
     embree: &'static Functions,
+    selection: &'a Selection,
+    /// raycost's instruction set.
+    simd: Simd,
     name: &'a str,
     primitives: &'a [Primitive],
     geometry: Geometry,
@@ -55,21 +57,27 @@ pub struct Arena<'a> {
 
 impl<'a> Arena<'a> {
     /// The scene with the rays of a square image of `side` rows.
+    ///
+    /// # Errors
+    /// The CPU does not have the selected instruction set.
     pub fn new(
         embree: &'static Functions,
+        selection: &'a Selection,
         name: &'a str,
         primitives: &'a [Primitive],
         view: &View,
         side: usize,
-    ) -> Self {
+    ) -> Result<Self, String> {
         let accel = Accel::new(primitives, Acceleration::default());
-        Self {
+        Ok(Self {
             embree,
+            selection,
+            simd: selection.simd()?,
             name,
             primitives,
             geometry: Geometry::of(primitives),
             rays: rays::all(&accel, primitives, view, side),
-        }
+        })
     }
 
     /// Number of rays of all kinds.
@@ -86,7 +94,7 @@ impl<'a> Arena<'a> {
         let mut is_good = true;
         let devices = self.devices(1)?;
         for build in &BUILDS {
-            let accel = Accel::new(self.primitives, build.ours);
+            let accel = self.accel(build);
             let scenes = self.scenes(&devices, build)?;
             for (kind, rays) in &self.rays {
                 for rival in rivals(&scenes, *kind) {
@@ -106,24 +114,29 @@ impl<'a> Arena<'a> {
         Ok(is_good)
     }
 
-    /// Measures with one thread and with two; calls `report` with each result.
+    /// Measures what is selected; calls `report` with each result.
     ///
     /// # Errors
     /// Embree's.
     pub fn race(&self, course: Course, report: &mut impl FnMut(Row)) -> Result<(), String> {
-        for n_threads in [1, 2] {
+        for &n_threads in &self.selection.threads {
             let course = Course {
                 n_threads,
                 ..course
             };
             // Embree builds with the largest number of threads of any living device.
             let devices = self.devices(n_threads)?;
-            for build in &BUILDS {
+            let is_wanted = |build: &&Build| self.selection.has_quality(build.names[0]);
+            for build in BUILDS.iter().filter(is_wanted) {
                 let mut report = |outcome| report(self.row(build, n_threads, outcome));
-                report(self.race_builds(course, &devices, build)?);
-                let accel = Accel::new(self.primitives, build.ours);
+                if self.selection.has_race(BUILD) {
+                    report(self.race_builds(course, &devices, build)?);
+                }
+                let mut rays = self.rays.iter().filter(|(kind, _)| self.selects(*kind));
+                let Some(first) = rays.next() else { continue };
+                let accel = self.accel(build);
                 let scenes = self.scenes(&devices, build)?;
-                for (kind, rays) in &self.rays {
+                for (kind, rays) in iter::once(first).chain(rays) {
                     contest::outcomes(course, &accel, &rivals(&scenes, *kind), *kind, rays)
                         .into_iter()
                         .for_each(&mut report);
@@ -147,7 +160,7 @@ impl<'a> Arena<'a> {
         let builders: Vec<_> = iter::once(None).chain(devices.iter().map(Some)).collect();
         let times = in_turn(course.n_rounds, &builders, |device| match device {
             None => pool.install(|| seconds(|| Accel::new(self.primitives, build.ours))),
-            Some((_, device)) => seconds(|| device.scene(&self.geometry, build.embree)),
+            Some((_, device)) => seconds(|| device.scene(&self.geometry, build.embree, Mode::Fast)),
         });
         let embree = devices
             .iter()
@@ -158,10 +171,21 @@ impl<'a> Arena<'a> {
         Ok(Outcome::new(Discipline::Build, n, &times[0], theirs, isa))
     }
 
-    /// Embree's devices for the instruction sets of the CPU.
+    fn selects(&self, kind: Kind) -> bool {
+        self.selection.has_race(&kind.to_string())
+    }
+
+    /// The hierarchy with the selected instruction set.
+    fn accel(&self, build: &Build) -> Accel<'a> {
+        let accel = Accel::new(self.primitives, build.ours);
+        accel.with_simd(self.simd)
+    }
+
+    /// Embree's devices for the selected instruction sets that the CPU has.
     fn devices(&self, n_threads: usize) -> Result<Devices, String> {
         let device = |isa| Ok((isa, Device::new(self.embree, isa, n_threads)?));
-        let devices: Vec<Result<_, String>> = ISAS.into_iter().map(device).collect();
+        let isas = self.selection.isas();
+        let devices: Vec<Result<_, String>> = isas.iter().copied().map(device).collect();
         if devices.iter().any(Result::is_ok) {
             Ok(devices.into_iter().flatten().collect())
         } else {
@@ -169,24 +193,36 @@ impl<'a> Arena<'a> {
         }
     }
 
+    /// A scene for each device and mode; spheres know one mode.
     fn scenes<'d>(
         &'d self,
         devices: &'d Devices,
         build: &Build,
     ) -> Result<Vec<(&'static str, Scene<'d>)>, String> {
-        let scene = |(isa, device): &'d (&'static str, Device)| {
-            Ok((*isa, device.scene(&self.geometry, build.embree)?))
+        let modes: &[Mode] = if self.is_of_spheres() {
+            &[Mode::Fast]
+        } else {
+            &[Mode::Fast, Mode::Robust]
         };
-        devices.iter().map(scene).collect()
+        let pairs = devices
+            .iter()
+            .flat_map(|device| modes.iter().map(move |mode| (device, *mode)));
+        let scene = |((isa, device), mode): (&'d (&'static str, Device), Mode)| {
+            Ok((*isa, device.scene(&self.geometry, build.embree, mode)?))
+        };
+        pairs.map(scene).collect()
+    }
+
+    fn is_of_spheres(&self) -> bool {
+        matches!(self.primitives[0].world_shape(), Some(Shape::Sphere(_)))
     }
 
     fn row(&self, build: &Build, n_threads: usize, outcome: Outcome) -> Row {
-        let of_spheres = matches!(self.primitives[0].world_shape(), Some(Shape::Sphere(_)));
         Row {
             scene: self.name.to_owned(),
             quality: build.names,
             n_threads,
-            goal: goal(outcome.discipline, build.embree, of_spheres),
+            goal: goal(outcome.discipline, build.embree, self.is_of_spheres()),
             outcome,
         }
     }

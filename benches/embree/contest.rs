@@ -4,28 +4,39 @@ use std::fmt;
 
 use raycost::accel::Accel;
 
-use crate::device::Scene;
+use crate::device::{Mode, Scene};
 use crate::kernel::{BareStream, CountingStream, Kernel, Single};
 use crate::race::{Course, median};
 use crate::rays::{Kind, Rays};
 use crate::report::{Discipline, Outcome};
 use crate::trace::{Packets, Singles};
 
+/// How Embree is asked.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// One ray at a time.
+    Single,
+    /// One ray at a time, in a robust scene.
+    Robust,
+    /// 16 rays at a time.
+    Packets,
+}
+
 /// A kernel of Embree.
 pub struct Rival<'a> {
     isa: &'static str,
-    takes_packets: bool,
+    way: Way,
     pub kernel: Box<dyn Kernel + 'a>,
 }
 
 impl fmt::Display for Rival<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let packets = if self.takes_packets {
-            ", packets of 16"
-        } else {
-            ""
+        let way = match self.way {
+            Way::Single => "",
+            Way::Robust => ", robust",
+            Way::Packets => ", packets of 16",
         };
-        write!(f, "{}{packets}", self.isa)
+        write!(f, "{}{way}", self.isa)
     }
 }
 
@@ -33,16 +44,20 @@ impl fmt::Display for Rival<'_> {
 pub fn rivals<'a>(scenes: &'a [(&'static str, Scene)], kind: Kind) -> Vec<Rival<'a>> {
     let mut rivals = Vec::new();
     for (isa, scene) in scenes {
+        let way = match scene.mode {
+            Mode::Fast => Way::Single,
+            Mode::Robust => Way::Robust,
+        };
         rivals.push(Rival {
             isa,
-            takes_packets: false,
+            way,
             kernel: Box::new(Singles(scene)),
         });
-        if scene.has_packets_of_16() {
+        if way == Way::Single && scene.has_packets_of_16() {
             let is_coherent = matches!(kind, Kind::Primary | Kind::Shadow);
             rivals.push(Rival {
                 isa,
-                takes_packets: true,
+                way: Way::Packets,
                 kernel: Box::new(Packets { scene, is_coherent }),
             });
         }
@@ -51,7 +66,7 @@ pub fn rivals<'a>(scenes: &'a [(&'static str, Scene)], kind: Kind) -> Vec<Rival<
 }
 
 /// Runs all kernels in turn: single rays against single rays, batches against
-/// single rays, and batches against packets.
+/// single rays, in both of Embree's modes, and batches against packets.
 pub fn outcomes(
     course: Course,
     accel: &Accel,
@@ -67,9 +82,9 @@ pub fn outcomes(
     let [bare, counting, bare_stream, counting_stream] = [0, 1, 2, 3].map(|i| times[i].as_slice());
     let theirs = &times[4..];
 
-    let fastest_of = |packets: bool| {
+    let fastest_of = |way: Way| {
         let all = rivals.iter().zip(theirs);
-        let some = all.filter(|(rival, _)| rival.takes_packets == packets);
+        let some = all.filter(|(rival, _)| rival.way == way);
         fastest(some.map(|(rival, times)| (rival.isa, times.as_slice())))
     };
     let outcome = |discipline, ours, bare, embree: Option<(&'static str, &[f64])>| {
@@ -78,17 +93,16 @@ pub fn outcomes(
             ..Outcome::new(discipline, rays.len(), ours, theirs, isa)
         })
     };
-    let (singles, packets) = (fastest_of(false), fastest_of(true));
-    let against_packets = Discipline::StreamAgainstPackets(kind);
+    let stream = |discipline: fn(Kind) -> Discipline, way| {
+        let rival = fastest_of(way);
+        outcome(discipline(kind), counting_stream, bare_stream, rival)
+    };
+    let singles = fastest_of(Way::Single);
     [
         outcome(Discipline::Single(kind), counting, bare, singles),
-        outcome(
-            Discipline::Stream(kind),
-            counting_stream,
-            bare_stream,
-            singles,
-        ),
-        outcome(against_packets, counting_stream, bare_stream, packets),
+        stream(Discipline::Stream, Way::Single),
+        stream(Discipline::StreamAgainstRobust, Way::Robust),
+        stream(Discipline::StreamAgainstPackets, Way::Packets),
     ]
     .into_iter()
     .flatten()

@@ -52,6 +52,15 @@ impl Geometry {
     }
 }
 
+/// Embree's modes of intersection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Rays may pass between neighboring triangles.
+    Fast,
+    /// Watertight up to rare cases.
+    Robust,
+}
+
 /// Embree with an instruction set and a number of threads.
 pub struct Device {
     embree: &'static Functions,
@@ -91,9 +100,11 @@ impl Device {
         &'a self,
         geometry: &'a Geometry,
         quality: Quality,
+        mode: Mode,
     ) -> Result<Scene<'a>, String> {
         let Functions {
             new_scene,
+            set_scene_flags,
             set_scene_quality,
             commit_scene,
             ..
@@ -103,6 +114,9 @@ impl Device {
         let handle = unsafe {
             let scene = new_scene(self.handle);
             set_scene_quality(scene, quality);
+            if mode == Mode::Robust {
+                set_scene_flags(scene, ffi::ROBUST);
+            }
             self.attach(scene, geometry, quality);
             commit_scene(scene);
             scene
@@ -110,6 +124,7 @@ impl Device {
         let scene = Scene {
             device: self,
             handle,
+            mode,
             _geometry: geometry,
         };
         match self.error() {
@@ -184,6 +199,8 @@ impl Drop for Device {
 pub struct Scene<'a> {
     device: &'a Device,
     pub(crate) handle: Handle,
+    /// How its rays are intersected.
+    pub mode: Mode,
     _geometry: &'a Geometry,
 }
 

@@ -26,6 +26,8 @@ pub const UINT3: c_int = 0x5003;
 pub const FLOAT3: c_int = 0x9003;
 /// `RTC_FORMAT_FLOAT4`.
 pub const FLOAT4: c_int = 0x9004;
+/// `RTC_SCENE_FLAG_ROBUST`.
+pub const ROBUST: c_int = 4;
 /// `RTC_DEVICE_PROPERTY_VERSION_MINOR`.
 pub const VERSION_MINOR: c_int = 2;
 /// `RTC_DEVICE_PROPERTY_VERSION_PATCH`.
@@ -147,6 +149,7 @@ functions! {
     device_error = "rtcGetDeviceError" (Handle) -> c_int;
     new_scene = "rtcNewScene" (Handle) -> Handle;
     release_scene = "rtcReleaseScene" (Handle);
+    set_scene_flags = "rtcSetSceneFlags" (Handle, c_int);
     set_scene_quality = "rtcSetSceneBuildQuality" (Handle, Quality);
     attach_geometry = "rtcAttachGeometry" (Handle, Handle) -> u32;
     commit_scene = "rtcCommitScene" (Handle);

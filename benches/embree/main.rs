@@ -3,7 +3,7 @@
 //! Both get the same primitives, the same rays to the bit and the same number of
 //! threads, and take turns in one process. Embree 3 is loaded at run time
 //! (`tests/with-embree` installs it) and uses whichever of its instruction sets
-//! is faster. raycost counts. The results are medians of millions of rays per
+//! is faster; raycost is also compared with its robust mode. raycost counts. The results are medians of millions of rays per
 //! second, and of primitives per second for builds.
 
 mod agreement;
@@ -17,6 +17,7 @@ mod rays;
 mod report;
 #[path = "../kernel/scenes.rs"]
 mod scenes;
+mod selection;
 mod trace;
 
 use std::error::Error;
@@ -31,6 +32,7 @@ use device::Device;
 use ffi::Functions;
 use race::Course;
 use scenes::View;
+use selection::Selection;
 
 /// Compare the speed of raycost's kernels with Embree's.
 #[derive(Debug, Parser)]
@@ -38,9 +40,8 @@ struct Options {
     /// Folder with meshes to use besides the generated scenes
     #[arg(long, value_name = "DIR")]
     meshes: Option<PathBuf>,
-    /// Use only the scenes whose names contain this
-    #[arg(long, value_name = "NAME", default_value = "")]
-    scene: String,
+    #[command(flatten)]
+    selection: Selection,
     /// Number of runs of each kernel
     #[arg(long, value_name = "N", default_value_t = 7)]
     rounds: usize,
@@ -92,7 +93,8 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         .map_err(|error| format!("{error}\n  install Embree 3, as `tests/with-embree` does"))?;
     // Lives as long as the process: devices and scenes refer to it.
     let embree: &'static Functions = Box::leak(Box::new(embree));
-    let version = Device::new(embree, arena::ISAS[0], 1)?.version();
+    let selection = &options.selection;
+    let version = Device::new(embree, selection.isas()[0], 1)?.version();
     if options.check {
         println!("Embree {version}; rays that do not agree:");
     } else {
@@ -100,11 +102,11 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     }
     let (mut rows, mut is_good) = (Vec::new(), true);
     for (name, load) in scenes(options.meshes.as_deref())? {
-        if !name.contains(&options.scene) {
+        if !selection.has_scene(&name) {
             continue;
         }
         let (primitives, view) = load();
-        let arena = Arena::new(embree, &name, &primitives, &view, options.side);
+        let arena = Arena::new(embree, selection, &name, &primitives, &view, options.side)?;
         if options.check {
             println!("{name}: {} rays", arena.n_rays());
             is_good &= arena.check()?;

@@ -18,6 +18,8 @@ pub enum Discipline {
     Single(Kind),
     /// Batches against Embree's one ray at a time.
     Stream(Kind),
+    /// Batches against Embree's one ray at a time in a robust scene.
+    StreamAgainstRobust(Kind),
     /// Batches against Embree's packets of 16.
     StreamAgainstPackets(Kind),
 }
@@ -92,12 +94,14 @@ pub struct Row {
 /// The goal of a scene of spheres or of triangles, against Embree's build of this
 /// quality: the minimum ratio.
 pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
-    use Discipline::{Build, Single, Stream, StreamAgainstPackets};
+    use Discipline::{Build, Single, Stream, StreamAgainstPackets, StreamAgainstRobust};
     match (discipline, of_spheres) {
         (Build, _) => (quality == Quality::Medium).then_some(1.0),
-        (Single(_), _) => Some(1.15),
+        (Single(_), _) => Some(1.1),
         (Stream(Kind::Primary), false) => Some(1.6),
-        (Stream(_), false) => Some(1.8),
+        (Stream(_), false) => Some(1.7),
+        (StreamAgainstRobust(Kind::Primary), _) | (StreamAgainstRobust(_), true) => None,
+        (StreamAgainstRobust(_), false) => Some(2.1),
         (Stream(Kind::Primary), true) => Some(2.2),
         (Stream(_), true) => Some(3.0),
         (StreamAgainstPackets(Kind::Primary), _) => Some(1.0),
@@ -145,6 +149,7 @@ impl fmt::Display for Discipline {
             Self::Build => write!(f, "build"),
             Self::Single(kind) => write!(f, "{kind}, single"),
             Self::Stream(kind) => write!(f, "{kind}, stream"),
+            Self::StreamAgainstRobust(kind) => write!(f, "{kind}, stream / robust"),
             Self::StreamAgainstPackets(kind) => write!(f, "{kind}, stream / packets of 16"),
         }
     }

@@ -289,6 +289,7 @@ fn race_of(discipline: &Value) -> Option<(&str, &str)> {
     let race = match race.as_str() {
         "single" => "single rays",
         "stream" => "stream / single rays",
+        "stream_against_robust" => "stream / robust single rays",
         _ => "stream / packets of 16",
     };
     Some((race, kind.as_str()?))
