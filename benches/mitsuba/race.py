@@ -1,0 +1,189 @@
+"""Times raycost's render stage and Mitsuba 3's rendering of the same rays in turn.
+
+    benches/mitsuba/run [MESH.obj] [--rounds N] [--raycost PROGRAM] [--scalar]
+
+A mesh on a floor, one point light, shadow rays, 1600 x 1200 pixels, 4 samples each, two threads on
+both sides. Mitsuba's `llvm_ad_rgb` renders again and again in one process, so that its compilation and
+its scene do not count; raycost starts anew each time. Compares the fastest renderings. The shading
+models differ in constants, the rays and their number do not: fails if lit pixels are elsewhere.
+Without a mesh, renders configs/meshes/spot.obj; the goal is that of the Stanford bunny, whose license
+keeps it out of this repository.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+from PIL import Image
+
+WIDTH, HEIGHT, SAMPLES, N_THREADS = 1600, 1200, 4, 2
+FOV_Y_DEG = 40
+GOALS = {"counters": 1.0, "time": 0.5}
+# Share of all pixels: the patterns of samples differ, and with them the edges.
+MOST_ELSEWHERE = 0.02
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+
+
+class Setting:
+    """Where eye, light and floor are, from the box around the mesh."""
+
+    def __init__(self, mesh):
+        lines = (line.split() for line in mesh.read_text().splitlines())
+        points = np.array([words[1:4] for words in lines if words and words[0] == "v"], dtype=float)
+        low, high = points.min(axis=0), points.max(axis=0)
+        center, size = (low + high) / 2, np.linalg.norm(high - low)
+        self.mesh = mesh
+        self.eye = center + size * np.array([-0.05, 0.2, 1.4])
+        self.target = center - size * np.array([0, 0.04, 0])
+        self.light = center + size * np.array([1.7, 2.8, 2])
+        self.floor = np.array([center[0], low[1], center[2]])
+        self.floor_extent = float(4 * size)
+
+    def yaml(self):
+        """raycost's scene."""
+        corners = self.floor + self.floor_extent * np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]])
+        a, b, c, d = (corner.tolist() for corner in corners)
+        return f"""
+image: {{ width: {WIDTH}, height: {HEIGHT}, samples_per_pixel: {SAMPLES} }}
+camera:
+  look_at: {{ eye: {self.eye.tolist()}, target: {self.target.tolist()}, fov_y_deg: {FOV_Y_DEG} }}
+shading: {{ ambient: 0, max_depth: 1 }}
+materials:
+  clay: {{ color: [0.8, 0.6, 0.4] }}
+  floor: {{ color: [0.5, 0.5, 0.5] }}
+lights:
+  - point: {{ position: {self.light.tolist()} }}
+objects:
+  - mesh: {{ file: {json.dumps(str(self.mesh))}, normals: flat }}
+    material: clay
+  - triangle: {{ vertices: [{a}, {b}, {c}] }}
+    material: floor
+  - triangle: {{ vertices: [{a}, {c}, {d}] }}
+    material: floor
+"""
+
+    def mitsuba(self, mi):
+        """The same scene; the light's intensity makes up for its distance."""
+        to_world = mi.ScalarTransform4f()
+        floor = to_world.translate(self.floor.tolist()).rotate([1, 0, 0], -90).scale(self.floor_extent)
+        intensity = 3 * float(np.sum((self.light - self.target) ** 2))
+
+        def diffuse(*color):
+            bsdf = {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(color)}}
+            return {"type": "twosided", "bsdf": bsdf}
+
+        return mi.load_dict({
+            "type": "scene",
+            "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
+            "sensor": {
+                "type": "perspective",
+                "fov": FOV_Y_DEG,
+                "fov_axis": "y",
+                "to_world": to_world.look_at(self.eye.tolist(), self.target.tolist(), [0, 1, 0]),
+                "film": {"type": "hdrfilm", "width": WIDTH, "height": HEIGHT, "rfilter": {"type": "box"}},
+                "sampler": {"type": "independent", "sample_count": SAMPLES},
+            },
+            "mesh": {
+                "type": "obj",
+                "filename": str(self.mesh),
+                "face_normals": True,
+                "bsdf": diffuse(0.8, 0.6, 0.4),
+            },
+            "floor": {"type": "rectangle", "to_world": floor, "bsdf": diffuse(0.5, 0.5, 0.5)},
+            "light": {
+                "type": "point",
+                "position": self.light.tolist(),
+                "intensity": {"type": "rgb", "value": 3 * [intensity]},
+            },
+        })  # fmt: skip
+
+
+class Mitsuba:
+    """A variant of Mitsuba, its scene loaded, its kernel compiled."""
+
+    def __init__(self, variant, setting):
+        import drjit
+        import mitsuba
+
+        drjit.set_thread_count(N_THREADS)
+        mitsuba.set_variant(variant)
+        self.mitsuba = mitsuba
+        self.scene = setting.mitsuba(mitsuba)
+        self.render_ms()
+
+    def render_ms(self):
+        """Wall time and CPU time."""
+        start = time.perf_counter(), time.process_time()
+        self.picture = np.array(self.mitsuba.render(self.scene, spp=SAMPLES))
+        return 1e3 * (time.perf_counter() - start[0]), 1e3 * (time.process_time() - start[1])
+
+    def lit(self):
+        return self.picture[..., :3].max(axis=2) > 0.02
+
+
+class Raycost:
+    """The program, a process for each rendering."""
+
+    def __init__(self, program, cost, folder, setting):
+        self.scene, self.out = folder / f"{cost}.yaml", folder / cost
+        self.scene.write_text(setting.yaml())
+        options = ["--cost", cost, "--repeats=1", "--threads", str(N_THREADS), "--quiet"]
+        self.command = [program, "render", self.scene, *options, "--out", self.out]
+
+    def render_ms(self):
+        """Wall time and CPU time."""
+        subprocess.run(self.command, check=True)
+        stages = json.loads((self.out / "summary.json").read_text())["stages"]
+        render = next(stage for stage in stages if stage["name"] == "render")
+        return render["wall_ms"], render["cpu_ms"]
+
+    def lit(self):
+        return np.asarray(Image.open(self.out / "image.png").convert("RGB")).max(axis=2) > 5
+
+
+def race(racers, n_rounds):
+    times = {name: [] for name in racers}
+    for _ in range(n_rounds):
+        for name, racer in racers.items():
+            times[name].append(racer.render_ms())
+    return times
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("mesh", nargs="?", type=pathlib.Path, default=ROOT / "configs/meshes/spot.obj")
+    parser.add_argument("--rounds", type=int, default=9, metavar="N")
+    parser.add_argument("--raycost", type=pathlib.Path, default=ROOT / "target/release/raycost", metavar="PROGRAM")
+    parser.add_argument("--scalar", action="store_true", help="also race Mitsuba's scalar_rgb")
+    options = parser.parse_args()
+    setting = Setting(options.mesh.resolve())
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        racers = {"Mitsuba llvm_ad_rgb": Mitsuba("llvm_ad_rgb", setting)}
+        if options.scalar:
+            racers["Mitsuba scalar_rgb"] = Mitsuba("scalar_rgb", setting)
+        costs = {f"raycost, {cost}": cost for cost in ["none", "counters", "time"]}
+        program = options.raycost.resolve()
+        racers |= {name: Raycost(program, cost, folder, setting) for name, cost in costs.items()}
+        times = race(racers, options.rounds)
+        lit = [racer.lit() for racer in racers.values()]
+    # The least wall time and the least CPU time of each.
+    least = {name: [min(values) for values in zip(*pairs)] for name, pairs in times.items()}
+    print("                         wall             CPU")
+    for name, [wall, cpu] in least.items():
+        ratio, of_cpu = (first / own for first, own in zip(least["Mitsuba llvm_ad_rgb"], [wall, cpu]))
+        goal = GOALS.get(costs.get(name))
+        verdict = "" if goal is None else f"   goal {goal}, {'reached' if ratio >= goal else 'missed'}"
+        print(f"{name:20}{wall:6.0f} ms {ratio:5.2f}{cpu:8.0f} ms {of_cpu:5.2f}{verdict}")
+    elsewhere = max(np.mean(lit[0] != other) for other in lit)
+    print(f"lit pixels {100 * np.mean(lit[0]):.1f} %, elsewhere {100 * elsewhere:.2f} %")
+    return 0 if elsewhere <= MOST_ELSEWHERE else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
