@@ -1,6 +1,8 @@
 //! The memory of a hierarchy, checked once, so that traversals need no checks.
 #![expect(unsafe_code, reason = "a check at every node costs 5 % of the time")]
 
+use glam::Vec3;
+
 use super::layout::{
     self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, NODE_LINES, NodeRef, WideNode,
 };
@@ -120,6 +122,13 @@ impl Leaf<'_> {
         // The mask changes nothing and avoids a bounds check.
         let row = self.numbers[(self.n * i) & 127..].first_chunk();
         row.expect("the window extends a row beyond number 127")
+    }
+
+    /// The vertices in a lane of a leaf of triangles.
+    #[inline]
+    pub(super) fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        let at = |row| self.row(row)[lane % N_LANES];
+        [0, 3, 6].map(|first| Vec3::new(at(first), at(first + 1), at(first + 2)))
     }
 
     /// The index of the primitive in a lane; `n_rows` rows precede the indices.

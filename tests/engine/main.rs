@@ -12,6 +12,7 @@ mod attribution;
 mod meshes;
 mod observe;
 mod repeats;
+mod rounding;
 mod schedule;
 mod seed_reference;
 mod streams;

@@ -2,11 +2,11 @@
 //!
 //! It performs the same operations in the same order as the tests in `geometry`:
 //! each lane has the same `t` as [`Triangle`](crate::geometry::Triangle) or
-//! [`Sphere`](crate::geometry::Sphere), to the bit. For triangles the eight
-//! lanes only find the candidates, which are few; the test of [`Shear`] decides.
+//! [`Sphere`](crate::geometry::Sphere), to the bit.
 
 use glam::Vec3;
 
+use super::triangle;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
@@ -63,33 +63,39 @@ impl<I: InstructionSet> LeafIntersector<I> {
     /// Tests triangles.
     #[inline(always)]
     fn triangles<S: Search>(&self, leaf: Leaf, search: &mut S) {
-        let zero = self.set.splat(0.0);
         // No `array::map` here: it is not always inlined.
-        let (a, b, c) = (
+        let vertices = [
             self.sheared(leaf, 0),
             self.sheared(leaf, 3),
             self.sheared(leaf, 6),
-        );
-        let u = b.x * c.y - b.y * c.x;
-        let v = c.x * a.y - c.y * a.x;
-        let w = a.x * b.y - a.y * b.x;
-        let area = u + v + w;
-        let (u, v, w) = (
-            u.flip_sign_by(area),
-            v.flip_sign_by(area),
-            w.flip_sign_by(area),
-        );
-        // Rounding may make an area zero, but never changes its sign.
-        let mut inside = zero.le(u.min(v).min(w)).bits() & used_lanes(leaf);
-        if inside == 0 {
-            return;
+        ];
+        let scale = self.set.splat(self.shear.scale);
+        let found = triangle::intersect(self.set, &vertices, scale, used_lanes(leaf));
+        if found.hits != 0 {
+            let (zero, limit) = (self.set.splat(0.0), self.set.splat(search.limit()));
+            let hits = found.hits & (zero.lt(found.t) & found.t.lt(limit)).bits();
+            report(leaf, TRIANGLE_ROWS, found.t.to_array(), hits, search);
         }
-        let (a, b, c) = (a.to_arrays(), b.to_arrays(), c.to_arrays());
-        while inside != 0 {
-            let lane = inside.trailing_zeros() as usize % N_LANES;
-            inside &= inside - 1;
-            let vertices = [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
-            match self.shear.intersect(vertices) {
+        if found.unsure != 0 {
+            self.unsure_triangles(leaf, found.unsure, search);
+        }
+    }
+
+    /// Tests the triangles in these lanes, one by one.
+    #[cold]
+    #[inline(never)]
+    fn unsure_triangles<S: Search>(&self, leaf: Leaf, mut lanes: u8, search: &mut S) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % N_LANES;
+            lanes &= lanes - 1;
+            let ray = Ray {
+                origin: self.origin,
+                direction: self.direction,
+            };
+            match self.shear.intersect_exactly(
+                leaf.triangle(lane)
+                    .map(|vertex| self.shear.point(&ray, vertex)),
+            ) {
                 Some(t) if t > 0.0 && t < search.limit() => {
                     search.found(t, leaf.primitive(TRIANGLE_ROWS, lane));
                 }

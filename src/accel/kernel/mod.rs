@@ -11,6 +11,7 @@
 //! allocations.
 
 mod slab;
+mod triangle;
 mod leaf;
 mod stack;
 mod children;

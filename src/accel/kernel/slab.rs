@@ -10,22 +10,24 @@ use crate::simd::{InstructionSet, Lanes};
 pub(super) const MIN_DIRECTION: f32 = 1e-18;
 
 /// The margin of boxes, relative to the largest coordinate: see [`Slabs`].
-pub(super) const MARGIN: f32 = 2e-6;
+pub(super) const MARGIN: f32 = 5e-6;
 
 /// What the tests of a ray against all boxes share.
 ///
 /// The test enlarges the boxes by a margin that exceeds the rounding error of
 /// every primitive's own test, so that no box hides a hit that brute force
-/// finds: 2e-6 of the largest coordinate `l` of the ray's origin and the boxes.
+/// finds: 5e-6 of the largest coordinate `l` of the ray's origin and the boxes.
 ///
 /// With a relative rounding error of `e = 2^-24` per operation,
 /// [`Shear`](crate::geometry::Shear) displaces a triangle's vertex by up to
 /// `14 e l` on an axis: differences to the origin (`2`, and again `2` times a
 /// slope), the slope (`4`), their product (`2`) and the last difference (`4`).
 /// The error of the hit along the ray is `6 e l`: the difference (`2`), the
-/// scale (`2`) and their product (`2`). The error of the planes here is `6 e l`
-/// for three roundings and `e l` for the displaced origin. That sums up to
-/// `27 e l`, or 1.61e-6 of `l`.
+/// scale (`2`) and their product (`2`). Where the shear decides with 32 bits, the
+/// areas add `34`: they are weights of depths that differ by up to `2 l`. The sum
+/// of the weighted depths (`6`), that of the areas (`4`) and their quotient (`2`)
+/// add `12`. The error of the planes here is `6 e l` for three roundings and
+/// `e l` for the displaced origin. That sums up to `73 e l`, or 4.35e-6 of `l`.
 ///
 /// The margin costs nothing per box: it displaces the origin, once for the near
 /// planes and once for the far ones.

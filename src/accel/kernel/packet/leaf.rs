@@ -2,11 +2,10 @@
 //! arithmetic of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector)
 //! with rays in the lanes.
 
-use glam::Vec3;
-
 use super::rays::{Half, PacketRays};
 use super::soa::N_HALVES;
 use crate::accel::arena::Leaf;
+use crate::accel::kernel::triangle;
 use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::geometry::Shear;
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
@@ -29,39 +28,44 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                     continue;
                 }
                 let n = n % N_HALVES;
-                let (a, b, c) = (
+                let vertices = [
                     self.sheared(n, axes, leaf, 0, i),
                     self.sheared(n, axes, leaf, 3, i),
                     self.sheared(n, axes, leaf, 6, i),
-                );
-                let u = b.x * c.y - b.y * c.x;
-                let v = c.x * a.y - c.y * a.x;
-                let w = a.x * b.y - a.y * b.x;
-                let area = u + v + w;
-                let (u, v, w) = (
-                    u.flip_sign_by(area),
-                    v.flip_sign_by(area),
-                    w.flip_sign_by(area),
-                );
-                // Rounding may make an area zero, but never changes its sign.
-                let mut inside = zero.le(u.min(v).min(w)).bits() & active;
-                if inside == 0 {
+                ];
+                let scale = self.set.load(&self.halves[n].scale);
+                let tested = triangle::intersect(self.set, &vertices, scale, active);
+                if tested.hits | tested.unsure == 0 {
                     continue;
                 }
                 let primitive = leaf.primitive(TRIANGLE_ROWS, i);
-                let (a, b, c) = (a.to_arrays(), b.to_arrays(), c.to_arrays());
-                while inside != 0 {
-                    let lane = inside.trailing_zeros() as usize % N_LANES;
-                    inside &= inside - 1;
-                    let vertices =
-                        [&a, &b, &c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]));
-                    match self.shear(&self.halves[n], lane).intersect(vertices) {
-                        Some(t) if t > 0.0 => found(N_LANES * n + lane, t, primitive),
+                let mut hits = tested.hits & zero.lt(tested.t).bits();
+                let t = tested.t.to_array();
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize % N_LANES;
+                    hits &= hits - 1;
+                    found(N_LANES * n + lane, t[lane], primitive);
+                }
+                let mut unsure = tested.unsure;
+                while unsure != 0 {
+                    let ray = N_LANES * n + unsure.trailing_zeros() as usize % N_LANES;
+                    unsure &= unsure - 1;
+                    match self.intersect_exactly(ray, leaf, i) {
+                        Some(t) if t > 0.0 => found(ray, t, primitive),
                         _ => {}
                     }
                 }
             }
         }
+    }
+
+    /// The parameter of a ray's hit on a triangle, where rounding may decide.
+    #[cold]
+    #[inline(never)]
+    fn intersect_exactly(&self, ray: usize, leaf: Leaf, i: usize) -> Option<f32> {
+        let shear = self.shear(&self.halves[ray / N_LANES % N_HALVES], ray % N_LANES);
+        let ray = self.soa.ray(ray);
+        shear.intersect_exactly(leaf.triangle(i).map(|vertex| shear.point(&ray, vertex)))
     }
 
     /// The shear of a ray.
