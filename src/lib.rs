@@ -46,11 +46,11 @@ pub mod vtk;
 #[doc(hidden)]
 pub mod yaml;
 #[doc(hidden)]
+pub mod simd;
+#[doc(hidden)]
 pub mod sampling;
 #[doc(hidden)]
 pub mod statistics;
-#[doc(hidden)]
-pub mod simd;
 pub mod geometry;
 #[doc(hidden)]
 pub mod import;

@@ -6,37 +6,70 @@
 
 use glam::Vec2;
 
+use crate::simd::{Integer, Real};
+
 /// Four uniformly distributed numbers in [0, 1) for a key of three integers.
 ///
 /// The hash is pcg4d of Jarzynski and Olano, "Hash Functions for GPU
 /// Rendering", JCGT 9(3), 2020, on both halves of the key.
 pub fn uniform(key: [u64; 3]) -> [f32; 4] {
-    let low = key.map(|word| word as u32);
-    let high = key.map(|word| (word >> 32) as u32);
-    let mixed = pcg4d([high[0], high[1], high[2], 0]);
-    let bits = pcg4d([
-        low[0] ^ mixed[0],
-        low[1] ^ mixed[1],
-        low[2] ^ mixed[2],
-        mixed[3],
-    ]);
+    let [low, high] = [0, 32].map(|shift| key.map(|word| (word >> shift) as u32));
     // An f32 in [0, 1) has 24 bits of uniform resolution.
-    bits.map(|word| (word >> 8) as f32 / (1 << 24) as f32)
+    hash(low, mixed(high)).map(unit::<f32>)
 }
 
-fn pcg4d(key: [u32; 4]) -> [u32; 4] {
-    let [mut x, mut y, mut z, mut w] =
-        key.map(|word| word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
-    for round in 0..2 {
-        x = x.wrapping_add(y.wrapping_mul(w));
-        y = y.wrapping_add(z.wrapping_mul(x));
-        z = z.wrapping_add(x.wrapping_mul(y));
-        w = w.wrapping_add(y.wrapping_mul(z));
-        if round == 0 {
-            [x, y, z, w] = [x, y, z, w].map(|word| word ^ (word >> 16));
-        }
-    }
+/// The hash of the upper halves of a key.
+fn mixed([a, b, c]: [u32; 3]) -> [u32; 4] {
+    pcg4d([a, b, c, 0])
+}
+
+/// The hash of the lower halves of a key, for one key or for lanes of keys.
+#[inline(always)]
+fn hash<N: Integer>([a, b, c]: [N; 3], mixed: [u32; 4]) -> [N; 4] {
+    let [mixed_a, mixed_b, mixed_c, mixed_d] = mixed;
+    pcg4d([
+        a.xor(a.splat(mixed_a)),
+        b.xor(a.splat(mixed_b)),
+        c.xor(a.splat(mixed_c)),
+        a.splat(mixed_d),
+    ])
+}
+
+/// The number in [0, 1) that has the highest 24 bits of a word.
+#[inline(always)]
+fn unit<R: Real>(word: R::Integer) -> R {
+    let whole = R::from_integer(word.shift_right::<8>());
+    whole * whole.splat(1.0 / (1 << 24) as f32)
+}
+
+#[inline(always)]
+fn pcg4d<N: Integer>([x, y, z, w]: [N; 4]) -> [N; 4] {
+    let (x, y, z, w) = round(congruent(x), congruent(y), congruent(z), congruent(w));
+    let (x, y, z, w) = round(folded(x), folded(y), folded(z), folded(w));
     [x, y, z, w]
+}
+
+/// The next number of a linear congruential generator.
+#[inline(always)]
+fn congruent<N: Integer>(word: N) -> N {
+    let product = word.times(word.splat(1_664_525));
+    product.plus(word.splat(1_013_904_223))
+}
+
+/// A word whose upper bits change its lower ones.
+#[inline(always)]
+fn folded<N: Integer>(word: N) -> N {
+    word.xor(word.shift_right::<16>())
+}
+
+/// A round of pcg4d.
+#[inline(always)]
+fn round<N: Integer>(x: N, y: N, z: N, w: N) -> (N, N, N, N) {
+    let x = x.plus(y.times(w));
+    let y = y.plus(z.times(x));
+    let z = z.plus(x.times(y));
+    let w = w.plus(y.times(z));
+    (x, y, z, w)
 }
 
 /// A stratified pattern of points in a pixel: `n` strata of equal area with one
@@ -73,18 +106,30 @@ impl PixelPattern {
     /// Point `i` of pixel number `pixel`, relative to the pixel's center: both
     /// coordinates are in [-0.5, 0.5).
     pub fn point(&self, pixel: u64, i: u32) -> Vec2 {
+        let [x, y] = self.points::<f32>(pixel as u32, (pixel >> 32) as u32, i);
+        Vec2::new(x, y)
+    }
+
+    /// [`point`](Self::point) `i` of one pixel or of a pixel per lane, whose numbers
+    /// have these lower and upper halves.
+    #[inline(always)]
+    pub fn points<R: Real>(&self, low: R::Integer, high: u32, i: u32) -> [R; 2] {
+        let zero = R::from_integer(low.splat(0));
         if i == self.center {
-            return Vec2::ZERO;
+            return [zero; 2];
         }
         let row = self.row_of(i);
         let (first, end) = (self.first_of_row(row), self.first_of_row(row + 1));
-        let [u, v, ..] = uniform([self.seed, pixel, i.into()]);
+        let mixed = mixed([(self.seed >> 32) as u32, high, 0]);
+        let words = hash([low.splat(self.seed as u32), low, low.splat(i)], mixed);
+        let (u, v) = (unit::<R>(words[0]), unit::<R>(words[1]));
         // The height of a row is proportional to its points: all strata have the
         // same area.
-        let n_in_row = (end - first) as f32;
-        let x = ((i - first) as f32 + u) / n_in_row;
-        let y = (first as f32 + v * n_in_row) / self.n as f32;
-        Vec2::new(x, y) - 0.5
+        let n_in_row = zero.splat((end - first) as f32);
+        let x = (zero.splat((i - first) as f32) + u) / n_in_row;
+        let y = (zero.splat(first as f32) + v * n_in_row) / zero.splat(self.n as f32);
+        let half = zero.splat(0.5);
+        [x - half, y - half]
     }
 
     /// The first point of a row. The numbers of points per row differ by at most

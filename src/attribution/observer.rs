@@ -151,7 +151,7 @@ impl<'a> Observer<'a> {
     ) -> Option<Ray> {
         let shader = &self.view.shader;
         let ray = tree.rays[number as usize].ray;
-        let mut lights: Vec<(u32, Illumination)> = Vec::new();
+        let mut lights: Vec<(u32, Illumination<f32>)> = Vec::new();
         for (light, sample) in shader.indexed_light_samples(point) {
             let (shadow, is_shadowed) = self.trace_shadow(number, light, &sample, tree);
             if !is_shadowed {

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::Ray;
+use crate::simd::{Real, Vector};
 
 /// The positions of the pixels in world space, and the camera rays through them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,16 +62,23 @@ impl ImagePlane {
     /// to each side.
     #[inline]
     pub fn ray(&self, x: f32, y: f32) -> Ray {
-        let through = self.point(x, y);
+        let [origin, direction] = self.rays(x, y).map(Vec3::from);
+        Ray { origin, direction }
+    }
+
+    /// The origins and the directions of the rays through these pixel coordinates:
+    /// [`ray`](Self::ray) for one pair or for lanes of them.
+    #[inline(always)]
+    pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
+        let [origin, right, down] = [self.origin, self.right, self.down];
+        let through =
+            Vector::splat(x, origin) + Vector::splat(x, right) * x + Vector::splat(x, down) * y;
         match self.projection {
-            Projection::Perspective { eye } => Ray {
-                origin: eye,
-                direction: (through - eye).normalize(),
-            },
-            Projection::Parallel { direction } => Ray {
-                origin: through,
-                direction,
-            },
+            Projection::Perspective { eye } => {
+                let eye = Vector::splat(x, eye);
+                [eye, (through - eye).normalize()]
+            }
+            Projection::Parallel { direction } => [through, Vector::splat(x, direction)],
         }
     }
 

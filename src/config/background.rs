@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use crate::simd::{Real, Vector};
 use crate::yaml::{self, ColorOr};
 
 /// The color of rays that hit nothing.
@@ -13,7 +14,7 @@ use crate::yaml::{self, ColorOr};
 /// gradient: { bottom: [0.9, 0.9, 1], top: [0.3, 0.5, 0.9] }
 /// ").unwrap();
 /// let gray: Background = raycost::yaml::from_str("0.2").unwrap();
-/// # assert_eq!(gray.color(glam::Vec3::Y), glam::Vec3::splat(0.2));
+/// # assert_eq!(gray.color(glam::Vec3::Y.into()), glam::Vec3::splat(0.2).into());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(from = "ColorOr<Pattern>")]
@@ -57,7 +58,11 @@ impl From<ColorOr<Pattern>> for Background {
 impl Background {
     /// Returns the color of a ray in `direction`, a unit vector: `bottom`
     /// straight down (-y), `top` straight up, linear in between.
-    pub fn color(&self, direction: Vec3) -> Vec3 {
-        self.bottom.lerp(self.top, 0.5 * (direction.y + 1.0))
+    #[inline(always)]
+    pub fn color<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
+        let (half, one) = (direction.y.splat(0.5), direction.y.splat(1.0));
+        let height = half * (direction.y + one);
+        let [bottom, top] = [self.bottom, self.top].map(|color| Vector::splat(half, color));
+        bottom * (one - height) + top * height
     }
 }

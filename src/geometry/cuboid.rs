@@ -3,7 +3,9 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Intersectable, Patch, Ray, Transform};
+use super::surface::{parameters_of, vector};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// The surface of an axis-aligned box. A `transform` makes a rotated one.
@@ -59,21 +61,6 @@ impl Intersectable for Cuboid {
         (enter <= exit && t > 0.0 && t < t_max).then_some(t)
     }
 
-    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
-        let center = self.bounds.center();
-        let outward = (near - center) / (0.5 * (self.bounds.max - self.bounds.min));
-        let axis = outward.abs().max_position();
-        let mut normal = Vec3::ZERO;
-        normal[axis] = outward[axis].signum();
-        let mut point = near;
-        point[axis] = if normal[axis] > 0.0 {
-            self.bounds.max[axis]
-        } else {
-            self.bounds.min[axis]
-        };
-        (point, normal)
-    }
-
     fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -86,6 +73,68 @@ impl Intersectable for Cuboid {
     fn patch(&self) -> Option<Patch> {
         let [a, b, c, d, e, f, g, h] = self.bounds.corners();
         Some(Patch::Box([a, b, d, c, e, f, h, g]))
+    }
+}
+
+impl Project for Cuboid {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        parameters_of(&[self.bounds.min, self.bounds.max])
+    }
+
+    /// The face on the axis along which the point is farthest from the center, in
+    /// units of the box.
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        let (min, max) = (vector(parameters, 0), vector(parameters, 3));
+        let (x, y, z) = (
+            FaceAxis::new(min.x, max.x, near.x),
+            FaceAxis::new(min.y, max.y, near.y),
+            FaceAxis::new(min.z, max.z, near.z),
+        );
+        let is_y = x.outward.lt(y.outward);
+        let is_z = x.outward.max(y.outward).lt(z.outward);
+        let (is_x, is_y) = (!is_y & !is_z, is_y & !is_z);
+        let zero = near.x.splat(0.0);
+        let point = Vector {
+            x: R::select(is_x, x.face, near.x),
+            y: R::select(is_y, y.face, near.y),
+            z: R::select(is_z, z.face, near.z),
+        };
+        let normal = Vector {
+            x: R::select(is_x, x.sign, zero),
+            y: R::select(is_y, y.sign, zero),
+            z: R::select(is_z, z.sign, zero),
+        };
+        (point, normal)
+    }
+}
+
+/// The face of a box on one axis that is nearest to a point.
+struct FaceAxis<R> {
+    /// The point's distance from the center, in units of half the box.
+    outward: R,
+    /// -1 or 1.
+    sign: R,
+    /// The coordinate of the face.
+    face: R,
+}
+
+impl<R: Real> FaceAxis<R> {
+    #[inline(always)]
+    fn new(min: R, max: R, near: R) -> Self {
+        let half = near.splat(0.5);
+        let center = half * min + half * max;
+        let outward = (near - center) / (half * (max - min));
+        let sign = near.splat(1.0).flip_sign_by(outward);
+        Self {
+            outward: outward.abs(),
+            sign,
+            face: R::select(near.splat(0.0).lt(sign), max, min),
+        }
     }
 }
 

@@ -3,7 +3,9 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Intersectable, Patch, Plane, Ray, Transform};
+use super::surface::parameters_of;
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// The points of a plane within a distance of a center.
@@ -46,10 +48,6 @@ impl Intersectable for Disk {
             .filter(|&t| ray.at(t).distance_squared(self.center) <= self.radius * self.radius)
     }
 
-    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
-        self.plane().project(near)
-    }
-
     fn bounds(&self) -> Aabb {
         // The circle's extent along an axis is r times the sine of the angle
         // between that axis and the normal.
@@ -73,6 +71,21 @@ impl Intersectable for Disk {
 
     fn patch(&self) -> Option<Patch> {
         Some(Patch::disk(self.center, self.normal, self.radius))
+    }
+}
+
+impl Project for Disk {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        parameters_of(&[self.center, self.normal])
+    }
+
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        Plane::project_onto(parameters, near)
     }
 }
 

@@ -1,7 +1,5 @@
 //! What every shape can do.
 
-use glam::Vec3;
-
 use super::{Aabb, Patch, Ray, Transform};
 
 /// A shape that rays can hit.
@@ -9,10 +7,6 @@ pub trait Intersectable: Sized {
     /// The least `t` in (0, `t_max`) at which the ray hits the shape, from either
     /// side. The ray's direction may have any length.
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32>;
-
-    /// The point of the surface nearest to `near`, which lies on it up to rounding
-    /// errors, and the outward unit normal there.
-    fn project(&self, near: Vec3) -> (Vec3, Vec3);
 
     /// The smallest box around the shape; [`Aabb::ALL`] if it has no bounds.
     fn bounds(&self) -> Aabb;

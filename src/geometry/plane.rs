@@ -3,7 +3,9 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Intersectable, Patch, Ray, Transform};
+use super::surface::{parameters_of, vector};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// Least |cos| of the angle between a ray and the normal: other rays miss the
@@ -39,11 +41,6 @@ impl Intersectable for Plane {
         (t > 0.0 && t < t_max).then_some(t)
     }
 
-    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
-        let above = (near - self.point).dot(self.normal);
-        (near - above * self.normal, self.normal)
-    }
-
     fn bounds(&self) -> Aabb {
         Aabb::ALL
     }
@@ -57,6 +54,23 @@ impl Intersectable for Plane {
 
     fn patch(&self) -> Option<Patch> {
         None
+    }
+}
+
+impl Project for Plane {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        parameters_of(&[self.point, self.normal])
+    }
+
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        let (point, normal) = (vector(parameters, 0), vector(parameters, 3));
+        let above = (near - point).dot(normal);
+        (near - normal * above, normal)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::simd::{Integer, Real, Vector};
+
 /// A half-line: the points `origin + t * direction` with `t > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -26,23 +28,32 @@ impl Ray {
     /// near the origin of space: Wächter and Binder, "A Fast and Robust Method
     /// for Avoiding Self-Intersection", Ray Tracing Gems (2019), chapter 6.
     pub fn leaving(position: Vec3, normal: Vec3, direction: Vec3) -> Self {
-        let side = normal * direction.dot(normal).signum();
-        let offset = |p: f32, n: f32| {
-            if p.abs() < 1.0 / 32.0 {
-                return p + n / 65536.0;
-            }
-            let ulps = (256.0 * n) as i32;
-            f32::from_bits((p.to_bits() as i32 + if p < 0.0 { -ulps } else { ulps }) as u32)
-        };
+        let origin = leaving(position.into(), normal.into(), direction.into());
         Self {
-            origin: Vec3::new(
-                offset(position.x, side.x),
-                offset(position.y, side.y),
-                offset(position.z, side.z),
-            ),
+            origin: origin.into(),
             direction,
         }
     }
+}
+
+/// The origin of [`Ray::leaving`], for one ray or for lanes of rays.
+#[inline(always)]
+pub fn leaving<R: Real>(position: Vector<R>, normal: Vector<R>, direction: Vector<R>) -> Vector<R> {
+    let side = normal.flip_sign_by(direction.dot(normal));
+    Vector {
+        x: offset(position.x, side.x),
+        y: offset(position.y, side.y),
+        z: offset(position.z, side.z),
+    }
+}
+
+/// A coordinate `p`, offset along the normal's coordinate `n`.
+#[inline(always)]
+fn offset<R: Real>(p: R, n: R) -> R {
+    let near_zero = p + n * p.splat(1.0 / 65536.0);
+    let ulps = (p.splat(256.0) * n).flip_sign_by(p).to_integer();
+    let far = R::from_integer_bits(p.to_integer_bits().plus(ulps));
+    R::select(p.abs().lt(p.splat(1.0 / 32.0)), near_zero, far)
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use std::fmt;
 use glam::Vec3;
 use serde::de::MapAccess;
 
-use super::{Aabb, Intersectable, Patch, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use crate::simd::{Real, Vector};
 
 /// Defines the enum, its YAML keys and its dispatch from one list. A row has the YAML
 /// key and the type in the shape's file.
@@ -36,14 +37,48 @@ macro_rules! shapes {
             }
         }
 
+        /// The kinds of shapes.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum ShapeKind {
+            $($(#[$doc])* $shape,)*
+        }
+
+        impl ShapeKind {
+            /// [`Project::project_onto`] of shapes of this kind.
+            #[inline(always)]
+            pub fn project_onto<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                near: Vector<R>,
+            ) -> (Vector<R>, Vector<R>) {
+                match self { $(Self::$shape => $shape::project_onto(parameters, near),)* }
+            }
+        }
+
+        impl Shape {
+            /// Its kind.
+            #[inline(always)]
+            pub fn kind(&self) -> ShapeKind {
+                match self { $(Self::$shape(_) => ShapeKind::$shape,)* }
+            }
+
+            /// The numbers that define it, followed by zeros.
+            #[inline(always)]
+            pub fn parameters(&self) -> [f32; N_PARAMETERS] {
+                match self { $(Self::$shape(shape) => shape.parameters(),)* }
+            }
+
+            /// The point of the surface nearest to `near`, which lies on it up to
+            /// rounding errors, and the outward unit normal there.
+            pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+                match self { $(Self::$shape(shape) => shape.project(near),)* }
+            }
+        }
+
         impl Intersectable for Shape {
             #[inline]
             fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
                 match self { $(Self::$shape(shape) => shape.intersect(ray, t_max),)* }
-            }
-
-            fn project(&self, near: Vec3) -> (Vec3, Vec3) {
-                match self { $(Self::$shape(shape) => shape.project(near),)* }
             }
 
             fn bounds(&self) -> Aabb {

@@ -3,7 +3,9 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::{Aabb, Intersectable, Patch, Ray, Transform};
+use super::surface::{parameters_of, vector};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// The points at a distance from a center.
@@ -48,11 +50,6 @@ impl Intersectable for Sphere {
         (t > 0.0 && t < t_max).then_some(t)
     }
 
-    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
-        let normal = (near - self.center).normalize_or(Vec3::Y);
-        (self.center + self.radius * normal, normal)
-    }
-
     fn bounds(&self) -> Aabb {
         Aabb {
             min: self.center - self.radius,
@@ -72,6 +69,26 @@ impl Intersectable for Sphere {
             center: self.center,
             radius: self.radius,
         })
+    }
+}
+
+impl Project for Sphere {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        let mut parameters = parameters_of(&[self.center]);
+        parameters[3] = self.radius;
+        parameters
+    }
+
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        let (center, radius) = (vector(parameters, 0), parameters[3]);
+        let up = Vector::splat(radius, Vec3::Y);
+        let normal = (near - center).normalize_or(up);
+        (center + normal * radius, normal)
     }
 }
 

@@ -4,7 +4,9 @@ use glam::Vec3;
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
 
-use super::{Aabb, Intersectable, Patch, Ray, Shear, Transform};
+use super::surface::{parameters_of, vector};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Shear, Transform};
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// The points between three vertices.
@@ -35,13 +37,32 @@ impl Triangle {
     /// with a sum of 1. For a point outside they are those of a point on an
     /// edge.
     pub fn barycentrics(&self, point: Vec3) -> Vec3 {
-        let [a, b, c] = self.vertices;
-        let normal = (b - a).cross(c - a);
-        // Signed areas of the triangles of the point and two vertices.
-        let areas = [(b, c), (c, a), (a, b)]
-            .map(|(from, to)| (to - from).cross(point - from).dot(normal).max(0.0));
-        Vec3::from(areas) / areas.iter().sum::<f32>()
+        barycentrics(&self.parameters(), point.into()).into()
     }
+}
+
+/// [`Triangle::barycentrics`] of a triangle with these parameters, or of one per lane.
+#[inline(always)]
+pub fn barycentrics<R: Real>(triangle: &[R; N_PARAMETERS], point: Vector<R>) -> [R; 3] {
+    let (a, b, c) = (
+        vector(triangle, 0),
+        vector(triangle, 3),
+        vector(triangle, 6),
+    );
+    let normal = (b - a).cross(c - a);
+    let u = area(b, c, point, normal);
+    let v = area(c, a, point, normal);
+    let w = area(a, b, point, normal);
+    let sum = u + v + w;
+    [u / sum, v / sum, w / sum]
+}
+
+/// The area of the triangle of a point and two vertices, in a unit of its own; 0 if
+/// the point lies outside.
+#[inline(always)]
+fn area<R: Real>(from: Vector<R>, to: Vector<R>, point: Vector<R>, normal: Vector<R>) -> R {
+    let signed = (to - from).cross(point - from).dot(normal);
+    signed.max(signed.splat(0.0))
 }
 
 impl Intersectable for Triangle {
@@ -52,12 +73,6 @@ impl Intersectable for Triangle {
         shear
             .intersect(self.vertices.map(|vertex| shear.point(ray, vertex)))
             .filter(|&t| t > 0.0 && t < t_max)
-    }
-
-    fn project(&self, near: Vec3) -> (Vec3, Vec3) {
-        let normal = self.normal().unwrap_or(Vec3::Y);
-        let above = (near - self.vertices[0]).dot(normal);
-        (near - above * normal, normal)
     }
 
     fn bounds(&self) -> Aabb {
@@ -71,6 +86,29 @@ impl Intersectable for Triangle {
 
     fn patch(&self) -> Option<Patch> {
         Some(Patch::Triangle(self.vertices))
+    }
+}
+
+impl Project for Triangle {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        parameters_of(&self.vertices)
+    }
+
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        let (a, b, c) = (
+            vector(parameters, 0),
+            vector(parameters, 3),
+            vector(parameters, 6),
+        );
+        let up = Vector::splat(a.x, Vec3::Y);
+        let normal = (b - a).cross(c - a).normalize_or(up);
+        let above = (near - a).dot(normal);
+        (near - normal * above, normal)
     }
 }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::illumination::Illumination;
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// A light infinitely far away, such as the sun.
@@ -33,11 +34,12 @@ pub struct DirectionalLight {
 }
 
 impl DirectionalLight {
-    pub(super) fn illuminate(&self, _: Vec3) -> Illumination {
+    #[inline(always)]
+    pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         Illumination {
-            direction: -self.direction,
-            distance: f32::INFINITY,
-            radiance: self.color * self.intensity,
+            direction: Vector::splat(point.x, -self.direction),
+            distance: point.x.splat(f32::INFINITY),
+            radiance: Vector::splat(point.x, self.color * self.intensity),
         }
     }
 }

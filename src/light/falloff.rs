@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::simd::Real;
+
 /// The falloff of a light with the distance `d` from it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(
@@ -20,11 +22,13 @@ pub enum Falloff {
 
 impl Falloff {
     /// The factor at `distance` world units, greater than 0.
-    pub fn factor(self, distance: f32) -> f32 {
+    #[inline(always)]
+    pub fn factor<R: Real>(self, distance: R) -> R {
+        let (one, least) = (distance.splat(1.0), distance.splat(f32::MIN_POSITIVE));
         match self {
-            Self::None => 1.0,
-            Self::Inverse => distance.max(f32::MIN_POSITIVE).recip(),
-            Self::InverseSquare => (distance * distance).max(f32::MIN_POSITIVE).recip(),
+            Self::None => one,
+            Self::Inverse => one / distance.max(least),
+            Self::InverseSquare => one / (distance * distance).max(least),
         }
     }
 }

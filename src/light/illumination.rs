@@ -1,14 +1,15 @@
-//! The light that arrives at a point.
+//! The light that arrives at points.
 
-use glam::Vec3;
+use crate::simd::Vector;
 
-/// The light that arrives at a point from one light, unless it is occluded.
+/// The light that arrives at a point, or at one point per lane, from one light,
+/// unless it is occluded.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Illumination {
+pub struct Illumination<R> {
     /// From the point to the light, a unit vector.
-    pub direction: Vec3,
+    pub direction: Vector<R>,
     /// Distance to the light; infinite for a directional one.
-    pub distance: f32,
+    pub distance: R,
     /// The radiance that arrives, each channel at least 0.
-    pub radiance: Vec3,
+    pub radiance: Vector<R>,
 }

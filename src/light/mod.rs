@@ -9,11 +9,12 @@ mod falloff;
 mod illumination;
 mod point;
 
-use glam::Vec3;
 use serde::Deserialize;
 
 pub use falloff::Falloff;
 pub use illumination::Illumination;
+
+use crate::simd::{Real, Vector};
 
 /// Defines [`Light`] and its dispatch from one list. A row has the kind, whose YAML key
 /// is its name in snake case, and the type in the kind's file.
@@ -33,7 +34,8 @@ macro_rules! lights {
 
         impl Light {
             /// The light that arrives at `point` unless it is occluded.
-            pub fn illuminate(&self, point: Vec3) -> Illumination {
+            #[inline(always)]
+            pub fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
                 match self {
                     $(Self::$kind(light) => light.illuminate(point),)*
                 }

@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use super::falloff::Falloff;
 use super::illumination::Illumination;
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// A light that shines from one point in all directions.
@@ -36,13 +37,15 @@ pub struct PointLight {
 }
 
 impl PointLight {
-    pub(super) fn illuminate(&self, point: Vec3) -> Illumination {
-        let to_light = self.position - point;
+    #[inline(always)]
+    pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
+        let to_light = Vector::splat(point.x, self.position) - point;
         let distance = to_light.length();
+        let intensity = distance.splat(self.intensity) * self.falloff.factor(distance);
         Illumination {
-            direction: to_light / distance.max(f32::MIN_POSITIVE),
+            direction: to_light / distance.max(distance.splat(f32::MIN_POSITIVE)),
             distance,
-            radiance: self.color * (self.intensity * self.falloff.factor(distance)),
+            radiance: Vector::splat(distance, self.color) * intensity,
         }
     }
 }
@@ -60,7 +63,7 @@ mod tests {
                 intensity: 3.0,
                 falloff,
             };
-            light.illuminate(Vec3::ZERO).radiance.x
+            light.illuminate(Vec3::ZERO.into()).radiance.x
         };
         assert_eq!(at(Falloff::None, 2.0), 3.0);
         assert_eq!(at(Falloff::Inverse, 2.0), 1.5);

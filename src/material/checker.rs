@@ -1,8 +1,9 @@
 //! The checkerboard.
 
-use glam::{BVec3, Vec3};
+use glam::Vec3;
 use serde::Deserialize;
 
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// Cubes of two colors that fill space; squares or stripes where `axes` names
@@ -63,32 +64,42 @@ pub enum Rounding {
 }
 
 impl Checker {
-    pub(super) fn color_at(&self, point: Vec3) -> Vec3 {
-        let cell = match self.rounding {
-            Rounding::Floor => (point / self.size).floor(),
-            Rounding::Truncate => (point / self.size).trunc(),
-        };
-        let indices = Vec3::select(self.axes.mask(), cell, Vec3::ZERO);
-        let sum = indices.element_sum();
+    #[inline(always)]
+    pub(super) fn color_at<R: Real>(&self, point: Vector<R>) -> Vector<R> {
+        let zero = point.x.splat(0.0);
+        let [on_x, on_y, on_z] = self.axes.alternating();
+        let x = if on_x { self.cell(point.x) } else { zero };
+        let y = if on_y { self.cell(point.y) } else { zero };
+        let z = if on_z { self.cell(point.z) } else { zero };
         // The parity of a float: exact up to 2^24, where all floats are even.
-        if (sum * 0.5).fract() == 0.0 {
-            self.even
-        } else {
-            self.odd
+        let half = (x + y + z) * zero.splat(0.5);
+        let is_even = half.equals(half.trunc());
+        let [even, odd] = [self.even, self.odd];
+        Vector::select(is_even, Vector::splat(zero, even), Vector::splat(zero, odd))
+    }
+
+    /// The index of the cell that contains a coordinate.
+    #[inline(always)]
+    fn cell<R: Real>(&self, coordinate: R) -> R {
+        let cells = coordinate / coordinate.splat(self.size);
+        match self.rounding {
+            Rounding::Floor => cells.floor(),
+            Rounding::Truncate => cells.trunc(),
         }
     }
 }
 
 impl Axes {
-    fn mask(self) -> BVec3 {
+    /// Whether the colors alternate along x, y and z.
+    fn alternating(self) -> [bool; 3] {
         match self {
-            Self::X => BVec3::new(true, false, false),
-            Self::Y => BVec3::new(false, true, false),
-            Self::Z => BVec3::new(false, false, true),
-            Self::Xy => BVec3::new(true, true, false),
-            Self::Xz => BVec3::new(true, false, true),
-            Self::Yz => BVec3::new(false, true, true),
-            Self::Xyz => BVec3::TRUE,
+            Self::X => [true, false, false],
+            Self::Y => [false, true, false],
+            Self::Z => [false, false, true],
+            Self::Xy => [true, true, false],
+            Self::Xz => [true, false, true],
+            Self::Yz => [false, true, true],
+            Self::Xyz => [true; 3],
         }
     }
 }
@@ -105,7 +116,7 @@ mod tests {
             axes,
             rounding,
         };
-        checker.color_at(point) == Vec3::ONE
+        checker.color_at(Vector::from(point)) == Vec3::ONE.into()
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use crate::simd::{Real, Vector};
 use crate::yaml::ColorOr;
 
 /// Defines [`Texture`], its YAML keys and its dispatch from one list. A row has the
@@ -38,9 +39,10 @@ macro_rules! textures {
 
         impl Texture {
             /// The color at a point in world space.
-            pub fn color_at(&self, point: Vec3) -> Vec3 {
+            #[inline(always)]
+            pub fn color_at<R: Real>(&self, point: Vector<R>) -> Vector<R> {
                 match self {
-                    Self::Color(color) => *color,
+                    Self::Color(color) => Vector::splat(point.x, *color),
                     $(Self::$kind(pattern) => pattern.color_at(point),)*
                 }
             }

@@ -42,7 +42,7 @@ impl Wave {
 pub(super) struct Shadows {
     rays: Vec<ShadowRay>,
     /// The illumination along each ray unless it is occluded.
-    lights: Vec<Illumination>,
+    lights: Vec<Illumination<f32>>,
     /// The pixel of each ray, as its index in the tile.
     pixels: Vec<u32>,
     occluded: Vec<bool>,
@@ -83,7 +83,7 @@ impl Shadows {
     }
 
     /// Returns the unoccluded lights of the point that ray `ray` of the wave hit.
-    pub(super) fn lights_at(&self, ray: usize) -> impl Iterator<Item = Illumination> {
+    pub(super) fn lights_at(&self, ray: usize) -> impl Iterator<Item = Illumination<f32>> {
         let first = ray.checked_sub(1).map_or(0, |before| self.ends[before]);
         let rays = first..self.ends[ray];
         let reached = self.lights[rays.clone()].iter().zip(&self.occluded[rays]);

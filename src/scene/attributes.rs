@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::primitive::Primitive;
-use crate::geometry::Shape;
+use crate::geometry::{N_PARAMETERS, barycentrics};
+use crate::simd::{Real, Vector};
 
 /// The attributes of one object's primitives, in the order of the primitives.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -17,6 +17,27 @@ pub(super) enum Attributes {
     Colors(Vec<[u8; 3]>),
 }
 
+/// A kind of attributes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AttributeKind {
+    /// None.
+    None,
+    /// Normals at vertices.
+    Normals,
+    /// Colors of primitives.
+    Colors,
+}
+
+impl Attributes {
+    pub(super) fn kind(&self) -> AttributeKind {
+        match self {
+            Self::None => AttributeKind::None,
+            Self::Normals(_) => AttributeKind::Normals,
+            Self::Colors(_) => AttributeKind::Colors,
+        }
+    }
+}
+
 /// Normals at the vertices of an object's triangles.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct VertexNormals {
@@ -27,17 +48,22 @@ pub(super) struct VertexNormals {
 }
 
 impl VertexNormals {
-    /// The unit normal at a point of `primitive`, which is triangle `i`: the
-    /// interpolation of the normals at its vertices; `None` if one is missing.
-    pub(super) fn at(&self, primitive: &Primitive, i: usize, point: Vec3) -> Option<Vec3> {
-        let Some(Shape::Triangle(triangle)) = primitive.world_shape() else {
-            return None;
-        };
-        let weights = triangle.barycentrics(point).to_array();
-        let vertices = self.triangles[i].iter().zip(weights);
-        vertices
-            .map(|(&normal, weight)| weight * self.vectors[normal as usize])
-            .sum::<Vec3>()
-            .try_normalize()
+    /// The normals at the vertices of triangle `i`.
+    #[inline]
+    pub(super) fn of(&self, i: usize) -> [Vec3; 3] {
+        self.triangles[i].map(|normal| self.vectors[normal as usize])
     }
+}
+
+/// The unit normal at a point of a triangle, or of one per lane: the interpolation of
+/// the normals at its vertices; `fallback` if one is missing.
+#[inline(always)]
+pub fn interpolated_normal<R: Real>(
+    triangle: &[R; N_PARAMETERS],
+    [a, b, c]: [Vector<R>; 3],
+    point: Vector<R>,
+    fallback: Vector<R>,
+) -> Vector<R> {
+    let [u, v, w] = barycentrics(triangle, point);
+    (a * u + b * v + c * w).normalize_or(fallback)
 }

@@ -15,10 +15,12 @@ use crate::camera::ImagePlane;
 use crate::config::{Background, Config, Geometry, GeometryFile, Object, Shading};
 use crate::light::Light;
 use crate::material::Material;
+use crate::simd::Vector;
 use crate::text::did_you_mean;
 use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
+pub use attributes::{AttributeKind, interpolated_normal};
 use placement::Placement;
 
 pub use geometries::Geometries;
@@ -105,22 +107,56 @@ impl Scene {
     /// The color of a primitive at one of its points: its own if it has one, else
     /// that of its material.
     pub fn color(&self, primitive: u32, point: Vec3) -> Vec3 {
-        let found = &self.primitives[primitive as usize];
+        let material = self.primitives[primitive as usize].material;
+        self.own_color(primitive).unwrap_or_else(|| {
+            let color = &self.material(material).color;
+            color.color_at(Vector::from(point)).into()
+        })
+    }
+
+    /// The primitive's own color, if it has one.
+    #[inline]
+    pub fn own_color(&self, primitive: u32) -> Option<Vec3> {
         match self.attributes(primitive) {
-            (Attributes::Colors(colors), i) => Vec3::from(colors[i].map(f32::from)) / 255.0,
-            _ => self.material(found.material).color.color_at(point),
+            (Attributes::Colors(colors), i) => Some(Vec3::from(colors[i].map(f32::from)) / 255.0),
+            _ => None,
+        }
+    }
+
+    /// The normals at the vertices of the primitive, a triangle, if it has any: of
+    /// unit length, on either side; NaN where one is missing.
+    #[inline]
+    pub fn vertex_normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Normals(normals), i) => Some(normals.of(i)),
+            _ => None,
         }
     }
 
     /// The shading normal of a primitive at one of its points, of unit length, on
-    /// either side; `None` if it is the geometric one.
-    pub fn shading_normal(&self, primitive: u32, point: Vec3) -> Option<Vec3> {
-        match self.attributes(primitive) {
-            (Attributes::Normals(normals), i) => {
-                normals.at(&self.primitives[primitive as usize], i, point)
-            }
-            _ => None,
-        }
+    /// either side: `geometric` if it has no other.
+    pub fn shading_normal(
+        &self,
+        primitive: u32,
+        point: Vec3,
+        geometric: Vector<f32>,
+    ) -> Vector<f32> {
+        let Some(normals) = self.vertex_normals(primitive) else {
+            return geometric;
+        };
+        let triangle = self.primitives[primitive as usize].parameters();
+        interpolated_normal(
+            &triangle,
+            normals.map(Vector::from),
+            point.into(),
+            geometric,
+        )
+    }
+
+    /// Which attributes an object's primitives have.
+    #[inline]
+    pub fn attribute_kind(&self, object: ObjectId) -> AttributeKind {
+        self.attributes[object.0 as usize].attributes.kind()
     }
 
     /// The attributes of the primitive's object, and the primitive's index among

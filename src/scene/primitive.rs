@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Aabb, Intersectable, Patch, Ray, Shape, Transform};
+use crate::geometry::{Aabb, Intersectable, N_PARAMETERS, Patch, Ray, Shape, ShapeKind, Transform};
 
 /// The index of an object in the file's `objects`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,6 +49,21 @@ impl Primitive {
     /// Its shape in world space; `None` if it needs a transform.
     pub fn world_shape(&self) -> Option<&Shape> {
         self.placement.is_none().then_some(&self.shape)
+    }
+
+    /// The kind of its shape in world space; `None` if it needs a transform.
+    #[inline]
+    pub fn kind(&self) -> Option<ShapeKind> {
+        match self.placement {
+            None => Some(self.shape.kind()),
+            Some(_) => None,
+        }
+    }
+
+    /// The numbers that define its shape, followed by zeros.
+    #[inline(always)]
+    pub fn parameters(&self) -> [f32; N_PARAMETERS] {
+        self.shape.parameters()
     }
 
     /// The least `t` in (0, `t_max`) at which the ray hits it.

@@ -1,16 +1,15 @@
 //! Blinn-Phong reflection of one light.
 
-use glam::Vec3;
-
 use crate::light::Illumination;
 use crate::material::Material;
+use crate::simd::{Double, Real, Vector};
 
 /// The two components of the reflected light, for white light of radiance 1.
-pub(super) struct Reflected {
+pub(super) struct Reflected<R> {
     /// The diffuse component, which has the surface's color.
-    pub(super) diffuse: Vec3,
+    pub(super) diffuse: Vector<R>,
     /// The specular highlight, which is white.
-    pub(super) highlight: f32,
+    pub(super) highlight: R,
 }
 
 /// Returns the diffuse and specular light reflected toward `to_viewer` (V) at a
@@ -20,25 +19,33 @@ pub(super) struct Reflected {
 /// Blinn, "Models of Light Reflection for Computer Synthesized Pictures",
 /// SIGGRAPH 1977: the highlight depends on the angle between N and the half
 /// vector of L and V.
-pub(super) fn reflected(
+#[inline(always)]
+pub(super) fn reflected<R: Real>(
     material: &Material,
-    color: Vec3,
-    normal: Vec3,
-    light: &Illumination,
-    to_viewer: Vec3,
-) -> Reflected {
-    let diffuse = material.diffuse * normal.dot(light.direction).max(0.0) * color;
+    color: Vector<R>,
+    normal: Vector<R>,
+    light: &Illumination<R>,
+    to_viewer: Vector<R>,
+) -> Reflected<R> {
+    let zero = color.x.splat(0.0);
+    let cos = normal.dot(light.direction).max(zero);
+    let diffuse = color * (zero.splat(material.diffuse) * cos);
     if material.specular == 0.0 {
         return Reflected {
             diffuse,
-            highlight: 0.0,
+            highlight: zero,
         };
     }
-    let half_vector = (light.direction + to_viewer).normalize_or_zero();
-    let cos = normal.dot(half_vector).max(0.0);
+    let none = Vector {
+        x: zero,
+        y: zero,
+        z: zero,
+    };
+    let half_vector = (light.direction + to_viewer).normalize_or(none);
+    let cos = normal.dot(half_vector).max(zero);
     Reflected {
         diffuse,
-        highlight: material.specular * power(cos, material.exponent),
+        highlight: zero.splat(material.specular) * power(cos, material.exponent),
     }
 }
 
@@ -54,34 +61,31 @@ const MIN_HIGHLIGHT: f64 = 1.0 / (1_u128 << 100) as f64;
 /// Returns `base`, at least 0, to the power of `exponent`, at least 0, computed
 /// in double precision; 0 if the result is below [`MIN_HIGHLIGHT`]. All machines
 /// return the same bits, and no intermediate result is subnormal.
-fn power(base: f32, exponent: f32) -> f32 {
-    let base = f64::from(base);
+#[inline(always)]
+fn power<R: Real>(base: R, exponent: f32) -> R {
+    let base = base.to_double();
     let whole = exponent as u32;
     let power = if whole as f32 == exponent && whole <= MAX_SQUARED {
         whole_power(base, whole)
     } else {
-        libm::pow(base, f64::from(exponent))
+        base.map(|base| libm::pow(base, f64::from(exponent)))
     };
-    if power < MIN_HIGHLIGHT {
-        return 0.0;
-    }
-    power as f32
+    R::from_double(power.zero_below(MIN_HIGHLIGHT))
 }
 
 /// Computes the power by repeated squaring, in a fraction of the time of `pow`;
 /// may return 0 if the result is below [`MIN_HIGHLIGHT`].
-fn whole_power(base: f64, mut exponent: u32) -> f64 {
-    let (mut power, mut square) = (1.0, base);
+#[inline(always)]
+fn whole_power<D: Double>(base: D, mut exponent: u32) -> D {
+    let (mut power, mut square) = (base.splat(1.0), base);
     while exponent > 0 {
         // The result is at most this square: if the base is below 1, `power` is
         // at most 1; otherwise no square is small.
-        if square < MIN_HIGHLIGHT {
-            return 0.0;
-        }
+        square = square.zero_below(MIN_HIGHLIGHT);
         if exponent % 2 == 1 {
-            power *= square;
+            power = power * square;
         }
-        square *= square;
+        square = square * square;
         exponent /= 2;
     }
     power

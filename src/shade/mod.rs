@@ -7,18 +7,21 @@
 //! reflected ray that continues it.
 
 mod blinn_phong;
-mod path;
+mod model;
 mod seed;
 mod standard;
-
-use glam::Vec3;
+mod path;
 
 use crate::accel::ShadowRay;
 use crate::config::ShadingModel;
 use crate::geometry::Ray;
-use crate::light::Illumination;
+use crate::light::{Illumination, Light};
 use crate::scene::Scene;
+use crate::simd::Vector;
 use crate::trace::SurfacePoint;
+use model::Model;
+use seed::Seed;
+use standard::Standard;
 
 pub use path::Path;
 
@@ -32,17 +35,9 @@ pub struct Shader<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightSample {
     /// The illumination if the shadow ray is unoccluded.
-    pub light: Illumination,
+    pub light: Illumination<f32>,
     /// From the point to the light.
     pub shadow: ShadowRay,
-}
-
-/// The result of shading a point.
-struct Shaded {
-    /// The radiance that it reflects directly from lights.
-    color: Vec3,
-    /// The reflected ray; `None` ends the path.
-    reflected: Option<Ray>,
 }
 
 impl<'a> Shader<'a> {
@@ -62,17 +57,13 @@ impl<'a> Shader<'a> {
         &self,
         point: &SurfacePoint,
     ) -> impl Iterator<Item = (u32, LightSample)> {
-        let model = self.scene.shading.model;
-        (0..)
-            .zip(&self.scene.lights)
-            .filter_map(move |(index, light)| {
-                let light = light.illuminate(point.position);
-                let sample = match model {
-                    ShadingModel::BlinnPhong => standard::light_sample(light, point)?,
-                    ShadingModel::Seed => seed::light_sample(light, point),
-                };
-                Some((index, sample))
-            })
+        (0..).zip(&self.scene.lights).filter_map(|(index, light)| {
+            let sample = match self.scene.shading.model {
+                ShadingModel::BlinnPhong => light_sample::<Standard>(light, point),
+                ShadingModel::Seed => light_sample::<Seed>(light, point),
+            };
+            Some((index, sample?))
+        })
     }
 
     /// Adds the radiance of `point`, hit by the path's `ray`, to the path.
@@ -83,26 +74,68 @@ impl<'a> Shader<'a> {
         path: &mut Path,
         ray: &Ray,
         point: &SurfacePoint,
-        lights: impl Iterator<Item = Illumination>,
+        lights: impl Iterator<Item = Illumination<f32>>,
+    ) -> Option<Ray> {
+        match self.scene.shading.model {
+            ShadingModel::BlinnPhong => self.shade_by::<Standard>(path, ray, point, lights),
+            ShadingModel::Seed => self.shade_by::<Seed>(path, ray, point, lights),
+        }
+    }
+
+    /// [`shade`](Self::shade) by a model.
+    fn shade_by<M: Model>(
+        &self,
+        path: &mut Path,
+        ray: &Ray,
+        point: &SurfacePoint,
+        lights: impl Iterator<Item = Illumination<f32>>,
     ) -> Option<Ray> {
         let material = self.scene.material(point.material);
-        let ambient = self.scene.shading.ambient;
-        let shaded = match self.scene.shading.model {
-            ShadingModel::BlinnPhong => standard::shade(material, ambient, ray, point, lights),
-            ShadingModel::Seed => seed::shade(material, ambient, path.eye, ray, point, lights),
-        };
-        path.add(shaded.color);
-        let reflected = shaded.reflected?;
-        let may_bounce = path.depth < u32::from(self.scene.shading.max_depth);
-        may_bounce.then(|| {
-            path.bounce(material.reflection);
-            reflected
+        let (at, direction) = (point.shading(), ray.direction.into());
+        let to_viewer = M::to_viewer(&at, path.eye.into(), direction);
+        let mut color = M::ambient(material, self.scene.shading.ambient, at.color);
+        let mut is_lit = !M::NEEDS_LIGHT;
+        for light in lights {
+            is_lit = true;
+            color = color + M::reflected(material, &at, &light, to_viewer);
+        }
+        if !is_lit {
+            return None;
+        }
+        path.add(color.into());
+        if material.reflection == 0.0 || path.depth >= u32::from(self.scene.shading.max_depth) {
+            return None;
+        }
+        path.bounce(material.reflection);
+        let mirrored = at.mirrored(direction);
+        Some(Ray {
+            origin: M::origin(&at, mirrored).into(),
+            direction: mirrored.into(),
         })
     }
 
     /// Adds the radiance of the background along the path's `ray`, which hit
     /// nothing.
     pub fn miss(&self, path: &mut Path, ray: &Ray) {
-        path.add(self.scene.background.color(ray.direction));
+        let color = self.scene.background.color(Vector::from(ray.direction));
+        path.add(color.into());
     }
+}
+
+/// The light from one source at a point; `None` if it cannot arrive.
+fn light_sample<M: Model>(light: &Light, point: &SurfacePoint) -> Option<LightSample> {
+    let at = point.shading();
+    let light = light.illuminate(at.position);
+    let direction = light.direction;
+    M::may_arrive(&at, &light).then(|| LightSample {
+        light,
+        shadow: ShadowRay {
+            ray: Ray {
+                origin: M::origin(&at, direction).into(),
+                direction: direction.into(),
+            },
+            t_max: M::end(&light),
+            ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
+        },
+    })
 }

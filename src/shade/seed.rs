@@ -10,59 +10,57 @@
 use glam::Vec3;
 
 use super::blinn_phong::{Reflected, reflected};
-use super::{LightSample, Shaded};
-use crate::accel::ShadowRay;
-use crate::geometry::Ray;
+use super::model::Model;
 use crate::light::Illumination;
 use crate::material::Material;
-use crate::trace::SurfacePoint;
+use crate::simd::{Real, Vector};
+use crate::trace::ShadingPoint;
 
 /// Distance of the origin of new rays from the surface, in world units.
 const OFFSET: f32 = 1e-4;
 
-pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> LightSample {
-    LightSample {
-        light,
-        shadow: ShadowRay {
-            ray: leaving(point, light.direction),
-            t_max: f32::INFINITY,
-            ignored: Some(point.object),
-        },
-    }
-}
+pub(super) struct Seed;
 
-pub(super) fn shade(
-    material: &Material,
-    ambient: Vec3,
-    eye: Vec3,
-    ray: &Ray,
-    point: &SurfacePoint,
-    lights: impl Iterator<Item = Illumination>,
-) -> Shaded {
-    let to_camera = (eye - point.position).normalize_or_zero();
-    let normal = point.outward(point.normal);
-    let mut color = material.ambient * ambient;
-    let mut is_lit = false;
-    for light in lights {
-        is_lit = true;
+impl Model for Seed {
+    const IGNORES_OWN_OBJECT: bool = true;
+    const NEEDS_LIGHT: bool = true;
+
+    #[inline(always)]
+    fn may_arrive<R: Real>(point: &ShadingPoint<R>, _: &Illumination<R>) -> R::Mask {
+        point.side.le(point.side)
+    }
+
+    #[inline(always)]
+    fn origin<R: Real>(point: &ShadingPoint<R>, _: Vector<R>) -> Vector<R> {
+        point.position + point.outward(point.geometric_normal) * point.side.splat(OFFSET)
+    }
+
+    #[inline(always)]
+    fn end<R: Real>(light: &Illumination<R>) -> R {
+        light.distance.splat(f32::INFINITY)
+    }
+
+    #[inline(always)]
+    fn to_viewer<R: Real>(point: &ShadingPoint<R>, eye: Vector<R>, _: Vector<R>) -> Vector<R> {
+        let none = Vector::splat(point.side, Vec3::ZERO);
+        (eye - point.position).normalize_or(none)
+    }
+
+    #[inline(always)]
+    fn ambient<R: Real>(material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R> {
+        Vector::splat(color.x, material.ambient * ambient)
+    }
+
+    #[inline(always)]
+    fn reflected<R: Real>(
+        material: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+        to_viewer: Vector<R>,
+    ) -> Vector<R> {
+        let normal = point.outward(point.normal);
         let Reflected { diffuse, highlight } =
-            reflected(material, point.color, normal, &light, to_camera);
-        color += diffuse + highlight * light.radiance;
-    }
-    if !is_lit {
-        return Shaded {
-            color: Vec3::ZERO,
-            reflected: None,
-        };
-    }
-    let reflected =
-        (material.reflection > 0.0).then(|| leaving(point, point.mirrored(ray.direction)));
-    Shaded { color, reflected }
-}
-
-fn leaving(point: &SurfacePoint, direction: Vec3) -> Ray {
-    Ray {
-        origin: point.position + OFFSET * point.outward(point.geometric_normal),
-        direction,
+            reflected(material, point.color, normal, light, to_viewer);
+        diffuse + light.radiance * highlight
     }
 }

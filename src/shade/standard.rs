@@ -7,42 +7,57 @@
 use glam::Vec3;
 
 use super::blinn_phong::{Reflected, reflected};
-use super::{LightSample, Shaded};
-use crate::accel::ShadowRay;
-use crate::geometry::Ray;
+use super::model::Model;
+use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
-use crate::trace::SurfacePoint;
+use crate::simd::{Real, Vector};
+use crate::trace::ShadingPoint;
 
-/// Returns `None` for a light behind the surface, which shadows itself.
-pub(super) fn light_sample(light: Illumination, point: &SurfacePoint) -> Option<LightSample> {
-    let may_reach = point.is_faced_by(light.direction) && light.radiance != Vec3::ZERO;
-    may_reach.then(|| LightSample {
-        light,
-        shadow: ShadowRay {
-            ray: Ray::leaving(point.position, point.geometric_normal, light.direction),
-            t_max: light.distance,
-            ignored: None,
-        },
-    })
-}
+pub(super) struct Standard;
 
-pub(super) fn shade(
-    material: &Material,
-    ambient: Vec3,
-    ray: &Ray,
-    point: &SurfacePoint,
-    lights: impl Iterator<Item = Illumination>,
-) -> Shaded {
-    let mut color = material.ambient * ambient * point.color;
-    for light in lights {
-        let Reflected { diffuse, highlight } =
-            reflected(material, point.color, point.normal, &light, -ray.direction);
-        color += (diffuse + highlight) * light.radiance;
+impl Model for Standard {
+    const IGNORES_OWN_OBJECT: bool = false;
+    const NEEDS_LIGHT: bool = false;
+
+    /// Not from behind the surface, and not from a light that is off.
+    #[inline(always)]
+    fn may_arrive<R: Real>(point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
+        let Vector { x, y, z } = light.radiance;
+        let zero = x.splat(0.0);
+        let is_off = x.equals(zero) & y.equals(zero) & z.equals(zero);
+        point.is_faced_by(light.direction) & !is_off
     }
-    let reflected = (material.reflection > 0.0).then(|| {
-        let direction = point.mirrored(ray.direction);
-        Ray::leaving(point.position, point.geometric_normal, direction)
-    });
-    Shaded { color, reflected }
+
+    #[inline(always)]
+    fn origin<R: Real>(point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
+        leaving(point.position, point.geometric_normal, direction)
+    }
+
+    #[inline(always)]
+    fn end<R: Real>(light: &Illumination<R>) -> R {
+        light.distance
+    }
+
+    #[inline(always)]
+    fn to_viewer<R: Real>(_: &ShadingPoint<R>, _: Vector<R>, direction: Vector<R>) -> Vector<R> {
+        -direction
+    }
+
+    #[inline(always)]
+    fn ambient<R: Real>(material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R> {
+        Vector::splat(color.x, material.ambient * ambient).times(color)
+    }
+
+    #[inline(always)]
+    fn reflected<R: Real>(
+        material: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+        to_viewer: Vector<R>,
+    ) -> Vector<R> {
+        let Reflected { diffuse, highlight } =
+            reflected(material, point.color, point.normal, light, to_viewer);
+        diffuse.plus(highlight).times(light.radiance)
+    }
 }

@@ -2,10 +2,11 @@
 #![expect(unsafe_code, reason = "intrinsics, proved by `Avx2::detect`")]
 
 use std::arch::x86_64::*;
-use std::ops::BitAnd;
+use std::ops::{BitAnd, BitOr, Not};
 
-use super::lanes::{Mask, SimdKernel};
-use super::x86::Registers;
+use super::lanes::SimdKernel;
+use super::real::Mask;
+use super::registers::Registers;
 
 /// Proof that the CPU has AVX2, and the bit instructions that come with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +53,24 @@ impl BitAnd for WideMask {
     fn bitand(self, other: Self) -> Self {
         // SAFETY: `self` proves AVX2.
         Self(unsafe { _mm256_and_ps(self.0, other.0) })
+    }
+}
+
+impl BitOr for WideMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        // SAFETY: `self` proves AVX2.
+        Self(unsafe { _mm256_or_ps(self.0, other.0) })
+    }
+}
+
+impl Not for WideMask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: `self` proves AVX2.
+        Self(unsafe { _mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1))) })
     }
 }
 

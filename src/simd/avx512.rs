@@ -2,11 +2,12 @@
 #![expect(unsafe_code, reason = "intrinsics, proved by `Avx512::detect`")]
 
 use std::arch::x86_64::*;
-use std::ops::BitAnd;
+use std::ops::{BitAnd, BitOr, Not};
 
 use super::avx2::Avx2;
-use super::lanes::{Mask, SimdKernel};
-use super::x86::Registers;
+use super::lanes::SimdKernel;
+use super::real::Mask;
+use super::registers::Registers;
 
 /// Proof that the CPU has AVX2, AVX-512F and AVX-512VL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,22 @@ impl BitAnd for MaskRegister {
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
         Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for MaskRegister {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for MaskRegister {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
     }
 }
 

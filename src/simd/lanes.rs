@@ -1,6 +1,9 @@
 //! What an instruction set gives to kernels: eight lanes, and masks of them.
 
-use std::ops::{Add, BitAnd, Div, Mul, Sub};
+use glam::Vec3;
+
+use super::real::Real;
+use super::vector::Vector;
 
 /// Number of lanes.
 pub(crate) const N_LANES: usize = 8;
@@ -21,8 +24,22 @@ pub(crate) trait InstructionSet: Copy {
     type Lanes: Lanes;
     /// The same number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
+    /// The same vector in all lanes.
+    #[inline(always)]
+    fn splat_vector(self, v: Vec3) -> Vector<Self::Lanes> {
+        Vector::splat(self.splat(0.0), v)
+    }
     /// One number per lane.
     fn load(self, values: &[f32; N_LANES]) -> Self::Lanes;
+    /// One vector per lane, with these coordinates x, y and z.
+    #[inline(always)]
+    fn load_vector(self, [x, y, z]: &[[f32; N_LANES]; 3]) -> Vector<Self::Lanes> {
+        Vector {
+            x: self.load(x),
+            y: self.load(y),
+            z: self.load(z),
+        }
+    }
     /// One bit pattern per lane: to be permuted, not to be computed with.
     fn load_bits(self, bits: &[u32; N_LANES]) -> Self::Lanes;
     /// The same bit pattern in all lanes.
@@ -34,37 +51,12 @@ pub(crate) trait InstructionSet: Copy {
     fn prefetch<T>(self, address: *const T);
 }
 
-/// Eight numbers. Comparisons with NaN are false.
-pub(crate) trait Lanes:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
-    /// One boolean per lane.
-    type Mask: Mask;
-
+/// Eight numbers.
+pub(crate) trait Lanes: Real {
     /// The numbers, lane by lane.
     fn to_array(self) -> [f32; N_LANES];
-    /// `self` where it is less than `other`, else `other`.
-    fn min(self, other: Self) -> Self;
-    /// `self` where it is greater than `other`, else `other`.
-    fn max(self, other: Self) -> Self;
-    /// The square roots.
-    fn sqrt(self) -> Self;
-    /// Flips the sign where the sign bit of `other` is set.
-    fn flip_sign_by(self, other: Self) -> Self;
-    /// The magnitudes.
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.flip_sign_by(self)
-    }
     /// The sign bits: bit `i` for lane `i`.
     fn signs(self) -> u8;
-    /// `self < other`.
-    fn lt(self, other: Self) -> Self::Mask;
-    /// `self <= other`.
-    fn le(self, other: Self) -> Self::Mask;
-    /// `this` where `mask` is true, else `other`.
-    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
-
     /// The bit patterns, lane by lane.
     fn to_bits(self) -> [u32; N_LANES];
     /// Lane `i` of the result is lane `(order[i] >> shift[i]) % 8`; the shifts
@@ -73,10 +65,4 @@ pub(crate) trait Lanes:
     /// Moves the lanes of `mask` to the front, in their order. The lanes behind
     /// them have no meaning.
     fn compress(self, mask: Self::Mask) -> Self;
-}
-
-/// One boolean per lane.
-pub(crate) trait Mask: Copy + BitAnd<Output = Self> {
-    /// Bit `i` for lane `i`.
-    fn bits(self) -> u8;
 }

@@ -9,12 +9,17 @@
 //! set is a proof of that detection, lanes carry it along, and the unsafe code
 //! of this folder rests on it.
 
+mod real;
 mod lanes;
 mod portable;
 mod vector;
 mod sum;
 #[cfg(target_arch = "x86_64")]
+mod registers;
+#[cfg(target_arch = "x86_64")]
 mod x86;
+#[cfg(target_arch = "x86_64")]
+mod x86_wide;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -26,9 +31,10 @@ use std::fmt;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
-pub(crate) use lanes::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
+pub(crate) use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
-pub(crate) use vector::Vec3Lanes;
+pub use real::{Double, Integer, Mask, Real};
+pub use vector::Vector;
 
 /// An instruction set that the CPU has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,10 @@
 //! Lanes as plain arrays, which the compiler vectorizes for the target: SSE2,
 //! NEON.
 
-use std::ops::{Add, BitAnd, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::lanes::{InstructionSet, Lanes, Mask, N_LANES};
+use super::lanes::{InstructionSet, Lanes, N_LANES};
+use super::real::{Double, Integer, Mask, Real};
 
 /// The set that needs no instructions beyond the target's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +69,22 @@ impl BitAnd for BitMask {
     }
 }
 
+impl BitOr for BitMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for BitMask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
 impl F32x8 {
     #[inline(always)]
     fn zip(mut self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
@@ -88,22 +105,24 @@ impl F32x8 {
     }
 }
 
-impl Lanes for F32x8 {
+impl Real for F32x8 {
     type Mask = BitMask;
+    type Integer = U32x8;
+    type Double = F64x8;
 
     #[inline(always)]
-    fn to_array(self) -> [f32; N_LANES] {
-        self.0
+    fn splat(self, value: f32) -> Self {
+        Self([value; N_LANES])
     }
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
+        self.zip(other, Real::min)
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+        self.zip(other, Real::max)
     }
 
     #[inline(always)]
@@ -113,23 +132,27 @@ impl Lanes for F32x8 {
 
     #[inline(always)]
     fn flip_sign_by(self, other: Self) -> Self {
-        let sign = |x: f32| x.to_bits() & (1 << 31);
-        self.zip(other, |a, b| f32::from_bits(a.to_bits() ^ sign(b)))
+        self.zip(other, Real::flip_sign_by)
     }
 
     #[inline(always)]
-    fn signs(self) -> u8 {
-        self.compare(self, |a, _| a.is_sign_negative()).0
+    fn floor(self) -> Self {
+        self.zip(self, |a, _| Real::floor(a))
+    }
+
+    #[inline(always)]
+    fn trunc(self) -> Self {
+        self.zip(self, |a, _| Real::trunc(a))
     }
 
     #[inline(always)]
     fn lt(self, other: Self) -> BitMask {
-        self.compare(other, f32::lt)
+        self.compare(other, PartialOrd::lt)
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> BitMask {
-        self.compare(other, f32::le)
+        self.compare(other, PartialOrd::le)
     }
 
     #[inline(always)]
@@ -141,6 +164,64 @@ impl Lanes for F32x8 {
             }
         }
         selected
+    }
+
+    #[inline(always)]
+    fn to_integer_bits(self) -> U32x8 {
+        U32x8(bytemuck::cast(self.0))
+    }
+
+    #[inline(always)]
+    fn to_integer(self) -> U32x8 {
+        let mut integers = [0; N_LANES];
+        for (integer, number) in integers.iter_mut().zip(self.0) {
+            *integer = Real::to_integer(number);
+        }
+        U32x8(integers)
+    }
+
+    #[inline(always)]
+    fn to_double(self) -> F64x8 {
+        let mut doubles = [0.0; N_LANES];
+        for (double, number) in doubles.iter_mut().zip(self.0) {
+            *double = number.into();
+        }
+        F64x8(doubles)
+    }
+
+    #[inline(always)]
+    fn from_integer(integers: U32x8) -> Self {
+        let mut numbers = [0.0; N_LANES];
+        for (number, integer) in numbers.iter_mut().zip(integers.0) {
+            *number = Real::from_integer(integer);
+        }
+        Self(numbers)
+    }
+
+    #[inline(always)]
+    fn from_integer_bits(bits: U32x8) -> Self {
+        Self(bytemuck::cast(bits.0))
+    }
+
+    #[inline(always)]
+    fn from_double(doubles: F64x8) -> Self {
+        let mut numbers = [0.0; N_LANES];
+        for (number, double) in numbers.iter_mut().zip(doubles.0) {
+            *number = double as f32;
+        }
+        Self(numbers)
+    }
+}
+
+impl Lanes for F32x8 {
+    #[inline(always)]
+    fn to_array(self) -> [f32; N_LANES] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u8 {
+        self.compare(self, |a, _| a.is_sign_negative()).0
     }
 
     #[inline(always)]
@@ -166,6 +247,90 @@ impl Lanes for F32x8 {
             bits &= bits.wrapping_sub(1);
         }
         kept
+    }
+}
+
+/// Eight integers.
+#[derive(Clone, Copy)]
+pub(crate) struct U32x8([u32; N_LANES]);
+
+impl U32x8 {
+    #[inline(always)]
+    fn zip(mut self, other: Self, op: impl Fn(u32, u32) -> u32) -> Self {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a = op(*a, b);
+        }
+        self
+    }
+}
+
+impl Integer for U32x8 {
+    #[inline(always)]
+    fn splat(self, value: u32) -> Self {
+        Self([value; N_LANES])
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self.zip(other, u32::wrapping_add)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self.zip(other, u32::wrapping_mul)
+    }
+
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        self.zip(other, |a, b| a ^ b)
+    }
+
+    #[inline(always)]
+    fn shift_right<const N: i32>(self) -> Self {
+        self.zip(self, |a, _| a >> N)
+    }
+}
+
+/// Eight numbers in double precision.
+#[derive(Clone, Copy)]
+pub(crate) struct F64x8([f64; N_LANES]);
+
+impl Double for F64x8 {
+    #[inline(always)]
+    fn splat(self, value: f64) -> Self {
+        Self([value; N_LANES])
+    }
+
+    #[inline(always)]
+    fn zero_below(self, limit: f64) -> Self {
+        self.map(|double| double.zero_below(limit))
+    }
+
+    #[inline(always)]
+    fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
+        for double in &mut self.0 {
+            *double = f(*double);
+        }
+        self
+    }
+}
+
+impl Mul for F64x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(mut self, other: Self) -> Self {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a *= b;
+        }
+        self
+    }
+}
+
+impl Neg for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.zip(self, |a, _| -a)
     }
 }
 

@@ -8,24 +8,12 @@
 )]
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::{InstructionSet, Lanes, Mask, N_LANES};
-
-/// A set that has AVX2 at least. A value of it proves that the CPU has the
-/// instructions: only `detect` makes one. So each method takes `self`.
-pub(crate) trait Registers: Copy {
-    /// One boolean per lane.
-    type Mask: Mask;
-    /// `a < b`, `false` if one is NaN.
-    fn lt(self, a: __m256, b: __m256) -> Self::Mask;
-    /// `a <= b`, `false` if one is NaN.
-    fn le(self, a: __m256, b: __m256) -> Self::Mask;
-    /// `this` where `mask` is true, else `other`.
-    fn select(self, mask: Self::Mask, this: __m256, other: __m256) -> __m256;
-    /// The lanes of `mask` first.
-    fn compress(self, mask: Self::Mask, lanes: __m256) -> __m256;
-}
+use super::lanes::{InstructionSet, Lanes, N_LANES};
+use super::real::Real;
+use super::registers::Registers;
+use super::x86_wide::{YmmDoubles, YmmIntegers};
 
 /// Eight numbers in a register, and the set that made them as the proof that
 /// the CPU has such registers.
@@ -106,13 +94,22 @@ binary!(Sub: sub, _mm256_sub_ps);
 binary!(Mul: mul, _mm256_mul_ps);
 binary!(Div: div, _mm256_div_ps);
 
-impl<R: Registers> Lanes for Ymm<R> {
+impl<R: Registers> Neg for Ymm<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.flip_sign_by(self.splat(-0.0))
+    }
+}
+
+impl<R: Registers> Real for Ymm<R> {
     type Mask = R::Mask;
+    type Integer = YmmIntegers<R>;
+    type Double = YmmDoubles<R>;
 
     #[inline(always)]
-    fn to_array(self) -> [f32; N_LANES] {
-        // SAFETY: both are eight times 32 bits.
-        unsafe { std::mem::transmute(self.0) }
+    fn splat(self, value: f32) -> Self {
+        InstructionSet::splat(self.1, value)
     }
 
     binary!(min, _mm256_min_ps);
@@ -135,9 +132,16 @@ impl<R: Registers> Lanes for Ymm<R> {
     }
 
     #[inline(always)]
-    fn signs(self) -> u8 {
+    fn floor(self) -> Self {
         // SAFETY: the set in `self` proves AVX2.
-        unsafe { _mm256_movemask_ps(self.0) as u8 }
+        Self(unsafe { _mm256_floor_ps(self.0) }, self.1)
+    }
+
+    #[inline(always)]
+    fn trunc(self) -> Self {
+        const TOWARD_ZERO: i32 = _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC;
+        // SAFETY: the set in `self` proves AVX2.
+        Self(unsafe { _mm256_round_ps::<TOWARD_ZERO>(self.0) }, self.1)
     }
 
     #[inline(always)]
@@ -153,6 +157,63 @@ impl<R: Registers> Lanes for Ymm<R> {
     #[inline(always)]
     fn select(mask: R::Mask, this: Self, other: Self) -> Self {
         Self(this.1.select(mask, this.0, other.0), this.1)
+    }
+
+    #[inline(always)]
+    fn to_integer_bits(self) -> YmmIntegers<R> {
+        // SAFETY: the set in `self` proves AVX2.
+        YmmIntegers(unsafe { _mm256_castps_si256(self.0) }, self.1)
+    }
+
+    #[inline(always)]
+    fn to_integer(self) -> YmmIntegers<R> {
+        // SAFETY: the set in `self` proves AVX2.
+        YmmIntegers(unsafe { _mm256_cvttps_epi32(self.0) }, self.1)
+    }
+
+    #[inline(always)]
+    fn to_double(self) -> YmmDoubles<R> {
+        // SAFETY: the set in `self` proves AVX2.
+        let halves = unsafe {
+            [
+                _mm256_cvtps_pd(_mm256_castps256_ps128(self.0)),
+                _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(self.0)),
+            ]
+        };
+        YmmDoubles(halves, self.1)
+    }
+
+    #[inline(always)]
+    fn from_integer(integers: YmmIntegers<R>) -> Self {
+        // SAFETY: the set in `integers` proves AVX2.
+        Self(unsafe { _mm256_cvtepi32_ps(integers.0) }, integers.1)
+    }
+
+    #[inline(always)]
+    fn from_integer_bits(bits: YmmIntegers<R>) -> Self {
+        // SAFETY: the set in `bits` proves AVX2.
+        Self(unsafe { _mm256_castsi256_ps(bits.0) }, bits.1)
+    }
+
+    #[inline(always)]
+    fn from_double(YmmDoubles([low, high], set): YmmDoubles<R>) -> Self {
+        // SAFETY: `set` proves AVX2.
+        let lanes = unsafe { _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low)) };
+        Self(lanes, set)
+    }
+}
+
+impl<R: Registers> Lanes for Ymm<R> {
+    #[inline(always)]
+    fn to_array(self) -> [f32; N_LANES] {
+        // SAFETY: both are eight times 32 bits.
+        unsafe { std::mem::transmute(self.0) }
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u8 {
+        // SAFETY: the set in `self` proves AVX2.
+        unsafe { _mm256_movemask_ps(self.0) as u8 }
     }
 
     #[inline(always)]

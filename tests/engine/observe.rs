@@ -110,8 +110,8 @@ fn shadow_rays_point_to_their_lights() {
     observed(&config, |tree, _, _| {
         for ray in &tree.rays {
             if let Some(light) = ray.light {
-                let light = config.lights[light as usize].illuminate(ray.ray.origin);
-                assert!(light.direction.abs_diff_eq(ray.ray.direction, 1e-3));
+                let light = config.lights[light as usize].illuminate(ray.ray.origin.into());
+                assert!(Vec3::from(light.direction).abs_diff_eq(ray.ray.direction, 1e-3));
             }
         }
     });
@@ -133,7 +133,7 @@ objects:
 ",
     );
     let light = &config.lights[0];
-    assert!(light.illuminate(Vec3::ZERO).radiance.x.is_nan());
+    assert!(light.illuminate(Vec3::ZERO.into()).radiance.x.is_nan());
     let scene = scene_of(&config);
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let mut tree = RayTree::default();

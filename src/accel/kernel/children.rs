@@ -3,7 +3,7 @@
 use super::stack::Stack;
 use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
 
 /// Pushes the children that the ray enters before it leaves them, the first one
 /// to visit on top. Has no branch that depends on the ray.

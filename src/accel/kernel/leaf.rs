@@ -11,7 +11,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::{LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
 use crate::geometry::{Ray, Shear};
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
 /// What the tests of a ray against all leaves share.
 pub(super) struct LeafIntersector<I: InstructionSet> {
@@ -23,7 +23,7 @@ pub(super) struct LeafIntersector<I: InstructionSet> {
     inverse_a: f32,
     shear: Shear,
     /// The origin, its axes permuted as in the shear.
-    permuted_origin: Vec3Lanes<I::Lanes>,
+    permuted_origin: Vector<I::Lanes>,
     slopes: [I::Lanes; 2],
 }
 
@@ -45,7 +45,7 @@ impl<I: InstructionSet> LeafIntersector<I> {
             a,
             inverse_a: a.recip(),
             shear,
-            permuted_origin: Vec3Lanes::splat(set, shear.permute(ray.origin).into()),
+            permuted_origin: set.splat_vector(shear.permute(ray.origin).into()),
             slopes: [set.splat(slope_x), set.splat(slope_y)],
         }
     }
@@ -106,12 +106,12 @@ impl<I: InstructionSet> LeafIntersector<I> {
 
     /// The points of three rows in the space of the [`Shear`].
     #[inline(always)]
-    fn sheared(&self, leaf: Leaf, first: usize) -> Vec3Lanes<I::Lanes> {
+    fn sheared(&self, leaf: Leaf, first: usize) -> Vector<I::Lanes> {
         let [x, y, z] = self.shear.axes;
         let x = self.row(leaf, first + x) - self.permuted_origin.x;
         let y = self.row(leaf, first + y) - self.permuted_origin.y;
         let z = self.row(leaf, first + z) - self.permuted_origin.z;
-        Vec3Lanes {
+        Vector {
             x: x - self.slopes[0] * z,
             y: y - self.slopes[1] * z,
             z,
@@ -123,8 +123,8 @@ impl<I: InstructionSet> LeafIntersector<I> {
     fn spheres<S: Search>(&self, leaf: Leaf, search: &mut S) {
         let zero = self.set.splat(0.0);
         let (center, r2) = (self.vectors(leaf, 0), self.row(leaf, 3));
-        let d = Vec3Lanes::splat(self.set, self.direction);
-        let c = center - Vec3Lanes::splat(self.set, self.origin);
+        let d = self.set.splat_vector(self.direction);
+        let c = center - self.set.splat_vector(self.origin);
         let (a, inverse_a) = (self.set.splat(self.a), self.set.splat(self.inverse_a));
         let b = c.dot(d);
         let nearest = c - d * (b * inverse_a);
@@ -144,8 +144,8 @@ impl<I: InstructionSet> LeafIntersector<I> {
 
     /// The vectors of three rows.
     #[inline(always)]
-    fn vectors(&self, leaf: Leaf, first: usize) -> Vec3Lanes<I::Lanes> {
-        Vec3Lanes {
+    fn vectors(&self, leaf: Leaf, first: usize) -> Vector<I::Lanes> {
+        Vector {
             x: self.row(leaf, first),
             y: self.row(leaf, first + 1),
             z: self.row(leaf, first + 2),

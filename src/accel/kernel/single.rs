@@ -10,7 +10,7 @@ use crate::accel::layout::{NodeRef, WideNode};
 use crate::accel::search::Search;
 use crate::cost::Probe;
 use crate::geometry::Ray;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
+use crate::simd::{InstructionSet, Mask, N_LANES, Real, SimdKernel};
 
 /// One ray's traversal of an arena, which is not empty.
 pub(in crate::accel) struct SingleTraversal<'a, S, P> {

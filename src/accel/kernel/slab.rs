@@ -2,7 +2,7 @@
 
 use crate::accel::layout::WideNode;
 use crate::geometry::Ray;
-use crate::simd::{InstructionSet, Lanes};
+use crate::simd::{InstructionSet, Real};
 
 /// Least magnitude of a direction's component: smaller ones are replaced by it,
 /// so that reciprocals are finite and no product is NaN. Where the replacement
@@ -116,7 +116,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::simd::{Lanes, Mask, Simd, SimdKernel};
+    use crate::simd::{Lanes, Mask, Real, Simd, SimdKernel};
 
     /// Tests a ray against a node whose only child is the unit cube.
     struct EnterCube {

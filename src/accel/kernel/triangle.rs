@@ -1,7 +1,7 @@
 //! The test of eight pairs of a ray and a triangle at once.
 
 use crate::geometry::shear::{MAX_AREA, MAX_SPREAD, MIN_AREA};
-use crate::simd::{InstructionSet, Lanes, Mask, Vec3Lanes};
+use crate::simd::{InstructionSet, Mask, Real, Vector};
 
 /// What [`Shear::intersect`](crate::geometry::Shear::intersect) finds in each lane, to
 /// the bit.
@@ -20,7 +20,7 @@ pub(super) struct TriangleHits<L> {
 #[inline(always)]
 pub(super) fn intersect<I: InstructionSet>(
     set: I,
-    [a, b, c]: &[Vec3Lanes<I::Lanes>; 3],
+    [a, b, c]: &[Vector<I::Lanes>; 3],
     scale: I::Lanes,
     active: u8,
 ) -> TriangleHits<I::Lanes> {

@@ -8,7 +8,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::kernel::triangle;
 use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::geometry::Shear;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Vec3Lanes};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests triangles. Calls `found` for each hit, with the ray, the parameter and
@@ -89,7 +89,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         leaf: Leaf,
         first: usize,
         i: usize,
-    ) -> Vec3Lanes<I::Lanes> {
+    ) -> Vector<I::Lanes> {
         let set = self.set;
         let origin = &self.soa.origins[half];
         let [slope_x, slope_y] = &self.halves[half].slopes;
@@ -98,7 +98,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         let in_x = set.splat(leaf.row(first + x)[i]) - set.load(&origin[x]);
         let in_y = set.splat(leaf.row(first + y)[i]) - set.load(&origin[y]);
         let in_z = set.splat(leaf.row(first + z)[i]) - set.load(&origin[z]);
-        Vec3Lanes {
+        Vector {
             x: in_x - set.load(slope_x) * in_z,
             y: in_y - set.load(slope_y) * in_z,
             z: in_z,
@@ -112,7 +112,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         let zero = set.splat(0.0);
         for i in 0..leaf.len() {
             let lane = i % N_LANES;
-            let center = Vec3Lanes {
+            let center = Vector {
                 x: set.splat(leaf.row(0)[lane]),
                 y: set.splat(leaf.row(1)[lane]),
                 z: set.splat(leaf.row(2)[lane]),
@@ -123,8 +123,8 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                     continue;
                 }
                 let n = n % N_HALVES;
-                let d = Vec3Lanes::load(set, &self.soa.directions[n]);
-                let c = center - Vec3Lanes::load(set, &self.soa.origins[n]);
+                let d = set.load_vector(&self.soa.directions[n]);
+                let c = center - set.load_vector(&self.soa.origins[n]);
                 let a = d.dot(d);
                 let inverse_a = set.splat(1.0) / a;
                 let b = c.dot(d);

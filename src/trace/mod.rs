@@ -1,67 +1,20 @@
 //! Ray → the surface point that it hits.
 
-use glam::Vec3;
+mod surface_point;
 
 use crate::accel::{Accel, Hit, ShadowRay, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use crate::geometry::Ray;
-use crate::scene::{MaterialId, ObjectId, Scene};
+use crate::scene::Scene;
+use crate::simd::Vector;
+pub use surface_point::{ShadingPoint, SurfacePoint};
+use surface_point::{on_side_of, side};
 
 /// Traces rays through a scene and reports their counters to a probe.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracer<'a> {
     scene: &'a Scene,
     accel: &'a Accel<'a>,
-}
-
-/// A point of a surface that a ray has hit, in world space.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
-    /// The point, projected onto the surface to remove the rounding error.
-    pub position: Vec3,
-    /// The shading normal, a unit vector on the same side as the geometric one.
-    pub normal: Vec3,
-    /// The geometric normal, a unit vector on the side from which the ray came: it
-    /// distinguishes the sides of the surface.
-    pub geometric_normal: Vec3,
-    /// The color of the surface there.
-    pub color: Vec3,
-    /// Distance along the ray, greater than 0.
-    pub distance: f32,
-    /// The object that was hit.
-    pub object: ObjectId,
-    /// Its material.
-    pub material: MaterialId,
-    /// Whether both normals are opposite to the surface's own, because the ray came
-    /// from its other side.
-    pub is_flipped: bool,
-}
-
-impl SurfacePoint {
-    /// The surface's own normal for one of the point's normals, whichever side the
-    /// ray came from.
-    pub fn outward(&self, normal: Vec3) -> Vec3 {
-        if self.is_flipped { -normal } else { normal }
-    }
-
-    /// Whether a direction points away from the visible side of the surface, by
-    /// both normals.
-    pub fn is_faced_by(&self, direction: Vec3) -> bool {
-        self.normal.dot(direction) > 0.0 && self.geometric_normal.dot(direction) > 0.0
-    }
-
-    /// The mirror direction of an incoming direction, a unit vector: by the shading
-    /// normal, or by the geometric one if the former would point into the
-    /// surface.
-    pub fn mirrored(&self, direction: Vec3) -> Vec3 {
-        let by = |normal| direction.reflect(normal).normalize();
-        let mirrored = by(self.normal);
-        if mirrored.dot(self.geometric_normal) > 0.0 {
-            mirrored
-        } else {
-            by(self.geometric_normal)
-        }
-    }
 }
 
 impl<'a> Tracer<'a> {
@@ -124,22 +77,21 @@ impl<'a> Tracer<'a> {
     pub fn surface_point(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
-        let is_flipped = outward.dot(ray.direction) > 0.0;
-        let geometric_normal = if is_flipped { -outward } else { outward };
-        let normal = match self.scene.shading_normal(hit.primitive, position) {
-            None => geometric_normal,
-            Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
-            Some(normal) => normal,
-        };
+        let outward = Vector::from(outward);
+        let side = side(outward, ray.direction.into());
+        let geometric_normal = outward.flip_sign_by(side);
+        let normal = self
+            .scene
+            .shading_normal(hit.primitive, position, geometric_normal);
         SurfacePoint {
             position,
-            normal,
-            geometric_normal,
+            normal: on_side_of(geometric_normal, normal).into(),
+            geometric_normal: geometric_normal.into(),
             color: self.scene.color(hit.primitive, position),
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,
-            is_flipped,
+            is_flipped: side < 0.0,
         }
     }
 }

@@ -1,0 +1,242 @@
+//! Numbers in formulas: one, or one in each lane.
+//!
+//! A formula that is generic over [`Real`] is written once. With `f32` it computes
+//! for one ray or point, with lanes for eight, and the results agree to the last
+//! bit: each operation is rounded as IEEE 754 says, and none is fused.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// A number, or eight. Comparisons with NaN are false.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// One boolean per number.
+    type Mask: Mask;
+    /// One integer per number.
+    type Integer: Integer;
+    /// The numbers in double precision.
+    type Double: Double;
+
+    /// The same number as often as `self` has numbers.
+    fn splat(self, value: f32) -> Self;
+    /// `self` where it is less than `other`, else `other`.
+    fn min(self, other: Self) -> Self;
+    /// `self` where it is greater than `other`, else `other`.
+    fn max(self, other: Self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// Flips the sign where the sign bit of `other` is set.
+    fn flip_sign_by(self, other: Self) -> Self;
+    /// The magnitude.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.flip_sign_by(self)
+    }
+    /// The integer next to it toward negative infinity.
+    fn floor(self) -> Self;
+    /// The integer next to it toward zero.
+    fn trunc(self) -> Self;
+    /// `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self == other`.
+    #[inline(always)]
+    fn equals(self, other: Self) -> Self::Mask {
+        self.le(other) & other.le(self)
+    }
+    /// `this` where `mask` is true, else `other`.
+    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
+    /// The bit pattern.
+    fn to_integer_bits(self) -> Self::Integer;
+    /// The integer part, which fits into 32 bits.
+    fn to_integer(self) -> Self::Integer;
+    /// The number in double precision.
+    fn to_double(self) -> Self::Double;
+    /// The nearest number; the integer is less than 2^31.
+    fn from_integer(integer: Self::Integer) -> Self;
+    /// The number with this bit pattern.
+    fn from_integer_bits(bits: Self::Integer) -> Self;
+    /// The nearest number.
+    fn from_double(double: Self::Double) -> Self;
+}
+
+/// One boolean per number.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// Bit `i` for lane `i`.
+    fn bits(self) -> u8;
+}
+
+/// Integers modulo 2^32.
+pub trait Integer: Copy {
+    /// The same integer as often as `self` has integers.
+    fn splat(self, value: u32) -> Self;
+    /// The sum.
+    fn plus(self, other: Self) -> Self;
+    /// The lower half of the product.
+    fn times(self, other: Self) -> Self;
+    /// The bits in which both differ.
+    fn xor(self, other: Self) -> Self;
+    /// The integer without its lowest `N` bits.
+    fn shift_right<const N: i32>(self) -> Self;
+}
+
+/// Numbers in double precision.
+pub trait Double: Copy + Mul<Output = Self> {
+    /// The same number as often as `self` has numbers.
+    fn splat(self, value: f64) -> Self;
+    /// 0 where it is less than `limit`.
+    fn zero_below(self, limit: f64) -> Self;
+    /// Another number for each; computed one by one.
+    fn map(self, f: impl Fn(f64) -> f64) -> Self;
+}
+
+impl Real for f32 {
+    type Mask = bool;
+    type Integer = u32;
+    type Double = f64;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> f32 {
+        value
+    }
+
+    #[inline(always)]
+    fn min(self, other: f32) -> f32 {
+        if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn max(self, other: f32) -> f32 {
+        if self > other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> f32 {
+        f32::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn flip_sign_by(self, other: f32) -> f32 {
+        f32::from_bits(self.to_bits() ^ (other.to_bits() & (1 << 31)))
+    }
+
+    #[inline(always)]
+    fn floor(self) -> f32 {
+        let whole = Real::trunc(self);
+        if whole > self { whole - 1.0 } else { whole }
+    }
+
+    /// `f32::trunc` is a function call on x86-64 without SSE 4.1.
+    #[inline(always)]
+    fn trunc(self) -> f32 {
+        // From 2^23 on all numbers are whole. NaN stays NaN.
+        let is_small = self.abs() < (1 << 23) as f32;
+        if is_small {
+            (self as i32 as f32).copysign(self)
+        } else {
+            self
+        }
+    }
+
+    #[inline(always)]
+    fn lt(self, other: f32) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn le(self, other: f32) -> bool {
+        self <= other
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, this: f32, other: f32) -> f32 {
+        if mask { this } else { other }
+    }
+
+    #[inline(always)]
+    fn to_integer_bits(self) -> u32 {
+        self.to_bits()
+    }
+
+    #[inline(always)]
+    fn to_integer(self) -> u32 {
+        self as i32 as u32
+    }
+
+    #[inline(always)]
+    fn to_double(self) -> f64 {
+        self.into()
+    }
+
+    #[inline(always)]
+    fn from_integer(integer: u32) -> f32 {
+        integer as i32 as f32
+    }
+
+    #[inline(always)]
+    fn from_integer_bits(bits: u32) -> f32 {
+        f32::from_bits(bits)
+    }
+
+    #[inline(always)]
+    fn from_double(double: f64) -> f32 {
+        double as f32
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        self.into()
+    }
+}
+
+impl Integer for u32 {
+    #[inline(always)]
+    fn splat(self, value: u32) -> u32 {
+        value
+    }
+
+    #[inline(always)]
+    fn plus(self, other: u32) -> u32 {
+        self.wrapping_add(other)
+    }
+
+    #[inline(always)]
+    fn times(self, other: u32) -> u32 {
+        self.wrapping_mul(other)
+    }
+
+    #[inline(always)]
+    fn xor(self, other: u32) -> u32 {
+        self ^ other
+    }
+
+    #[inline(always)]
+    fn shift_right<const N: i32>(self) -> u32 {
+        self >> N
+    }
+}
+
+impl Double for f64 {
+    #[inline(always)]
+    fn splat(self, value: f64) -> f64 {
+        value
+    }
+
+    #[inline(always)]
+    fn zero_below(self, limit: f64) -> f64 {
+        if self < limit { 0.0 } else { self }
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> f64 {
+        f(self)
+    }
+}

@@ -1,0 +1,20 @@
+//! What AVX2 and AVX-512 do differently in 256-bit registers.
+
+use std::arch::x86_64::__m256;
+
+use super::real::Mask;
+
+/// A set that has AVX2 at least. A value of it proves that the CPU has the
+/// instructions: only `detect` makes one. So each method takes `self`.
+pub(crate) trait Registers: Copy {
+    /// One boolean per lane.
+    type Mask: Mask;
+    /// `a < b`, `false` if one is NaN.
+    fn lt(self, a: __m256, b: __m256) -> Self::Mask;
+    /// `a <= b`, `false` if one is NaN.
+    fn le(self, a: __m256, b: __m256) -> Self::Mask;
+    /// `this` where `mask` is true, else `other`.
+    fn select(self, mask: Self::Mask, this: __m256, other: __m256) -> __m256;
+    /// The lanes of `mask` first.
+    fn compress(self, mask: Self::Mask, lanes: __m256) -> __m256;
+}

@@ -1,0 +1,113 @@
+//! Points of surfaces that rays have hit.
+
+use glam::Vec3;
+
+use crate::scene::{MaterialId, ObjectId};
+use crate::simd::{Real, Vector};
+
+/// A point of a surface that a ray has hit, in world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// The point, projected onto the surface to remove the rounding error.
+    pub position: Vec3,
+    /// The shading normal, a unit vector on the same side as the geometric one.
+    pub normal: Vec3,
+    /// The geometric normal, a unit vector on the side from which the ray came: it
+    /// distinguishes the sides of the surface.
+    pub geometric_normal: Vec3,
+    /// The color of the surface there.
+    pub color: Vec3,
+    /// Distance along the ray, greater than 0.
+    pub distance: f32,
+    /// The object that was hit.
+    pub object: ObjectId,
+    /// Its material.
+    pub material: MaterialId,
+    /// Whether both normals are opposite to the surface's own, because the ray came
+    /// from its other side.
+    pub is_flipped: bool,
+}
+
+/// What shading reads of a surface point, or of one per lane.
+#[derive(Debug, Clone, Copy)]
+pub struct ShadingPoint<R> {
+    /// The point, on the surface.
+    pub position: Vector<R>,
+    /// The shading normal.
+    pub normal: Vector<R>,
+    /// The geometric normal.
+    pub geometric_normal: Vector<R>,
+    /// The color of the surface.
+    pub color: Vector<R>,
+    /// -1 where both normals are opposite to the surface's own, else 1.
+    pub side: R,
+}
+
+impl SurfacePoint {
+    /// What shading reads of it.
+    #[inline(always)]
+    pub fn shading(&self) -> ShadingPoint<f32> {
+        ShadingPoint {
+            position: self.position.into(),
+            normal: self.normal.into(),
+            geometric_normal: self.geometric_normal.into(),
+            color: self.color.into(),
+            side: if self.is_flipped { -1.0 } else { 1.0 },
+        }
+    }
+
+    /// [`ShadingPoint::is_faced_by`].
+    pub fn is_faced_by(&self, direction: Vec3) -> bool {
+        self.shading().is_faced_by(direction.into())
+    }
+
+    /// [`ShadingPoint::mirrored`].
+    pub fn mirrored(&self, direction: Vec3) -> Vec3 {
+        self.shading().mirrored(direction.into()).into()
+    }
+}
+
+impl<R: Real> ShadingPoint<R> {
+    /// The surface's own normal for one of the point's normals, whichever side the
+    /// ray came from.
+    #[inline(always)]
+    pub fn outward(&self, normal: Vector<R>) -> Vector<R> {
+        normal.flip_sign_by(self.side)
+    }
+
+    /// Whether a direction points away from the visible side of the surface, by
+    /// both normals.
+    #[inline(always)]
+    pub fn is_faced_by(&self, direction: Vector<R>) -> R::Mask {
+        let zero = self.side.splat(0.0);
+        zero.lt(self.normal.dot(direction)) & zero.lt(self.geometric_normal.dot(direction))
+    }
+
+    /// The mirror direction of an incoming direction, a unit vector: by the shading
+    /// normal, or by the geometric one if the former would point into the
+    /// surface.
+    #[inline(always)]
+    pub fn mirrored(&self, direction: Vector<R>) -> Vector<R> {
+        let mirrored = direction.reflect(self.normal).normalize();
+        let leaves = self.side.splat(0.0).lt(mirrored.dot(self.geometric_normal));
+        let by_geometry = direction.reflect(self.geometric_normal).normalize();
+        Vector::select(leaves, mirrored, by_geometry)
+    }
+}
+
+/// The side from which rays in `direction` hit surfaces with this outward normal: -1
+/// from behind, else 1.
+#[inline(always)]
+pub(super) fn side<R: Real>(outward: Vector<R>, direction: Vector<R>) -> R {
+    let cos = outward.dot(direction);
+    let one = cos.splat(1.0);
+    R::select(cos.splat(0.0).lt(cos), -one, one)
+}
+
+/// A shading normal, flipped to the side of the geometric one.
+#[inline(always)]
+pub(super) fn on_side_of<R: Real>(geometric: Vector<R>, normal: Vector<R>) -> Vector<R> {
+    let cos = normal.dot(geometric);
+    let one = cos.splat(1.0);
+    normal.flip_sign_by(R::select(cos.lt(cos.splat(0.0)), -one, one))
+}
