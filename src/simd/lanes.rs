@@ -59,6 +59,8 @@ pub(crate) trait Lanes: Real {
     fn signs(self) -> u8;
     /// The bit patterns, lane by lane.
     fn to_bits(self) -> [u32; N_LANES];
+    /// Lanes 4 to 7, then lanes 0 to 3.
+    fn swap_halves(self) -> Self;
     /// Lane `i` of the result is lane `(order[i] >> shift[i]) % 8`; the shifts
     /// are bit patterns less than 32.
     fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self;

@@ -230,6 +230,12 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn swap_halves(self) -> Self {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        Self([e, f, g, h, a, b, c, d])
+    }
+
+    #[inline(always)]
     fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self {
         let mut permuted = self;
         for ((lane, order), shift) in permuted.0.iter_mut().zip(order).zip(shift.to_bits()) {

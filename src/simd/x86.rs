@@ -223,6 +223,13 @@ impl<R: Registers> Lanes for Ymm<R> {
     }
 
     #[inline(always)]
+    fn swap_halves(self) -> Self {
+        // SAFETY: the set in `self` proves AVX2.
+        let swapped = unsafe { _mm256_permute2f128_ps::<1>(self.0, self.0) };
+        Self(swapped, self.1)
+    }
+
+    #[inline(always)]
     fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self {
         // SAFETY: the set in `self` proves AVX2; the pointer is to eight
         // integers, at any alignment.

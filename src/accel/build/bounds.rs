@@ -1,10 +1,10 @@
 //! Boxes in the layout that the build computes with.
 
-use std::array::from_fn;
-
 use crate::geometry::Aabb;
+use crate::simd::{InstructionSet, Lanes};
 
-/// A box as `[-min, 0, max, 0]`: a union is one maximum over all lanes.
+/// A box as `[-min, _, max, _]`: a union is one maximum over all lanes. Two lanes
+/// have no meaning.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct LaneBounds(pub(super) [f32; 8]);
@@ -19,19 +19,34 @@ impl LaneBounds {
         Self([-a, -b, -c, 0.0, x, y, z, 0.0])
     }
 
+    /// The box in lanes.
+    #[inline(always)]
+    pub(super) fn of<L: Lanes>(lanes: L) -> Self {
+        Self(lanes.to_array())
+    }
+
+    /// Its lanes.
+    #[inline(always)]
+    pub(super) fn lanes<I: InstructionSet>(&self, set: I) -> I::Lanes {
+        set.load(&self.0)
+    }
+
     /// The smallest box around both.
     #[inline]
-    pub(super) fn union(self, other: Self) -> Self {
-        let max = |i: usize| {
-            let (a, b) = (self.0[i], other.0[i]);
-            if a > b { a } else { b }
-        };
-        Self(from_fn(max))
+    pub(super) fn union(mut self, other: Self) -> Self {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a = if *a > b { *a } else { b };
+        }
+        self
     }
 
     /// The points that both boxes contain; may be empty.
-    pub(super) fn intersection(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i].min(other.0[i])))
+    #[inline]
+    pub(super) fn intersection(mut self, other: Self) -> Self {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a = a.min(b);
+        }
+        self
     }
 
     /// Whether it contains no point.
@@ -41,31 +56,32 @@ impl LaneBounds {
     }
 
     /// Half of the surface area; has no meaning for an empty box.
-    #[inline]
+    #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
-        let [x, y, z] = from_fn(|axis| self.extent(axis));
+        let [x, y, z] = [self.extent(0), self.extent(1), self.extent(2)];
         x * y + y * z + z * x
     }
 
     /// The least coordinate on an axis.
-    #[inline]
+    #[inline(always)]
     pub(super) fn min(&self, axis: usize) -> f32 {
         -self.0[axis]
     }
 
     /// The greatest coordinate on an axis.
-    #[inline]
+    #[inline(always)]
     pub(super) fn max(&self, axis: usize) -> f32 {
         self.0[4 + axis]
     }
 
     /// The length along an axis; less than 0 for an empty box.
-    #[inline]
+    #[inline(always)]
     pub(super) fn extent(&self, axis: usize) -> f32 {
         self.0[4 + axis] + self.0[axis]
     }
 
     /// The box in the crate's usual form.
+    #[inline(always)]
     pub(super) fn to_aabb(self) -> Aabb {
         let [a, b, c, _, x, y, z, _] = self.0;
         Aabb {

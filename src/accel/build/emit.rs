@@ -1,16 +1,19 @@
 //! The collapsed tree → the cache lines of the arena.
 
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::TooLarge;
-use super::binary::{BinaryNode, BinaryNodeKind};
-use super::collapse::{Forests, Roots, is_leaf};
+use super::collapse::{BinaryTree, Roots};
+use super::nodes::TreePosition;
 use super::order;
+use super::reference::Reference;
 use crate::accel::layout::{
     CacheLine, ID_BIT, LEAF_WINDOW_LINES, LeafKind, MAX_LEAF, NODE_LINES, NodeRef, WideNode,
 };
-use crate::geometry::Shape;
+use crate::geometry::{Aabb, Shape};
 use crate::scene::Primitive;
+use crate::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
 
 /// Number of cache lines from which subtrees are written in parallel.
 const PARALLEL: usize = 1 << 14;
@@ -18,101 +21,140 @@ const PARALLEL: usize = 1 << 14;
 /// The cache lines of the tree: the root first, and padding at the end, so that
 /// a kernel may load a whole leaf window anywhere.
 pub(super) fn lines(
-    nodes: &[BinaryNode],
-    whole: &Forests,
+    simd: Simd,
+    tree: &BinaryTree,
     primitives: &[Primitive],
 ) -> Result<Vec<CacheLine>, TooLarge> {
-    let (mut roots, n_lines) = if is_leaf(&nodes[0]) {
-        (Roots::alone(), NODE_LINES + whole.n_lines())
+    let n_lines = tree.n_lines(tree.root);
+    let (roots, n_lines) = if tree.leaf(tree.root).is_some() {
+        (Roots::alone(tree.root), NODE_LINES + n_lines)
     } else {
-        (Roots::below(nodes), whole.n_lines())
+        (Roots::below(tree, tree.root), n_lines)
     };
     if n_lines > NodeRef::MAX_LINES {
         let bytes = (n_lines * size_of::<CacheLine>()) as u64;
         return Err(TooLarge { bytes });
     }
     let mut lines = bytemuck::zeroed_vec(n_lines + LEAF_WINDOW_LINES);
-    write_node(nodes, primitives, &mut roots, &mut lines[..n_lines], 0);
+    let writer = Writer {
+        simd,
+        tree,
+        primitives,
+    };
+    writer.write_node(&roots, &mut lines[..n_lines], 0);
     Ok(lines)
 }
 
-/// Writes a node and the subtree below it into `lines`, the first of which is
-/// number `first_line` of the arena.
-fn write_node(
-    nodes: &[BinaryNode],
-    primitives: &[Primitive],
-    roots: &mut Roots,
-    lines: &mut [CacheLine],
-    first_line: u32,
-) {
-    let children = roots.indices();
-    // By ascending size: an unordered traversal visits the last child first, and
-    // a large one is the most likely to be hit.
-    let area = |child: &usize| nodes[*child].bounds.surface_area();
-    children.sort_by(|a, b| area(a).total_cmp(&area(b)));
-    let n_lines = lines.len();
-    let (own, mut rest) = lines.split_at_mut(NODE_LINES);
-    let mut node = with_boxes(nodes, children);
-    let mut line = first_line + NODE_LINES as u32;
-    for (lane, &child) in children.iter().enumerate() {
-        if is_leaf(&nodes[child]) {
-            let lines = take(&mut rest, &nodes[child]);
-            node.children[lane] = write_leaf(&nodes[child..], primitives, lines, line).0;
-            line += nodes[child].n_lines;
-        }
-    }
-    let mut subtrees = [const { None }; 8];
-    for (lane, &child) in children.iter().enumerate() {
-        if !is_leaf(&nodes[child]) {
-            node.children[lane] = NodeRef::node(line).0;
-            subtrees[lane] = Some((&nodes[child..], take(&mut rest, &nodes[child]), line));
-            line += nodes[child].n_lines;
-        }
-    }
-    let write = |(nodes, lines, line)| {
-        write_node(nodes, primitives, &mut Roots::below(nodes), lines, line);
-    };
-    if n_lines < PARALLEL {
-        subtrees.into_iter().flatten().for_each(write);
-    } else {
-        subtrees.into_par_iter().flatten().for_each(write);
-    }
-    own.copy_from_slice(bytemuck::cast_slice(&[node]));
+/// Writes nodes and leaves.
+struct Writer<'a> {
+    simd: Simd,
+    tree: &'a BinaryTree,
+    primitives: &'a [Primitive],
 }
 
-/// A node with the boxes and the order of these children, but no references.
-fn with_boxes(nodes: &[BinaryNode], children: &[usize]) -> WideNode {
-    let mut node = WideNode::EMPTY;
-    for (lane, &child) in children.iter().enumerate() {
-        let bounds = &nodes[child].bounds;
-        for axis in 0..3 {
-            node.min[axis][lane] = bounds.min[axis];
-            node.max[axis][lane] = bounds.max[axis];
+impl Writer<'_> {
+    /// Writes a node and the subtree below it into `lines`, the first of which is
+    /// number `first_line` of the arena.
+    fn write_node(&self, roots: &Roots, lines: &mut [CacheLine], first_line: usize) {
+        let tree = self.tree;
+        let (mut node, children) = self.simd.run(MakeNode {
+            writer: self,
+            subtrees: roots.positions(),
+        });
+        let n_lines = lines.len();
+        let (own, mut rest) = lines.split_at_mut(NODE_LINES);
+        let mut line = first_line + NODE_LINES;
+        let mut take = |subtree: TreePosition| {
+            let n_lines = tree.n_lines(subtree);
+            let first_line = line;
+            line += n_lines;
+            let lines = rest.split_off_mut(..n_lines);
+            (lines.expect("the lines were counted"), first_line)
+        };
+        for (lane, &child) in children.iter().enumerate() {
+            if let Some(leaf) = tree.leaf(child) {
+                let (lines, line) = take(child);
+                node.children[lane] = write_leaf(leaf, self.primitives, lines, line).0;
+            }
+        }
+        let mut subtrees = [const { None }; 8];
+        for (lane, &child) in children.iter().enumerate() {
+            if tree.leaf(child).is_none() {
+                let (lines, line) = take(child);
+                node.children[lane] = NodeRef::node(line as u32).0;
+                subtrees[lane] = Some((child, lines, line));
+            }
+        }
+        own.copy_from_slice(bytemuck::cast_slice(&[node]));
+        let write = |(subtree, lines, line)| {
+            self.write_node(&Roots::below(tree, subtree), lines, line);
+        };
+        if n_lines < PARALLEL {
+            subtrees.into_iter().flatten().for_each(write);
+        } else {
+            subtrees.into_par_iter().flatten().for_each(write);
         }
     }
-    node.order = order::by_octant(&node);
-    node
 }
 
-/// Splits the subtree's lines off the front of `rest`.
-fn take<'a>(rest: &mut &'a mut [CacheLine], subtree: &BinaryNode) -> &'a mut [CacheLine] {
-    rest.split_off_mut(..subtree.n_lines as usize)
-        .expect("the lines were counted")
+/// Makes a node with the boxes of these subtrees and their order, but no references
+/// to them.
+struct MakeNode<'a> {
+    writer: &'a Writer<'a>,
+    subtrees: &'a [TreePosition],
 }
 
-/// Writes a leaf with all primitives of a subtree.
+impl SimdKernel for MakeNode<'_> {
+    /// The node, and the subtrees in the order of its lanes.
+    type Output = (WideNode, ArrayVec<TreePosition, N_LANES>);
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) -> Self::Output {
+        let Writer {
+            tree, primitives, ..
+        } = self.writer;
+        for &subtree in self.subtrees {
+            for reference in tree.leaf(subtree).unwrap_or_default() {
+                set.prefetch(&raw const primitives[reference.primitive() as usize]);
+            }
+        }
+        let mut children = ArrayVec::<(f32, Aabb, TreePosition), N_LANES>::new();
+        for &subtree in self.subtrees {
+            let bounds = tree.bounds(subtree);
+            children.push((bounds.surface_area(), bounds, subtree));
+        }
+        // By ascending size: an unordered traversal visits the last child first, and
+        // a large one is the most likely to be hit.
+        children.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut node = WideNode::EMPTY;
+        for (lane, (_, bounds, _)) in children.iter().enumerate() {
+            for axis in 0..3 {
+                node.min[axis][lane] = bounds.min[axis];
+                node.max[axis][lane] = bounds.max[axis];
+            }
+        }
+        node.order = order::by_octant(set, &node);
+        let children = children.into_iter().map(|(_, _, child)| child);
+        (node, children.collect())
+    }
+}
+
+/// Writes a leaf with these references into `lines`, the first of which is number
+/// `line` of the arena.
 fn write_leaf(
-    nodes: &[BinaryNode],
+    references: &[Reference],
     primitives: &[Primitive],
     lines: &mut [CacheLine],
-    line: u32,
+    line: usize,
 ) -> NodeRef {
     let mut indices = [0; MAX_LEAF];
-    let mut n = 0;
-    let kind = gather(nodes, &mut indices, &mut n);
-    indices[..n].sort_unstable();
-    let n = dedup(&mut indices[..n]);
+    for (index, reference) in indices.iter_mut().zip(references) {
+        *index = reference.primitive();
+    }
+    indices[..references.len()].sort_unstable();
+    let n = dedup(&mut indices[..references.len()]);
     let indices = &indices[..n];
+    let kind = references[0].kind();
     let numbers: &mut [f32] = bytemuck::cast_slice_mut(lines);
     let mut n_rows = 0;
     for (lane, &index) in indices.iter().enumerate() {
@@ -136,7 +178,7 @@ fn write_leaf(
     for (lane, &index) in indices.iter().enumerate() {
         numbers[n_rows * n + lane] = f32::from_bits(index | ID_BIT);
     }
-    NodeRef::leaf(kind, n, line)
+    NodeRef::leaf(kind, n, line as u32)
 }
 
 /// Removes duplicates from ascending numbers; returns how many are left. (A leaf
@@ -150,20 +192,4 @@ fn dedup(numbers: &mut [u32]) -> usize {
         }
     }
     n
-}
-
-/// Collects the primitives of a subtree, all of the same kind, which it
-/// returns.
-fn gather(nodes: &[BinaryNode], indices: &mut [u32; MAX_LEAF], n: &mut usize) -> LeafKind {
-    match nodes[0].kind() {
-        BinaryNodeKind::Leaf { primitive, kind } => {
-            indices[*n] = primitive;
-            *n += 1;
-            kind
-        }
-        BinaryNodeKind::Inner { second } => {
-            gather(&nodes[1..], indices, n);
-            gather(&nodes[second..], indices, n)
-        }
-    }
 }

@@ -1,8 +1,8 @@
 //! Primitives → the arena of a hierarchy.
 //!
-//! Three steps: a binary tree over `reference`s to primitives, one per leaf
-//! (`binary`); the optimal tree of eight-wide nodes and leaves that it can be
-//! collapsed into (`collapse`); the cache lines of that tree (`emit`).
+//! Two steps: a binary tree over `reference`s to primitives, one per leaf
+//! (`binary`), with the choices that lead to the optimal tree of eight-wide nodes
+//! and leaves (`forests`); the cache lines of that tree (`collapse`, `emit`).
 //!
 //! `split_candidate` chooses how a node of the binary tree is split, by the
 //! surface area heuristic: by the centers of whole references (`object_split`)
@@ -10,17 +10,22 @@
 //! `partition` moves the references. With quality `balanced` the worst triangles
 //! are split beforehand (`presplit`).
 //!
-//! The build runs in parallel on disjoint slices of memory. No decision depends
-//! on the number of threads.
+//! The build runs in parallel on disjoint slices of memory, with all threads from
+//! the first split on; each thread builds its subtrees in lanes (`simd`). No decision
+//! depends on the number of threads or on the instruction set.
 
 mod bounds;
 mod clip;
 mod reference;
+mod object_bins;
 mod object_split;
 mod spatial_split;
 mod partition;
 mod split_candidate;
+mod workers;
 mod presplit;
+mod forests;
+mod nodes;
 mod binary;
 mod collapse;
 mod order;
@@ -36,7 +41,9 @@ use super::layout::{CacheLine, NodeRef};
 use crate::config::Quality;
 use crate::scene::Primitive;
 use crate::simd::Simd;
-use binary::{BinaryNode, BuildContext, Subtree};
+use binary::{BuildContext, Subtree};
+use collapse::BinaryTree;
+use nodes::{BinaryNode, TreePosition};
 use partition::Subset;
 use reference::Reference;
 use split_candidate::SplitContext;
@@ -65,13 +72,13 @@ fn references_per_primitive(quality: Quality) -> f64 {
 }
 
 /// Upper bound of the build's bytes per primitive: its index, its share of the
-/// binary tree, and the larger of what the two phases need besides: two arrays
-/// of references while the binary tree is built, the arena afterwards.
+/// binary tree, and the larger of what the two steps need besides: memory for the
+/// partition while the binary tree is built, the arena afterwards.
 pub(super) fn bytes_per_primitive(quality: Quality) -> usize {
-    let tree = 2.0 * size_of::<BinaryNode>() as f64;
-    let references = 2.0 * size_of::<Reference>() as f64;
+    let tree = (size_of::<BinaryNode>() + size_of::<Reference>()) as f64;
+    let scratch = size_of::<Reference>() as f64;
     let arena = LINES_PER_REFERENCE * size_of::<CacheLine>() as f64;
-    let per_reference = tree + references.max(arena);
+    let per_reference = tree + scratch.max(arena);
     size_of::<u32>() + (references_per_primitive(quality) * per_reference).ceil() as usize
 }
 
@@ -80,10 +87,11 @@ pub(super) fn lines_per_primitive(quality: Quality) -> usize {
     (references_per_primitive(quality) * LINES_PER_REFERENCE).ceil() as usize
 }
 
-/// Builds the hierarchy over the primitives with these indices; without any, the
-/// arena is empty. Calls `report` with each finished share of the build, from
+/// Builds the hierarchy over the primitives with these indices; without any, or if
+/// the build was stopped, the arena is empty. Calls `report` with each finished share of the build, from
 /// any thread; the shares add up to 1.
 pub(super) fn arena(
+    simd: Simd,
     primitives: &[Primitive],
     indices: Vec<u32>,
     quality: Quality,
@@ -92,10 +100,11 @@ pub(super) fn arena(
     if indices.is_empty() {
         return Ok(Arena::default());
     }
-    let mut nodes = binary_tree(primitives, indices, quality, report);
-    let whole = collapse::choose(&mut nodes);
-    let lines = emit::lines(&nodes, &whole, primitives)?;
-    Ok(Arena::new(lines, nodes[0].bounds))
+    let Some(tree) = binary_tree(simd, primitives, indices, quality, report) else {
+        return Ok(Arena::default());
+    };
+    let lines = emit::lines(simd, &tree, primitives)?;
+    Ok(Arena::new(lines, tree.bounds(tree.root)))
 }
 
 /// A hierarchy has more cache lines than a node reference can address.
@@ -120,20 +129,21 @@ impl fmt::Display for TooLarge {
 
 impl std::error::Error for TooLarge {}
 
-/// Builds the binary tree over these primitives.
+/// Builds the binary tree over these primitives; `None` if it was stopped.
 fn binary_tree(
+    simd: Simd,
     primitives: &[Primitive],
     indices: Vec<u32>,
     quality: Quality,
     report: impl Fn(f64) + Sync,
-) -> Vec<BinaryNode> {
-    let (mut references, whole) = prepare(primitives, indices, quality);
+) -> Option<BinaryTree> {
+    let (mut references, whole) = prepare(simd, primitives, indices, quality);
     let capacity = references.len();
-    let mut nodes = bytemuck::zeroed_vec(2 * capacity - 1);
+    let mut nodes = bytemuck::zeroed_vec(capacity - 1);
     let context = BuildContext {
         split: SplitContext {
             primitives,
-            simd: Simd::best(),
+            simd,
             root_half_area: whole.bounds.half_area(),
         },
         report: |n_done: usize| report(n_done as f64 / capacity as f64),
@@ -143,15 +153,25 @@ fn binary_tree(
         depth: 0,
         references: &mut references,
         scratch: &mut bytemuck::zeroed_vec(capacity),
+        stays: true,
         nodes: &mut nodes,
     };
-    root.build(&context);
-    nodes
+    root.build(&context)?;
+    Some(BinaryTree {
+        nodes,
+        references,
+        root: TreePosition {
+            node: 0,
+            reference: 0,
+            is_leaf: whole.n == 1,
+        },
+    })
 }
 
 /// The references to these primitives, presplit or with memory for spatial
 /// splits, and the subset of all of them.
 fn prepare(
+    simd: Simd,
     primitives: &[Primitive],
     indices: Vec<u32>,
     quality: Quality,
@@ -161,12 +181,12 @@ fn prepare(
         .with_min_len(8192)
         .map(|index| Reference::new(&primitives[index as usize], index))
         .collect();
-    let mut whole = Subset::of(&references);
+    let mut whole = Subset::of(simd, &references);
     match quality {
         Quality::Fast => {}
         Quality::Balanced => {
             references = presplit::presplit(references, primitives, &whole.bounds);
-            whole = Subset::of(&references);
+            whole = Subset::of(simd, &references);
         }
         Quality::High => {
             let n_triangles = references.iter().filter(|r| r.is_triangle()).count();
@@ -175,4 +195,49 @@ fn prepare(
         }
     }
     (references, whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geometry::{Shape, Sphere, Triangle};
+    use crate::sampling::uniform;
+    use crate::scene::{MaterialId, ObjectId};
+
+    /// Spheres and triangles, some of them much longer than the others.
+    fn primitives() -> Vec<Primitive> {
+        let shape = |i: u64| {
+            let point = |corner| {
+                let [x, y, z, w] = uniform([3, i, corner]);
+                (Vec3::new(x, y, z), w)
+            };
+            let (center, w) = point(0);
+            if i.is_multiple_of(5) {
+                let radius = 0.01 * w;
+                return Shape::Sphere(Sphere { center, radius });
+            }
+            let size = if i.is_multiple_of(7) { 0.5 } else { 0.02 };
+            let vertices = [1, 2, 3].map(|corner| center + size * point(corner).0);
+            Shape::Triangle(Triangle { vertices })
+        };
+        let primitive = |i| Primitive::new(shape(i), None, ObjectId(0), MaterialId(0));
+        (0..20_000).map(primitive).collect()
+    }
+
+    #[test]
+    fn every_instruction_set_builds_the_same_tree() {
+        let primitives = primitives();
+        for quality in [Quality::Fast, Quality::Balanced, Quality::High] {
+            let build = |simd| {
+                let indices = (0..primitives.len() as u32).collect();
+                arena(simd, &primitives, indices, quality, |_| {}).unwrap()
+            };
+            let sets = Simd::available();
+            for simd in &sets[1..] {
+                assert!(build(*simd) == build(sets[0]), "{simd}, {quality}");
+            }
+        }
+    }
 }

@@ -4,14 +4,13 @@ use rayon::prelude::*;
 
 use super::bounds::LaneBounds;
 use super::object_split::ObjectSplit;
-use super::reference::Reference;
+use super::reference::{Reference, center};
 use super::spatial_split::SpatialSplit;
 use crate::scene::Primitive;
-use crate::simd::{InstructionSet, Simd, SimdKernel};
+use crate::simd::{InstructionSet, Mask, Real, Simd, SimdKernel};
 
-/// Number of references from which they are moved in parallel.
-const PARALLEL: usize = 1 << 16;
-const CHUNK: usize = PARALLEL / 4;
+/// References per task.
+const CHUNK: usize = 1 << 12;
 
 /// The size and the bounds of a subset of the references.
 #[derive(Clone, Copy)]
@@ -30,19 +29,19 @@ impl Subset {
     };
 
     /// That of these references.
-    pub(super) fn of(references: &[Reference]) -> Self {
+    pub(super) fn of(simd: Simd, references: &[Reference]) -> Self {
         let chunks = references.par_chunks(CHUNK);
-        let of_chunk = |chunk: &[Reference]| chunk.iter().fold(Self::EMPTY, Self::with);
+        let of_chunk = |references: &[Reference]| simd.run(Enclose(references));
         // Maxima and sums of integers are independent of the order.
         chunks.map(of_chunk).reduce(|| Self::EMPTY, Self::union)
     }
 
-    fn with(self, reference: &Reference) -> Self {
-        Self {
-            n: self.n + 1,
-            bounds: self.bounds.union(reference.bounds()),
-            centers: self.centers.union(reference.center_bounds()),
-        }
+    #[inline(always)]
+    fn with<I: InstructionSet>(&mut self, set: I, reference: &Reference) {
+        let lanes = reference.lanes(set);
+        self.n += 1;
+        self.bounds = LaneBounds::of(self.bounds.lanes(set).max(lanes));
+        self.centers = LaneBounds::of(self.centers.lanes(set).max(center(lanes)));
     }
 
     fn union(self, other: Self) -> Self {
@@ -54,25 +53,59 @@ impl Subset {
     }
 }
 
+/// Finds the bounds of references.
+pub(super) struct Enclose<'a>(pub(super) &'a [Reference]);
+
+impl SimdKernel for Enclose<'_> {
+    type Output = Subset;
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) -> Subset {
+        let mut subset = Subset::EMPTY;
+        for reference in self.0 {
+            subset.with(set, reference);
+        }
+        subset
+    }
+}
+
 /// Where the references of the left and of the right side go.
 pub(super) type Sides<'a> = [&'a mut [Reference]; 2];
 
-/// Partitions whole references; keeps their order.
-pub(super) fn by_object_split(
-    simd: Simd,
-    references: &[Reference],
-    to: Sides,
-    split: &ObjectSplit,
-) -> [Subset; 2] {
-    let [left, right] = if references.len() < PARALLEL {
-        simd.run(Scatter {
-            references,
-            to,
-            split,
-        })
-    } else {
-        scatter_in_parallel(simd, references, to, split)
-    };
+/// Moves whole references to the sides of a split; keeps their order.
+pub(super) struct Scatter<'a, 'r> {
+    pub(super) references: &'a [Reference],
+    pub(super) to: Sides<'r>,
+    pub(super) split: &'a ObjectSplit,
+}
+
+impl SimdKernel for Scatter<'_, '_> {
+    /// The boxes around the centers on both sides.
+    type Output = [LaneBounds; 2];
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) -> [LaneBounds; 2] {
+        let mut ends = [0; 2];
+        let empty = set.splat(f32::NEG_INFINITY);
+        let [mut left, mut right] = [empty; 2];
+        for reference in self.references {
+            // No branch on the side: it is unpredictable.
+            let is_left = self.split.left_mask(set, reference);
+            let side = usize::from(is_left.bits() == 0);
+            self.to[side][ends[side]] = *reference;
+            ends[side] += 1;
+            let center = center(reference.lanes(set));
+            left = left.max(I::Lanes::select(is_left, center, empty));
+            right = right.max(I::Lanes::select(is_left, empty, center));
+        }
+        [left, right].map(LaneBounds::of)
+    }
+}
+
+/// The subsets on both sides of a split, given the boxes around their centers.
+#[inline(always)]
+pub(super) fn subsets(n: usize, split: &ObjectSplit, centers: [LaneBounds; 2]) -> [Subset; 2] {
+    let [left, right] = centers;
     [
         Subset {
             n: split.n_left,
@@ -80,40 +113,15 @@ pub(super) fn by_object_split(
             centers: left,
         },
         Subset {
-            n: references.len() - split.n_left,
+            n: n - split.n_left,
             bounds: split.right,
             centers: right,
         },
     ]
 }
 
-/// Moves references; returns the boxes around the centers on both sides.
-struct Scatter<'a, 'r> {
-    references: &'a [Reference],
-    to: Sides<'r>,
-    split: &'a ObjectSplit,
-}
-
-impl SimdKernel for Scatter<'_, '_> {
-    type Output = [LaneBounds; 2];
-
-    #[inline(always)]
-    fn run<I: InstructionSet>(self, _: I) -> [LaneBounds; 2] {
-        let mut ends = [0; 2];
-        let mut centers = [LaneBounds::EMPTY; 2];
-        for reference in self.references {
-            // No branch on the side: it is unpredictable.
-            let side = usize::from(!self.split.is_left(reference));
-            self.to[side][ends[side]] = *reference;
-            ends[side] += 1;
-            centers[side] = centers[side].union(reference.center_bounds());
-        }
-        centers
-    }
-}
-
-/// Gives each chunk its own slice of either side.
-fn scatter_in_parallel(
+/// Moves references in parallel: gives each chunk its own slice of either side.
+pub(super) fn scatter_in_parallel(
     simd: Simd,
     references: &[Reference],
     to: Sides,
@@ -152,35 +160,36 @@ fn scatter_in_parallel(
 
 /// Partitions references at a plane; splits those that straddle it.
 pub(super) fn by_spatial_split(
+    simd: Simd,
     references: &[Reference],
     to: Sides,
     split: &SpatialSplit,
     primitives: &[Primitive],
 ) -> [Subset; 2] {
-    let mut subsets = [Subset::EMPTY; 2];
+    let mut ends = [0; 2];
     for reference in references {
         for (side, part) in split.sides(reference, primitives).into_iter().enumerate() {
             if let Some(part) = part {
-                to[side][subsets[side].n] = part;
-                subsets[side] = subsets[side].with(&part);
+                to[side][ends[side]] = part;
+                ends[side] += 1;
             }
         }
     }
     // If rounding left a side empty, one redundant reference does no harm.
     for side in 0..2 {
-        if subsets[side].n == 0 {
+        if ends[side] == 0 {
             to[side][0] = to[1 - side][0];
-            subsets[side] = Subset::EMPTY.with(&to[side][0]);
+            ends[side] = 1;
         }
     }
-    subsets
+    [0, 1].map(|side| simd.run(Enclose(&to[side][..ends[side]])))
 }
 
 /// Moves the first half to the left and the second half to the right.
-pub(super) fn in_halves(references: &[Reference], to: Sides) -> [Subset; 2] {
+pub(super) fn in_halves(simd: Simd, references: &[Reference], to: Sides) -> [Subset; 2] {
     let (left, right) = references.split_at(references.len() / 2);
     let [to_left, to_right] = to;
     to_left[..left.len()].copy_from_slice(left);
     to_right[..right.len()].copy_from_slice(right);
-    [left, right].map(Subset::of)
+    [left, right].map(|half| Subset::of(simd, half))
 }

@@ -1,26 +1,26 @@
 //! References to primitives: what the build sorts and splits.
 
-use std::array::from_fn;
-
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use super::bounds::LaneBounds;
 use super::clip;
-use crate::accel::layout::LeafKind;
+use crate::accel::layout::{ID_BIT, LeafKind};
 use crate::geometry::Shape;
 use crate::scene::Primitive;
+use crate::simd::{InstructionSet, Lanes};
 
 /// A primitive and a box around it, or around the part of it that the reference
-/// stands for. Half a cache line.
+/// stands for. Half a cache line, in the layout of [`LaneBounds`].
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Reference {
     negated_min: [f32; 3],
-    pub(super) index: u32,
+    /// The primitive's index and [`ID_BIT`].
+    id: u32,
     max: [f32; 3],
-    /// A [`LeafKind`].
-    pub(super) kind: u32,
+    /// A [`LeafKind`] and [`ID_BIT`].
+    kind: u32,
 }
 
 impl Reference {
@@ -29,37 +29,46 @@ impl Reference {
         let bounds = primitive.bounds();
         Self {
             negated_min: (-bounds.min).into(),
-            index,
+            id: index | ID_BIT,
             max: bounds.max.into(),
-            kind: LeafKind::of(primitive) as u32,
+            kind: LeafKind::of(primitive) as u32 | ID_BIT,
         }
     }
 
+    /// The primitive's index.
+    #[inline(always)]
+    pub(super) fn primitive(&self) -> u32 {
+        self.id & !ID_BIT
+    }
+
+    /// The kind of leaf that holds the primitive.
+    #[inline(always)]
+    pub(super) fn kind(&self) -> LeafKind {
+        LeafKind::from_number(self.kind & !ID_BIT).unwrap_or(LeafKind::Others)
+    }
+
     /// Whether the primitive is a triangle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn is_triangle(&self) -> bool {
-        self.kind == LeafKind::Triangles as u32
+        self.kind() == LeafKind::Triangles
     }
 
     /// Its box.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bounds(&self) -> LaneBounds {
-        let [a, b, c] = self.negated_min;
-        let [x, y, z] = self.max;
-        LaneBounds([a, b, c, 0.0, x, y, z, 0.0])
+        LaneBounds(bytemuck::cast(*self))
     }
 
-    /// Twice the center of its box.
-    #[inline]
-    pub(super) fn center(&self) -> [f32; 3] {
-        from_fn(|axis| self.max[axis] - self.negated_min[axis])
+    /// Its box in lanes.
+    #[inline(always)]
+    pub(super) fn lanes<I: InstructionSet>(&self, set: I) -> I::Lanes {
+        set.load(bytemuck::cast_ref(self))
     }
 
-    /// The box that contains [`center`](Self::center) alone.
-    #[inline]
-    pub(super) fn center_bounds(&self) -> LaneBounds {
-        let [x, y, z] = self.center();
-        LaneBounds([-x, -y, -z, 0.0, x, y, z, 0.0])
+    /// Twice the center of its box on an axis.
+    #[inline(always)]
+    pub(super) fn center(&self, axis: usize) -> f32 {
+        self.max[axis] - self.negated_min[axis]
     }
 
     /// Splits the reference to a triangle at `position` on an axis: the parts
@@ -71,7 +80,8 @@ impl Reference {
         axis: usize,
         position: f32,
     ) -> [Option<Self>; 2] {
-        let Some(Shape::Triangle(triangle)) = primitives[self.index as usize].world_shape() else {
+        let shape = primitives[self.primitive() as usize].world_shape();
+        let Some(Shape::Triangle(triangle)) = shape else {
             return [Some(*self), None];
         };
         clip::split(triangle, axis, position).map(|part| {
@@ -86,9 +96,17 @@ impl Reference {
     }
 }
 
+/// The box that contains twice the center of a box alone: `max + min` in the lanes
+/// of the upper corner, its negation in those of the lower one.
+#[inline(always)]
+pub(super) fn center<L: Lanes>(bounds: L) -> L {
+    bounds - bounds.swap_halves()
+}
+
 /// Maps chunks of references and reduces the results, in parallel from
 /// `parallel` references on. The reduction has to be independent of its order:
 /// maxima and sums of integers are.
+#[inline]
 pub(super) fn map_reduce<T: Send>(
     references: &[Reference],
     parallel: usize,

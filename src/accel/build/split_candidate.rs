@@ -8,7 +8,7 @@ use crate::scene::Primitive;
 use crate::simd::Simd;
 
 /// Least number of references for a spatial split: fewer fit into a leaf.
-const MIN_SPATIAL_SPLIT: usize = 9;
+pub(super) const MIN_SPATIAL_SPLIT: usize = 9;
 /// An object split is good enough if the boxes of both sides overlap by less
 /// than this fraction of the root's surface area (Stich et al., section 4.2).
 const SMALL_OVERLAP: f32 = 1e-5;
@@ -32,26 +32,21 @@ pub(super) enum SplitCandidate {
 }
 
 impl SplitCandidate {
-    /// The cheapest candidate. A spatial split is one only if it duplicates at
-    /// most `max_duplicates` references.
+    /// The cheaper one of the best object split and the best spatial split that
+    /// duplicates at most `max_duplicates` references.
+    #[inline(always)]
     pub(super) fn cheapest(
         context: &SplitContext,
+        object: Option<ObjectSplit>,
         references: &[Reference],
         subset: &Subset,
         max_duplicates: usize,
     ) -> Self {
-        let SplitContext {
-            primitives, simd, ..
-        } = *context;
-        let object = match references.len() {
-            0..16 => ObjectSplit::best::<8>(simd, references, &subset.centers),
-            16..128 => ObjectSplit::best::<16>(simd, references, &subset.centers),
-            _ => ObjectSplit::best::<32>(simd, references, &subset.centers),
-        };
-        let max_overlap = SMALL_OVERLAP * context.root_half_area;
-        let is_good = object.as_ref().is_some_and(|s| s.overlap() <= max_overlap);
         let may_split = max_duplicates > 0 && references.len() >= MIN_SPATIAL_SPLIT;
-        let spatial = if may_split && !is_good {
+        let max_overlap = SMALL_OVERLAP * context.root_half_area;
+        let is_good = |split: &ObjectSplit| split.overlap() <= max_overlap;
+        let spatial = if may_split && !object.as_ref().is_some_and(is_good) {
+            let primitives = context.primitives;
             SpatialSplit::cheapest(references, primitives, &subset.bounds, max_duplicates)
         } else {
             None
@@ -67,6 +62,7 @@ impl SplitCandidate {
     }
 
     /// The part of the capacity that the left side gets.
+    #[inline]
     pub(super) fn left_capacity(&self, references: &[Reference], capacity: usize) -> usize {
         let [n_left, n_right] = self.counts(references.len());
         match capacity - n_left - n_right {
@@ -77,6 +73,7 @@ impl SplitCandidate {
     }
 
     /// Upper bounds of the numbers of references on the two sides, out of `n`.
+    #[inline]
     fn counts(&self, n: usize) -> [usize; 2] {
         match self {
             Self::Object(split) => [split.n_left, n - split.n_left],
