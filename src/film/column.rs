@@ -119,6 +119,11 @@ impl Column {
         }
     }
 
+    /// Whether it is a field of [`Strip`].
+    pub fn is_in_strips(&self) -> bool {
+        matches!(self.origin, Origin::Stored(_))
+    }
+
     /// Returns its bytes in a strip of the film, in native order: a slice of the
     /// film, or of `buffer`, which is overwritten.
     pub fn bytes<'a>(&self, film: &Film, strip: &'a Strip, buffer: &'a mut Vec<u32>) -> &'a [u8] {

@@ -1,5 +1,7 @@
 //! The counters of pixels, compressed.
 
+use std::ops::Range;
+
 use crate::cost::{Counter, Counters};
 
 /// The counters of some pixels. Counts saturate at 2^32 - 1.
@@ -23,6 +25,9 @@ const _: () = assert!(Counter::ALL.len() as u32 * N_PLANES <= u32::BITS);
 
 /// One bit per plane of a counter.
 const PLANES: u32 = (1 << N_PLANES) - 1;
+
+/// The bits of the planes with the highest bytes.
+const HIGHEST: u32 = 0x8888_8888;
 
 impl PackedCounters {
     /// Packs the counters.
@@ -55,21 +60,63 @@ impl PackedCounters {
         self.n_pixels
     }
 
-    /// Adds one counter of the pixels from index `first` on to `sums`, which saturate
-    /// at 2^32 - 1.
-    pub fn add_to(&self, counter: Counter, first: usize, sums: &mut [u32]) {
+    /// The packed counters as bytes, in parts: equal for equal counters of as many
+    /// pixels.
+    pub fn bytes(&self) -> [&[u8]; 2] {
+        [bytemuck::bytes_of(&self.present), &self.planes]
+    }
+
+    /// Adds one counter of these pixels, which are rows of `width` pixels, to rows of
+    /// `sums` that begin `stride` apart. Sums saturate at 2^32 - 1.
+    pub fn add_to(
+        &self,
+        counter: Counter,
+        pixels: Range<usize>,
+        [width, stride]: [usize; 2],
+        sums: &mut [u32],
+    ) {
+        // Without highest bytes, no sum of a few counters overflows.
+        let add = if self.present & HIGHEST == 0 {
+            add_row
+        } else {
+            add_row_saturating
+        };
         let mut present = self.present >> (N_PLANES * counter as u32) & PLANES;
         let before = self.present & (bit((counter, 0)) - 1);
-        let mut start = before.count_ones() as usize * self.n_pixels + first;
-        while present != 0 {
+        let mut planes = self.planes[before.count_ones() as usize * self.n_pixels..]
+            .chunks_exact(self.n_pixels.max(1));
+        while present != 0
+            && let Some(plane) = planes.next()
+        {
             let shift = u8::BITS * present.trailing_zeros();
-            let bytes = &self.planes[start..start + sums.len()];
-            for (sum, &byte) in sums.iter_mut().zip(bytes) {
-                *sum = sum.saturating_add(u32::from(byte) << shift);
+            let rows = plane[pixels.clone()].chunks_exact(width);
+            for (sums, bytes) in sums.chunks_mut(stride).zip(rows) {
+                add(&mut sums[..width], bytes, shift);
             }
-            start += self.n_pixels;
             present &= present - 1;
         }
+    }
+}
+
+/// Adds a plane of a row.
+fn add_row(sums: &mut [u32], bytes: &[u8], shift: u32) {
+    // Chunks of sixteen compile to vector instructions.
+    let (many, rest) = bytes.as_chunks::<16>();
+    let (many_sums, rest_sums) = sums.as_chunks_mut::<16>();
+    for (sums, bytes) in many_sums.iter_mut().zip(many) {
+        for (sum, &byte) in sums.iter_mut().zip(bytes) {
+            *sum += u32::from(byte) << shift;
+        }
+    }
+    for (sum, &byte) in rest_sums.iter_mut().zip(rest) {
+        *sum += u32::from(byte) << shift;
+    }
+}
+
+/// Does the same with sums that saturate.
+fn add_row_saturating(sums: &mut [u32], bytes: &[u8], shift: u32) {
+    for (sum, &byte) in sums.iter_mut().zip(bytes) {
+        *sum = sum.saturating_add(u32::from(byte) << shift);
     }
 }
 
@@ -148,7 +195,8 @@ mod tests {
             for range in [0..35, 1..4, 13..34, 2..2] {
                 for before in [0, 9] {
                     let mut sums = vec![before; range.len()];
-                    packed.add_to(counter, range.start, &mut sums);
+                    let row = [range.len().max(1); 2];
+                    packed.add_to(counter, range.clone(), row, &mut sums);
                     let counts = pixels[range.clone()].iter().map(|pixel| pixel[i].min(most));
                     let expected = counts.map(|count| before.saturating_add(count as u32));
                     assert!(sums.into_iter().eq(expected));
@@ -156,7 +204,7 @@ mod tests {
             }
         }
         let mut none = [4, 5];
-        packed.add_to(Counter::ReflectionRays, 1, &mut none);
+        packed.add_to(Counter::ReflectionRays, 1..3, [2, 2], &mut none);
         assert_eq!(none, [4, 5]);
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Film, PackedCounters, Strip};
 use crate::cost::Counter;
+use crate::schedule::TileGrid;
 
 /// The thread that rendered a tile, and the tile's counters.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,16 +25,40 @@ impl Film {
         self.by_tile(strip, threads, |number| self.tiles[number as usize].thread);
     }
 
-    /// Adds one counter of the pixels of a strip to `sums`.
+    /// Adds one counter of the pixels of a strip to `sums`, tile by tile.
     pub(super) fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
-        let width = self.grid.width as usize;
-        let rows = sums.chunks_exact_mut(width).zip(strip.first_row..);
-        for (sums, y) in rows {
-            for tile in self.grid.tiles_of_row(y) {
-                let first = (y - tile.rows[0]) as usize * tile.width();
-                let [left, right] = tile.columns.map(|column| column as usize);
-                self.tiles[tile.number as usize].add_to(counter, first, &mut sums[left..right]);
-            }
+        let TileGrid {
+            tile_size, width, ..
+        } = self.grid;
+        let end = strip.first_row + strip.n_rows;
+        let mut y = strip.first_row;
+        while y < end {
+            // The rows that the strip shares with a row of tiles.
+            let first = y % tile_size;
+            let n_rows = (tile_size - first).min(end - y);
+            let begin = (y - strip.first_row) as usize * width as usize;
+            let rows = SharedRows {
+                first: first as usize,
+                n: n_rows as usize,
+                stride: width as usize,
+            };
+            self.add_tiles(y / tile_size, counter, &rows, &mut sums[begin..]);
+            y += n_rows;
+        }
+    }
+
+    /// Adds one counter of a row of tiles to `sums`.
+    fn add_tiles(&self, row: u32, counter: Counter, rows: &SharedRows, sums: &mut [u32]) {
+        let [tile_size, width] = [self.grid.tile_size, self.grid.width].map(|n| n as usize);
+        let n_columns = self.grid.n_columns as usize;
+        let tiles = &self.tiles[row as usize * n_columns..][..n_columns];
+        for (tile, left) in tiles.iter().zip((0..).step_by(tile_size)) {
+            tile.add_rows(
+                counter,
+                tile_size.min(width - left),
+                rows,
+                &mut sums[left..],
+            );
         }
     }
 
@@ -48,16 +73,32 @@ impl Film {
     }
 }
 
+/// Some rows of a tile, and of the pixels that they belong to.
+struct SharedRows {
+    /// The first one in the tile.
+    first: usize,
+    /// Number of rows.
+    n: usize,
+    /// Distance of two rows of pixels.
+    stride: usize,
+}
+
 impl RenderedTile {
-    /// Adds one counter of the pixels from index `first` on, all in the same row, to
-    /// `sums`.
-    fn add_to(&self, counter: Counter, mut first: usize, sums: &mut [u32]) {
+    /// Adds one counter of these rows, each of `width` pixels, to rows of `sums`.
+    fn add_rows(&self, counter: Counter, width: usize, rows: &SharedRows, sums: &mut [u32]) {
+        let wanted = rows.first * width..(rows.first + rows.n) * width;
+        let mut begin = 0;
         for part in &self.counters {
-            if first < part.n_pixels() {
-                part.add_to(counter, first, sums);
-                return;
+            let end = begin + part.n_pixels();
+            // Parts have whole rows.
+            let shared = wanted.start.max(begin)..wanted.end.min(end);
+            if !shared.is_empty() {
+                let row = (shared.start - wanted.start) / width;
+                let pixels = shared.start - begin..shared.end - begin;
+                let sums = &mut sums[row * rows.stride..];
+                part.add_to(counter, pixels, [width, rows.stride], sums);
             }
-            first -= part.n_pixels();
+            begin = end;
         }
     }
 }
