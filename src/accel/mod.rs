@@ -115,6 +115,11 @@ impl<'a> Accel<'a> {
         Self { simd, ..self }
     }
 
+    /// The instruction set.
+    pub fn simd(&self) -> Simd {
+        self.simd
+    }
+
     /// Size and expected cost of the hierarchy; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
         self.index.bvh.as_ref().map(Bvh::statistics)

@@ -70,9 +70,7 @@ impl ImagePlane {
     /// [`ray`](Self::ray) for one pair or for lanes of them.
     #[inline(always)]
     pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
-        let [origin, right, down] = [self.origin, self.right, self.down];
-        let through =
-            Vector::splat(x, origin) + Vector::splat(x, right) * x + Vector::splat(x, down) * y;
+        let through = self.points(x, y);
         match self.projection {
             Projection::Perspective { eye } => {
                 let eye = Vector::splat(x, eye);
@@ -85,16 +83,38 @@ impl ImagePlane {
     /// The world-space size of pixel (x, y) at a distance along its ray: the side of
     /// a square with the pixel's area.
     pub fn footprint(&self, x: f32, y: f32, distance: f32) -> f32 {
-        let pitch = (self.right.length() * self.down.length()).sqrt();
+        self.footprints(self.pitch(), [x, y], distance)
+    }
+
+    /// The side of a square with the area of a pixel on the plane.
+    pub fn pitch(&self) -> f32 {
+        (self.right.length() * self.down.length()).sqrt()
+    }
+
+    /// [`footprint`](Self::footprint) of one pixel or of one per lane, given the
+    /// [`pitch`](Self::pitch).
+    #[inline(always)]
+    pub fn footprints<R: Real>(&self, pitch: f32, [x, y]: [R; 2], distance: R) -> R {
+        let pitch = x.splat(pitch);
         match self.projection {
-            Projection::Perspective { eye } => pitch * distance / self.point(x, y).distance(eye),
+            Projection::Perspective { eye } => {
+                let to_eye = Vector::splat(x, eye) - self.points(x, y);
+                pitch * distance / to_eye.length()
+            }
             Projection::Parallel { .. } => pitch,
         }
     }
 
     /// The world-space point of pixel coordinates (x, y).
     pub fn point(&self, x: f32, y: f32) -> Vec3 {
-        self.origin + x * self.right + y * self.down
+        self.points(x, y).into()
+    }
+
+    /// [`point`](Self::point) of one pair of coordinates or of one per lane.
+    #[inline(always)]
+    fn points<R: Real>(&self, x: R, y: R) -> Vector<R> {
+        let [origin, right, down] = [self.origin, self.right, self.down];
+        Vector::splat(x, origin) + Vector::splat(x, right) * x + Vector::splat(x, down) * y
     }
 
     /// The center of the image.

@@ -18,15 +18,50 @@ pub struct Rendered<'a> {
     pub warm_up_ns: f64,
 }
 
-/// The color and the surface of one pixel.
-#[derive(Debug, Clone, Copy, Default)]
+/// The color and the surface of one pixel, as in files.
+#[derive(Debug, Clone, Copy)]
 pub struct Pixel {
     /// Mean color of the samples, not clamped.
     pub color: Vec3,
-    /// The surface point that the camera ray of the center sample hit.
-    pub surface: Option<SurfacePoint>,
-    /// The size of the pixel there, in world units.
+    /// The point that the camera ray of the center sample hit; NaN without a hit.
+    pub position: Vec3,
+    /// The shading normal there; NaN without a hit.
+    pub normal: Vec3,
+    /// Distance along that ray; NaN without a hit.
+    pub distance: f32,
+    /// The size of the pixel there, in world units; NaN without a hit.
     pub footprint: f32,
+    /// The index of the object that was hit; -1 without a hit.
+    pub object: i32,
+    /// The index of its material; -1 without a hit.
+    pub material: i32,
+}
+
+/// A black pixel without a hit.
+impl Default for Pixel {
+    fn default() -> Self {
+        Self {
+            color: Vec3::ZERO,
+            position: Vec3::NAN,
+            normal: Vec3::NAN,
+            distance: f32::NAN,
+            footprint: f32::NAN,
+            object: -1,
+            material: -1,
+        }
+    }
+}
+
+impl Pixel {
+    /// Sets what the camera ray of the center sample hit.
+    #[inline]
+    pub fn set_surface(&mut self, point: &SurfacePoint) {
+        self.position = point.position;
+        self.normal = point.normal;
+        self.distance = point.distance;
+        self.object = point.object.0 as i32;
+        self.material = point.material.0 as i32;
+    }
 }
 
 /// One measured time of a pixel.

@@ -6,7 +6,6 @@ use glam::Vec3;
 
 use super::{Pixel, Rendered};
 use crate::config::CostMode;
-use crate::trace::SurfacePoint;
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
 /// uppermost row first. Arrays of times are empty without times.
@@ -73,13 +72,12 @@ impl Strip {
             };
         }
         put!(rgb, |pixel| to_rgb8(pixel.color));
-        let footprint = |pixel: &Pixel| seen(pixel, f32::NAN, |_| pixel.footprint);
-        put!(footprint, footprint);
-        put!(position, |pixel| seen(pixel, Vec3::NAN, |at| at.position));
-        put!(normal, |pixel| seen(pixel, Vec3::NAN, |at| at.normal));
-        put!(distance, |pixel| seen(pixel, f32::NAN, |at| at.distance));
-        put!(object, |pixel| seen(pixel, -1, |at| at.object.0 as i32));
-        put!(material, |pixel| seen(pixel, -1, |at| at.material.0 as i32));
+        put!(position, |pixel| pixel.position);
+        put!(normal, |pixel| pixel.normal);
+        put!(distance, |pixel| pixel.distance);
+        put!(footprint, |pixel| pixel.footprint);
+        put!(object, |pixel| pixel.object);
+        put!(material, |pixel| pixel.material);
     }
 }
 
@@ -89,12 +87,6 @@ fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
     for (place, from) in places.iter_mut().zip(from) {
         *place = value(from);
     }
-}
-
-/// A value of the pixel's surface point; `none` without one.
-#[inline(always)]
-fn seen<T>(pixel: &Pixel, none: T, value: impl Fn(&SurfacePoint) -> T) -> T {
-    pixel.surface.as_ref().map_or(none, value)
 }
 
 /// The color clamped to 0..1 and rounded to 8 bits per channel, without gamma.

@@ -44,6 +44,9 @@ macro_rules! shapes {
         }
 
         impl ShapeKind {
+            /// Number of kinds.
+            pub const COUNT: usize = Shape::KEYS.len();
+
             /// [`Project::project_onto`] of shapes of this kind.
             #[inline(always)]
             pub fn project_onto<R: Real>(

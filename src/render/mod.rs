@@ -7,7 +7,7 @@
 
 mod canvas;
 mod view;
-mod wave;
+mod camera_rays;
 mod stream;
 mod timed;
 mod prepass;

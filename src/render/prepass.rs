@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::stream::{PixelPlace, StreamRenderer, WAVE_LEN};
+use super::stream::{StreamRenderer, WAVE_LEN};
 use super::view::View;
 use crate::accel::Accel;
 use crate::config::Image;
@@ -31,7 +31,7 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
         let numbers = first..grid.n_tiles().min(first + n_per_chunk);
         let tiles: Vec<Tile> = numbers.map(|number| grid.tile(number)).collect();
         let places = (0..).zip(tiles.iter().flat_map(probed_pixels));
-        renderer.follow(places.map(|(pixel, at)| PixelPlace { pixel, at }));
+        renderer.follow(places);
         let counters = renderer.probe();
         let mut pixels = 0..;
         let of_tile = |tile| {

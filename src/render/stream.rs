@@ -1,5 +1,6 @@
 //! Wavefront rendering: all camera rays of a tile, then their shadow rays, then
-//! the reflected rays, and so on until all paths have ended.
+//! the reflected rays, and so on until all paths have ended. Each step is a loop
+//! over lanes.
 //!
 //! After Laine, Karras and Aila, "Megakernels Considered
 //! Harmful: Wavefront Path Tracing on GPUs", HPG 2013.
@@ -9,15 +10,16 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::TileRenderer;
-use super::view::{View, limited};
-use super::wave::{Shadows, Wave};
+use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
+use super::view::View;
 use crate::accel::Hit;
 use crate::cost::{ByPixel, PixelProbe, RayKind};
 use crate::film::{Pixel, Rendered};
 use crate::schedule::Tile;
-use crate::shade::Path;
+use crate::shade::{Eyes, PathWave, WaveShader};
+use crate::simd::{N_LANES, Simd, VectorColumn};
 use crate::stop;
-use crate::trace::SurfacePoint;
+use crate::trace::Points;
 
 /// Most paths in flight at a time, unless a tile has more pixels: enough to keep
 /// the kernel busy, few enough to stay in the cache between two steps.
@@ -27,58 +29,62 @@ pub(super) const WAVE_LEN: usize = 2048;
 /// from tile to tile.
 pub(super) struct StreamRenderer<'a, P> {
     view: View<'a>,
-    /// In the order in which their camera rays are traced.
-    places: Vec<PixelPlace>,
+    simd: Simd,
+    places: Places,
     pixels: Vec<Pixel>,
     probe: P,
-    wave: Wave,
+    wave: PathWave,
     /// The next wave.
-    next: Wave,
+    next: PathWave,
     hits: Vec<Option<Hit>>,
-    /// The point that each ray of the wave hit.
-    met: Vec<Option<SurfacePoint>>,
-    shadows: Shadows,
-    /// The color of each path, by slot: the first pixel's paths come first.
-    colors: Vec<Vec3>,
+    points: Points,
+    shader: WaveShader<'a>,
+    occluded: Vec<bool>,
+    /// The origins of the camera rays by slot, unless all start at one point.
+    eyes: Vec<Vec3>,
+    /// The color of each path, by slot.
+    colors: VectorColumn,
+    /// The color of each pixel, in the order of `places`.
+    means: VectorColumn,
+    /// The distance of each pixel's surface; NaN without one.
+    distances: Vec<f32>,
+    footprints: Vec<f32>,
 }
 
-/// A pixel to render.
-#[derive(Clone, Copy)]
-pub(super) struct PixelPlace {
-    /// Its index among the pixels that are rendered together.
-    pub(super) pixel: u32,
-    /// Its column and row in the picture.
-    pub(super) at: (u32, u32),
-}
-
-// Inlining is forced: otherwise the compiler decides differently with and without
-// counters, and counting appears to be twice as expensive.
 impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     pub(super) fn new(view: View<'a>) -> Self {
+        let simd = view.tracer.simd();
         Self {
             view,
-            places: Vec::new(),
+            simd,
+            places: Places::default(),
             pixels: Vec::new(),
             probe: P::default(),
-            wave: Wave::default(),
-            next: Wave::default(),
+            wave: PathWave::default(),
+            next: PathWave::default(),
             hits: Vec::new(),
-            met: Vec::new(),
-            shadows: Shadows::default(),
-            colors: Vec::new(),
+            points: Points::default(),
+            shader: view.shader.of_waves(simd),
+            occluded: Vec::new(),
+            eyes: Vec::new(),
+            colors: VectorColumn::default(),
+            means: VectorColumn::default(),
+            distances: Vec::new(),
+            footprints: Vec::new(),
         }
     }
 
-    /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order.
-    #[inline(always)]
-    pub(super) fn follow(&mut self, places: impl Iterator<Item = PixelPlace>) {
-        self.places.clear();
-        self.places.extend(places);
+    /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order: the
+    /// number, the column and the row of each.
+    pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
+        self.places.fill(places);
         let n_pixels = self.places.len();
-        self.pixels.clear();
         self.pixels.resize(n_pixels, Pixel::default());
         let n_samples = self.view.n_samples;
         self.probe.reset(n_pixels, n_samples);
+        self.means.reset(n_pixels);
+        self.distances.clear();
+        self.distances.resize(n_pixels + N_LANES, f32::NAN);
         let n_per_wave = (WAVE_LEN / n_pixels).max(1);
         for first in (0..n_samples).step_by(n_per_wave) {
             if stop::is_requested() {
@@ -94,86 +100,104 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Renders these samples of all pixels.
-    #[inline(always)]
     fn render_samples(&mut self, samples: Range<u32>) {
-        self.shoot(samples.clone());
+        self.start(samples.clone());
         self.trace();
         if samples.contains(&self.view.middle) {
-            let middle = (self.view.middle - samples.start) as usize;
-            let met = self.met.iter().skip(middle).step_by(samples.len());
-            for (place, met) in self.places.iter().zip(met) {
-                self.pixels[place.pixel as usize].surface = *met;
-            }
+            self.store_surfaces((self.view.middle - samples.start) as usize, samples.len());
         }
         self.shade();
         while !self.wave.rays.is_empty() {
             self.trace();
             self.shade();
         }
-        let colors = self.colors.chunks_exact(samples.len());
-        for (place, colors) in self.places.iter().zip(colors) {
-            let sum = &mut self.pixels[place.pixel as usize].color;
-            colors.iter().for_each(|&color| *sum += limited(color));
-        }
+        self.simd.run(AddSamples {
+            places: &self.places,
+            n_samples: samples.len(),
+            colors: &self.colors,
+            sums: &mut self.means,
+        });
     }
 
     /// Starts a path for each of these samples of all pixels.
-    #[inline(always)]
-    fn shoot(&mut self, samples: Range<u32>) {
-        self.wave.clear();
-        let mut slot = 0;
-        for &PixelPlace { pixel, at } in &self.places {
-            for sample in samples.clone() {
-                let ray = self.view.camera_ray(at, sample);
-                self.wave.push(ray, pixel, Path::from_eye(ray.origin), slot);
-                slot += 1;
+    fn start(&mut self, samples: Range<u32>) {
+        let n_slots = N_LANES * self.places.n_blocks() * samples.len();
+        self.colors.reset(n_slots);
+        self.wave.restart(0);
+        self.simd.run(StartPaths {
+            view: &self.view,
+            places: &self.places,
+            samples,
+            wave: &mut self.wave,
+        });
+        if self.view.eye().is_none() {
+            self.eyes.resize(n_slots, Vec3::ZERO);
+            for (ray, &slot) in self.wave.rays.iter().zip(&self.wave.slots) {
+                self.eyes[slot as usize] = ray.origin;
             }
         }
-        self.colors.clear();
-        self.colors.resize(slot as usize, Vec3::ZERO);
     }
 
-    /// Finds the hits of the wave's rays.
-    #[inline(always)]
+    /// Finds the surface points that the wave's rays hit.
     fn trace(&mut self) {
-        let Self { view, wave, .. } = self;
+        let Self {
+            view: View { tracer, .. },
+            wave,
+            hits,
+            points,
+            ..
+        } = self;
         let probe = ByPixel::new(&mut self.probe, &wave.pixels);
-        view.tracer
-            .nearest_stream(&wave.rays, &mut self.hits, probe);
-        let met = wave
-            .rays
-            .iter()
-            .zip(&self.hits)
-            .map(|(ray, hit)| hit.map(|hit| view.tracer.surface_point(ray, hit)));
-        self.met.clear();
-        self.met.extend(met);
+        tracer.nearest_stream(&wave.rays, hits, probe);
+        tracer.surface_points(&wave.rays, hits, points);
     }
 
-    /// Shades the hits of the wave's rays; the reflected rays become the wave.
-    fn shade(&mut self) {
-        let View { tracer, shader, .. } = &self.view;
-        self.shadows
-            .gather(shader, &self.met, &self.wave.pixels, &mut self.probe);
-        self.shadows.trace(tracer, &mut self.probe);
-        self.next.clear();
-        for (i, (ray, met)) in self.wave.rays.iter().zip(&self.met).enumerate() {
-            let path = &mut self.wave.paths[i];
-            let reflected = match met {
-                Some(point) => shader.shade(path, ray, point, self.shadows.lights_at(i)),
-                None => {
-                    shader.miss(path, ray);
-                    None
-                }
-            };
-            let (pixel, slot) = (self.wave.pixels[i], self.wave.slots[i]);
-            match reflected {
-                Some(ray) => {
-                    self.probe.rays(RayKind::Reflection, pixel as usize, 1);
-                    self.probe.bounce(pixel as usize, path.depth);
-                    self.next.push(ray, pixel, *path, slot);
-                }
-                None => self.colors[slot as usize] = path.color,
+    /// Stores the surfaces that the camera rays of one of `n_samples` samples hit.
+    fn store_surfaces(&mut self, sample: usize, n_samples: usize) {
+        for i in 0..self.places.len() {
+            let (block, lane) = (i / N_LANES, i % N_LANES);
+            let ray = N_LANES * n_samples * block + sample * self.places.in_block(block) + lane;
+            let (number, _) = self.places.get(i);
+            let pixel = &mut self.pixels[number];
+            *pixel = Pixel::default();
+            if let Some(point) = self.points.of_ray(ray) {
+                [pixel.position, pixel.normal] = self.points.position_and_normal(point);
+                let [object, material] = self.points.object_and_material(point);
+                (pixel.object, pixel.material) = (object as i32, material as i32);
+                pixel.distance = self.points.distance(point);
+                self.distances[i] = pixel.distance;
             }
+        }
+    }
+
+    /// Shades the points; the reflected rays become the wave.
+    fn shade(&mut self) {
+        let eyes = match self.view.eye() {
+            Some(eye) => Eyes::One(eye),
+            None => Eyes::OfSlots(&self.eyes),
+        };
+        let Self {
+            wave,
+            points,
+            shader,
+            ..
+        } = self;
+        shader.begin(points);
+        for light in 0..shader.n_lights() {
+            shader.cast(light, wave, points);
+            let shadows = &shader.shadows;
+            for &pixel in &shadows.pixels {
+                self.probe.rays(RayKind::Shadow, pixel as usize, 1);
+            }
+            let probe = ByPixel::new(&mut self.probe, &shadows.pixels);
+            let tracer = &self.view.tracer;
+            tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
+            shader.add_light(light, eyes, wave, points, &self.occluded);
+        }
+        shader.end(wave, points, &mut self.next, &mut self.colors);
+        for &pixel in &self.next.pixels {
+            self.probe.rays(RayKind::Reflection, pixel as usize, 1);
+            self.probe.bounce(pixel as usize, self.next.depth);
         }
         std::mem::swap(&mut self.wave, &mut self.next);
     }
@@ -181,16 +205,22 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
 impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
     fn render(&mut self, tile: &Tile) -> Rendered<'_> {
-        let place = |at| PixelPlace {
-            pixel: tile.index(at),
-            at,
-        };
-        self.follow(tile.pixels().map(place));
-        for &PixelPlace { pixel, at } in &self.places {
-            self.view.finish(&mut self.pixels[pixel as usize], at);
+        self.follow(tile.pixels().map(|at| (tile.index(at), at)));
+        self.simd.run(FinishPixels {
+            view: &self.view,
+            places: &self.places,
+            colors: &mut self.means,
+            distances: &self.distances,
+            footprints: &mut self.footprints,
+        });
+        for i in 0..self.places.len() {
+            let (number, _) = self.places.get(i);
+            let pixel = &mut self.pixels[number];
+            pixel.color = self.means.get(i);
+            pixel.footprint = self.footprints[i];
         }
         Rendered {
-            pixels: &self.pixels,
+            pixels: &self.pixels[..self.places.len()],
             counters: self.probe.counted(),
             times: &[],
             warm_up_ns: 0.0,

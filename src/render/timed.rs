@@ -12,6 +12,7 @@ use crate::film::{Pixel, PixelTime, Rendered};
 use crate::geometry::Ray;
 use crate::schedule::Tile;
 use crate::shade::Path;
+use crate::simd::Vector;
 use crate::stop;
 use crate::trace::SurfacePoint;
 
@@ -196,10 +197,13 @@ fn render_pixel(view: &View, place: (u32, u32), pixel: &mut Pixel, counted: &mut
     for sample in 0..view.n_samples {
         let ray = view.camera_ray(place, sample);
         let met = view.tracer.trace(&ray, RayKind::Camera, probe);
-        if sample == view.middle {
-            pixel.surface = met;
+        if let Some(point) = met
+            && sample == view.middle
+        {
+            pixel.set_surface(&point);
         }
-        pixel.color += limited(radiance(view, ray, met, probe));
+        let color = limited(Vector::from(radiance(view, ray, met, probe)));
+        pixel.color += Vec3::from(color);
     }
     view.finish(pixel, place);
     *counted = cost;

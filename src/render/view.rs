@@ -3,13 +3,14 @@
 use glam::Vec3;
 
 use crate::accel::Accel;
-use crate::camera::ImagePlane;
+use crate::camera::{ImagePlane, Projection};
 use crate::config::Image;
 use crate::film::Pixel;
 use crate::geometry::Ray;
 use crate::sampling::PixelPattern;
 use crate::scene::Scene;
 use crate::shade::Shader;
+use crate::simd::{Real, Vector};
 use crate::trace::Tracer;
 
 /// Everything that rendering a pixel needs.
@@ -25,6 +26,8 @@ pub(crate) struct View<'a> {
     plane: ImagePlane,
     pattern: PixelPattern,
     width: u32,
+    /// The side of a square with the area of a pixel on the plane.
+    pitch: f32,
 }
 
 impl<'a> View<'a> {
@@ -38,34 +41,76 @@ impl<'a> View<'a> {
             plane: scene.image_plane,
             pattern,
             width: image.width,
+            pitch: scene.image_plane.pitch(),
         }
     }
 
     /// Replaces the image plane.
     pub(crate) fn through(self, plane: ImagePlane) -> Self {
-        Self { plane, ..self }
+        Self {
+            plane,
+            pitch: plane.pitch(),
+            ..self
+        }
+    }
+
+    /// Returns the number of a pixel in the picture.
+    #[inline(always)]
+    pub(super) fn pixel_number(&self, (x, y): (u32, u32)) -> u64 {
+        u64::from(y) * u64::from(self.width) + u64::from(x)
     }
 
     /// Returns the camera ray of one of the pixel's samples.
     pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
-        let pixel = u64::from(y) * u64::from(self.width) + u64::from(x);
-        let offset = self.pattern.point(pixel, sample);
+        let offset = self.pattern.point(self.pixel_number((x, y)), sample);
         self.plane.ray(x as f32 + offset.x, y as f32 + offset.y)
+    }
+
+    /// Returns the origins and the directions of the camera rays of one sample of a
+    /// pixel per lane; the pixels' numbers have these lower and upper halves.
+    #[inline(always)]
+    pub(super) fn camera_rays<R: Real>(
+        &self,
+        [x, y]: [R; 2],
+        low: R::Integer,
+        high: u32,
+        sample: u32,
+    ) -> [Vector<R>; 2] {
+        let [dx, dy] = self.pattern.points::<R>(low, high, sample);
+        self.plane.rays(x + dx, y + dy)
+    }
+
+    /// Returns the footprints of pixels at these distances; NaN at NaN.
+    #[inline(always)]
+    pub(super) fn footprints<R: Real>(&self, at: [R; 2], distance: R) -> R {
+        let footprint = self.plane.footprints(self.pitch, at, distance);
+        R::select(distance.le(distance), footprint, distance)
+    }
+
+    /// Returns the point at which all camera rays start, if there is one.
+    pub(super) fn eye(&self) -> Option<Vec3> {
+        match self.plane.projection {
+            Projection::Perspective { eye } => Some(eye),
+            Projection::Parallel { .. } => None,
+        }
     }
 
     /// Divides the sum of the samples' colors by their number, and sets the
     /// footprint.
     pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
-        let footprint_at = |distance| self.plane.footprint(x as f32, y as f32, distance);
         pixel.color /= self.n_samples as f32;
-        pixel.footprint = pixel
-            .surface
-            .map_or(f32::NAN, |point| footprint_at(point.distance));
+        pixel.footprint = self.footprints([x as f32, y as f32], pixel.distance);
     }
 }
 
 /// Limits a sample to 1 in each channel. Samples are limited before they are
 /// averaged, so that bright edges stay antialiased.
-pub(super) fn limited(color: Vec3) -> Vec3 {
-    color.min(Vec3::ONE)
+#[inline(always)]
+pub(super) fn limited<R: Real>(color: Vector<R>) -> Vector<R> {
+    let one = color.x.splat(1.0);
+    Vector {
+        x: color.x.min(one),
+        y: color.y.min(one),
+        z: color.z.min(one),
+    }
 }

@@ -28,6 +28,11 @@ pub enum AttributeKind {
     Colors,
 }
 
+impl AttributeKind {
+    /// Number of kinds.
+    pub const COUNT: u32 = 3;
+}
+
 impl Attributes {
     pub(super) fn kind(&self) -> AttributeKind {
         match self {

@@ -5,11 +5,11 @@ use glam::Vec3;
 use crate::geometry::{Aabb, Intersectable, N_PARAMETERS, Patch, Ray, Shape, ShapeKind, Transform};
 
 /// The index of an object in the file's `objects`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ObjectId(pub u32);
 
 /// The index of a material in the file's `materials`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct MaterialId(pub u32);
 
 /// A shape in world space, its object and its material.

@@ -11,19 +11,28 @@ mod model;
 mod seed;
 mod standard;
 mod path;
+mod paths;
+mod cast_shadows;
+mod add_light;
+mod end_paths;
+mod wave;
 
 use crate::accel::ShadowRay;
 use crate::config::ShadingModel;
 use crate::geometry::Ray;
 use crate::light::{Illumination, Light};
 use crate::scene::Scene;
-use crate::simd::Vector;
+use crate::simd::{Simd, Vector};
 use crate::trace::SurfacePoint;
 use model::Model;
 use seed::Seed;
 use standard::Standard;
 
+pub use add_light::Eyes;
+pub use cast_shadows::ShadowWave;
 pub use path::Path;
+pub use paths::PathWave;
+pub use wave::WaveShader;
 
 /// Shades the points that rays hit.
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +55,11 @@ impl<'a> Shader<'a> {
         Self { scene }
     }
 
+    /// Creates a shader of waves, by this instruction set.
+    pub fn of_waves(&self, simd: Simd) -> WaveShader<'a> {
+        WaveShader::new(self.scene, simd)
+    }
+
     /// Returns the lights that may reach the point, in the order of the scene file.
     pub fn light_samples(&self, point: &SurfacePoint) -> impl Iterator<Item = LightSample> {
         self.indexed_light_samples(point).map(|(_, sample)| sample)
@@ -59,8 +73,8 @@ impl<'a> Shader<'a> {
     ) -> impl Iterator<Item = (u32, LightSample)> {
         (0..).zip(&self.scene.lights).filter_map(|(index, light)| {
             let sample = match self.scene.shading.model {
-                ShadingModel::BlinnPhong => light_sample::<Standard>(light, point),
-                ShadingModel::Seed => light_sample::<Seed>(light, point),
+                ShadingModel::BlinnPhong => light_sample(Standard, light, point),
+                ShadingModel::Seed => light_sample(Seed, light, point),
             };
             Some((index, sample?))
         })
@@ -77,14 +91,15 @@ impl<'a> Shader<'a> {
         lights: impl Iterator<Item = Illumination<f32>>,
     ) -> Option<Ray> {
         match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.shade_by::<Standard>(path, ray, point, lights),
-            ShadingModel::Seed => self.shade_by::<Seed>(path, ray, point, lights),
+            ShadingModel::BlinnPhong => self.shade_by(Standard, path, ray, point, lights),
+            ShadingModel::Seed => self.shade_by(Seed, path, ray, point, lights),
         }
     }
 
     /// [`shade`](Self::shade) by a model.
     fn shade_by<M: Model>(
         &self,
+        model: M,
         path: &mut Path,
         ray: &Ray,
         point: &SurfacePoint,
@@ -92,12 +107,12 @@ impl<'a> Shader<'a> {
     ) -> Option<Ray> {
         let material = self.scene.material(point.material);
         let (at, direction) = (point.shading(), ray.direction.into());
-        let to_viewer = M::to_viewer(&at, path.eye.into(), direction);
-        let mut color = M::ambient(material, self.scene.shading.ambient, at.color);
+        let to_viewer = model.to_viewer(&at, path.eye.into(), direction);
+        let mut color = model.ambient(material, self.scene.shading.ambient, at.color);
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
             is_lit = true;
-            color = color + M::reflected(material, &at, &light, to_viewer);
+            color = color + model.reflected(material, &at, &light, to_viewer);
         }
         if !is_lit {
             return None;
@@ -109,7 +124,7 @@ impl<'a> Shader<'a> {
         path.bounce(material.reflection);
         let mirrored = at.mirrored(direction);
         Some(Ray {
-            origin: M::origin(&at, mirrored).into(),
+            origin: model.origin(&at, mirrored).into(),
             direction: mirrored.into(),
         })
     }
@@ -123,18 +138,18 @@ impl<'a> Shader<'a> {
 }
 
 /// The light from one source at a point; `None` if it cannot arrive.
-fn light_sample<M: Model>(light: &Light, point: &SurfacePoint) -> Option<LightSample> {
+fn light_sample<M: Model>(model: M, light: &Light, point: &SurfacePoint) -> Option<LightSample> {
     let at = point.shading();
     let light = light.illuminate(at.position);
     let direction = light.direction;
-    M::may_arrive(&at, &light).then(|| LightSample {
+    model.may_arrive(&at, &light).then(|| LightSample {
         light,
         shadow: ShadowRay {
             ray: Ray {
-                origin: M::origin(&at, direction).into(),
+                origin: model.origin(&at, direction).into(),
                 direction: direction.into(),
             },
-            t_max: M::end(&light),
+            t_max: model.end(&light),
             ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
         },
     })

@@ -9,33 +9,35 @@ use crate::trace::ShadingPoint;
 
 /// A model of how surfaces reflect light. All formulas are for one point or for one
 /// per lane, all of which have the same material.
-pub(super) trait Model {
+pub(super) trait Model: Copy {
     /// Whether a shadow ray ignores the object that it leaves.
     const IGNORES_OWN_OBJECT: bool;
     /// Whether a point that no light reaches is black and ends its path.
     const NEEDS_LIGHT: bool;
 
     /// Whether the light may arrive: not if the surface itself is in its way.
-    fn may_arrive<R: Real>(point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask;
+    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask;
 
     /// The origin of a ray that leaves the point in this direction.
-    fn origin<R: Real>(point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R>;
+    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R>;
 
     /// The parameter at which a shadow ray ends.
-    fn end<R: Real>(light: &Illumination<R>) -> R;
+    fn end<R: Real>(self, light: &Illumination<R>) -> R;
 
     /// The unit vector to the viewer: of a path from `eye`, by a ray in `direction`.
     fn to_viewer<R: Real>(
+        self,
         point: &ShadingPoint<R>,
         eye: Vector<R>,
         direction: Vector<R>,
     ) -> Vector<R>;
 
     /// The reflected ambient light.
-    fn ambient<R: Real>(material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R>;
+    fn ambient<R: Real>(self, material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R>;
 
     /// The light that the point reflects to the viewer.
     fn reflected<R: Real>(
+        self,
         material: &Material,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,

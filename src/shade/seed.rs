@@ -19,6 +19,8 @@ use crate::trace::ShadingPoint;
 /// Distance of the origin of new rays from the surface, in world units.
 const OFFSET: f32 = 1e-4;
 
+/// See the file's documentation.
+#[derive(Clone, Copy)]
 pub(super) struct Seed;
 
 impl Model for Seed {
@@ -26,33 +28,39 @@ impl Model for Seed {
     const NEEDS_LIGHT: bool = true;
 
     #[inline(always)]
-    fn may_arrive<R: Real>(point: &ShadingPoint<R>, _: &Illumination<R>) -> R::Mask {
+    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, _: &Illumination<R>) -> R::Mask {
         point.side.le(point.side)
     }
 
     #[inline(always)]
-    fn origin<R: Real>(point: &ShadingPoint<R>, _: Vector<R>) -> Vector<R> {
+    fn origin<R: Real>(self, point: &ShadingPoint<R>, _: Vector<R>) -> Vector<R> {
         point.position + point.outward(point.geometric_normal) * point.side.splat(OFFSET)
     }
 
     #[inline(always)]
-    fn end<R: Real>(light: &Illumination<R>) -> R {
+    fn end<R: Real>(self, light: &Illumination<R>) -> R {
         light.distance.splat(f32::INFINITY)
     }
 
     #[inline(always)]
-    fn to_viewer<R: Real>(point: &ShadingPoint<R>, eye: Vector<R>, _: Vector<R>) -> Vector<R> {
+    fn to_viewer<R: Real>(
+        self,
+        point: &ShadingPoint<R>,
+        eye: Vector<R>,
+        _: Vector<R>,
+    ) -> Vector<R> {
         let none = Vector::splat(point.side, Vec3::ZERO);
         (eye - point.position).normalize_or(none)
     }
 
     #[inline(always)]
-    fn ambient<R: Real>(material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R> {
+    fn ambient<R: Real>(self, material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R> {
         Vector::splat(color.x, material.ambient * ambient)
     }
 
     #[inline(always)]
     fn reflected<R: Real>(
+        self,
         material: &Material,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,

@@ -14,6 +14,8 @@ use crate::material::Material;
 use crate::simd::{Real, Vector};
 use crate::trace::ShadingPoint;
 
+/// See the file's documentation.
+#[derive(Clone, Copy)]
 pub(super) struct Standard;
 
 impl Model for Standard {
@@ -22,7 +24,7 @@ impl Model for Standard {
 
     /// Not from behind the surface, and not from a light that is off.
     #[inline(always)]
-    fn may_arrive<R: Real>(point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
+    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
         let Vector { x, y, z } = light.radiance;
         let zero = x.splat(0.0);
         let is_off = x.equals(zero) & y.equals(zero) & z.equals(zero);
@@ -30,27 +32,33 @@ impl Model for Standard {
     }
 
     #[inline(always)]
-    fn origin<R: Real>(point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
+    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
         leaving(point.position, point.geometric_normal, direction)
     }
 
     #[inline(always)]
-    fn end<R: Real>(light: &Illumination<R>) -> R {
+    fn end<R: Real>(self, light: &Illumination<R>) -> R {
         light.distance
     }
 
     #[inline(always)]
-    fn to_viewer<R: Real>(_: &ShadingPoint<R>, _: Vector<R>, direction: Vector<R>) -> Vector<R> {
+    fn to_viewer<R: Real>(
+        self,
+        _: &ShadingPoint<R>,
+        _: Vector<R>,
+        direction: Vector<R>,
+    ) -> Vector<R> {
         -direction
     }
 
     #[inline(always)]
-    fn ambient<R: Real>(material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R> {
+    fn ambient<R: Real>(self, material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R> {
         Vector::splat(color.x, material.ambient * ambient).times(color)
     }
 
     #[inline(always)]
     fn reflected<R: Real>(
+        self,
         material: &Material,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,

@@ -78,6 +78,16 @@ impl Registers for Avx2 {
     type Mask = WideMask;
 
     #[inline(always)]
+    fn mask_of(self, bits: u8) -> WideMask {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let bits = _mm256_and_si256(_mm256_set1_epi32(bits.into()), lanes);
+            WideMask(_mm256_castsi256_ps(_mm256_cmpeq_epi32(bits, lanes)))
+        }
+    }
+
+    #[inline(always)]
     fn lt(self, a: __m256, b: __m256) -> WideMask {
         // SAFETY: `self` proves AVX2.
         WideMask(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(a, b) })

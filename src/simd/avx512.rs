@@ -72,6 +72,11 @@ impl Registers for Avx512 {
     type Mask = MaskRegister;
 
     #[inline(always)]
+    fn mask_of(self, bits: u8) -> MaskRegister {
+        MaskRegister(bits)
+    }
+
+    #[inline(always)]
     fn lt(self, a: __m256, b: __m256) -> MaskRegister {
         // SAFETY: `self` proves AVX-512.
         MaskRegister(unsafe { _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })

@@ -44,6 +44,13 @@ pub(crate) trait InstructionSet: Copy {
     fn load_bits(self, bits: &[u32; N_LANES]) -> Self::Lanes;
     /// The same bit pattern in all lanes.
     fn splat_bits(self, bits: u32) -> Self::Lanes;
+    /// One integer per lane.
+    #[inline(always)]
+    fn load_integers(self, integers: &[u32; N_LANES]) -> <Self::Lanes as Real>::Integer {
+        self.load_bits(integers).to_integer_bits()
+    }
+    /// The mask with bit `i` for lane `i`.
+    fn mask(self, bits: u8) -> <Self::Lanes as Real>::Mask;
     /// Adds `n` to those counts whose bits are set.
     fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32);
     /// Prefetches the cache line at this address, which need not be valid, into

@@ -13,6 +13,7 @@ mod real;
 mod lanes;
 mod portable;
 mod vector;
+mod column;
 mod sum;
 #[cfg(target_arch = "x86_64")]
 mod registers;
@@ -31,6 +32,7 @@ use std::fmt;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
+pub(crate) use column::{VectorColumn, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays};
 pub(crate) use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
 pub use real::{Double, Integer, Mask, Real};

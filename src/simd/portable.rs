@@ -34,6 +34,11 @@ impl InstructionSet for Portable {
     }
 
     #[inline(always)]
+    fn mask(self, bits: u8) -> BitMask {
+        BitMask(bits)
+    }
+
+    #[inline(always)]
     fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32) {
         for (lane, count) in counts.iter_mut().enumerate() {
             let is_set = u32::from(bits) >> lane & 1;

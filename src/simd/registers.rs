@@ -15,6 +15,8 @@ pub(crate) trait Registers: Copy {
     fn le(self, a: __m256, b: __m256) -> Self::Mask;
     /// `this` where `mask` is true, else `other`.
     fn select(self, mask: Self::Mask, this: __m256, other: __m256) -> __m256;
+    /// The mask with bit `i` for lane `i`.
+    fn mask_of(self, bits: u8) -> Self::Mask;
     /// The lanes of `mask` first.
     fn compress(self, mask: Self::Mask, lanes: __m256) -> __m256;
 }

@@ -50,6 +50,11 @@ impl<R: Registers> InstructionSet for R {
     }
 
     #[inline(always)]
+    fn mask(self, bits: u8) -> R::Mask {
+        self.mask_of(bits)
+    }
+
+    #[inline(always)]
     fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32) {
         let counts: *mut __m256i = counts.as_mut_ptr().cast();
         // SAFETY: `self` proves AVX2; the pointer is to eight integers, at any

@@ -1,12 +1,16 @@
 //! Ray → the surface point that it hits.
 
 mod surface_point;
+mod points;
+mod find_points;
 
 use crate::accel::{Accel, Hit, ShadowRay, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use crate::geometry::Ray;
 use crate::scene::Scene;
-use crate::simd::Vector;
+use crate::simd::{Simd, Vector};
+use find_points::FindPoints;
+pub use points::{PointGroup, PointLanes, Points};
 pub use surface_point::{ShadingPoint, SurfacePoint};
 use surface_point::{on_side_of, side};
 
@@ -71,6 +75,22 @@ impl<'a> Tracer<'a> {
         mut probes: ByPixel<P>,
     ) {
         self.accel.occluded_stream(rays, shadowed, &mut probes);
+    }
+
+    /// The instruction set that waves are shaded with.
+    pub(crate) fn simd(&self) -> Simd {
+        self.accel.simd()
+    }
+
+    /// Overwrites `points` with the surface points of the hits of these rays.
+    pub fn surface_points(&self, rays: &[Ray], hits: &[Option<Hit>], points: &mut Points) {
+        points.group(self.scene, hits);
+        self.simd().run(FindPoints {
+            scene: self.scene,
+            rays,
+            hits,
+            points,
+        });
     }
 
     /// The surface point of a hit.

@@ -1,0 +1,206 @@
+//! Pixels → camera rays, and the colors of their paths → pixels, in lanes.
+
+use std::ops::Range;
+
+use super::view::{View, limited};
+use crate::shade::PathWave;
+use crate::simd::{
+    InstructionSet, Lanes, N_LANES, Real, SimdKernel, Vector, VectorColumn, grow, lanes, lanes_mut,
+    set_lane,
+};
+
+/// The pixels that are rendered together, as a structure of arrays, in the order in
+/// which their camera rays are traced.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    /// Number of pixels.
+    n: usize,
+    /// The columns and rows in the picture; behind the last pixel it is repeated to
+    /// whole lanes.
+    x: Vec<u32>,
+    y: Vec<u32>,
+    /// The index of each pixel among those that are rendered together.
+    pixels: Vec<u32>,
+}
+
+impl Places {
+    /// Overwrites the pixels: index, column and row of each.
+    pub(super) fn fill(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
+        self.x.clear();
+        self.y.clear();
+        self.pixels.clear();
+        for (pixel, (x, y)) in places {
+            self.x.push(x);
+            self.y.push(y);
+            self.pixels.push(pixel);
+        }
+        self.n = self.pixels.len();
+        let last = self.n.saturating_sub(1);
+        for values in [&mut self.x, &mut self.y, &mut self.pixels] {
+            let repeated = values.get(last).copied().unwrap_or(0);
+            values.resize(self.n.next_multiple_of(N_LANES), repeated);
+        }
+    }
+
+    /// Number of pixels.
+    pub(super) fn len(&self) -> usize {
+        self.n
+    }
+
+    /// Number of blocks of eight pixels; the last one may have fewer.
+    pub(super) fn n_blocks(&self) -> usize {
+        self.n.div_ceil(N_LANES)
+    }
+
+    /// Number of pixels in a block.
+    #[inline(always)]
+    pub(super) fn in_block(&self, block: usize) -> usize {
+        N_LANES.min(self.n - N_LANES * block)
+    }
+
+    /// The index of a pixel, and its column and row.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> (usize, (u32, u32)) {
+        (self.pixels[i] as usize, (self.x[i], self.y[i]))
+    }
+
+    /// The column and row of each pixel of a block.
+    #[inline(always)]
+    fn coordinates<I: InstructionSet>(&self, set: I, block: usize) -> [I::Lanes; 2] {
+        let [x, y] = [&self.x, &self.y].map(|values| lanes(values, N_LANES * block));
+        // Below 2^31: as exact as the conversion of each.
+        [
+            I::Lanes::from_integer(set.load_integers(x)),
+            I::Lanes::from_integer(set.load_integers(y)),
+        ]
+    }
+}
+
+/// Starts a path for each of these samples of all pixels: for each block of eight
+/// pixels its first samples, then its second ones and so on, so that consecutive rays
+/// are coherent. The slot of sample `s` in lane `l` of block `b` is
+/// `8 * (b * n_samples + s) + l`.
+pub(super) struct StartPaths<'a> {
+    pub(super) view: &'a View<'a>,
+    pub(super) places: &'a Places,
+    pub(super) samples: Range<u32>,
+    pub(super) wave: &'a mut PathWave,
+}
+
+impl SimdKernel for StartPaths<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        let mut slot = 0;
+        for block in 0..self.places.n_blocks() {
+            let n = self.places.in_block(block);
+            let [x, y] = self.places.coordinates(set, block);
+            let (low, high) = self.numbers(block);
+            let pixels = lanes(&self.places.pixels, N_LANES * block);
+            for sample in self.samples.clone() {
+                let rays = match high {
+                    Some(high) => {
+                        let low = set.load_integers(&low);
+                        self.view.camera_rays([x, y], low, high, sample)
+                    }
+                    None => self.one_by_one(set, block, sample),
+                };
+                self.wave.start(rays, pixels, slot, n);
+                slot += N_LANES as u32;
+            }
+        }
+    }
+}
+
+impl StartPaths<'_> {
+    /// The lower halves of the pixels' numbers in the picture, and their upper half
+    /// if it is the same for all.
+    #[inline(always)]
+    fn numbers(&self, block: usize) -> ([u32; N_LANES], Option<u32>) {
+        let mut low = [0; N_LANES];
+        let mut high = [0; N_LANES];
+        for lane in 0..N_LANES {
+            let (_, at) = self.places.get(N_LANES * block + lane);
+            let number = self.view.pixel_number(at);
+            low[lane] = number as u32;
+            high[lane] = (number >> 32) as u32;
+        }
+        let is_same = high.iter().all(|half| *half == high[0]);
+        (low, is_same.then_some(high[0]))
+    }
+
+    /// The rays of a block whose pixels' numbers have different upper halves.
+    #[cold]
+    fn one_by_one<I: InstructionSet>(
+        &self,
+        set: I,
+        block: usize,
+        sample: u32,
+    ) -> [Vector<I::Lanes>; 2] {
+        let (mut origins, mut directions) = ([[0.0; N_LANES]; 3], [[0.0; N_LANES]; 3]);
+        for lane in 0..N_LANES {
+            let (_, at) = self.places.get(N_LANES * block + lane);
+            let ray = self.view.camera_ray(at, sample);
+            set_lane(&mut origins, lane, ray.origin);
+            set_lane(&mut directions, lane, ray.direction);
+        }
+        [set.load_vector(&origins), set.load_vector(&directions)]
+    }
+}
+
+/// Adds the colors of the paths that [`StartPaths`] started to those of their pixels.
+pub(super) struct AddSamples<'a> {
+    pub(super) places: &'a Places,
+    pub(super) n_samples: usize,
+    /// The color of each path, by slot.
+    pub(super) colors: &'a VectorColumn,
+    /// The sum of each pixel's samples.
+    pub(super) sums: &'a mut VectorColumn,
+}
+
+impl SimdKernel for AddSamples<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for block in 0..self.places.n_blocks() {
+            let mut sum = self.sums.load(set, N_LANES * block);
+            for sample in 0..self.n_samples {
+                let slot = N_LANES * (block * self.n_samples + sample);
+                sum = sum + limited(self.colors.load(set, slot));
+            }
+            self.sums.store(N_LANES * block, sum);
+        }
+    }
+}
+
+/// Divides sums of colors by the number of samples, and computes the footprints of
+/// pixels at their distances; NaN without a hit.
+pub(super) struct FinishPixels<'a> {
+    pub(super) view: &'a View<'a>,
+    pub(super) places: &'a Places,
+    /// Sums of colors, which become their means.
+    pub(super) colors: &'a mut VectorColumn,
+    pub(super) distances: &'a [f32],
+    pub(super) footprints: &'a mut Vec<f32>,
+}
+
+impl SimdKernel for FinishPixels<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        grow(self.footprints, self.places.len());
+        let n_samples = set.splat(self.view.n_samples as f32);
+        for block in 0..self.places.n_blocks() {
+            let first = N_LANES * block;
+            let mean = self.colors.load(set, first) / n_samples;
+            self.colors.store(first, mean);
+            let at = self.places.coordinates(set, block);
+            let distance = set.load(lanes(self.distances, first));
+            let footprint = self.view.footprints(at, distance);
+            *lanes_mut(self.footprints, first) = footprint.to_array();
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Columns of vectors: structures of arrays.
+
+use glam::Vec3;
+
+use super::lanes::{InstructionSet, Lanes, N_LANES};
+use super::vector::Vector;
+
+/// Vectors as one array per coordinate, with room for whole lanes behind the last.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct VectorColumn {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+}
+
+impl VectorColumn {
+    /// Makes room for at least `n` vectors; keeps those that it has.
+    pub(crate) fn grow(&mut self, n: usize) {
+        for numbers in [&mut self.x, &mut self.y, &mut self.z] {
+            grow(numbers, n);
+        }
+    }
+
+    /// Overwrites the first `n` vectors with zeros.
+    pub(crate) fn reset(&mut self, n: usize) {
+        self.grow(n);
+        for numbers in [&mut self.x, &mut self.y, &mut self.z] {
+            numbers[..n].fill(0.0);
+        }
+    }
+
+    /// The vectors from index `first` on, one per lane.
+    #[inline(always)]
+    pub(crate) fn load<I: InstructionSet>(&self, set: I, first: usize) -> Vector<I::Lanes> {
+        Vector {
+            x: set.load(lanes(&self.x, first)),
+            y: set.load(lanes(&self.y, first)),
+            z: set.load(lanes(&self.z, first)),
+        }
+    }
+
+    /// Overwrites the vectors from index `first` on, one per lane.
+    #[inline(always)]
+    pub(crate) fn store<L: Lanes>(&mut self, first: usize, vectors: Vector<L>) {
+        *lanes_mut(&mut self.x, first) = vectors.x.to_array();
+        *lanes_mut(&mut self.y, first) = vectors.y.to_array();
+        *lanes_mut(&mut self.z, first) = vectors.z.to_array();
+    }
+
+    /// Vector `i`.
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Adds to vector `i`.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, i: usize, vector: Vec3) {
+        self.x[i] += vector.x;
+        self.y[i] += vector.y;
+        self.z[i] += vector.z;
+    }
+}
+
+/// Makes room for at least `n` values and a lane for each behind them; keeps those
+/// that there are.
+pub(crate) fn grow<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
+    if values.len() < n + N_LANES {
+        values.resize(n + N_LANES, T::default());
+    }
+}
+
+/// The eight values from index `first` on.
+#[inline(always)]
+pub(crate) fn lanes<T>(values: &[T], first: usize) -> &[T; N_LANES] {
+    values[first..]
+        .first_chunk()
+        .expect("columns hold whole lanes")
+}
+
+/// The eight values from index `first` on.
+#[inline(always)]
+pub(crate) fn lanes_mut<T>(values: &mut [T], first: usize) -> &mut [T; N_LANES] {
+    values[first..]
+        .first_chunk_mut()
+        .expect("columns hold whole lanes")
+}
+
+/// The coordinates x, y and z, lane by lane.
+#[inline(always)]
+pub(crate) fn to_arrays<L: Lanes>(vectors: Vector<L>) -> [[f32; N_LANES]; 3] {
+    let Vector { x, y, z } = vectors;
+    [x.to_array(), y.to_array(), z.to_array()]
+}
+
+/// Sets the vector in one lane of these coordinates x, y and z.
+#[inline(always)]
+pub(crate) fn set_lane([x, y, z]: &mut [[f32; N_LANES]; 3], lane: usize, vector: Vec3) {
+    (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
+}
+
+/// The vector in one lane of these coordinates x, y and z.
+#[inline(always)]
+pub(crate) fn lane_of([x, y, z]: &[[f32; N_LANES]; 3], lane: usize) -> Vec3 {
+    Vec3::new(x[lane], y[lane], z[lane])
+}

@@ -1,0 +1,273 @@
+//! The surface points of a wave of rays, in groups that are computed alike.
+
+use glam::Vec3;
+
+use super::surface_point::ShadingPoint;
+use crate::accel::Hit;
+use crate::geometry::ShapeKind;
+use crate::scene::{AttributeKind, MaterialId, ObjectId, Scene};
+use crate::simd::{InstructionSet, N_LANES, Vector, VectorColumn, grow, lanes};
+
+/// The surface points that rays have hit, as a structure of arrays.
+///
+/// Points of the same kind are neighbors, so that a loop over whole lanes has no
+/// branch that depends on a single point. A group starts at a multiple of
+/// eight; behind its last point it repeats that point to whole lanes.
+#[derive(Debug, Default)]
+pub struct Points {
+    pub(super) groups: Vec<PointGroup>,
+    /// The index of each point's ray.
+    rays: Vec<u32>,
+    /// The index of each ray's point; [`NO_POINT`] without a hit.
+    of_ray: Vec<u32>,
+    /// The rays that hit nothing.
+    missed: Vec<u32>,
+    pub(super) position: VectorColumn,
+    pub(super) normal: VectorColumn,
+    pub(super) geometric_normal: VectorColumn,
+    pub(super) color: VectorColumn,
+    /// The direction of each point's ray.
+    pub(super) direction: VectorColumn,
+    pub(super) side: Vec<f32>,
+    pub(super) distance: Vec<f32>,
+    pub(super) materials: Vec<MaterialId>,
+    /// The object of each point.
+    pub(super) objects: Vec<ObjectId>,
+    /// The group of each ray, while points are grouped.
+    group_of_ray: Vec<u32>,
+    /// The index of the group with each key, if that group has the key.
+    group_of_key: Vec<u32>,
+}
+
+/// The index of the point of a ray that hit nothing.
+const NO_POINT: u32 = u32::MAX;
+
+/// Points that are computed and shaded alike.
+#[derive(Debug, Clone, Copy)]
+pub struct PointGroup {
+    /// The kind of their shapes; `None` for shapes under a transform.
+    pub(super) shape: Option<ShapeKind>,
+    pub(super) attributes: AttributeKind,
+    /// Their material.
+    pub material: MaterialId,
+    key: u32,
+    /// The index of the first point, a multiple of eight.
+    first: usize,
+    /// Number of points.
+    n: usize,
+}
+
+/// Up to eight points of a group.
+#[derive(Debug, Clone, Copy)]
+pub struct PointLanes {
+    /// The index of the first point, a multiple of eight.
+    pub first: usize,
+    /// Number of points, from 1 to 8.
+    pub n: usize,
+}
+
+impl PointGroup {
+    /// Its points, eight by eight.
+    #[inline(always)]
+    pub fn lanes(&self) -> impl Iterator<Item = PointLanes> + use<> {
+        let (start, end) = (self.first, self.first + self.n);
+        (start..end).step_by(N_LANES).map(move |first| PointLanes {
+            first,
+            n: N_LANES.min(end - first),
+        })
+    }
+}
+
+impl PointLanes {
+    /// The lanes that hold a point of their own, as bits.
+    #[inline(always)]
+    pub fn bits(self) -> u8 {
+        u8::MAX >> (N_LANES - self.n)
+    }
+}
+
+impl Points {
+    /// Groups the hits of rays; the points themselves are not computed yet.
+    pub(super) fn group(&mut self, scene: &Scene, hits: &[Option<Hit>]) {
+        self.groups.clear();
+        self.missed.clear();
+        self.group_of_ray.clear();
+        for (ray, hit) in (0..).zip(hits) {
+            let Some(hit) = hit else {
+                self.missed.push(ray);
+                self.group_of_ray.push(NO_POINT);
+                continue;
+            };
+            let group = self.group_of(scene, hit.primitive);
+            self.groups[group].n += 1;
+            self.group_of_ray.push(group as u32);
+        }
+        self.place();
+    }
+
+    /// The index of the group of hits on this primitive.
+    #[inline(always)]
+    fn group_of(&mut self, scene: &Scene, primitive: u32) -> usize {
+        let primitive = &scene.primitives[primitive as usize];
+        let shape = primitive.kind();
+        let attributes = scene.attribute_kind(primitive.object);
+        let n_shapes = ShapeKind::COUNT as u32 + 1;
+        let shape_number = shape.map_or(0, |kind| kind as u32 + 1);
+        let key = (primitive.material.0 * AttributeKind::COUNT + attributes as u32) * n_shapes
+            + shape_number;
+        if let Some(&group) = self.group_of_key.get(key as usize)
+            && self
+                .groups
+                .get(group as usize)
+                .is_some_and(|group| group.key == key)
+        {
+            return group as usize;
+        }
+        self.add_group(PointGroup {
+            shape,
+            attributes,
+            material: primitive.material,
+            key,
+            first: 0,
+            n: 0,
+        })
+    }
+
+    #[cold]
+    fn add_group(&mut self, group: PointGroup) -> usize {
+        let (key, number) = (group.key as usize, self.groups.len());
+        if self.group_of_key.len() <= key {
+            self.group_of_key.resize(key + 1, 0);
+        }
+        self.group_of_key[key] = number as u32;
+        self.groups.push(group);
+        number
+    }
+
+    /// Gives each hit its place.
+    fn place(&mut self) {
+        let mut n_points: usize = 0;
+        for group in &mut self.groups {
+            group.first = n_points;
+            n_points += group.n.next_multiple_of(N_LANES);
+            group.n = 0;
+        }
+        self.grow(n_points);
+        self.of_ray.clear();
+        for (ray, &group) in (0..).zip(&self.group_of_ray) {
+            let Some(group) = self.groups.get_mut(group as usize) else {
+                self.of_ray.push(NO_POINT);
+                continue;
+            };
+            let point = group.first + group.n;
+            group.n += 1;
+            self.rays[point] = ray;
+            self.of_ray.push(point as u32);
+        }
+        for group in &self.groups {
+            let end = group.first + group.n;
+            let last = self.rays[end - 1];
+            self.rays[end..end.next_multiple_of(N_LANES)].fill(last);
+        }
+    }
+
+    fn grow(&mut self, n_points: usize) {
+        grow(&mut self.rays, n_points);
+        grow(&mut self.objects, n_points);
+        grow(&mut self.materials, n_points);
+        grow(&mut self.distance, n_points);
+        grow(&mut self.side, n_points);
+        self.position.grow(n_points);
+        self.normal.grow(n_points);
+        self.geometric_normal.grow(n_points);
+        self.color.grow(n_points);
+        self.direction.grow(n_points);
+    }
+
+    /// The end of the points' indices.
+    pub fn end(&self) -> usize {
+        let last = self.groups.last();
+        last.map_or(0, |group| (group.first + group.n).next_multiple_of(N_LANES))
+    }
+
+    /// Its groups.
+    pub fn groups(&self) -> &[PointGroup] {
+        &self.groups
+    }
+
+    /// The rays that hit nothing.
+    pub fn missed(&self) -> &[u32] {
+        &self.missed
+    }
+
+    /// The ray of a point.
+    #[inline(always)]
+    pub fn ray(&self, point: usize) -> usize {
+        self.rays[point] as usize
+    }
+
+    /// The indices of the object and of the material of a point.
+    #[inline(always)]
+    pub fn object_and_material(&self, point: usize) -> [u32; 2] {
+        [self.objects[point].0, self.materials[point].0]
+    }
+
+    /// The distance of a point along its ray.
+    #[inline(always)]
+    pub fn distance(&self, point: usize) -> f32 {
+        self.distance[point]
+    }
+
+    /// The object of a point.
+    #[inline(always)]
+    pub fn object(&self, point: usize) -> ObjectId {
+        self.objects[point]
+    }
+
+    /// The point of a ray, if it hit something.
+    #[inline(always)]
+    pub fn of_ray(&self, ray: usize) -> Option<usize> {
+        let point = self.of_ray[ray];
+        (point != NO_POINT).then_some(point as usize)
+    }
+
+    /// What shading reads of eight points.
+    #[inline(always)]
+    pub(crate) fn shading<I: InstructionSet>(
+        &self,
+        set: I,
+        at: PointLanes,
+    ) -> ShadingPoint<I::Lanes> {
+        ShadingPoint {
+            position: self.position.load(set, at.first),
+            normal: self.normal.load(set, at.first),
+            geometric_normal: self.geometric_normal.load(set, at.first),
+            color: self.color.load(set, at.first),
+            side: set.load(lanes(&self.side, at.first)),
+        }
+    }
+
+    /// The colors of the surface at eight points.
+    #[inline(always)]
+    pub(crate) fn colors<I: InstructionSet>(&self, set: I, at: PointLanes) -> Vector<I::Lanes> {
+        self.color.load(set, at.first)
+    }
+
+    /// The rays that hit eight points.
+    #[inline(always)]
+    pub(crate) fn rays(&self, at: PointLanes) -> &[u32; N_LANES] {
+        lanes(&self.rays, at.first)
+    }
+
+    /// The directions of the rays that hit eight points.
+    #[inline(always)]
+    pub(crate) fn directions<I: InstructionSet>(&self, set: I, at: PointLanes) -> Vector<I::Lanes> {
+        self.direction.load(set, at.first)
+    }
+
+    /// The position and the shading normal of a point.
+    #[inline(always)]
+    pub fn position_and_normal(&self, point: usize) -> [Vec3; 2] {
+        [self.position.get(point), self.normal.get(point)]
+    }
+}
