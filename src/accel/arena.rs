@@ -4,7 +4,8 @@
 use glam::Vec3;
 
 use super::layout::{
-    self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, NODE_LINES, NodeRef, WideNode,
+    self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, MAX_DEPTH, MAX_LEAF, NODE_LINES,
+    NodeRef, WideNode,
 };
 use crate::geometry::Aabb;
 use crate::simd::N_LANES;
@@ -17,19 +18,28 @@ pub(super) struct Arena {
     lines: Vec<CacheLine>,
     /// The largest magnitude of a coordinate of the boxes.
     largest: f32,
+    /// The number of levels of nodes, at most one more than [`MAX_DEPTH`].
+    n_levels: usize,
 }
 
 impl Arena {
     /// Checks the cache lines of a hierarchy within these bounds.
     ///
     /// # Panics
-    /// If a reference points outside the lines.
+    /// If a reference points outside the lines, or a path is too long.
     pub(super) fn new(lines: Vec<CacheLine>, bounds: Aabb) -> Self {
-        if !lines.is_empty() {
-            check(&lines, NodeRef::ROOT);
-        }
+        let n_levels = if lines.is_empty() {
+            0
+        } else {
+            check(&lines, NodeRef::ROOT)
+        };
+        assert!(n_levels <= MAX_DEPTH + 1, "paths are short");
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-        Self { lines, largest }
+        Self {
+            lines,
+            largest,
+            n_levels,
+        }
     }
 
     /// Whether there are no primitives.
@@ -40,6 +50,11 @@ impl Arena {
     /// The largest magnitude of a coordinate of the boxes.
     pub(super) fn largest(&self) -> f32 {
         self.largest
+    }
+
+    /// The number of levels of nodes, at most one more than [`MAX_DEPTH`].
+    pub(super) fn n_levels(&self) -> usize {
+        self.n_levels
     }
 
     /// All cache lines.
@@ -55,9 +70,11 @@ impl Arena {
     #[inline(always)]
     pub(super) unsafe fn node(&self, node_ref: NodeRef) -> &WideNode {
         debug_assert!(node_ref.line() + NODE_LINES <= self.lines.len());
+        // Less work than to add its lines.
+        let n_bytes = 2 * node_ref.0 as usize;
         // SAFETY: `check` made sure that the whole node is within the lines. A
         // line has the alignment of a node, for which all bits are valid.
-        unsafe { &*self.lines.as_ptr().add(node_ref.line()).cast() }
+        unsafe { &*self.lines.as_ptr().byte_add(n_bytes).cast() }
     }
 
     /// The leaf of a reference.
@@ -83,10 +100,11 @@ impl Arena {
     }
 }
 
-/// Makes sure that the subtree below a node lies within the lines. References
-/// point forward, so that the recursion ends.
-fn check(lines: &[CacheLine], node_ref: NodeRef) {
+/// Makes sure that the subtree below a node lies within the lines; returns the number
+/// of its levels. References point forward, so that the recursion ends.
+fn check(lines: &[CacheLine], node_ref: NodeRef) -> usize {
     let node = layout::node(lines, node_ref);
+    let mut n_levels = 0;
     for &child in &node.children[..node.n_children()] {
         let child = NodeRef(child);
         assert!(child.line() > node_ref.line(), "references point forward");
@@ -96,9 +114,10 @@ fn check(lines: &[CacheLine], node_ref: NodeRef) {
                 "leaves lie within the arena"
             );
         } else {
-            check(lines, child);
+            n_levels = n_levels.max(check(lines, child));
         }
     }
+    n_levels + 1
 }
 
 /// A leaf.
@@ -122,6 +141,17 @@ impl Leaf<'_> {
         // The mask changes nothing and avoids a bounds check.
         let row = self.numbers[(self.n * i) & 127..].first_chunk();
         row.expect("the window extends a row beyond number 127")
+    }
+
+    /// The rows of a coordinate of the three vertices, in a leaf of triangles.
+    #[inline(always)]
+    pub(super) fn coordinate(&self, axis: usize) -> [&[f32; N_LANES]; 3] {
+        // The mask changes nothing and bounds the rows.
+        let (first, step) = (self.n * (axis & 3), 3 * self.n);
+        const { assert!((3 + 6) * MAX_LEAF + N_LANES <= LEAF_WINDOW) };
+        // SAFETY: a row of eight numbers from here on ends within the window.
+        let row = |start: usize| unsafe { &*self.numbers.as_ptr().add(start).cast() };
+        [row(first), row(first + step), row(first + 2 * step)]
     }
 
     /// The vertices in a lane of a leaf of triangles.

@@ -29,6 +29,8 @@ pub(super) const NODE_LINES: usize = size_of::<WideNode>() / size_of::<CacheLine
 pub(super) const LEAF_WINDOW_LINES: usize = 9;
 /// Numbers in that window.
 pub(super) const LEAF_WINDOW: usize = LEAF_WINDOW_LINES * 16;
+/// Greatest depth of a node; the root has depth 0.
+pub(super) const MAX_DEPTH: usize = 64;
 /// Greatest number of primitives in a leaf.
 pub(super) const MAX_LEAF: usize = N_LANES;
 /// Rows of a triangle leaf before the indices.
@@ -132,9 +134,10 @@ impl LeafKind {
     }
 }
 
-/// A reference to a node, or to a leaf with its kind and size. From the top: 2
-/// bits for the kind of leaf (0 for a node), 3 bits for its size minus one, 27
-/// bits for the index of its first cache line.
+/// A reference to a node, or to a leaf with its kind and size. From the top: 27 bits
+/// for the index of its first cache line, 3 bits for the size of a leaf minus one, 2
+/// bits for its kind (0 for a node). So twice the reference to a node is the number of
+/// bytes before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct NodeRef(pub(super) u32);
 
@@ -147,28 +150,28 @@ impl NodeRef {
     /// The sentinel for a finished traversal: a leaf at the address of the root.
     /// The address is valid because the kernel prefetches it; a prefetch of
     /// unmapped memory is slow.
-    pub(super) const END: Self = Self((LeafKind::Others as u32) << 30);
+    pub(super) const END: Self = Self(LeafKind::Others as u32);
 
     /// The node at this line.
     pub(super) fn node(line: u32) -> Self {
-        Self(line)
+        Self(line << 5)
     }
 
     /// The leaf of `n` primitives at this line.
     pub(super) fn leaf(kind: LeafKind, n: usize, line: u32) -> Self {
-        Self((kind as u32) << 30 | (n as u32 - 1) << 27 | line)
+        Self(line << 5 | (n as u32 - 1) << 2 | kind as u32)
     }
 
     /// Whether this refers to a leaf.
     #[inline(always)]
     pub(super) fn is_leaf(self) -> bool {
-        self.0 >> 30 != 0
+        self.0 & 3 != 0
     }
 
     /// The kind of the leaf.
     #[inline(always)]
     pub(super) fn leaf_kind(self) -> LeafKind {
-        match self.0 >> 30 {
+        match self.0 & 3 {
             1 => LeafKind::Triangles,
             2 => LeafKind::Spheres,
             _ => LeafKind::Others,
@@ -178,13 +181,13 @@ impl NodeRef {
     /// The number of primitives in the leaf, from 1 to 8.
     #[inline(always)]
     pub(super) fn leaf_size(self) -> usize {
-        (self.0 >> 27 & 7) as usize + 1
+        (self.0 >> 2 & 7) as usize + 1
     }
 
     /// The index of its first cache line.
     #[inline(always)]
     pub(super) fn line(self) -> usize {
-        (self.0 & (Self::MAX_LINES as u32 - 1)) as usize
+        (self.0 >> 5) as usize
     }
 }
 

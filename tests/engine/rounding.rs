@@ -172,7 +172,7 @@ proptest! {
             let least = depths.iter().copied().fold(f32::INFINITY, f32::min);
             let greatest = depths.iter().copied().fold(f32::NEG_INFINITY, f32::max);
             let deepest = least.abs().max(greatest.abs());
-            let bound = 2_f32.powi(-24) * (17.0 * (greatest - least) + 8.0 * deepest);
+            let bound = 2_f32.powi(-24) * (18.0 * (greatest - least) + 8.0 * deepest);
             prop_assert!((found - exact).abs() <= bound.next_up(), "{found} {exact} {vertices:?}");
         }
     }

@@ -48,8 +48,6 @@ use partition::Subset;
 use reference::Reference;
 use split_candidate::SplitContext;
 
-pub(super) use binary::MAX_DEPTH;
-
 /// Greatest number of primitives. 32 bits have to suffice to count the cache
 /// lines of the arena, at worst ten per primitive, before it is known whether
 /// they are few enough for a [`NodeRef`].

@@ -1,38 +1,41 @@
 //! Pushes the children that a ray enters.
+#![expect(unsafe_code, reason = "the arena bounds the depth of the stack")]
 
-use super::stack::Stack;
+use super::stack::{Stacks, Top};
 use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
+use crate::simd::{InstructionSet, Lanes, Mask, Real};
 
 /// Pushes the children that the ray enters before it leaves them, the first one
 /// to visit on top. Has no branch that depends on the ray.
+///
+/// # Safety
+/// The node is of the arena of the stacks; it is the root or was popped off this one.
 #[inline(always)]
-pub(super) fn push_entered<I: InstructionSet, S: Search>(
+pub(super) unsafe fn push_entered<I: InstructionSet, S: Search, const N: usize>(
     set: I,
     node: &WideNode,
     enter: I::Lanes,
     exit: I::Lanes,
-    order_shift: I::Lanes,
-    stack: &mut Stack,
+    order_shift: u32,
+    stacks: &mut Stacks<N>,
+    top: &mut Top,
 ) {
     let children = set.load_bits(&node.children);
     if S::NEAREST_FIRST {
-        let children = children.permute(&node.order, order_shift);
-        let enter = enter.permute(&node.order, order_shift);
-        let exit = exit.permute(&node.order, order_shift);
+        let shift = set.splat_bits(order_shift);
+        let children = children.permute(&node.order, shift);
+        let enter = enter.permute(&node.order, shift);
+        let exit = exit.permute(&node.order, shift);
         let entered = enter.le(exit);
-        stack.push_all(
-            children.compress(entered).to_bits(),
-            enter.compress(entered).to_array(),
-            entered.bits().count_ones() as usize,
-        );
+        let n = entered.bits().count_ones() as usize;
+        let enter = enter.compress(entered).to_array();
+        // SAFETY: the caller's promise.
+        unsafe { stacks.push_sorted(top, children.compress(entered).to_bits(), enter, n) };
     } else {
         let entered = enter.le(exit);
-        stack.push_all(
-            children.compress(entered).to_bits(),
-            [0.0; N_LANES],
-            entered.bits().count_ones() as usize,
-        );
+        let n = entered.bits().count_ones() as usize;
+        // SAFETY: the caller's promise.
+        unsafe { stacks.push_all(top, children.compress(entered).to_bits(), n) };
     }
 }

@@ -4,80 +4,91 @@
 //! each lane has the same `t` as [`Triangle`](crate::geometry::Triangle) or
 //! [`Sphere`](crate::geometry::Sphere), to the bit.
 
-use glam::Vec3;
-
-use super::triangle;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
-use crate::geometry::{Ray, Shear};
+use crate::geometry::{AreaTest, Areas, Ray, Shear};
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
 /// What the tests of a ray against all leaves share.
-pub(super) struct LeafIntersector<I: InstructionSet> {
-    set: I,
-    origin: Vec3,
-    direction: Vec3,
+pub(super) struct LeafIntersector {
+    pub(super) ray: Ray,
     /// The direction's squared length.
-    a: f32,
-    inverse_a: f32,
-    shear: Shear,
+    pub(super) a: f32,
+    pub(super) inverse_a: f32,
+    pub(super) shear: Shear,
     /// The origin, its axes permuted as in the shear.
-    permuted_origin: Vector<I::Lanes>,
-    slopes: [I::Lanes; 2],
+    pub(super) permuted_origin: [f32; 3],
 }
 
-impl<I: InstructionSet> LeafIntersector<I> {
+impl LeafIntersector {
     #[inline(always)]
-    pub(super) fn new(set: I, ray: &Ray) -> Self {
-        Self::with_shear(set, ray, Shear::along(ray.direction))
+    pub(super) fn new(ray: &Ray) -> Self {
+        Self::with_shear(ray, Shear::along(ray.direction))
     }
 
     /// For a ray whose shear is known.
     #[inline(always)]
-    pub(super) fn with_shear(set: I, ray: &Ray, shear: Shear) -> Self {
+    pub(super) fn with_shear(ray: &Ray, shear: Shear) -> Self {
         let a = ray.direction.dot(ray.direction);
-        let [slope_x, slope_y] = shear.slopes;
         Self {
-            set,
-            origin: ray.origin,
-            direction: ray.direction,
+            ray: *ray,
             a,
             inverse_a: a.recip(),
             shear,
-            permuted_origin: set.splat_vector(shear.permute(ray.origin).into()),
-            slopes: [set.splat(slope_x), set.splat(slope_y)],
+            permuted_origin: shear.permute(ray.origin),
         }
     }
 
-    /// Tests the primitives of a leaf; reports the hits to the search.
+    /// Tests the primitives of a leaf; reports the hits to the search. With `EARLY` it
+    /// is done as soon as it knows that the ray misses all of them: a branch that pays
+    /// where it is predictable.
     #[inline(always)]
-    pub(super) fn test<S: Search>(&self, leaf: Leaf, kind: LeafKind, search: &mut S) {
+    pub(super) fn test<I: InstructionSet, S: Search, const EARLY: bool>(
+        &self,
+        set: I,
+        leaf: Leaf,
+        kind: LeafKind,
+        search: &mut S,
+    ) {
         match kind {
-            LeafKind::Triangles => self.triangles(leaf, search),
-            LeafKind::Spheres => self.spheres(leaf, search),
+            LeafKind::Triangles => self.triangles::<I, S, EARLY>(set, leaf, search),
+            LeafKind::Spheres => self.spheres(set, leaf, search),
             LeafKind::Others => (0..leaf.len()).for_each(|i| search.test(leaf.primitive(0, i))),
         }
     }
 
     /// Tests triangles.
     #[inline(always)]
-    fn triangles<S: Search>(&self, leaf: Leaf, search: &mut S) {
+    fn triangles<I: InstructionSet, S: Search, const EARLY: bool>(
+        &self,
+        set: I,
+        leaf: Leaf,
+        search: &mut S,
+    ) {
+        let [x, y, z] = self.shear.axes;
+        let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
         // No `array::map` here: it is not always inlined.
         let vertices = [
-            self.sheared(leaf, 0),
-            self.sheared(leaf, 3),
-            self.sheared(leaf, 6),
+            self.sheared(set, x[0], y[0], z[0]),
+            self.sheared(set, x[1], y[1], z[1]),
+            self.sheared(set, x[2], y[2], z[2]),
         ];
-        let scale = self.set.splat(self.shear.scale);
-        let found = triangle::intersect(self.set, &vertices, scale, used_lanes(leaf));
-        if found.hits != 0 {
-            let (zero, limit) = (self.set.splat(0.0), self.set.splat(search.limit()));
-            let hits = found.hits & (zero.lt(found.t) & found.t.lt(limit)).bits();
-            report(leaf, TRIANGLE_ROWS, found.t.to_array(), hits, search);
+        let scale = set.splat(self.shear.scale);
+        let areas = Areas::new(&vertices);
+        if EARLY && !areas.is_missed().bits() & used_lanes(leaf) == 0 {
+            return;
         }
-        if found.unsure != 0 {
-            self.unsure_triangles(leaf, found.unsure, search);
+        let AreaTest { hits, is_unsure, t } = areas.test(scale);
+        let (zero, limit) = (set.splat(0.0), set.splat(search.limit()));
+        // One branch for all: a mispredicted one costs as much as the test.
+        let hits = (hits & zero.lt(t) & t.lt(limit)).bits() & used_lanes(leaf);
+        if hits != 0 {
+            report(leaf, TRIANGLE_ROWS, t.to_array(), hits, search);
+        }
+        let unsure = is_unsure.bits() & used_lanes(leaf);
+        if unsure != 0 {
+            self.unsure_triangles(leaf, unsure, search);
         }
     }
 
@@ -88,14 +99,9 @@ impl<I: InstructionSet> LeafIntersector<I> {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;
             lanes &= lanes - 1;
-            let ray = Ray {
-                origin: self.origin,
-                direction: self.direction,
-            };
-            match self.shear.intersect_exactly(
-                leaf.triangle(lane)
-                    .map(|vertex| self.shear.point(&ray, vertex)),
-            ) {
+            let vertices = leaf.triangle(lane);
+            let vertices = vertices.map(|vertex| self.shear.point(&self.ray, vertex));
+            match self.shear.intersect_exactly(vertices) {
                 Some(t) if t > 0.0 && t < search.limit() => {
                     search.found(t, leaf.primitive(TRIANGLE_ROWS, lane));
                 }
@@ -104,28 +110,40 @@ impl<I: InstructionSet> LeafIntersector<I> {
         }
     }
 
-    /// The points of three rows in the space of the [`Shear`].
+    /// The points with these coordinates in the space of the [`Shear`].
     #[inline(always)]
-    fn sheared(&self, leaf: Leaf, first: usize) -> Vector<I::Lanes> {
-        let [x, y, z] = self.shear.axes;
-        let x = self.row(leaf, first + x) - self.permuted_origin.x;
-        let y = self.row(leaf, first + y) - self.permuted_origin.y;
-        let z = self.row(leaf, first + z) - self.permuted_origin.z;
+    fn sheared<I: InstructionSet>(
+        &self,
+        set: I,
+        x: &[f32; N_LANES],
+        y: &[f32; N_LANES],
+        z: &[f32; N_LANES],
+    ) -> Vector<I::Lanes> {
+        let [origin_x, origin_y, origin_z] = &self.permuted_origin;
+        let x = set.load(x) - set.splat(*origin_x);
+        let y = set.load(y) - set.splat(*origin_y);
+        let z = set.load(z) - set.splat(*origin_z);
+        let [slope_x, slope_y] = &self.shear.slopes;
         Vector {
-            x: x - self.slopes[0] * z,
-            y: y - self.slopes[1] * z,
+            x: x - set.splat(*slope_x) * z,
+            y: y - set.splat(*slope_y) * z,
             z,
         }
     }
 
     /// Tests spheres.
     #[inline(always)]
-    fn spheres<S: Search>(&self, leaf: Leaf, search: &mut S) {
-        let zero = self.set.splat(0.0);
-        let (center, r2) = (self.vectors(leaf, 0), self.row(leaf, 3));
-        let d = self.set.splat_vector(self.direction);
-        let c = center - self.set.splat_vector(self.origin);
-        let (a, inverse_a) = (self.set.splat(self.a), self.set.splat(self.inverse_a));
+    fn spheres<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        let zero = set.splat(0.0);
+        let center = Vector {
+            x: set.load(leaf.row(0)),
+            y: set.load(leaf.row(1)),
+            z: set.load(leaf.row(2)),
+        };
+        let r2 = set.load(leaf.row(3));
+        let d = set.splat_vector(self.ray.direction);
+        let c = center - set.splat_vector(self.ray.origin);
+        let (a, inverse_a) = (set.splat(self.a), set.splat(self.inverse_a));
         let b = c.dot(d);
         let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
@@ -138,23 +156,8 @@ impl<I: InstructionSet> LeafIntersector<I> {
         let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
         let (near, far) = (t0.min(t1), t1.max(t0));
         let t = I::Lanes::select(zero.lt(near), near, far);
-        let hits = is_hit & zero.lt(t) & t.lt(self.set.splat(search.limit()));
+        let hits = is_hit & zero.lt(t) & t.lt(set.splat(search.limit()));
         report(leaf, SPHERE_ROWS, t.to_array(), hits.bits(), search);
-    }
-
-    /// The vectors of three rows.
-    #[inline(always)]
-    fn vectors(&self, leaf: Leaf, first: usize) -> Vector<I::Lanes> {
-        Vector {
-            x: self.row(leaf, first),
-            y: self.row(leaf, first + 1),
-            z: self.row(leaf, first + 2),
-        }
-    }
-
-    #[inline(always)]
-    fn row(&self, leaf: Leaf, i: usize) -> I::Lanes {
-        self.set.load(leaf.row(i))
     }
 }
 

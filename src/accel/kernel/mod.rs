@@ -11,10 +11,10 @@
 //! allocations.
 
 mod slab;
-mod triangle;
 mod leaf;
 mod stack;
 mod children;
+mod block;
 mod batch;
 mod single;
 mod packet;

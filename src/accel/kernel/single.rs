@@ -4,7 +4,7 @@
 use super::children::push_entered;
 use super::leaf::LeafIntersector;
 use super::slab::Slabs;
-use super::stack::Stack;
+use super::stack::{Stacks, Top};
 use crate::accel::arena::Arena;
 use crate::accel::layout::{NodeRef, WideNode};
 use crate::accel::search::Search;
@@ -29,9 +29,10 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
-        let slabs = Slabs::new(set, self.ray, self.arena.largest());
-        let intersector = LeafIntersector::new(set, self.ray);
-        let mut stack = Stack::new();
+        let slabs = Slabs::new(self.ray, self.arena.largest());
+        let intersector = LeafIntersector::new(self.ray);
+        let mut stacks = Stacks::<1>::new(self.arena);
+        let mut top = stacks.restart(0);
         let (mut n_visits, mut n_tests) = (0, self.n_tests);
         let mut limit = set.splat(self.search.limit());
         let mut current = NodeRef::ROOT;
@@ -46,7 +47,7 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                     let primitive = |lane| leaf.primitive(rows.unwrap_or(0), lane);
                     self.search.visit_leaf(current.line(), lanes.map(primitive));
                 }
-                intersector.test(leaf, current.leaf_kind(), self.search);
+                intersector.test::<I, S, true>(set, leaf, current.leaf_kind(), self.search);
                 if self.search.is_done() {
                     break;
                 }
@@ -56,14 +57,16 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                 n_visits += 1;
                 // SAFETY: the reference is the root or a child of a node, and to
                 // a node.
-                let node = unsafe { self.arena.node(current) };
-                let next = descend::<I, S>(set, &slabs, node, limit, &mut stack);
+                let next = unsafe {
+                    let node = self.arena.node(current);
+                    descend::<I, S>(set, &slabs, node, limit, &mut stacks, &mut top)
+                };
                 if S::RECORDS {
                     self.search.visit_node(current.line(), next.is_some());
                 }
                 next
             };
-            current = match next.or_else(|| pop_within_limit(&mut stack, self.search)) {
+            current = match next.or_else(|| pop_within_limit(&mut stacks, &mut top, self.search)) {
                 Some(next) => next,
                 None => break,
             };
@@ -74,13 +77,17 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
 
 /// Returns the first of the children that the ray enters, if there is one, and
 /// pushes the others.
+///
+/// # Safety
+/// The node is of an arena; it is the root or was popped off this stack.
 #[inline(always)]
-fn descend<I: InstructionSet, S: Search>(
+unsafe fn descend<I: InstructionSet, S: Search>(
     set: I,
-    slabs: &Slabs<I>,
+    slabs: &Slabs,
     node: &WideNode,
     limit: I::Lanes,
-    stack: &mut Stack,
+    stacks: &mut Stacks<1>,
+    top: &mut Top,
 ) -> Option<NodeRef> {
     let (enter, exit) = slabs.span(set, node, limit);
     let entered = enter.le(exit).bits();
@@ -91,17 +98,30 @@ fn descend<I: InstructionSet, S: Search>(
         let only = entered.trailing_zeros() as usize % N_LANES;
         return Some(NodeRef(node.children[only]));
     }
-    push_entered::<I, S>(set, node, enter, exit, slabs.order_shift(), stack);
-    Some(stack.pop()?.0)
+    // SAFETY: the caller's promise; a child was pushed.
+    unsafe {
+        push_entered::<I, S, 1>(set, node, enter, exit, slabs.order_shift(), stacks, top);
+        Some(stacks.pop(top))
+    }
 }
 
 /// Pops the next child that the ray enters before the limit.
 #[inline(always)]
-fn pop_within_limit<S: Search>(stack: &mut Stack, search: &S) -> Option<NodeRef> {
+fn pop_within_limit<S: Search>(
+    stacks: &mut Stacks<1>,
+    top: &mut Top,
+    search: &S,
+) -> Option<NodeRef> {
     loop {
-        let (node_ref, enter) = stack.pop()?;
-        if !S::NEAREST_FIRST || enter <= search.limit() {
-            return Some(node_ref);
+        // SAFETY: it pops the sentinel last; a search for the nearest hit pushes
+        // parameters.
+        let (node_ref, is_late) = unsafe {
+            let node_ref = stacks.pop(top);
+            let is_late = S::NEAREST_FIRST && stacks.popped_enter(top) > search.limit();
+            (node_ref, is_late)
+        };
+        if !is_late {
+            return (node_ref != NodeRef::END).then_some(node_ref);
         }
     }
 }

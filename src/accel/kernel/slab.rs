@@ -12,6 +12,20 @@ pub(super) const MIN_DIRECTION: f32 = 1e-18;
 /// The margin of boxes, relative to the largest coordinate: see [`Slabs`].
 pub(super) const MARGIN: f32 = 5e-6;
 
+/// The first numbers of a node's rows that hold the near planes of each axis, by the
+/// octant of the direction.
+const ROWS: [[u32; 3]; 8] = {
+    let mut rows = [[0; 3]; 8];
+    let mut i = 0;
+    while i < 24 {
+        let (octant, axis) = (i / 3, i % 3);
+        let is_downward = octant >> axis & 1;
+        rows[octant][axis] = 8 * (axis + 3 * is_downward) as u32;
+        i += 1;
+    }
+    rows
+};
+
 /// What the tests of a ray against all boxes share.
 ///
 /// The test enlarges the boxes by a margin that exceeds the rounding error of
@@ -23,90 +37,105 @@ pub(super) const MARGIN: f32 = 5e-6;
 /// `14 e l` on an axis: differences to the origin (`2`, and again `2` times a
 /// slope), the slope (`4`), their product (`2`) and the last difference (`4`).
 /// The error of the hit along the ray is `6 e l`: the difference (`2`), the
-/// scale (`2`) and their product (`2`). Where the shear decides with 32 bits, the
-/// areas add `34`: they are weights of depths that differ by up to `2 l`. The sum
+/// scale (`2`) and their product (`2`). Where 32 bits decide, the
+/// areas add `36`: they are weights of depths that differ by up to `2 l`. The sum
 /// of the weighted depths (`6`), that of the areas (`4`) and their quotient (`2`)
 /// add `12`. The error of the planes here is `6 e l` for three roundings and
-/// `e l` for the displaced origin. That sums up to `73 e l`, or 4.35e-6 of `l`.
+/// `e l` for the displaced origin. That sums up to `75 e l`, or 4.47e-6 of `l`.
 ///
 /// The margin costs nothing per box: it displaces the origin, once for the near
 /// planes and once for the far ones.
-pub(super) struct Slabs<I: InstructionSet> {
-    axes: [SlabAxis<I>; 3],
+pub(super) struct Slabs {
+    inverse_direction: [f32; 3],
+    origin_of_near: [f32; 3],
+    origin_of_far: [f32; 3],
+    /// The first numbers of the node's rows that hold the near and the far planes
+    /// of each axis.
+    near_rows: [u32; 3],
+    far_rows: [u32; 3],
     /// The shift that selects the order of a node's children for this ray.
-    order_shift: I::Lanes,
-    /// A ray enters no box before this parameter.
-    zero: I::Lanes,
+    order_shift: u32,
 }
 
-/// One axis of the test.
-struct SlabAxis<I: InstructionSet> {
-    inverse_direction: I::Lanes,
-    origin_of_near: I::Lanes,
-    origin_of_far: I::Lanes,
-    /// The first numbers of the node's rows that hold the near and the far
-    /// planes.
-    near_row: usize,
-    far_row: usize,
-}
-
-impl<I: InstructionSet> Slabs<I> {
+impl Slabs {
     /// For tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
-    pub(super) fn new(set: I, ray: &Ray, largest: f32) -> Self {
-        let margin = MARGIN * largest.max(ray.origin.abs().max_element());
-        let axis = |i: usize| SlabAxis::new(set, i, ray.origin[i], ray.direction[i], margin);
-        let down = |i: usize| u32::from(ray.direction[i].is_sign_negative()) << i;
+    pub(super) fn new(ray: &Ray, largest: f32) -> Self {
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let [x, y, z] = origin.map(f32::abs);
+        let margin = MARGIN * largest.max(x).max(y).max(z);
+        let (mut inverse, mut near, mut far) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        let mut octant = 0;
+        for axis in 0..3 {
+            let (origin, direction) = (origin[axis], direction[axis]);
+            // No branch on the sign: it is unpredictable.
+            octant |= (direction.to_bits() >> 31) << axis;
+            let outward = margin.copysign(direction);
+            let steep = direction.abs().max(MIN_DIRECTION).copysign(direction);
+            inverse[axis] = steep.recip();
+            near[axis] = origin + outward;
+            far[axis] = origin - outward;
+        }
+        Self::of_octant(octant as usize, inverse, near, far)
+    }
+
+    /// For a ray that points to this octant: bit `i` is set if it points down axis
+    /// `i`.
+    #[inline(always)]
+    pub(super) fn of_octant(
+        octant: usize,
+        inverse_direction: [f32; 3],
+        origin_of_near: [f32; 3],
+        origin_of_far: [f32; 3],
+    ) -> Self {
+        let octant = octant % 8;
         Self {
-            axes: [axis(0), axis(1), axis(2)],
-            order_shift: set.splat_bits(3 * (down(0) | down(1) | down(2))),
-            zero: set.splat(0.0),
+            inverse_direction,
+            origin_of_near,
+            origin_of_far,
+            near_rows: ROWS[octant],
+            far_rows: ROWS[7 - octant],
+            order_shift: 3 * octant as u32,
         }
     }
 
     /// The shift that selects the order of a node's children for this ray.
     #[inline(always)]
-    pub(super) fn order_shift(&self) -> I::Lanes {
+    pub(super) fn order_shift(&self) -> u32 {
         self.order_shift
     }
 
     /// Where the ray enters each box, at least 0, and where it leaves the box or
     /// reaches its `limit`. It misses a box that it leaves before it enters it.
     #[inline(always)]
-    pub(super) fn span(&self, set: I, node: &WideNode, limit: I::Lanes) -> (I::Lanes, I::Lanes) {
-        let [x, y, z] = &self.axes;
-        let (near_x, far_x) = x.planes(set, node);
-        let (near_y, far_y) = y.planes(set, node);
-        let (near_z, far_z) = z.planes(set, node);
-        let enter = near_x.max(near_y.max(near_z)).max(self.zero);
+    pub(super) fn span<I: InstructionSet>(
+        &self,
+        set: I,
+        node: &WideNode,
+        limit: I::Lanes,
+    ) -> (I::Lanes, I::Lanes) {
+        let (near_x, far_x) = self.planes(set, node, 0);
+        let (near_y, far_y) = self.planes(set, node, 1);
+        let (near_z, far_z) = self.planes(set, node, 2);
+        let enter = near_x.max(near_y).max(near_z.max(set.splat(0.0)));
         let exit = far_x.min(far_y).min(far_z.min(limit));
         (enter, exit)
-    }
-}
-
-impl<I: InstructionSet> SlabAxis<I> {
-    #[inline(always)]
-    fn new(set: I, axis: usize, origin: f32, direction: f32, margin: f32) -> Self {
-        // No branch on the sign: it is unpredictable.
-        let is_downward = usize::from(direction.is_sign_negative());
-        let outward = margin.copysign(direction);
-        let steep = direction.abs().max(MIN_DIRECTION).copysign(direction);
-        Self {
-            inverse_direction: set.splat(steep.recip()),
-            origin_of_near: set.splat(origin + outward),
-            origin_of_far: set.splat(origin - outward),
-            near_row: 8 * (axis + 3 * is_downward),
-            far_row: 8 * (axis + 3 * (1 - is_downward)),
-        }
     }
 
     /// Where the ray hits the near and the far plane of each box.
     #[inline(always)]
-    fn planes(&self, set: I, node: &WideNode) -> (I::Lanes, I::Lanes) {
-        let (near, far) = (node.row(self.near_row), node.row(self.far_row));
+    fn planes<I: InstructionSet>(
+        &self,
+        set: I,
+        node: &WideNode,
+        axis: usize,
+    ) -> (I::Lanes, I::Lanes) {
+        let near = set.load(node.row(self.near_rows[axis] as usize));
+        let far = set.load(node.row(self.far_rows[axis] as usize));
+        let inverse_direction = set.splat(self.inverse_direction[axis]);
         (
-            (set.load(near) - self.origin_of_near) * self.inverse_direction,
-            (set.load(far) - self.origin_of_far) * self.inverse_direction,
+            (near - set.splat(self.origin_of_near[axis])) * inverse_direction,
+            (far - set.splat(self.origin_of_far[axis])) * inverse_direction,
         )
     }
 }
@@ -133,7 +162,7 @@ mod tests {
             for axis in 0..3 {
                 (node.min[axis][0], node.max[axis][0]) = (0.0, 1.0);
             }
-            let slabs = Slabs::new(set, &self.ray, 1.0);
+            let slabs = Slabs::new(&self.ray, 1.0);
             let (enter, exit) = slabs.span(set, &node, set.splat(self.t_max));
             let hits = enter.le(exit);
             assert_eq!(hits.bits() & !1, 0, "no ray enters a missing child");

@@ -1,28 +1,31 @@
 //! The traversal of the hierarchy by many rays in flight.
 //!
-//! [`RAYS_IN_FLIGHT`] rays take turns. In each round every ray at a node makes
-//! one step, without a branch that depends on the ray, and prefetches its next
-//! node one round ahead; then every ray at a leaf is tested; then new rays
-//! replace the finished ones. So the work on the other rays hides one ray's
-//! cache misses, dependency chains and branch mispredictions.
+//! [`RAYS_IN_FLIGHT`] rays take turns. In each round new rays replace the finished
+//! ones; then every ray at a node makes one step and prefetches its next node one
+//! round ahead; then every ray at a leaf is tested. So the work on the other rays
+//! hides one ray's cache misses and dependency chains. The only branch that depends
+//! on a ray is the one on a hit: a mispredicted one costs as much as a node.
 #![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
 
 use std::mem::MaybeUninit;
 
+use bytemuck::Zeroable;
+
 use super::batch::Batch;
+use super::block::RayBlock;
 use super::children::push_entered;
 use super::leaf::LeafIntersector;
 use super::slab::Slabs;
-use super::stack::Stack;
+use super::stack::{Stacks, Top};
 use crate::accel::arena::Arena;
 use crate::accel::layout::NodeRef;
 use crate::accel::search::{Query, Search};
 use crate::cost::StreamProbe;
-use crate::simd::{InstructionSet, SimdKernel};
+use crate::simd::{InstructionSet, N_LANES, SimdKernel};
 
 /// Number of rays in flight: enough to hide the latency of memory, few enough
 /// for their state to stay in the L1 cache.
-pub const RAYS_IN_FLIGHT: usize = 16;
+pub const RAYS_IN_FLIGHT: usize = 32;
 
 /// The queries of a batch with these indices, each ray on its own.
 pub(in crate::accel) struct StreamTraversal<'a, Q: Query, P> {
@@ -31,17 +34,17 @@ pub(in crate::accel) struct StreamTraversal<'a, Q: Query, P> {
 }
 
 /// The state of a ray in flight.
-struct RayState<I: InstructionSet, S> {
-    slabs: Slabs<I>,
-    intersector: LeafIntersector<I>,
+struct RayState<S> {
+    slabs: Slabs,
+    intersector: LeafIntersector,
     search: S,
     /// The node or leaf to visit next.
     next: NodeRef,
     n_visits: u32,
     n_tests: u32,
     /// The index of its query.
-    index: usize,
-    stack: Stack,
+    index: u32,
+    top: Top,
 }
 
 impl<Q: Query, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
@@ -51,37 +54,42 @@ impl<Q: Query, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
     fn run<I: InstructionSet>(mut self, set: I) {
         let mut rays = [const { MaybeUninit::uninit() }; RAYS_IN_FLIGHT];
         let (mut at_nodes, mut at_leaves) = (RaySet::EMPTY, RaySet::EMPTY);
-        let mut n_launched = 0;
-        for (i, ray) in rays.iter_mut().enumerate() {
-            at_nodes.insert_if(i, self.launch(set, &mut n_launched, ray));
-        }
-        while !(at_nodes.is_empty() && at_leaves.is_empty()) {
+        let (mut finished, mut idle) = (RaySet::EMPTY, RaySet::ALL);
+        let (mut block, mut n_launched) = (RayBlock::zeroed(), 0);
+        let mut stacks = Stacks::<RAYS_IN_FLIGHT>::new(self.batch.arena);
+        while !(idle.is_empty() && at_nodes.is_empty() && at_leaves.is_empty()) {
+            while let Some(i) = idle.take() {
+                let top = stacks.restart(i);
+                let is_launched = self.launch(set, &mut block, &mut n_launched, top, &mut rays[i]);
+                at_nodes.insert_if(i, is_launched);
+            }
             let (mut nodes, mut leaves) = (at_nodes, at_leaves);
             at_leaves = RaySet::EMPTY;
             while let Some(i) = nodes.take() {
                 // SAFETY: rays in a set are launched.
                 let ray = unsafe { rays[i].assume_init_mut() };
-                ray.descend::<P>(set, self.batch.arena);
+                ray.descend::<I, P>(set, self.batch.arena, &mut stacks);
                 at_leaves.insert_if(i, ray.next.is_leaf());
+                finished.insert_if(i, ray.next == NodeRef::END);
             }
             at_nodes.remove(at_leaves);
+            at_leaves.remove(finished);
             while let Some(i) = leaves.take() {
                 // SAFETY: rays in a set are launched.
                 let ray = unsafe { rays[i].assume_init_mut() };
-                if ray.test::<P>(set, self.batch.arena) {
-                    at_leaves.insert_if(i, ray.next.is_leaf());
-                    at_nodes.insert_if(i, !ray.next.is_leaf());
-                } else {
-                    let RayState {
-                        index,
-                        n_visits,
-                        n_tests,
-                        search,
-                        ..
-                    } = ray;
-                    self.batch.answer(*index, search, *n_visits, *n_tests);
-                    at_nodes.insert_if(i, self.launch(set, &mut n_launched, &mut rays[i]));
-                }
+                ray.test::<I, P>(set, self.batch.arena, &mut stacks, i);
+                at_leaves.insert_if(i, ray.next.is_leaf());
+                at_nodes.insert_if(i, !ray.next.is_leaf());
+                finished.insert_if(i, ray.next == NodeRef::END);
+            }
+            at_leaves.remove(finished);
+            idle = finished;
+            while let Some(i) = finished.take() {
+                // SAFETY: rays in a set are launched.
+                let ray = unsafe { rays[i].assume_init_ref() };
+                let index = ray.index as usize;
+                self.batch
+                    .answer(index, &ray.search, ray.n_visits, ray.n_tests);
             }
         }
     }
@@ -94,8 +102,10 @@ impl<'a, Q: Query, P: StreamProbe> StreamTraversal<'a, Q, P> {
     fn launch<I: InstructionSet>(
         &mut self,
         set: I,
+        block: &mut RayBlock,
         n_launched: &mut usize,
-        ray: &mut MaybeUninit<RayState<I, Q::Search<'a>>>,
+        top: Top,
+        ray: &mut MaybeUninit<RayState<Q::Search<'a>>>,
     ) -> bool {
         let Batch {
             arena,
@@ -106,63 +116,71 @@ impl<'a, Q: Query, P: StreamProbe> StreamTraversal<'a, Q, P> {
         } = self.batch;
         let n_tests = unbounded.len() as u32;
         while let Some(&index) = self.indices.get(*n_launched) {
-            let index = index as usize;
+            let lane = *n_launched % N_LANES;
+            if lane == 0 {
+                block.prepare(set, queries, &self.indices[*n_launched..], arena.largest());
+            }
             *n_launched += 1;
-            let query = &queries[index];
+            let query = &queries[index as usize];
             let mut search = query.search(primitives);
             for &primitive in unbounded {
                 search.test(primitive);
             }
             if arena.is_empty() || search.is_done() {
-                self.batch.answer(index, &search, 0, n_tests);
+                self.batch.answer(index as usize, &search, 0, n_tests);
                 continue;
             }
-            let ray = ray.write(RayState {
-                slabs: Slabs::new(set, query.ray(), arena.largest()),
-                intersector: LeafIntersector::new(set, query.ray()),
-                search,
-                next: NodeRef::ROOT,
-                n_visits: 0,
-                n_tests,
-                index,
-                stack: Stack::new(),
-            });
-            ray.stack.push(NodeRef::END, f32::NEG_INFINITY);
+            let state = ray.as_mut_ptr();
+            // SAFETY: all fields are written. One by one, they are not copied.
+            unsafe {
+                (&raw mut (*state).slabs).write(block.slabs(lane));
+                (&raw mut (*state).intersector).write(block.intersector(lane));
+                (&raw mut (*state).search).write(search);
+                (&raw mut (*state).next).write(NodeRef::ROOT);
+                (&raw mut (*state).n_visits).write(0);
+                (&raw mut (*state).n_tests).write(n_tests);
+                (&raw mut (*state).index).write(index);
+                (&raw mut (*state).top).write(top);
+            }
             return true;
         }
         false
     }
 }
 
-impl<I: InstructionSet, S: Search> RayState<I, S> {
+impl<S: Search> RayState<S> {
     /// Visits its node and proceeds to the next node or leaf.
     #[inline(always)]
-    fn descend<P: StreamProbe>(&mut self, set: I, arena: &Arena) {
+    fn descend<I: InstructionSet, P: StreamProbe>(
+        &mut self,
+        set: I,
+        arena: &Arena,
+        stacks: &mut Stacks<RAYS_IN_FLIGHT>,
+    ) {
         if P::COUNTS {
             self.n_visits += 1;
         }
-        // SAFETY: the reference is the root or a child of a node, and to a node.
-        let node = unsafe { arena.node(self.next) };
-        let limit = set.splat(self.search.limit());
-        let (enter, exit) = self.slabs.span(set, node, limit);
-        push_entered::<I, S>(
-            set,
-            node,
-            enter,
-            exit,
-            self.slabs.order_shift(),
-            &mut self.stack,
-        );
-        self.advance(set, arena);
+        let Self { slabs, top, .. } = self;
+        // SAFETY: the reference is the root or was popped off the stack, and to a node.
+        unsafe {
+            let node = arena.node(self.next);
+            let limit = set.splat(self.search.limit());
+            let (enter, exit) = slabs.span(set, node, limit);
+            push_entered::<I, S, _>(set, node, enter, exit, slabs.order_shift(), stacks, top);
+            self.next = stacks.pop(top);
+        }
+        self.prefetch(set, arena);
     }
 
-    /// Tests its leaf and proceeds to the next node or leaf; returns `false` if
-    /// the traversal is finished.
+    /// Tests its leaf and proceeds to the next node or leaf.
     #[inline(always)]
-    fn test<P: StreamProbe>(&mut self, set: I, arena: &Arena) -> bool {
-        if self.next == NodeRef::END {
-            return false;
-        }
+    fn test<I: InstructionSet, P: StreamProbe>(
+        &mut self,
+        set: I,
+        arena: &Arena,
+        stacks: &mut Stacks<RAYS_IN_FLIGHT>,
+        i: usize,
+    ) {
         if P::COUNTS {
             self.n_tests += self.next.leaf_size() as u32;
         }
@@ -170,21 +188,22 @@ impl<I: InstructionSet, S: Search> RayState<I, S> {
         // SAFETY: the reference is a child of a node, and to a leaf.
         let leaf = unsafe { arena.leaf(self.next) };
         self.intersector
-            .test(leaf, self.next.leaf_kind(), &mut self.search);
-        if self.search.is_done() {
-            return false;
-        }
+            .test::<I, S, false>(set, leaf, self.next.leaf_kind(), &mut self.search);
         if S::NEAREST_FIRST && self.search.limit() < limit {
-            self.stack.keep_up_to(self.search.limit());
+            // SAFETY: this is its stack.
+            unsafe { stacks.keep_up_to(set, i, &mut self.top, self.search.limit()) };
         }
-        self.advance(set, arena);
-        true
+        // SAFETY: the ray has not popped the sentinel yet.
+        self.next = unsafe { stacks.pop(&mut self.top) };
+        if self.search.is_done() {
+            self.next = NodeRef::END;
+        }
+        self.prefetch(set, arena);
     }
 
-    /// Pops the next node or leaf and prefetches it for the next round.
+    /// Prefetches the next node or leaf for the next round.
     #[inline(always)]
-    fn advance(&mut self, set: I, arena: &Arena) {
-        self.next = self.stack.pop_one();
+    fn prefetch<I: InstructionSet>(&self, set: I, arena: &Arena) {
         let line = arena.address(self.next);
         set.prefetch(line);
         set.prefetch(line.wrapping_add(1));
@@ -199,6 +218,7 @@ struct RaySet(u32);
 
 impl RaySet {
     const EMPTY: Self = Self(0);
+    const ALL: Self = Self(u32::MAX >> (32 - RAYS_IN_FLIGHT));
 
     #[inline(always)]
     fn is_empty(self) -> bool {

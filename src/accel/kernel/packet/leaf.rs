@@ -5,9 +5,8 @@
 use super::rays::{Half, PacketRays};
 use super::soa::N_HALVES;
 use crate::accel::arena::Leaf;
-use crate::accel::kernel::triangle;
 use crate::accel::layout::{SPHERE_ROWS, TRIANGLE_ROWS};
-use crate::geometry::Shear;
+use crate::geometry::{AreaTest, Areas, Shear};
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
@@ -33,20 +32,22 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                     self.sheared(n, axes, leaf, 3, i),
                     self.sheared(n, axes, leaf, 6, i),
                 ];
-                let scale = self.set.load(&self.halves[n].scale);
-                let tested = triangle::intersect(self.set, &vertices, scale, active);
-                if tested.hits | tested.unsure == 0 {
+                let areas = Areas::new(&vertices);
+                // Coherent rays make this branch predictable.
+                if !areas.is_missed().bits() & active == 0 {
                     continue;
                 }
+                let scale = self.set.load(&self.halves[n].scale);
+                let AreaTest { hits, is_unsure, t } = areas.test(scale);
                 let primitive = leaf.primitive(TRIANGLE_ROWS, i);
-                let mut hits = tested.hits & zero.lt(tested.t).bits();
-                let t = tested.t.to_array();
+                let mut hits = (hits & zero.lt(t)).bits() & active;
+                let t = t.to_array();
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize % N_LANES;
                     hits &= hits - 1;
                     found(N_LANES * n + lane, t[lane], primitive);
                 }
-                let mut unsure = tested.unsure;
+                let mut unsure = is_unsure.bits() & active;
                 while unsure != 0 {
                     let ray = N_LANES * n + unsure.trailing_zeros() as usize % N_LANES;
                     unsure &= unsure - 1;
