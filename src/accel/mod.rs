@@ -22,6 +22,8 @@ mod bvh;
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::config::Acceleration;
 use crate::cost::{NoProbe, Probe, StreamProbe};
 use crate::geometry::Ray;
@@ -85,10 +87,10 @@ impl<'a> Accel<'a> {
         let (unbounded, bvh) = match kind {
             Acceleration::BruteForce => (all.collect(), None),
             Acceleration::Bvh(quality) => {
-                let (planes, bounded): (Vec<u32>, Vec<u32>) =
-                    all.partition(|&i| primitives[i as usize].is_unbounded());
-                let bvh = Bvh::new(primitives, bounded, quality, report)?;
-                (planes, Some(bvh))
+                let is_unbounded = |&i: &u32| primitives[i as usize].is_unbounded();
+                let unbounded: Vec<u32> = all.into_par_iter().filter(is_unbounded).collect();
+                let bvh = Bvh::new(primitives, &unbounded, quality, report)?;
+                (unbounded, Some(bvh))
             }
         };
         let index = Arc::new(AccelIndex { unbounded, bvh });

@@ -1,6 +1,7 @@
 //! The collapsed tree → the cache lines of the arena.
 
 use arrayvec::ArrayVec;
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 use super::TooLarge;
@@ -18,12 +19,14 @@ use crate::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
 /// Number of cache lines from which subtrees are written in parallel.
 const PARALLEL: usize = 1 << 14;
 
-/// The cache lines of the tree: the root first, and padding at the end, so that
-/// a kernel may load a whole leaf window anywhere.
+/// Writes the cache lines of the tree: the root first, and padding at the end, so
+/// that a kernel may load a whole leaf window anywhere. Takes memory with any contents,
+/// and more if it does not suffice.
 pub(super) fn lines(
     simd: Simd,
     tree: &BinaryTree,
     primitives: &[Primitive],
+    mut lines: Vec<CacheLine>,
 ) -> Result<Vec<CacheLine>, TooLarge> {
     let n_lines = tree.n_lines(tree.root);
     let (roots, n_lines) = if tree.leaf(tree.root).is_some() {
@@ -35,7 +38,14 @@ pub(super) fn lines(
         let bytes = (n_lines * size_of::<CacheLine>()) as u64;
         return Err(TooLarge { bytes });
     }
-    let mut lines = bytemuck::zeroed_vec(n_lines + LEAF_WINDOW_LINES);
+    let n_padded = n_lines + LEAF_WINDOW_LINES;
+    if n_padded <= lines.len() {
+        lines.truncate(n_padded);
+        lines[n_lines..].fill(CacheLine::zeroed());
+    } else {
+        drop(lines);
+        lines = bytemuck::zeroed_vec(n_padded);
+    }
     let writer = Writer {
         simd,
         tree,
@@ -175,9 +185,11 @@ fn write_leaf(
             _ => {}
         }
     }
-    for (lane, &index) in indices.iter().enumerate() {
-        numbers[n_rows * n + lane] = f32::from_bits(index | ID_BIT);
+    let (ids, behind) = numbers[n_rows * n..].split_at_mut(n);
+    for (id, index) in ids.iter_mut().zip(indices) {
+        *id = f32::from_bits(index | ID_BIT);
     }
+    behind.fill(0.0);
     NodeRef::leaf(kind, n, line as u32)
 }
 

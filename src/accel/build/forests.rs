@@ -92,7 +92,7 @@ impl Forests {
     #[inline(always)]
     pub(super) fn of_reference(reference: &Reference) -> Self {
         let kind = reference.kind();
-        let mut costs = [reference.bounds().half_area() * leaf_time(kind, 1); N_LANES];
+        let mut costs = [reference.half_area() * leaf_time(kind, 1); N_LANES];
         costs[MAX_ROOTS] = f32::INFINITY;
         Self {
             costs,
@@ -100,6 +100,44 @@ impl Forests {
             n_primitives: 1,
             kind: Some(kind),
         }
+    }
+
+    /// Those of references of one kind of which no forest costs less than one leaf, and
+    /// the choices that lead to them.
+    #[inline(always)]
+    pub(super) fn of_leaf(kind: LeafKind, n: usize, half_area: f32) -> (Self, ForestChoices) {
+        let mut costs = [half_area * leaf_time(kind, n); N_LANES];
+        costs[MAX_ROOTS] = f32::INFINITY;
+        let forests = Self {
+            costs,
+            n_lines: [kind.n_lines(n) as u32; N_LANES],
+            n_primitives: n,
+            kind: Some(kind),
+        };
+        let mut choices = ForestChoices(0);
+        choices.set_leaf(n);
+        (forests, choices)
+    }
+
+    /// Those of two references that are tested at once in a leaf, given their surface
+    /// areas and that of their box; and the choices that lead to them.
+    #[inline(always)]
+    pub(super) fn of_pair(
+        kind: LeafKind,
+        half_areas: [f32; 2],
+        half_area: f32,
+    ) -> (Self, ForestChoices) {
+        let (mut forests, mut choices) = Self::of_leaf(kind, 2, half_area);
+        let [first, second] = half_areas;
+        let apart = TEST_TIME * first + TEST_TIME * second;
+        if apart < forests.costs[0] {
+            for n_roots in 2..=MAX_ROOTS {
+                forests.costs[n_roots - 1] = apart;
+                forests.n_lines[n_roots - 1] = 2 * kind.n_lines(1) as u32;
+            }
+            choices.set(2, 1);
+        }
+        (forests, choices)
     }
 
     /// Cache lines of the subtree as a single root.
@@ -169,7 +207,8 @@ impl Distributions {
         let of_second = set.load(&second.costs);
         let mut costs = set.splat(f32::INFINITY);
         let mut n_first = set.splat(1.0);
-        for n in 1..=MAX_ROOTS {
+        // More roots than primitives cost no less.
+        for n in 1..=first.n_primitives.min(MAX_ROOTS) {
             // Lane i: the second subtree gets the other i + 1 - n roots.
             let rest = of_second.permute(&SHIFTS[n - 1], set.splat_bits(0));
             let cost = set.splat(first.costs[n - 1]) + rest;
@@ -236,7 +275,7 @@ mod tests {
         let mut forests = Forests {
             costs: [f32::INFINITY; N_LANES],
             n_lines: [0; N_LANES],
-            n_primitives: 1,
+            n_primitives: MAX_ROOTS,
             kind: None,
         };
         for (entry, cost) in forests.costs.iter_mut().zip(costs) {

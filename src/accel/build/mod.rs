@@ -24,17 +24,16 @@ mod partition;
 mod split_candidate;
 mod workers;
 mod presplit;
+mod prepare;
 mod forests;
 mod nodes;
+mod few;
 mod binary;
 mod collapse;
 mod order;
 mod emit;
 
 use std::fmt;
-
-use bytemuck::Zeroable;
-use rayon::prelude::*;
 
 use super::arena::Arena;
 use super::layout::{CacheLine, NodeRef};
@@ -45,6 +44,7 @@ use binary::{BuildContext, Subtree};
 use collapse::BinaryTree;
 use nodes::{BinaryNode, TreePosition};
 use partition::Subset;
+use prepare::references_per_primitive;
 use reference::Reference;
 use split_candidate::SplitContext;
 
@@ -57,27 +57,15 @@ pub(super) const MAX_PRIMITIVES: usize = 1 << 28;
 /// than one, and 1.5 for shapes that are tested one by one.
 const LINES_PER_REFERENCE: f64 = 2.0;
 
-/// References that spatial splits may add per triangle.
-const SPATIAL_SPLITS_PER_TRIANGLE: f64 = 0.5;
+/// Typical cache lines of the arena per reference to a triangle.
+const TYPICAL_LINES_PER_REFERENCE: usize = 1;
 
-/// Greatest number of references per primitive.
-fn references_per_primitive(quality: Quality) -> f64 {
-    match quality {
-        Quality::Fast => 1.0,
-        Quality::Balanced => 1.0 + presplit::SPLITS_PER_TRIANGLE,
-        Quality::High => 1.0 + SPATIAL_SPLITS_PER_TRIANGLE,
-    }
-}
-
-/// Upper bound of the build's bytes per primitive: its index, its share of the
-/// binary tree, and the larger of what the two steps need besides: memory for the
-/// partition while the binary tree is built, the arena afterwards.
+/// Upper bound of the build's bytes per primitive: its share of the binary tree and
+/// of the arena. Until it is written, the arena is the memory for the partition.
 pub(super) fn bytes_per_primitive(quality: Quality) -> usize {
     let tree = (size_of::<BinaryNode>() + size_of::<Reference>()) as f64;
-    let scratch = size_of::<Reference>() as f64;
     let arena = LINES_PER_REFERENCE * size_of::<CacheLine>() as f64;
-    let per_reference = tree + scratch.max(arena);
-    size_of::<u32>() + (references_per_primitive(quality) * per_reference).ceil() as usize
+    (references_per_primitive(quality) * (tree + arena)).ceil() as usize
 }
 
 /// Upper bound of the cache lines of the arena per primitive.
@@ -85,24 +73,34 @@ pub(super) fn lines_per_primitive(quality: Quality) -> usize {
     (references_per_primitive(quality) * LINES_PER_REFERENCE).ceil() as usize
 }
 
-/// Builds the hierarchy over the primitives with these indices; without any, or if
-/// the build was stopped, the arena is empty. Calls `report` with each finished share of the build, from
-/// any thread; the shares add up to 1.
+/// Builds the hierarchy over all primitives but the `unbounded`, whose indices ascend;
+/// without any, or if the build was stopped, the arena is empty. Calls `report` with
+/// each finished share of the build, from any thread; the shares add up to 1.
 pub(super) fn arena(
     simd: Simd,
     primitives: &[Primitive],
-    indices: Vec<u32>,
+    unbounded: &[u32],
     quality: Quality,
     report: impl Fn(f64) + Sync,
 ) -> Result<Arena, TooLarge> {
-    if indices.is_empty() {
+    let (references, whole) = prepare::references(simd, primitives, unbounded, quality);
+    if references.is_empty() {
         return Ok(Arena::default());
     }
-    let Some(tree) = binary_tree(simd, primitives, indices, quality, report) else {
+    let split = SplitContext {
+        primitives,
+        simd,
+        root_half_area: whole.bounds.half_area(),
+    };
+    // Memory for the partition at first.
+    let mut lines = bytemuck::zeroed_vec(TYPICAL_LINES_PER_REFERENCE * references.len());
+    let Some(tree) = binary_tree(split, references, whole, &mut lines, report) else {
         return Ok(Arena::default());
     };
-    let lines = emit::lines(simd, &tree, primitives)?;
-    Ok(Arena::new(lines, tree.bounds(tree.root)))
+    let lines = emit::lines(simd, &tree, primitives, lines)?;
+    let bounds = tree.bounds(tree.root);
+    let (arena, ()) = rayon::join(|| Arena::new(lines, bounds), || drop(tree));
+    Ok(arena)
 }
 
 /// A hierarchy has more cache lines than a node reference can address.
@@ -127,30 +125,26 @@ impl fmt::Display for TooLarge {
 
 impl std::error::Error for TooLarge {}
 
-/// Builds the binary tree over these primitives; `None` if it was stopped.
+/// Builds the binary tree over these references; `None` if it was stopped. `scratch`
+/// has at least half as many lines as there are references; its contents change.
 fn binary_tree(
-    simd: Simd,
-    primitives: &[Primitive],
-    indices: Vec<u32>,
-    quality: Quality,
+    split: SplitContext,
+    mut references: Vec<Reference>,
+    whole: Subset,
+    scratch: &mut [CacheLine],
     report: impl Fn(f64) + Sync,
 ) -> Option<BinaryTree> {
-    let (mut references, whole) = prepare(simd, primitives, indices, quality);
     let capacity = references.len();
     let mut nodes = bytemuck::zeroed_vec(capacity - 1);
     let context = BuildContext {
-        split: SplitContext {
-            primitives,
-            simd,
-            root_half_area: whole.bounds.half_area(),
-        },
+        split,
         report: |n_done: usize| report(n_done as f64 / capacity as f64),
     };
     let root = Subtree {
         subset: whole,
         depth: 0,
         references: &mut references,
-        scratch: &mut bytemuck::zeroed_vec(capacity),
+        scratch: &mut bytemuck::cast_slice_mut(scratch)[..capacity],
         stays: true,
         nodes: &mut nodes,
     };
@@ -164,35 +158,6 @@ fn binary_tree(
             is_leaf: whole.n == 1,
         },
     })
-}
-
-/// The references to these primitives, presplit or with memory for spatial
-/// splits, and the subset of all of them.
-fn prepare(
-    simd: Simd,
-    primitives: &[Primitive],
-    indices: Vec<u32>,
-    quality: Quality,
-) -> (Vec<Reference>, Subset) {
-    let mut references: Vec<Reference> = indices
-        .into_par_iter()
-        .with_min_len(8192)
-        .map(|index| Reference::new(&primitives[index as usize], index))
-        .collect();
-    let mut whole = Subset::of(simd, &references);
-    match quality {
-        Quality::Fast => {}
-        Quality::Balanced => {
-            references = presplit::presplit(references, primitives, &whole.bounds);
-            whole = Subset::of(simd, &references);
-        }
-        Quality::High => {
-            let n_triangles = references.iter().filter(|r| r.is_triangle()).count();
-            let n_splits = (SPATIAL_SPLITS_PER_TRIANGLE * n_triangles as f64) as usize;
-            references.resize(references.len() + n_splits, Reference::zeroed());
-        }
-    }
-    (references, whole)
 }
 
 #[cfg(test)]
@@ -228,10 +193,7 @@ mod tests {
     fn every_instruction_set_builds_the_same_tree() {
         let primitives = primitives();
         for quality in [Quality::Fast, Quality::Balanced, Quality::High] {
-            let build = |simd| {
-                let indices = (0..primitives.len() as u32).collect();
-                arena(simd, &primitives, indices, quality, |_| {}).unwrap()
-            };
+            let build = |simd| arena(simd, &primitives, &[], quality, |_| {}).unwrap();
             let sets = Simd::available();
             for simd in &sets[1..] {
                 assert!(build(*simd) == build(sets[0]), "{simd}, {quality}");

@@ -3,8 +3,9 @@
 use bytemuck::Zeroable;
 
 use super::bounds::LaneBounds;
-use super::forests::ForestChoices;
+use super::forests::{ForestChoices, Forests};
 use crate::geometry::Aabb;
+use crate::simd::InstructionSet;
 
 /// An inner node of the binary tree. The array of nodes is in depth-first order,
 /// with gaps where references might have been split and were not.
@@ -34,24 +35,6 @@ pub(super) struct TreePosition {
 }
 
 impl BinaryNode {
-    /// A node within these bounds; `link` in its parts.
-    #[inline(always)]
-    pub(super) fn new(
-        bounds: LaneBounds,
-        second: usize,
-        is_leaf: [bool; 2],
-        choices: ForestChoices,
-        n_lines: u32,
-    ) -> Self {
-        let [first_leaf, second_leaf] = is_leaf.map(u32::from);
-        Self {
-            bounds: bounds.to_aabb(),
-            link: second as u32 | first_leaf << 30 | second_leaf << 31,
-            choices,
-            n_lines,
-        }
-    }
-
     /// Its children, where it is at this position itself.
     pub(super) fn children(&self, own: TreePosition) -> [TreePosition; 2] {
         let second = (self.link & ((1 << 30) - 1)) as usize;
@@ -67,5 +50,42 @@ impl BinaryNode {
                 is_leaf: self.link >> 31 != 0,
             },
         ]
+    }
+}
+
+/// The root of a subtree whose children are being built.
+pub(super) struct OpenNode<'a> {
+    pub(super) node: &'a mut BinaryNode,
+    pub(super) bounds: LaneBounds,
+    /// How many nodes and references further on its second child begins.
+    pub(super) second: usize,
+    /// Which children are single references.
+    pub(super) is_leaf: [bool; 2],
+}
+
+impl OpenNode<'_> {
+    /// Writes the node; returns the forests of the subtree.
+    #[inline(always)]
+    pub(super) fn close<I: InstructionSet>(
+        self,
+        set: I,
+        first: &Forests,
+        second: &Forests,
+    ) -> Forests {
+        let forests = Forests::combine(set, first, second, &self.bounds);
+        self.write(forests)
+    }
+
+    /// Writes the node with these forests and choices; returns the forests.
+    #[inline(always)]
+    pub(super) fn write(self, (forests, choices): (Forests, ForestChoices)) -> Forests {
+        let [first_leaf, second_leaf] = self.is_leaf.map(u32::from);
+        *self.node = BinaryNode {
+            bounds: self.bounds.to_aabb(),
+            link: self.second as u32 | first_leaf << 30 | second_leaf << 31,
+            choices,
+            n_lines: forests.n_lines(),
+        };
+        forests
     }
 }

@@ -60,8 +60,22 @@ impl CentroidGrid {
 
 /// Numbers of references and the boxes around them, `N` bins on each axis.
 pub(super) struct ObjectBins<const N: usize> {
-    boxes: [[LaneBounds; 3]; N],
-    counts: [[u32; 3]; N],
+    bins: [Bin; N],
+}
+
+/// Bins with the same number on each axis.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Bin {
+    boxes: [LaneBounds; 3],
+    counts: [u32; 3],
+}
+
+impl Bin {
+    const EMPTY: Self = Self {
+        boxes: [LaneBounds::EMPTY; 3],
+        counts: [0; 3],
+    };
 }
 
 impl<const N: usize> ObjectBins<N> {
@@ -71,30 +85,27 @@ impl<const N: usize> ObjectBins<N> {
         references: &[Reference],
         grid: &CentroidGrid,
     ) -> Self {
-        let mut bins = Self {
-            boxes: [[LaneBounds::EMPTY; 3]; N],
-            counts: [[0; 3]; N],
-        };
+        let mut bins = [Bin::EMPTY; N];
         for reference in references {
             let bounds = reference.lanes(set);
             let indices = grid.bins(set, bounds);
             for axis in 0..3 {
                 // All bins are less than N; `%` removes the bits of 2^23 and the
                 // bounds check.
-                let bin = indices[4 + axis] as usize % N;
-                let sum = bins.boxes[bin][axis].lanes(set).max(bounds);
-                bins.boxes[bin][axis] = LaneBounds::of(sum);
-                bins.counts[bin][axis] += 1;
+                let bin = &mut bins[indices[4 + axis] as usize % N];
+                let sum = bin.boxes[axis].lanes(set).max(bounds);
+                bin.boxes[axis] = LaneBounds::of(sum);
+                bin.counts[axis] += 1;
             }
         }
-        bins
+        Self { bins }
     }
 
     pub(super) fn merged(mut self, other: Self) -> Self {
-        for bin in 0..N {
+        for (bin, other) in self.bins.iter_mut().zip(other.bins) {
             for axis in 0..3 {
-                self.boxes[bin][axis] = self.boxes[bin][axis].union(other.boxes[bin][axis]);
-                self.counts[bin][axis] += other.counts[bin][axis];
+                bin.boxes[axis] = bin.boxes[axis].union(other.boxes[axis]);
+                bin.counts[axis] += other.counts[axis];
             }
         }
         self
@@ -109,12 +120,12 @@ impl<const N: usize> ObjectBins<N> {
         let mut right_costs = [[f32::INFINITY; 3]; N];
         let mut right = Sums::new(set);
         for (bin, costs) in right_costs.iter_mut().enumerate().skip(1).rev() {
-            *costs = right.add(set, &self.boxes[bin], &self.counts[bin]);
+            *costs = right.add(set, &self.bins[bin]);
         }
         let mut left = Sums::new(set);
         let (mut least, mut first_right_bins) = ([f32::INFINITY; 3], [0; 3]);
         for (bin, right_costs) in right_costs.iter().enumerate().skip(1) {
-            let costs = left.add(set, &self.boxes[bin - 1], &self.counts[bin - 1]);
+            let costs = left.add(set, &self.bins[bin - 1]);
             for axis in 0..3 {
                 let cost = costs[axis] + right_costs[axis];
                 // An empty side has a cost that is not a number.
@@ -139,9 +150,9 @@ impl<const N: usize> ObjectBins<N> {
     ) -> (LaneBounds, usize) {
         let mut bounds = set.splat(f32::NEG_INFINITY);
         let mut n = 0;
-        for bin in bins {
-            bounds = bounds.max(self.boxes[bin][axis].lanes(set));
-            n += self.counts[bin][axis];
+        for bin in &self.bins[bins] {
+            bounds = bounds.max(bin.boxes[axis].lanes(set));
+            n += bin.counts[axis];
         }
         (LaneBounds::of(bounds), n as usize)
     }
@@ -165,16 +176,11 @@ impl<L: Lanes> Sums<L> {
     /// Adds a bin on each axis; returns the costs of the sums: half of the surface
     /// area times the number of references, which is not a number if there are none.
     #[inline(always)]
-    fn add<I: InstructionSet<Lanes = L>>(
-        &mut self,
-        set: I,
-        boxes: &[LaneBounds; 3],
-        counts: &[u32; 3],
-    ) -> [f32; 3] {
+    fn add<I: InstructionSet<Lanes = L>>(&mut self, set: I, bin: &Bin) -> [f32; 3] {
         let mut costs = [0.0; 3];
         for (axis, cost) in costs.iter_mut().enumerate() {
-            self.bounds[axis] = self.bounds[axis].max(boxes[axis].lanes(set));
-            self.n[axis] += counts[axis];
+            self.bounds[axis] = self.bounds[axis].max(bin.boxes[axis].lanes(set));
+            self.n[axis] += bin.counts[axis];
             *cost = LaneBounds::of(self.bounds[axis]).half_area() * self.n[axis] as f32;
         }
         costs

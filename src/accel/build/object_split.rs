@@ -10,7 +10,7 @@ use super::reference::{Reference, map_reduce};
 use crate::simd::{InstructionSet, Real, Simd, SimdKernel};
 
 /// Number of references from which they are binned in parallel.
-const PARALLEL: usize = 1 << 14;
+const PARALLEL: usize = 1 << 15;
 
 /// A split of references by the bins of their centers on one axis.
 pub(super) struct ObjectSplit {

@@ -33,7 +33,7 @@ impl Subset {
         let chunks = references.par_chunks(CHUNK);
         let of_chunk = |references: &[Reference]| simd.run(Enclose(references));
         // Maxima and sums of integers are independent of the order.
-        chunks.map(of_chunk).reduce(|| Self::EMPTY, Self::union)
+        chunks.map(of_chunk).reduce(Self::empty, Self::union)
     }
 
     #[inline(always)]
@@ -44,7 +44,13 @@ impl Subset {
         self.centers = LaneBounds::of(self.centers.lanes(set).max(center(lanes)));
     }
 
-    fn union(self, other: Self) -> Self {
+    /// That of no references.
+    pub(super) fn empty() -> Self {
+        Self::EMPTY
+    }
+
+    /// That of the references of both.
+    pub(super) fn union(self, other: Self) -> Self {
         Self {
             n: self.n + other.n,
             bounds: self.bounds.union(other.bounds),

@@ -59,6 +59,12 @@ impl Reference {
         LaneBounds(bytemuck::cast(*self))
     }
 
+    /// Half of the surface area of its box.
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f32 {
+        self.bounds().half_area()
+    }
+
     /// Its box in lanes.
     #[inline(always)]
     pub(super) fn lanes<I: InstructionSet>(&self, set: I) -> I::Lanes {

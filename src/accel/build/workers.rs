@@ -6,6 +6,9 @@ use super::partition::{Scatter, Sides, scatter_in_parallel};
 use super::reference::Reference;
 use crate::simd::{InstructionSet, Simd, SimdKernel};
 
+/// Number of references from which they are moved in parallel.
+const PARALLEL: usize = 1 << 15;
+
 /// One or more threads.
 pub(super) trait Workers: Copy {
     /// The cheapest object split of references, by the box around their centers.
@@ -48,6 +51,13 @@ impl Workers for Simd {
     }
 
     fn scatter(self, references: &[Reference], to: Sides, split: &ObjectSplit) -> [LaneBounds; 2] {
+        if references.len() < PARALLEL {
+            return self.run(Scatter {
+                references,
+                to,
+                split,
+            });
+        }
         scatter_in_parallel(self, references, to, split)
     }
 }

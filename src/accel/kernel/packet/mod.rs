@@ -121,7 +121,7 @@ mod tests {
         let primitive =
             |x| Primitive::new(Shape::Sphere(sphere(x)), None, ObjectId(0), MaterialId(0));
         let primitives: Vec<_> = (-9..9).map(primitive).collect();
-        let bvh = Bvh::new(&primitives, (0..18).collect(), Quality::Fast, |_| {}).unwrap();
+        let bvh = Bvh::new(&primitives, &[], Quality::Fast, |_| {}).unwrap();
         let mut answers = vec![None; rays.len()];
         simd.run(PacketTraversal(Batch {
             arena: bvh.arena(),
