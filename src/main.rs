@@ -9,6 +9,7 @@ use raycost::{cli, text};
 static ALLOCATOR: Allocator = Allocator;
 
 fn main() -> ExitCode {
+    Allocator::configure();
     match cli::run(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -31,6 +31,17 @@ pub(super) fn write(mut file: &File, bytes: &[u8]) -> io::Result<usize> {
     file.write(bytes)
 }
 
+/// Reserves space for a file of this length, which stays as it is. An error means that
+/// the file system does not know how, or will show when the file is written.
+#[cfg(target_os = "linux")]
+pub(super) fn reserve(file: &File, n_bytes: u64) {
+    use rustix::fs::{FallocateFlags, fallocate};
+    let _ = fallocate(file, FallocateFlags::KEEP_SIZE, 0, n_bytes);
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(super) fn reserve(_: &File, _: u64) {}
+
 pub(super) fn rename(from: &Path, to: &Path) -> io::Result<()> {
     fault()?;
     fs::rename(from, to)

@@ -31,6 +31,7 @@ mod single;
 mod staged;
 mod staging;
 mod workspace;
+mod writer;
 #[cfg(test)]
 mod tests;
 
@@ -43,8 +44,9 @@ use std::time::{Duration, Instant};
 pub use error::WriteError;
 pub(crate) use own::{Own, foreign as refuse_file};
 pub(crate) use single::{Replace, target, write_file};
-pub(crate) use staged::{FileWriter, StagedFile, checksum_of};
+pub(crate) use staged::StagedFile;
 pub(crate) use staging::Staging;
+pub(crate) use writer::{FileWriter, checksum_of};
 
 use workspace::Workspace;
 

@@ -1,13 +1,14 @@
 //! A single file, replaced atomically.
 
 use std::fs;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::error::WriteError;
 use super::own::{foreign, is_marked};
-use super::staged::{HashedFile, StagedFile};
+use super::staged::StagedFile;
 use super::workspace::{self, Workspace};
+use super::writer::FileWriter;
 use super::{Written, disk};
 
 /// The existing files that may be replaced.
@@ -53,7 +54,7 @@ pub(crate) fn target(path: &Path, replace: Replace) -> Result<PathBuf, WriteErro
 pub(crate) fn write_file(
     path: &Path,
     replace: Replace,
-    write: impl FnOnce(&mut BufWriter<HashedFile>) -> io::Result<()>,
+    write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
 ) -> Result<Written, WriteError> {
     let target = target(path, replace)?;
     let fail = |error| WriteError::new(path, error);

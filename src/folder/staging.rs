@@ -5,8 +5,9 @@ use std::io;
 
 use super::error::WriteError;
 use super::own::{self, Own};
-use super::staged::{FileWriter, StagedFile};
+use super::staged::StagedFile;
 use super::workspace::{self, CommitPlan, Workspace};
+use super::writer::FileWriter;
 use super::{OutputFolder, disk, exchange, journal};
 
 /// New files of an output folder. Dropping them without a commit removes them.

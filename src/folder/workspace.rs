@@ -10,6 +10,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::disk;
@@ -223,9 +224,8 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
         let Ok(entries) = fs::read_dir(&files) else {
             continue;
         };
-        for entry in entries {
-            disk::remove_file(&entry?.path())?;
-        }
+        let paths = entries.map(|entry| Ok(entry?.path()));
+        remove_files(&paths.collect::<io::Result<Vec<_>>>()?)?;
         disk::remove_dir(&files)?;
     }
     let plan = workspace.join(PLAN);
@@ -236,6 +236,17 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
         disk::remove_dir(workspace)
     } else {
         Ok(())
+    }
+}
+
+/// Removes files: on all threads of a pool if the current one has any, since the system
+/// takes long to free large files.
+fn remove_files(paths: &[PathBuf]) -> io::Result<()> {
+    if rayon::current_thread_index().is_some() {
+        let each = paths.par_iter().with_max_len(1);
+        each.try_for_each(|path| disk::remove_file(path))
+    } else {
+        paths.iter().try_for_each(|path| disk::remove_file(path))
     }
 }
 

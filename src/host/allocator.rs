@@ -14,6 +14,28 @@ use std::io::Write;
 #[derive(Debug, Clone, Copy)]
 pub struct Allocator;
 
+impl Allocator {
+    /// Configures the system's allocator: all threads share one heap, which grows by
+    /// megabytes and keeps large blocks. Otherwise glibc gives each thread a heap that
+    /// grows by a page at a time, with a system call that locks the whole process.
+    pub fn configure() {
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        for (parameter, value) in [
+            (libc::M_ARENA_MAX, 1),
+            (libc::M_TOP_PAD, 4 << 20),
+            (libc::M_MMAP_THRESHOLD, 32 << 20),
+            (libc::M_TRIM_THRESHOLD, 128 << 20),
+        ] {
+            #[expect(unsafe_code, reason = "a function of the C library")]
+            // SAFETY: these parameters take any number of bytes or heaps; values out of
+            // range are ignored.
+            unsafe {
+                libc::mallopt(parameter, value);
+            }
+        }
+    }
+}
+
 thread_local! {
     /// Has no destructor and allocates nothing: an allocator may read it at any
     /// time.

@@ -8,7 +8,7 @@ use crate::config::{Config, OptionalOutput};
 use crate::folder::{FileWriter, Written};
 use crate::instruments::Stages;
 use crate::provenance::{RunId, stamped};
-use crate::vtk::Encoding;
+use crate::vtk::{Codec, Encoding};
 
 /// A file of the output folder. Its source file defines it; [`files`](super::files)
 /// lists all.
@@ -80,6 +80,13 @@ impl Request<'_> {
 }
 
 impl Job<'_> {
+    /// Reserves space for so many bytes of arrays, unless they are compressed.
+    pub(super) fn reserve(&self, n_bytes: u64, out: &FileWriter) {
+        if self.rendering.config.compress == Codec::None {
+            out.reserve(n_bytes);
+        }
+    }
+
     /// The encoding of VTK files.
     pub(super) fn encoding(&self) -> Encoding {
         Encoding {

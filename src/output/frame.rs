@@ -13,7 +13,11 @@ use crate::vtk::encoding::Encoding;
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "frame.vti",
     is_wanted: |_| true,
-    content: FileContent::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
+    content: FileContent::Written(|job, out| {
+        let film = job.rendering.film;
+        job.reserve(n_pixels(film) * bytes_per_point(film), out);
+        write(film, job.encoding(), out)
+    }),
 };
 
 /// Writes the film as ImageData with one point per pixel. VTK orders rows from bottom
@@ -23,9 +27,8 @@ pub fn write(
     encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
     let array = |column| {
-        column_array(column, n_pixels, |column, out| {
+        column_array(column, n_pixels(film), |column, out| {
             write_rows(film, column, out)
         })
     };
@@ -34,6 +37,16 @@ pub fn write(
         point_data: columns(film.cost, film.repeats).map(array).collect(),
     };
     appended::write(&image, encoding.into(), out)
+}
+
+fn n_pixels(film: &Film) -> u64 {
+    u64::from(film.grid.width) * u64::from(film.grid.height)
+}
+
+/// The bytes of a point in all arrays of the film.
+pub(super) fn bytes_per_point(film: &Film) -> u64 {
+    let columns = columns(film.cost, film.repeats);
+    columns.map(|column| column.stride() as u64).sum()
 }
 
 /// Creates the array of a column with `n` entries, which `write` writes.

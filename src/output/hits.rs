@@ -6,7 +6,7 @@ use std::ops::Range;
 use vtkio::model::CellType;
 
 use super::file::{FileContent, OutputFile};
-use super::frame::column_array;
+use super::frame::{bytes_per_point, column_array};
 use crate::film::{Column, Film, Strip, columns};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
@@ -17,7 +17,12 @@ use crate::vtk::encoding::Encoding;
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "hits.vtu",
     is_wanted: |_| true,
-    content: FileContent::Written(|job, out| write(job.rendering.film, job.encoding(), out)),
+    content: FileContent::Written(|job, out| {
+        let film = job.rendering.film;
+        let per_hit = bytes_per_point(film) + Column::POSITION.stride() as u64;
+        job.reserve(film.n_hits() as u64 * per_hit, out);
+        write(film, job.encoding(), out)
+    }),
 };
 
 /// Writes the film's hits as an UnstructuredGrid of one vertex per hit, in the
