@@ -21,6 +21,7 @@ mod layout;
 use std::io::{self, Write};
 
 use image::RgbImage;
+use rayon::prelude::*;
 
 use crate::provenance::{self, RunId};
 use canvas::{GRAY_INK, INK, LINE, PAPER};
@@ -30,6 +31,9 @@ use layout::Layout;
 pub use range::{Range, Scale};
 use text::Style;
 pub use ticks::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
+
+/// Rows of values that a thread paints at a time.
+const ROWS: usize = 32;
 
 /// The contents of a cost picture.
 #[derive(Clone, Copy, Debug)]
@@ -59,9 +63,9 @@ pub struct CostMap<'a> {
 pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> {
     let picture = draw(map);
     let (width, height) = picture.dimensions();
-    let rows = picture.chunks_exact(3 * width as usize);
+    let rows: Vec<&[u8]> = picture.chunks_exact(3 * width as usize).collect();
     let texts = [(provenance::KEY, &*run.to_string())];
-    png::write([width, height], rows, &texts, out)
+    png::write([width, height], &rows, &texts, out)
 }
 
 /// Draws `map` with its title, color bar and footer.
@@ -108,17 +112,18 @@ fn paint_map(picture: &mut RgbImage, map: &CostMap, colors: &Colors, layout: &La
     let picture_width = picture.width() as usize;
     let in_map = at.x as usize..at.right() as usize;
     let (pixels, _) = picture.as_chunks_mut::<3>();
-    let rows = pixels[at.y as usize * picture_width..].chunks_mut(picture_width * n_copies);
-    for (rows, values) in rows.zip(map.values.chunks(width)) {
+    let rows = pixels[at.y as usize * picture_width..].par_chunks_mut(picture_width * n_copies);
+    let rows = rows.zip(map.values.par_chunks(width)).with_min_len(ROWS);
+    rows.for_each(|(rows, values)| {
         let (first, copies) = rows.split_at_mut(picture_width);
         let first = &mut first[in_map.clone()];
-        for (square, &value) in first.chunks_mut(n_copies).zip(values) {
+        for (square, &value) in first.chunks_exact_mut(n_copies).zip(values) {
             square.fill(colors.of(value).0);
         }
         for copy in copies.chunks_mut(picture_width) {
             copy[in_map.clone()].copy_from_slice(first);
         }
-    }
+    });
 }
 
 #[cfg(test)]

@@ -21,9 +21,10 @@ pub(super) const FILE: OutputFile = OutputFile {
 /// Writes the film's colors with 8 bits per channel.
 fn write(film: &Film, run: RunId, states: &States, out: &mut impl Write) -> io::Result<()> {
     let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+    let rows: Vec<&[u8]> = rows.collect();
     let texts = [
         (provenance::KEY, &*run.to_string()),
         ("ParaViewState", &*states.geometry()),
     ];
-    png::write([film.grid.width, film.grid.height], rows, &texts, out)
+    png::write([film.grid.width, film.grid.height], &rows, &texts, out)
 }

@@ -1,0 +1,181 @@
+//! Writes a picture as a PNG on all threads, fast rather than small.
+//!
+//! A PNG is a zlib stream of filtered rows (ISO/IEC 15948). Strips of rows are filtered
+//! and compressed independently of each other into deflate blocks that end with a whole
+//! byte, so that the stream is the sequence of all strips: the file has the same bytes on
+//! any number of threads.
+
+mod bits;
+mod deflate;
+mod filter;
+mod huffman;
+
+use std::io::{self, Write};
+
+use rayon::prelude::*;
+
+/// Bytes of rows in a strip: enough that its Huffman code takes little of it.
+const STRIP: usize = 1 << 18;
+
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+
+/// Deflate with a window of 32 KiB, the fastest level.
+const ZLIB_HEADER: [u8; 2] = [0x78, 0x01];
+
+/// Writes a picture of `width * height` pixels from its rows, row 0 on top, 8 bits per channel.
+/// `texts` are text chunks, keyword and ASCII text. Compresses on the current rayon pool.
+pub(crate) fn write(
+    [width, height]: [u32; 2],
+    rows: &[&[u8]],
+    texts: &[(&str, &str)],
+    out: &mut impl Write,
+) -> io::Result<()> {
+    debug_assert_eq!(rows.len(), height as usize);
+    out.write_all(&SIGNATURE)?;
+    // 8 bits per channel, red, green and blue; deflate, filters by row, not interlaced.
+    let [width_bytes, height_bytes] = [width, height].map(u32::to_be_bytes);
+    write_chunk(
+        b"IHDR",
+        &[&width_bytes, &height_bytes, &[8, 2, 0, 0, 0]],
+        out,
+    )?;
+    for (keyword, text) in texts {
+        write_chunk(b"tEXt", &[keyword.as_bytes(), &[0], text.as_bytes()], out)?;
+    }
+    let strips = strips(rows, (STRIP / (3 * width as usize)).max(1));
+    let last = strips.len().saturating_sub(1);
+    let mut checksum = 1;
+    for (i, strip) in strips.iter().enumerate() {
+        checksum = joined(checksum, strip);
+        let header: &[u8] = if i == 0 { &ZLIB_HEADER } else { &[] };
+        let checksum_bytes = checksum.to_be_bytes();
+        let trailer: &[u8] = if i == last { &checksum_bytes } else { &[] };
+        write_chunk(b"IDAT", &[header, &strip.compressed, trailer], out)?;
+    }
+    write_chunk(b"IEND", &[], out)
+}
+
+/// Filtered and compressed rows.
+struct CompressedRows {
+    compressed: Vec<u8>,
+    /// Bytes of the filtered rows, and their Adler-32 checksum.
+    n_bytes: usize,
+    checksum: u32,
+}
+
+fn strips(rows: &[&[u8]], n_rows: usize) -> Vec<CompressedRows> {
+    let n_strips = rows.len().div_ceil(n_rows);
+    let strip = |i: usize| {
+        let first = i * n_rows;
+        let above = first.checked_sub(1).map(|above| rows[above]);
+        let filtered = filter::filtered(above, &rows[first..rows.len().min(first + n_rows)]);
+        CompressedRows {
+            compressed: deflate::compressed(&filtered, i + 1 == n_strips),
+            n_bytes: filtered.len(),
+            checksum: simd_adler32::adler32(&&filtered[..]),
+        }
+    };
+    (0..n_strips).into_par_iter().map(strip).collect()
+}
+
+/// The Adler-32 checksum of a stream with this checksum and of a strip behind it
+/// (RFC 1950).
+fn joined(checksum: u32, strip: &CompressedRows) -> u32 {
+    const PRIME: u64 = 65_521;
+    let halves = |checksum: u32| [checksum & 0xffff, checksum >> 16].map(u64::from);
+    let ([a, b], [a_strip, b_strip]) = (halves(checksum), halves(strip.checksum));
+    // Each checksum begins with 1: the strip's would have begun with `a`.
+    let excess = a + PRIME - 1;
+    let n_bytes = strip.n_bytes as u64 % PRIME;
+    let [a, b] = [a_strip + excess, b + b_strip + n_bytes * excess].map(|sum| sum % PRIME);
+    (b << 16 | a) as u32
+}
+
+/// Writes a chunk: length, type, content and CRC-32.
+fn write_chunk(kind: &[u8; 4], parts: &[&[u8]], out: &mut impl Write) -> io::Result<()> {
+    let n_bytes: usize = parts.iter().map(|part| part.len()).sum();
+    let n_bytes = u32::try_from(n_bytes).map_err(io::Error::other)?;
+    out.write_all(&n_bytes.to_be_bytes())?;
+    let mut checksum = crc32fast::Hasher::new();
+    for part in [&kind[..]].iter().chain(parts) {
+        checksum.update(part);
+        out.write_all(part)?;
+    }
+    out.write_all(&checksum.finalize().to_be_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The pixels and the texts of a PNG, by another implementation.
+    fn decoded(file: &[u8]) -> (Vec<u8>, Vec<(String, String)>) {
+        let mut reader = png::Decoder::new(io::Cursor::new(file))
+            .read_info()
+            .unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        reader.finish().unwrap();
+        let texts = reader.info().uncompressed_latin1_text.iter();
+        let texts = texts.map(|chunk| (chunk.keyword.clone(), chunk.text.clone()));
+        (pixels, texts.collect())
+    }
+
+    fn encoded(size: [u32; 2], pixels: &[u8], texts: &[(&str, &str)]) -> Vec<u8> {
+        let rows: Vec<&[u8]> = pixels.chunks_exact(3 * size[0] as usize).collect();
+        let mut file = Vec::new();
+        write(size, &rows, texts, &mut file).unwrap();
+        file
+    }
+
+    /// Pixels between flat and random ones.
+    fn pixels([width, height]: [u32; 2], noise: u32) -> Vec<u8> {
+        let pixel = |i: u32| {
+            let (x, y) = (i % width, i / width);
+            let random = i.wrapping_mul(2_654_435_761) >> 24;
+            [x / 3, y / 5, x + y].map(|channel| (channel + random % noise) as u8)
+        };
+        (0..width * height).flat_map(pixel).collect()
+    }
+
+    #[test]
+    fn a_picture_of_many_strips_is_read_by_others() {
+        for noise in [1, 2, 256] {
+            let size = [300, 700];
+            let pixels = pixels(size, noise);
+            let texts = [("raycost_run", "7"), ("ParaViewState", "<a/>")];
+            let file = encoded(size, &pixels, &texts);
+            let (found, found_texts) = decoded(&file);
+            assert!(found == pixels);
+            let expected = texts.map(|(keyword, text)| (keyword.to_owned(), text.to_owned()));
+            assert_eq!(found_texts, expected);
+        }
+    }
+
+    #[test]
+    fn threads_change_no_byte() {
+        let size = [200, 900];
+        let pixels = pixels(size, 7);
+        let on = |n_threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+            (pool.build().unwrap()).install(|| encoded(size, &pixels, &[]))
+        };
+        assert!(on(1) == on(3));
+    }
+
+    proptest! {
+        #[test]
+        fn small_pictures_are_read_by_others(
+            width in 1..20_u32,
+            bytes in prop::collection::vec(prop_oneof![3 => Just(0_u8), 1 => any::<u8>()], 60..400),
+        ) {
+            let height = bytes.len() as u32 / (3 * width);
+            prop_assume!(height > 0);
+            let pixels = &bytes[..(3 * width * height) as usize];
+            let file = encoded([width, height], pixels, &[]);
+            prop_assert_eq!(decoded(&file).0, pixels);
+        }
+    }
+}
