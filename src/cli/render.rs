@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     } else {
         HardwareCounters::none()
     };
-    let stages = Stages::start(hardware);
+    let stages = Stages::with_start(hardware);
     let session = Session::new(arguments.scene.load()?, stages)?;
     let folder = session.folder(&arguments.scene.out())?;
     let folder = folder.synced(arguments.sync);

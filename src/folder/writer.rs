@@ -184,7 +184,9 @@ mod tests {
     #[test]
     fn parts_of_any_length_are_written_in_their_order() {
         let folder = tempfile::tempdir().unwrap();
-        let bytes: Vec<u8> = (0..3 * BUFFER as u32 + 7).map(|i| (i % 251) as u8).collect();
+        let bytes: Vec<u8> = (0..3 * BUFFER as u32 + 7)
+            .map(|i| (i % 251) as u8)
+            .collect();
         for part in [1000, BUFFER - 1, BUFFER, 2 * BUFFER + 1] {
             let path = folder.path().join(part.to_string());
             let (n, checksum) = written(path.clone(), |out| {

@@ -62,6 +62,26 @@ impl Stages {
         }
     }
 
+    /// Begins with a stage `start`, from the start of the process until now: loading
+    /// the program and reading the command line. The system tells its CPU time alone,
+    /// which stands for its wall time, too.
+    pub fn with_start(hardware: HardwareCounters) -> Self {
+        let mut stages = Self::start(hardware);
+        let elapsed = stages.cpu.as_duration();
+        if let Some(begin) = stages.begin.checked_sub(elapsed) {
+            stages.ended.push(Stage {
+                name: "start",
+                span: begin..stages.begin,
+                wall_ms: milliseconds(elapsed),
+                cpu_ms: milliseconds(elapsed),
+                system: stages.system,
+                events: Counts::new(),
+            });
+            stages.begin = begin;
+        }
+        stages
+    }
+
     /// Ends the running stage and starts the next one.
     pub fn end(&mut self, name: &'static str) {
         let (wall, cpu) = (Instant::now(), ProcessTime::now());

@@ -7,7 +7,7 @@ use super::file::{FileContent, OutputFile};
 use crate::chart::{self, CostMap, Scale};
 use crate::cost::Metric;
 use crate::provenance::RunId;
-use crate::statistics::upper_median;
+use crate::statistics::floats_at;
 use crate::text::numbers;
 
 /// The file.
@@ -39,14 +39,14 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
 fn subtitle(rendering: &RenderingView, metric: Metric, values: &[f32]) -> String {
     let image = &rendering.config.image;
     let n_threads = rendering.threads.used;
-    let median = upper_median(&mut values.to_vec(), f32::total_cmp);
+    let [median] = floats_at(values, [values.len() / 2]).unwrap_or_default();
     format!(
         "{} × {} pixels, {} per pixel, {}; median {}, sum {}",
         image.width,
         image.height,
         numbers::counted(image.samples_per_pixel.into(), "sample"),
         numbers::counted(n_threads as u64, "thread"),
-        metric.format(median.unwrap_or_default().into()),
+        metric.format(median.into()),
         metric.format(values.iter().copied().map(f64::from).sum()),
     )
 }

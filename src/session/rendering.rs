@@ -86,6 +86,7 @@ impl Rendering<'_> {
         let mut stages = std::mem::take(&mut self.stages);
         let view = self.view(profiler);
         let written = (self.pool).install(|| output::write(&view, folder, &mut stages));
+        stages.end("commit");
         self.stages = stages;
         written
     }

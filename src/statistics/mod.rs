@@ -4,12 +4,14 @@
 //! Comparisons use ranks alone: an interrupted run is one high rank, however
 //! long it took, and no distribution of the noise is assumed.
 
+mod floats;
 mod order;
 mod rank_sum;
 mod ratio;
 mod sample;
 
-pub use order::{median, quantile, upper_median};
+pub use floats::floats_at;
+pub use order::{median, upper_median};
 pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};
 pub use sample::SampleStatistics;

@@ -1,4 +1,4 @@
-//! Order statistics: the median, and quantiles that are values of the sample.
+//! Order statistics of a sample: the median, and the one that is a value of it.
 
 use std::cmp::Ordering;
 
@@ -20,18 +20,6 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
 /// values; `None` without values. Reorders the values.
 pub fn upper_median<T: Copy>(values: &mut [T], order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
     order_statistic(values, values.len() / 2, order)
-}
-
-/// The `numerator / denominator` quantile, from 0 to 1, as one of the values: of
-/// `n` sorted values the one with index `(n - 1) * numerator / denominator`,
-/// rounded down; `None` without values. Reorders the values.
-pub fn quantile<T: Copy>(
-    values: &mut [T],
-    [numerator, denominator]: [usize; 2],
-    order: impl FnMut(&T, &T) -> Ordering,
-) -> Option<T> {
-    let last = values.len().checked_sub(1)?;
-    order_statistic(values, last * numerator / denominator, order)
 }
 
 /// The value that would have this index if the values were sorted; `None` beyond
@@ -57,7 +45,6 @@ mod tests {
     fn no_values_have_no_median() {
         assert_eq!(median(&mut []), None);
         assert_eq!(upper_median(&mut [], f64::total_cmp), None);
-        assert_eq!(quantile(&mut [], [1, 2], f64::total_cmp), None);
     }
 
     #[test]
@@ -65,8 +52,6 @@ mod tests {
         let values = [4.0, 1.0, 3.0, 2.0];
         assert_eq!(median(&mut values.clone()), Some(2.5));
         assert_eq!(upper_median(&mut values.clone(), f64::total_cmp), Some(3.0));
-        let half = quantile(&mut values.clone(), [1, 2], f64::total_cmp);
-        assert_eq!(half, Some(2.0));
     }
 
     proptest! {
@@ -74,7 +59,6 @@ mod tests {
         #[test]
         fn selection_finds_what_sorting_does(
             values in prop::collection::vec(-9.0..9.0, 1..20),
-            percent in 0..=100_usize,
         ) {
             let mut sorted = values.clone();
             sorted.sort_by(f64::total_cmp);
@@ -82,8 +66,6 @@ mod tests {
             let mean = (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0;
             prop_assert_eq!(median(&mut values.clone()), Some(mean));
             prop_assert_eq!(upper_median(&mut values.clone(), f64::total_cmp), Some(sorted[n / 2]));
-            let found = quantile(&mut values.clone(), [percent, 100], f64::total_cmp);
-            prop_assert_eq!(found, Some(sorted[(n - 1) * percent / 100]));
         }
     }
 }

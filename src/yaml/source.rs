@@ -18,6 +18,9 @@ const MAX_BYTES: u64 = 64 << 20;
 /// Most bytes of memory that the parsers need for each byte of the text:
 /// `[[],[],…` has an event in every second byte.
 const MEMORY_PER_BYTE: u64 = 80;
+/// Bytes of memory that are asked for without a check, which reads many files of the
+/// system.
+const WORTH_A_CHECK: u64 = 1 << 20;
 
 /// A YAML text and its name in messages.
 #[derive(Debug, Clone)]
@@ -58,7 +61,8 @@ impl Source {
                     .with_help("describe many objects by a generator such as `sphere_cloud`"),
             );
         }
-        if bytes.len() as u64 * MEMORY_PER_BYTE > available_memory() {
+        let needed = bytes.len() as u64 * MEMORY_PER_BYTE;
+        if needed > WORTH_A_CHECK && needed > available_memory() {
             let message = format!("the scene `{name}` needs more memory than is free");
             return Err(Diagnostic::new(message)
                 .with_help("describe many objects by a generator such as `sphere_cloud`"));

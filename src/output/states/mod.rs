@@ -14,7 +14,7 @@ use crate::cost::Metric;
 use crate::film::Film;
 use crate::folder::OutputFolder;
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
-use crate::statistics::quantile;
+use crate::statistics::floats_at;
 use crate::text::numbers::capitalized;
 
 /// The template of `geometry.pvsm`.
@@ -128,11 +128,11 @@ fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
 /// Returns the axis of a metric from the 0.5 % to the 99.5 % quantile; its ends differ
 /// by at least 1.
 fn counter_axis(film: &Film, metric: Metric) -> Axis {
-    let mut counts = film.metric(metric);
-    let [low, high] = [1, 199].map(|part| {
-        let count = quantile(&mut counts, [part, 200], f32::total_cmp);
-        f64::from(count.unwrap_or_default())
-    });
+    let counts = film.metric(metric);
+    let indices = [1, 199].map(|part| counts.len().saturating_sub(1) * part / 200);
+    let [low, high] = floats_at(&counts, indices)
+        .unwrap_or_default()
+        .map(f64::from);
     let ends = [low, high.max(low + 1.0)];
     Axis::new(
         metric.name,
@@ -144,7 +144,7 @@ fn counter_axis(film: &Film, metric: Metric) -> Axis {
 
 /// The distances of the hits along their camera rays.
 struct Distances {
-    /// The 50 % [`quantile`]; `None` without hits.
+    /// The lower median; `None` without hits.
     median: Option<f32>,
     /// Largest distance that is shown. ParaView clips points 1000 times nearer than
     /// the farthest one, and a plane has hits up to its horizon.
@@ -153,13 +153,13 @@ struct Distances {
 
 impl Distances {
     fn of(film: &Film) -> Self {
-        let mut distances: Vec<f32> = film
+        let distances: Vec<f32> = film
             .values(|strip| &strip.distance)
             .filter(|distance| distance.is_finite())
             .collect();
-        let quantiles = [1, 50, 99, 100]
-            .map(|percent| quantile(&mut distances, [percent, 100], f32::total_cmp));
-        let [Some(near), median, Some(far), Some(farthest)] = quantiles else {
+        let last = distances.len().saturating_sub(1);
+        let indices = [1, 50, 99, 100].map(|percent| last * percent / 100);
+        let Some([near, median, far, farthest]) = floats_at(&distances, indices) else {
             return Self {
                 median: None,
                 max_shown: 1.0,
@@ -167,7 +167,7 @@ impl Distances {
         };
         let cut = f64::from(near) * 300.0;
         Self {
-            median,
+            median: Some(median),
             max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
         }
     }
