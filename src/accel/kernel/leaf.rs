@@ -53,7 +53,7 @@ impl LeafIntersector {
     ) {
         match kind {
             LeafKind::Triangles => self.triangles::<I, S, EARLY>(set, leaf, search),
-            LeafKind::Spheres => self.spheres(set, leaf, search),
+            LeafKind::Spheres => self.spheres::<I, S, EARLY>(set, leaf, search),
             LeafKind::Others => (0..leaf.len()).for_each(|i| search.test(leaf.primitive(0, i))),
         }
     }
@@ -133,7 +133,12 @@ impl LeafIntersector {
 
     /// Tests spheres.
     #[inline(always)]
-    fn spheres<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+    fn spheres<I: InstructionSet, S: Search, const EARLY: bool>(
+        &self,
+        set: I,
+        leaf: Leaf,
+        search: &mut S,
+    ) {
         let zero = set.splat(0.0);
         let center = Vector {
             x: set.load(leaf.row(0)),
@@ -148,7 +153,7 @@ impl LeafIntersector {
         let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
         let is_hit = zero.le(discriminant);
-        if is_hit.bits() & used_lanes(leaf) == 0 {
+        if EARLY && is_hit.bits() & used_lanes(leaf) == 0 {
             return;
         }
         // A negative discriminant gives NaN, in lanes that are masked already.
