@@ -1,6 +1,6 @@
 //! The decision whether a ray hits a triangle, and where.
 
-use crate::simd::{Real, Vector};
+use crate::simd::{Arithmetic, Vector};
 
 /// Ratio of products to the area below which 32 bits decide.
 const MAX_SPREAD: f32 = 8.0;
@@ -37,7 +37,7 @@ pub(crate) struct Areas<R> {
 }
 
 /// The result of the test with 32 bits.
-pub(crate) struct AreaTest<R: Real> {
+pub(crate) struct AreaTest<R: Arithmetic> {
     /// Whether the ray's line hits the triangle.
     pub(crate) hits: R::Mask,
     /// Whether rounding may decide.
@@ -46,7 +46,7 @@ pub(crate) struct AreaTest<R: Real> {
     pub(crate) t: R,
 }
 
-impl<R: Real> Areas<R> {
+impl<R: Arithmetic> Areas<R> {
     #[inline(always)]
     pub(crate) fn new([a, b, c]: &[Vector<R>; 3]) -> Self {
         let (u0, u1) = (b.x * c.y, b.y * c.x);

@@ -4,9 +4,11 @@
 use std::arch::x86_64::*;
 use std::ops::{BitAnd, BitOr, Not};
 
-use super::lanes::SimdKernel;
+use super::lanes::{InstructionSet, SimdKernel};
 use super::real::Mask;
 use super::registers::Registers;
+use super::wide::Sixteen;
+use super::x86::Ymm;
 
 /// Proof that the CPU has AVX2, and the bit instructions that come with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +78,17 @@ impl Not for WideMask {
 
 impl Registers for Avx2 {
     type Mask = WideMask;
+    type Wide = Ymm<Self>;
+
+    #[inline(always)]
+    fn wide_of(self, value: f32) -> Ymm<Self> {
+        self.splat(value)
+    }
+
+    #[inline(always)]
+    fn wide_from(self, numbers: &Sixteen, part: usize) -> Ymm<Self> {
+        self.load(&numbers[part % 2])
+    }
 
     #[inline(always)]
     fn mask_of(self, bits: u8) -> WideMask {

@@ -1,4 +1,4 @@
-//! AVX-512 on 256-bit registers: masks are integers.
+//! AVX-512, mostly on 256-bit registers: masks are integers.
 #![expect(unsafe_code, reason = "intrinsics, proved by `Avx512::detect`")]
 
 use std::arch::x86_64::*;
@@ -8,6 +8,8 @@ use super::avx2::Avx2;
 use super::lanes::SimdKernel;
 use super::real::Mask;
 use super::registers::Registers;
+use super::wide::Sixteen;
+use super::zmm::{WideRegisters, Zmm};
 
 /// Proof that the CPU has AVX2, AVX-512F and AVX-512VL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,8 +70,21 @@ impl Not for MaskRegister {
     }
 }
 
+impl WideRegisters for Avx512 {}
+
 impl Registers for Avx512 {
     type Mask = MaskRegister;
+    type Wide = Zmm<Self>;
+
+    #[inline(always)]
+    fn wide_of(self, value: f32) -> Zmm<Self> {
+        Zmm::splat(self, value)
+    }
+
+    #[inline(always)]
+    fn wide_from(self, numbers: &Sixteen, _: usize) -> Zmm<Self> {
+        Zmm::load(self, numbers)
+    }
 
     #[inline(always)]
     fn mask_of(self, bits: u8) -> MaskRegister {

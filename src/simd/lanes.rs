@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use super::real::Real;
+use super::real::{Mask, Real};
 use super::vector::Vector;
+use super::wide::{Sixteen, Wide};
 
 /// Number of lanes.
 pub(crate) const N_LANES: usize = 8;
@@ -22,6 +23,12 @@ pub(crate) trait SimdKernel {
 pub(crate) trait InstructionSet: Copy {
     /// Its eight lanes.
     type Lanes: Lanes;
+    /// A part of the numbers of a packet.
+    type Wide: Wide;
+    /// The same number in all lanes of a part.
+    fn splat_wide(self, value: f32) -> Self::Wide;
+    /// This part of the numbers of a packet.
+    fn load_wide(self, numbers: &Sixteen, part: usize) -> Self::Wide;
     /// The same number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
     /// The same vector in all lanes.
@@ -74,4 +81,23 @@ pub(crate) trait Lanes: Real {
     /// Moves the lanes of `mask` to the front, in their order. The lanes behind
     /// them have no meaning.
     fn compress(self, mask: Self::Mask) -> Self;
+}
+
+impl<L: Lanes> Wide for L {
+    const N_PARTS: usize = 2;
+
+    #[inline(always)]
+    fn le(self, other: Self) -> L::Mask {
+        Real::le(self, other)
+    }
+
+    #[inline(always)]
+    fn bits(mask: L::Mask) -> u16 {
+        mask.bits().into()
+    }
+
+    #[inline(always)]
+    fn to_arrays(self) -> Sixteen {
+        [self.to_array(), [0.0; N_LANES]]
+    }
 }

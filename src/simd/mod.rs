@@ -1,4 +1,4 @@
-//! Eight `f32` at a time, with the instruction sets that the CPU has.
+//! Eight `f32` at a time, or sixteen, with the instruction sets that the CPU has.
 //!
 //! The kernels are generic over [`Lanes`], of which there are three kinds:
 //! plain arrays, AVX2 and AVX-512. All do the same IEEE operations in the same
@@ -14,6 +14,7 @@ mod lanes;
 mod portable;
 mod vector;
 mod column;
+mod wide;
 mod sum;
 #[cfg(target_arch = "x86_64")]
 mod registers;
@@ -25,6 +26,8 @@ mod x86_wide;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod zmm;
 
 use std::fmt;
 
@@ -37,6 +40,7 @@ pub(crate) use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
 pub use real::{Double, Integer, Mask, Real};
 pub use vector::Vector;
+pub(crate) use wide::{Arithmetic, Wide};
 
 /// An instruction set that the CPU has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,7 +102,7 @@ impl fmt::Display for Simd {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{InstructionSet, Lanes, Mask, N_LANES, Real, Simd, SimdKernel};
 
     const BITS: [u32; N_LANES] = [10, 11, 12, 13, 14, 15, 16, 17];
     const DISTANCES: [f32; N_LANES] = [3.0, 0.0, 7.5, 3.0, f32::INFINITY, 1e-30, 2.0, 0.0];

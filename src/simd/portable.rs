@@ -5,6 +5,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::lanes::{InstructionSet, Lanes, N_LANES};
 use super::real::{Double, Integer, Mask, Real};
+use super::wide::Sixteen;
 
 /// The set that needs no instructions beyond the target's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +13,17 @@ pub(crate) struct Portable;
 
 impl InstructionSet for Portable {
     type Lanes = F32x8;
+    type Wide = F32x8;
+
+    #[inline(always)]
+    fn splat_wide(self, value: f32) -> F32x8 {
+        self.splat(value)
+    }
+
+    #[inline(always)]
+    fn load_wide(self, numbers: &Sixteen, part: usize) -> F32x8 {
+        self.load(&numbers[part % 2])
+    }
 
     #[inline(always)]
     fn splat(self, value: f32) -> F32x8 {

@@ -3,12 +3,19 @@
 use std::arch::x86_64::__m256;
 
 use super::real::Mask;
+use super::wide::{Sixteen, Wide};
 
 /// A set that has AVX2 at least. A value of it proves that the CPU has the
 /// instructions: only `detect` makes one. So each method takes `self`.
 pub(crate) trait Registers: Copy {
     /// One boolean per lane.
     type Mask: Mask;
+    /// A part of the numbers of a packet.
+    type Wide: Wide;
+    /// The same number in all lanes of a part.
+    fn wide_of(self, value: f32) -> Self::Wide;
+    /// This part of the numbers of a packet.
+    fn wide_from(self, numbers: &Sixteen, part: usize) -> Self::Wide;
     /// `a < b`, `false` if one is NaN.
     fn lt(self, a: __m256, b: __m256) -> Self::Mask;
     /// `a <= b`, `false` if one is NaN.

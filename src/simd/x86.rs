@@ -13,6 +13,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::lanes::{InstructionSet, Lanes, N_LANES};
 use super::real::Real;
 use super::registers::Registers;
+use super::wide::Sixteen;
 use super::x86_wide::{YmmDoubles, YmmIntegers};
 
 /// Eight numbers in a register, and the set that made them as the proof that
@@ -22,6 +23,17 @@ pub(crate) struct Ymm<R>(__m256, R);
 
 impl<R: Registers> InstructionSet for R {
     type Lanes = Ymm<R>;
+    type Wide = R::Wide;
+
+    #[inline(always)]
+    fn splat_wide(self, value: f32) -> R::Wide {
+        self.wide_of(value)
+    }
+
+    #[inline(always)]
+    fn load_wide(self, numbers: &Sixteen, part: usize) -> R::Wide {
+        self.wide_from(numbers, part)
+    }
 
     #[inline(always)]
     fn splat(self, value: f32) -> Ymm<R> {

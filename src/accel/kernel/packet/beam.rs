@@ -88,25 +88,23 @@ impl<I: InstructionSet> Beam<I> {
 impl<I: InstructionSet> BeamAxis<I> {
     #[inline(always)]
     fn around(rays: &PacketRays<I>, axis: usize) -> Self {
-        let set = rays.set;
-        let [a, b] = &rays.halves;
-        let (a, b) = (&a.axes[axis], &b.axes[axis]);
-        let (near, far) = if rays.is_downward[axis] {
+        let (set, slab) = (rays.set, &rays.slabs[axis]);
+        let (of_near, of_far) = if rays.is_downward[axis] {
             (
-                least(a.origin_of_near.min(b.origin_of_near)),
-                greatest(a.origin_of_far.max(b.origin_of_far)),
+                least(set, &slab.origin_of_near),
+                greatest(set, &slab.origin_of_far),
             )
         } else {
             (
-                greatest(a.origin_of_near.max(b.origin_of_near)),
-                least(a.origin_of_far.min(b.origin_of_far)),
+                greatest(set, &slab.origin_of_near),
+                least(set, &slab.origin_of_far),
             )
         };
         Self {
-            inverse_min: set.splat(least(a.inverse_direction.min(b.inverse_direction))),
-            inverse_max: set.splat(greatest(a.inverse_direction.max(b.inverse_direction))),
-            origin_of_near: set.splat(near),
-            origin_of_far: set.splat(far),
+            inverse_min: set.splat(least(set, &slab.inverse_direction)),
+            inverse_max: set.splat(greatest(set, &slab.inverse_direction)),
+            origin_of_near: set.splat(of_near),
+            origin_of_far: set.splat(of_far),
             near_row: rays.near_rows[axis],
             far_row: rays.far_rows[axis],
         }

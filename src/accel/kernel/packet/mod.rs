@@ -5,8 +5,8 @@
 //! that are consecutive in a batch (`soa`) share one stack (`traversal`). A
 //! visit to a node tests its eight boxes, one per lane, against a beam that
 //! contains all rays (`beam`), and pushes those that the beam hits. A box that
-//! is popped is tested against the rays, one per lane (`rays`); so are the
-//! primitives of a leaf, one after the other (`leaf`).
+//! is popped is tested against the rays, one per lane (`boxes`); so are the
+//! primitives of a leaf, one after the other (`triangles`, `spheres`).
 //!
 //! # Why the results of a ray are those of a single traversal
 //!
@@ -31,7 +31,9 @@
 mod soa;
 mod rays;
 mod beam;
-mod leaf;
+mod boxes;
+mod triangles;
+mod spheres;
 mod traversal;
 
 use super::batch::Batch;
