@@ -21,7 +21,10 @@ impl<I: InstructionSet> PacketRays<'_, I> {
     ) {
         let zero = self.set.splat_wide(0.0);
         let n_in_part = N_RAYS / I::Wide::N_PARTS;
+        let [x, y, z] = self.shear_axes;
+        let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
         for i in 0..leaf.len() {
+            let lane = i % N_LANES;
             for part in 0..I::Wide::N_PARTS {
                 let first = n_in_part * part;
                 let active = active >> first & (u16::MAX >> (N_RAYS - n_in_part));
@@ -29,9 +32,9 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                     continue;
                 }
                 let areas = Areas::new(&[
-                    self.sheared(part, leaf, 0, i),
-                    self.sheared(part, leaf, 3, i),
-                    self.sheared(part, leaf, 6, i),
+                    self.sheared(part, [x[0][lane], y[0][lane], z[0][lane]]),
+                    self.sheared(part, [x[1][lane], y[1][lane], z[1][lane]]),
+                    self.sheared(part, [x[2][lane], y[2][lane], z[2][lane]]),
                 ]);
                 // Coherent rays make this branch predictable.
                 if !I::Wide::bits(areas.is_missed()) & active == 0 {
@@ -43,9 +46,9 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 let mut hits = I::Wide::bits(hits & zero.lt(t)) & active;
                 let t = t.to_arrays();
                 while hits != 0 {
-                    let lane = hits.trailing_zeros() as usize % N_RAYS;
+                    let ray = hits.trailing_zeros() as usize % N_RAYS;
                     hits &= hits - 1;
-                    found(first + lane, t.as_flattened()[lane], primitive);
+                    found(first + ray, t.as_flattened()[ray], primitive);
                 }
                 let mut unsure = I::Wide::bits(is_unsure) & active;
                 while unsure != 0 {
@@ -68,22 +71,19 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         shear.intersect_exactly(leaf.triangle(i).map(|vertex| shear.point(&ray, vertex)))
     }
 
-    /// The point with the coordinates at index `i` of three rows, in the shears of
-    /// the rays of a part.
+    /// The point with these coordinates, in the order of the axes of the shears, in
+    /// the shears of the rays of a part.
     #[inline(always)]
-    fn sheared(&self, part: usize, leaf: Leaf, first: usize, i: usize) -> Vector<I::Wide> {
-        let set = self.set;
-        let [x, y, z] = self.shear_axes.map(|axis| axis % 3);
-        let ([slope_x, slope_y], i) = (&self.slopes, i % N_LANES);
-        // No closure for the three lines: it would not be inlined.
-        let origins = &self.soa.origins;
-        let in_x = set.splat_wide(leaf.row(first + x)[i]) - set.load_wide(&origins[x], part);
-        let in_y = set.splat_wide(leaf.row(first + y)[i]) - set.load_wide(&origins[y], part);
-        let in_z = set.splat_wide(leaf.row(first + z)[i]) - set.load_wide(&origins[z], part);
+    fn sheared(&self, part: usize, [x, y, z]: [f32; 3]) -> Vector<I::Wide> {
+        let (set, [slope_x, slope_y]) = (self.set, &self.slopes);
+        let [origin_x, origin_y, origin_z] = &self.permuted_origins;
+        let x = set.splat_wide(x) - set.load_wide(origin_x, part);
+        let y = set.splat_wide(y) - set.load_wide(origin_y, part);
+        let z = set.splat_wide(z) - set.load_wide(origin_z, part);
         Vector {
-            x: in_x - set.load_wide(slope_x, part) * in_z,
-            y: in_y - set.load_wide(slope_y, part) * in_z,
-            z: in_z,
+            x: x - set.load_wide(slope_x, part) * z,
+            y: y - set.load_wide(slope_y, part) * z,
+            z,
         }
     }
 }
