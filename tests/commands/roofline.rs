@@ -149,7 +149,7 @@ fn without_instructions_the_plot_shows_rays_over_bytes() {
         let in_flight = if run["point"]["cost"] == "time" {
             1.0
         } else {
-            16.0
+            32.0
         };
         assert_eq!(metric("rays_in_flight"), in_flight);
     }
