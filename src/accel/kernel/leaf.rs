@@ -40,11 +40,9 @@ impl LeafIntersector {
         }
     }
 
-    /// Tests the primitives of a leaf; reports the hits to the search. With `EARLY` it
-    /// is done as soon as it knows that the ray misses all of them: a branch that pays
-    /// where it is predictable.
+    /// Tests the primitives of a leaf; reports the hits to the search.
     #[inline(always)]
-    pub(super) fn test<I: InstructionSet, S: Search, const EARLY: bool>(
+    pub(super) fn test<I: InstructionSet, S: Search>(
         &self,
         set: I,
         leaf: Leaf,
@@ -52,20 +50,15 @@ impl LeafIntersector {
         search: &mut S,
     ) {
         match kind {
-            LeafKind::Triangles => self.triangles::<I, S, EARLY>(set, leaf, search),
-            LeafKind::Spheres => self.spheres::<I, S, EARLY>(set, leaf, search),
+            LeafKind::Triangles => self.triangles(set, leaf, search),
+            LeafKind::Spheres => self.spheres(set, leaf, search),
             LeafKind::Others => (0..leaf.len()).for_each(|i| search.test(leaf.primitive(0, i))),
         }
     }
 
     /// Tests triangles.
     #[inline(always)]
-    fn triangles<I: InstructionSet, S: Search, const EARLY: bool>(
-        &self,
-        set: I,
-        leaf: Leaf,
-        search: &mut S,
-    ) {
+    fn triangles<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
         let [x, y, z] = self.shear.axes;
         let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
         // No `array::map` here: it is not always inlined.
@@ -75,11 +68,7 @@ impl LeafIntersector {
             self.sheared(set, x[2], y[2], z[2]),
         ];
         let scale = set.splat(self.shear.scale);
-        let areas = Areas::new(&vertices);
-        if EARLY && !areas.is_missed().bits() & used_lanes(leaf) == 0 {
-            return;
-        }
-        let AreaTest { hits, is_unsure, t } = areas.test(scale);
+        let AreaTest { hits, is_unsure, t } = Areas::new(&vertices).test(scale);
         let (zero, limit) = (set.splat(0.0), set.splat(search.limit()));
         // One branch for all: a mispredicted one costs as much as the test.
         let hits = (hits & zero.lt(t) & t.lt(limit)).bits() & used_lanes(leaf);
@@ -133,12 +122,7 @@ impl LeafIntersector {
 
     /// Tests spheres.
     #[inline(always)]
-    fn spheres<I: InstructionSet, S: Search, const EARLY: bool>(
-        &self,
-        set: I,
-        leaf: Leaf,
-        search: &mut S,
-    ) {
+    fn spheres<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
         let zero = set.splat(0.0);
         let center = Vector {
             x: set.load(leaf.row(0)),
@@ -153,9 +137,6 @@ impl LeafIntersector {
         let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
         let is_hit = zero.le(discriminant);
-        if EARLY && is_hit.bits() & used_lanes(leaf) == 0 {
-            return;
-        }
         // A negative discriminant gives NaN, in lanes that are masked already.
         let q = b + (a * discriminant).sqrt().flip_sign_by(b);
         let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);

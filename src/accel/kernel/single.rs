@@ -47,7 +47,7 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                     let primitive = |lane| leaf.primitive(rows.unwrap_or(0), lane);
                     self.search.visit_leaf(current.line(), lanes.map(primitive));
                 }
-                intersector.test::<I, S, true>(set, leaf, current.leaf_kind(), self.search);
+                intersector.test(set, leaf, current.leaf_kind(), self.search);
                 if self.search.is_done() {
                     break;
                 }
