@@ -15,7 +15,6 @@ use super::CostMap;
 use super::bar::{Bar, Direction};
 use super::canvas::{Rect, px};
 use super::label::Unit;
-use super::range::Range;
 use super::text::CAP_HEIGHT_EM;
 
 /// Size of the title, in ems.
@@ -50,8 +49,8 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Computes the layout of `map` with colors over `range`.
-    pub fn of(map: &CostMap, range: &Range) -> Self {
+    /// Computes the layout of `map`.
+    pub fn of(map: &CostMap) -> Self {
         let magnification = MIN_LONGER_SIDE_PX.div_ceil(map.width.max(map.height));
         let [width, height] = [map.width * magnification, map.height * magnification];
         let em_px = (width.max(height) as f32 / 50.0).clamp(14.0, 160.0);
@@ -65,7 +64,7 @@ impl Layout {
             width,
             height,
         };
-        let bar = Bar::beside([width, height], range, Unit::named(map.unit), em_px);
+        let bar = Bar::beside([width, height], &map.range, Unit::named(map.unit), em_px);
         let bar_corner = match bar.direction() {
             Direction::Up => [at.right() + em(1.2), at.y],
             Direction::Right => [at.x, at.bottom() + em(1.0)],
@@ -97,20 +96,20 @@ const MIN_TEXT_WIDTH_EM: f32 = 30.0;
 
 #[cfg(test)]
 mod tests {
-    use super::super::range::Scale;
+    use super::super::range::Range;
     use super::*;
 
     fn layout(width: u32, height: u32) -> Layout {
         let map = CostMap {
             values: &[],
-            scale: Scale::Logarithmic,
+            range: Range::of(&[10.0, 1e5]),
             width,
             height,
             title: "t",
             unit: "ns",
             subtitle: "s",
         };
-        Layout::of(&map, &Range::of(&[10.0, 1e5]))
+        Layout::of(&map)
     }
 
     #[test]

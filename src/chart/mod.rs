@@ -41,8 +41,8 @@ pub struct CostMap<'a> {
     /// One value per pixel, row-major, `width * height`, row 0 on top. Infinite and NaN values, on a
     /// logarithmic scale also zero, negative and subnormal ones, are drawn mid-gray.
     pub values: &'a [f32],
-    /// The scale of the colors.
-    pub scale: Scale,
+    /// The range of the values, with the scale of the colors.
+    pub range: Range,
     /// Pixels per row, at least 1.
     pub width: u32,
     /// Rows, at least 1.
@@ -75,21 +75,20 @@ pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> 
 /// 160 pixels. The same map gives the same picture, and no value causes a panic.
 fn draw(map: &CostMap) -> RgbImage {
     debug_assert_eq!(map.values.len(), map.width as usize * map.height as usize);
-    let range = Range::on(map.scale, map.values);
-    let colors = Colors::over(&range);
-    let layout = Layout::of(map, &range);
+    let colors = Colors::over(&map.range);
+    let layout = Layout::of(map);
 
     let mut picture = RgbImage::new(layout.width, layout.height);
     picture.fill(PAPER);
-    paint_text(&mut picture, map, &range, &layout);
+    paint_text(&mut picture, map, &layout);
     paint_map(&mut picture, map, &colors, &layout);
     layout.bar.paint(&mut picture, layout.bar_corner, &colors);
     picture
 }
 
 /// Paints title, subtitle and footer.
-fn paint_text(picture: &mut RgbImage, map: &CostMap, range: &Range, layout: &Layout) {
-    let footer = footer::line(map.unit, range);
+fn paint_text(picture: &mut RgbImage, map: &CostMap, layout: &Layout) {
+    let footer = footer::line(map.unit, &map.range);
     let lines = [
         (map.title, layout::TITLE_EM, INK, layout.title_baseline),
         (map.subtitle, 1.0, GRAY_INK, layout.subtitle_baseline),

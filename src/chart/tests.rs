@@ -10,17 +10,13 @@ fn map(values: &[f32], width: u32) -> CostMap<'_> {
     let height = values.len() as u32 / width;
     CostMap {
         values,
-        scale: Scale::Logarithmic,
+        range: Range::of(values),
         width,
         height,
         title: "title",
         unit: "ns",
         subtitle: "subtitle",
     }
-}
-
-fn layout(map: &CostMap) -> Layout {
-    Layout::of(map, &Range::on(map.scale, map.values))
 }
 
 /// Returns the color in the middle of each value's square.
@@ -30,7 +26,7 @@ fn drawn_colors(map: &CostMap) -> Vec<Rgb<u8>> {
         map: at,
         magnification,
         ..
-    } = layout(map);
+    } = Layout::of(map);
     let middle = |i: u32| i * magnification + magnification / 2;
     (0..map.values.len() as u32)
         .map(|i| *picture.get_pixel(at.x + middle(i % map.width), at.y + middle(i / map.width)))
@@ -55,9 +51,10 @@ fn each_value_has_its_color() {
 
 #[test]
 fn each_change_has_its_color() {
+    let values = [-10.0, 0.0, 10.0, f32::NAN];
     let changes = CostMap {
-        scale: Scale::Diverging,
-        ..map(&[-10.0, 0.0, 10.0, f32::NAN], 2)
+        range: Range::on(Scale::Diverging, &values),
+        ..map(&values, 2)
     };
     let red_blue = |t: f64| Rgb(colorous::RED_BLUE.eval_continuous(1.0 - t).into_array());
     let colors = drawn_colors(&changes);
@@ -71,7 +68,7 @@ fn each_change_has_its_color() {
 #[test]
 fn each_value_is_a_square_within_the_frame() {
     let map = map(&[10.0, 1e5, 1e5, 1e5, 10.0, 1e5], 3);
-    let (picture, at) = (draw(&map), layout(&map).map);
+    let (picture, at) = (draw(&map), Layout::of(&map).map);
     let pixel = |x, y| *picture.get_pixel(x, y);
     let [low, high] = [inferno(0.0), inferno(1.0)];
     assert_eq!([at.width, at.height], [600, 400]);
@@ -121,7 +118,7 @@ fn the_bar_has_the_colors_of_the_values() {
             bar_corner: [x, y],
             map: at,
             ..
-        } = layout(&map);
+        } = Layout::of(&map);
         for value in [101.0, 500.0, 1e4, 99e3] {
             let along = |length: u32| (range.position(value) * f64::from(length)) as u32;
             let pixel = match bar.direction() {
@@ -174,7 +171,7 @@ fn any_text_and_value_fit_without_a_panic() {
         let scales = [Scale::Logarithmic, Scale::Diverging];
         for ((title, unit), scale) in texts.into_iter().flat_map(|t| scales.map(|s| (t, s))) {
             let picture = draw(&CostMap {
-                scale,
+                range: Range::on(scale, values),
                 title,
                 unit,
                 subtitle: title,

@@ -83,6 +83,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         let text = run_summary::lines(&arguments.scene, &view, rendering.stages(), &written);
         text::print(&text)?;
     }
+    // The process ends: the system frees all memory at once.
+    std::mem::forget(rendering);
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
-use crate::chart::{self, CostMap, Scale};
+use crate::chart::{self, CostMap, Range};
 use crate::cost::Metric;
 use crate::provenance::RunId;
 use crate::statistics::floats_at;
@@ -14,11 +14,19 @@ use crate::text::numbers;
 pub(super) const FILE: OutputFile = OutputFile {
     name: "cost.png",
     is_wanted: |request| request.has_counters(),
-    content: FileContent::Written(|job, out| write(job.rendering, job.run, out)),
+    content: FileContent::Written(|job, out| {
+        write(job.rendering, job.states.cost_range(), job.run, out)
+    }),
 };
 
-/// Writes the map of the film's first metric; nothing for a film without cost.
-fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Result<()> {
+/// Writes the map of the film's first metric, whose range is known; nothing for a film
+/// without cost.
+fn write(
+    rendering: &RenderingView,
+    range: &Range,
+    run: RunId,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let film = rendering.film;
     let Some([metric, _]) = film.heatmap_metrics() else {
         return Ok(());
@@ -26,7 +34,7 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
     let values = film.metric(metric);
     let map = CostMap {
         values: &values,
-        scale: Scale::Logarithmic,
+        range: *range,
         width: film.grid.width,
         height: film.grid.height,
         title: &format!("{}: {}", rendering.name, metric.title),

@@ -26,6 +26,8 @@ pub(super) struct States<'a> {
     /// The axis of the preferred cost metric, or of the distance if no cost was
     /// measured.
     cost: Axis,
+    /// Its values.
+    cost_range: Range,
     counter: Option<Axis>,
     camera: ViewCamera,
     /// Width and height of the picture.
@@ -53,9 +55,11 @@ impl<'a> States<'a> {
             },
             || cost_axis(film, metrics.map(|[first, _]| first)),
         );
+        let (cost, cost_range) = cost;
         Self {
             folder,
             cost: cost.with_labels(n_labels),
+            cost_range,
             counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: ViewCamera::of(&rendering.scene.image_plane, distances.median),
             size,
@@ -64,6 +68,11 @@ impl<'a> States<'a> {
             max_distance: distances.max_shown,
             attribution: AttributionValues::of(rendering),
         }
+    }
+
+    /// The range of the preferred cost metric.
+    pub(super) fn cost_range(&self) -> &Range {
+        &self.cost_range
     }
 
     /// The state `geometry.pvsm`.
@@ -102,8 +111,8 @@ impl<'a> States<'a> {
 }
 
 /// Returns the axis of the preferred cost metric, without outliers as in
-/// `cost.png`.
-fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
+/// `cost.png`, and the range of its values.
+fn cost_axis(film: &Film, metric: Option<Metric>) -> (Axis, Range) {
     let axis = |array, name, range: Range| {
         Axis::new(
             array,
@@ -114,15 +123,17 @@ fn cost_axis(film: &Film, metric: Option<Metric>) -> Axis {
     };
     let Some(metric) = metric else {
         let range = Range::of(film.rows(|strip| &strip.distance).flatten());
-        return axis("distance", "Distance from the camera", range);
+        let axis = axis("distance", "Distance from the camera", range);
+        return (axis, range);
     };
     let range = Range::of(&film.metric(metric));
     let axis = axis(metric.name, &capitalized(metric.title), range);
-    if metric.is_timed() {
+    let axis = if metric.is_timed() {
         axis.of_time()
     } else {
         axis
-    }
+    };
+    (axis, range)
 }
 
 /// Returns the axis of a metric from the 0.5 % to the 99.5 % quantile; its ends differ
@@ -153,10 +164,10 @@ struct Distances {
 
 impl Distances {
     fn of(film: &Film) -> Self {
-        let distances: Vec<f32> = film
-            .values(|strip| &strip.distance)
-            .filter(|distance| distance.is_finite())
-            .collect();
+        let mut distances = Vec::new();
+        for row in film.rows(|strip| &strip.distance) {
+            distances.extend(row.iter().filter(|distance| distance.is_finite()));
+        }
         let last = distances.len().saturating_sub(1);
         let indices = [1, 50, 99, 100].map(|percent| last * percent / 100);
         let Some([near, median, far, farthest]) = floats_at(&distances, indices) else {
