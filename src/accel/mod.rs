@@ -240,10 +240,9 @@ impl<'a> Accel<'a> {
     /// Tests the search against all primitives that the ray may hit; reports the
     /// counters to the probe.
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
-        self.index
-            .unbounded
-            .iter()
-            .for_each(|&primitive| search.test(primitive));
+        for &primitive in &self.index.unbounded {
+            search.test(primitive);
+        }
         let n_tests = self.index.unbounded.len() as u32;
         match &self.index.bvh {
             Some(bvh) if !search.is_done() => bvh.traverse(self.simd, ray, search, probe, n_tests),

@@ -19,7 +19,9 @@ impl<const N: usize> Traversals<'_, N> {
         let mut visit = |i: usize| visit(i, self.node_visits[i], self.primitive_tests[i]);
         if self.active.count_ones() as usize == N {
             // The common case: no branch per ray.
-            (0..N).for_each(visit);
+            for i in 0..N {
+                visit(i);
+            }
         } else {
             let mut active = self.active;
             while active != 0 {

@@ -71,7 +71,7 @@ impl Intersectable for Triangle {
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let shear = Shear::along(ray.direction);
         shear
-            .intersect(self.vertices.map(|vertex| shear.point(ray, vertex)))
+            .intersect(shear.points(ray, self.vertices))
             .filter(|&t| t > 0.0 && t < t_max)
     }
 

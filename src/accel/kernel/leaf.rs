@@ -52,7 +52,11 @@ impl LeafIntersector {
         match kind {
             LeafKind::Triangles => self.triangles(set, leaf, search),
             LeafKind::Spheres => self.spheres(set, leaf, search),
-            LeafKind::Others => (0..leaf.len()).for_each(|i| search.test(leaf.primitive(0, i))),
+            LeafKind::Others => {
+                for i in 0..leaf.len() {
+                    search.test(leaf.primitive(0, i));
+                }
+            }
         }
     }
 
@@ -88,8 +92,7 @@ impl LeafIntersector {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;
             lanes &= lanes - 1;
-            let vertices = leaf.triangle(lane);
-            let vertices = vertices.map(|vertex| self.shear.point(&self.ray, vertex));
+            let vertices = self.shear.points(&self.ray, leaf.triangle(lane));
             match self.shear.intersect_exactly(vertices) {
                 Some(t) if t > 0.0 && t < search.limit() => {
                     search.found(t, leaf.primitive(TRIANGLE_ROWS, lane));

@@ -68,7 +68,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
     #[inline(never)]
     fn intersect_exactly(&self, ray: usize, leaf: Leaf, i: usize) -> Option<f32> {
         let (shear, ray) = (self.shear(ray), self.soa.ray(ray));
-        shear.intersect_exactly(leaf.triangle(i).map(|vertex| shear.point(&ray, vertex)))
+        shear.intersect_exactly(shear.points(&ray, leaf.triangle(i)))
     }
 
     /// The point with these coordinates, in the order of the axes of the shears, in
