@@ -6,7 +6,7 @@ use crate::config::{Acceleration, Config, Image, Repeats};
 use crate::film;
 use crate::output;
 use crate::render::repeat_bytes_per_pixel;
-use crate::scene::{Geometries, Primitive};
+use crate::scene::{Geometries, Primitive, SurfaceClass};
 use crate::schedule::{self, TileGrid};
 use crate::yaml::{Fault, FieldPath};
 
@@ -49,6 +49,7 @@ impl Memory {
     /// Estimates the memory of the scene without a film.
     pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
         let per_primitive = size_of::<Primitive>()
+            + size_of::<SurfaceClass>()
             + match config.acceleration {
                 Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
                 Acceleration::BruteForce => size_of::<u32>(),

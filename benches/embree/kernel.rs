@@ -1,15 +1,15 @@
 //! The interface of all kernels: they trace batches of rays.
 
-use raycost::accel::{Accel, Hit, ShadowRay};
+use raycost::accel::{Accel, Hit, ShadowRay, ShadowStream};
 use raycost::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
-use raycost::geometry::Ray;
+use raycost::geometry::RayStream;
 
 /// Traces batches of rays, on several threads at once.
 pub trait Kernel: Sync {
     /// Overwrites `hits` with the nearest hit of each ray.
-    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>);
+    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>);
     /// Overwrites `occluded` with whether each ray is occluded.
-    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>);
+    fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>);
 }
 
 /// raycost, one ray at a time; the probe `P` decides whether it counts.
@@ -33,16 +33,16 @@ impl<'a> Single<'a, NoProbe> {
 }
 
 impl<P: Probe + Copy + Sync> Kernel for Single<'_, P> {
-    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
         let mut probe = self.probe;
         hits.clear();
-        hits.extend(rays.iter().map(|ray| self.accel.nearest(ray, &mut probe)));
+        hits.extend(rays.iter().map(|ray| self.accel.nearest(&ray, &mut probe)));
         std::hint::black_box(probe);
     }
 
-    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+    fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
         let mut probe = self.probe;
-        let any = |shadow: &ShadowRay| {
+        let any = |shadow: ShadowRay| {
             self.accel
                 .occluded(&shadow.ray, shadow.t_max, shadow.ignored, &mut probe)
         };
@@ -56,11 +56,11 @@ impl<P: Probe + Copy + Sync> Kernel for Single<'_, P> {
 pub struct BareStream<'a>(pub &'a Accel<'a>);
 
 impl Kernel for BareStream<'_> {
-    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
         self.0.nearest_stream(rays, hits, &mut NoProbe);
     }
 
-    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+    fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
         self.0.occluded_stream(rays, occluded, &mut NoProbe);
     }
 }
@@ -69,13 +69,13 @@ impl Kernel for BareStream<'_> {
 pub struct CountingStream<'a>(pub &'a Accel<'a>);
 
 impl Kernel for CountingStream<'_> {
-    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
         let mut counts = RayCounts::of(rays.len());
         self.0.nearest_stream(rays, hits, &mut counts);
         std::hint::black_box(counts);
     }
 
-    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+    fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
         let mut counts = RayCounts::of(rays.len());
         self.0.occluded_stream(rays, occluded, &mut counts);
         std::hint::black_box(counts);

@@ -23,25 +23,24 @@ pub struct Course {
 impl Course {
     /// The times of each kernel for all rays, in seconds.
     pub fn times(&self, kernels: &[&dyn Kernel], rays: &Rays) -> Vec<Vec<f64>> {
-        in_turn(self.n_rounds, kernels, |kernel| self.seconds(*kernel, rays))
+        let batches = rays.batches(self.batch);
+        in_turn(self.n_rounds, kernels, |kernel| {
+            self.seconds(*kernel, &batches)
+        })
     }
 
-    /// The time of the kernel for all rays in seconds: the mean CPU time of the
+    /// The time of the kernel for all batches in seconds: the mean CPU time of the
     /// threads, so that other load on the machine disturbs little.
-    fn seconds(&self, kernel: &dyn Kernel, rays: &Rays) -> f64 {
+    fn seconds(&self, kernel: &dyn Kernel, batches: &[Rays]) -> f64 {
         let next = AtomicUsize::new(0);
         let work = || {
             let start = ThreadTime::now();
             let (mut hits, mut occluded) = (Vec::new(), Vec::new());
             loop {
-                let begin = next.fetch_add(self.batch, Ordering::Relaxed);
-                if begin >= rays.len() {
-                    break start.elapsed();
-                }
-                let batch = begin..(begin + self.batch).min(rays.len());
-                match rays {
-                    Rays::Nearest(rays) => kernel.nearest(&rays[batch], &mut hits),
-                    Rays::Any(rays) => kernel.any(&rays[batch], &mut occluded),
+                match batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    Some(Rays::Nearest(rays)) => kernel.nearest(rays, &mut hits),
+                    Some(Rays::Any(rays)) => kernel.any(rays, &mut occluded),
+                    None => break start.elapsed(),
                 }
             }
         };

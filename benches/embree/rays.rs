@@ -3,9 +3,9 @@
 use std::f32::consts::TAU;
 
 use glam::Vec3;
-use raycost::accel::{Accel, ShadowRay};
+use raycost::accel::{Accel, ShadowRay, ShadowStream};
 use raycost::cost::NoProbe;
-use raycost::geometry::{Aabb, Ray};
+use raycost::geometry::{Aabb, Ray, RayStream};
 use raycost::sampling::uniform;
 use raycost::scene::Primitive;
 
@@ -30,8 +30,8 @@ pub enum Kind {
 
 /// Rays by their query.
 pub enum Rays {
-    Nearest(Vec<Ray>),
-    Any(Vec<ShadowRay>),
+    Nearest(RayStream),
+    Any(ShadowStream),
 }
 
 impl Rays {
@@ -40,6 +40,18 @@ impl Rays {
             Self::Nearest(rays) => rays.len(),
             Self::Any(rays) => rays.len(),
         }
+    }
+}
+
+impl Rays {
+    /// The rays in batches of `n`.
+    pub fn batches(&self, n: usize) -> Vec<Self> {
+        let starts = (0..self.len()).step_by(n);
+        let batch = |first: usize| match self {
+            Self::Nearest(rays) => Self::Nearest(rays.iter().skip(first).take(n).collect()),
+            Self::Any(rays) => Self::Any(rays.iter().skip(first).take(n).collect()),
+        };
+        starts.map(batch).collect()
     }
 }
 
@@ -76,10 +88,13 @@ pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) ->
         });
     }
     [
-        (Kind::Primary, Rays::Nearest(primary)),
-        (Kind::Diffuse, Rays::Nearest(diffuse)),
-        (Kind::AmbientOcclusion, Rays::Any(ambient)),
-        (Kind::Shadow, Rays::Any(shadow)),
+        (Kind::Primary, Rays::Nearest(primary.into_iter().collect())),
+        (Kind::Diffuse, Rays::Nearest(diffuse.into_iter().collect())),
+        (
+            Kind::AmbientOcclusion,
+            Rays::Any(ambient.into_iter().collect()),
+        ),
+        (Kind::Shadow, Rays::Any(shadow.into_iter().collect())),
     ]
 }
 

@@ -5,8 +5,8 @@
 use std::array::from_fn;
 use std::ptr;
 
-use raycost::accel::{Hit, ShadowRay};
-use raycost::geometry::Ray;
+use raycost::accel::{Hit, ShadowStream};
+use raycost::geometry::{Ray, RayStream};
 
 use crate::device::Scene;
 use crate::ffi::{
@@ -18,12 +18,12 @@ use crate::kernel::Kernel;
 pub struct Singles<'a>(pub &'a Scene<'a>);
 
 impl Kernel for Singles<'_> {
-    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
         let mut context = context(false);
         hits.clear();
         hits.extend(rays.iter().map(|ray| {
             let mut traced = RayHit1 {
-                ray: fields(ray, f32::INFINITY),
+                ray: fields(&ray, f32::INFINITY),
                 hit: NO_HIT,
             };
             // SAFETY: the scene is built, and all pointers are to values of
@@ -33,7 +33,7 @@ impl Kernel for Singles<'_> {
         }));
     }
 
-    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+    fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
         let mut context = context(false);
         occluded.clear();
         occluded.extend(rays.iter().map(|shadow| {
@@ -53,33 +53,36 @@ pub struct Packets<'a> {
 }
 
 impl Kernel for Packets<'_> {
-    fn nearest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
         let mut context = context(self.is_coherent);
         hits.clear();
-        for rays in rays.chunks(16) {
+        for first in (0..rays.len()).step_by(16) {
+            let n = 16.min(rays.len() - first);
             let mut traced = RayHit16 {
-                ray: lanes(rays.len(), |i| (&rays[i], f32::INFINITY)),
+                ray: lanes(n, |i| (rays.get(first + i), f32::INFINITY)),
                 hit: NO_HITS,
             };
             let intersect = self.scene.embree().intersect16;
             // SAFETY: the scene is built, its device has packets of 16, and all
             // pointers are to values of this function.
-            unsafe { intersect(&valid(rays), self.scene.handle, &mut context, &mut traced) };
+            unsafe { intersect(&valid(n), self.scene.handle, &mut context, &mut traced) };
             let RayHit16 { ray, hit: found } = &traced;
             let lane = |i| hit(found.geometry[i], ray.t_far[i], found.primitive[i]);
-            hits.extend((0..rays.len()).map(lane));
+            hits.extend((0..n).map(lane));
         }
     }
 
-    fn any(&self, rays: &[ShadowRay], occluded: &mut Vec<bool>) {
+    fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
         let mut context = context(self.is_coherent);
         occluded.clear();
-        for rays in rays.chunks(16) {
-            let mut traced = Ray16(lanes(rays.len(), |i| (&rays[i].ray, rays[i].t_max)));
+        for first in (0..rays.len()).step_by(16) {
+            let n = 16.min(rays.len() - first);
+            let shadow = |i| rays.get(first + i);
+            let mut traced = Ray16(lanes(n, |i| (shadow(i).ray, shadow(i).t_max)));
             let occlude = self.scene.embree().occluded16;
             // SAFETY: as above.
-            unsafe { occlude(&valid(rays), self.scene.handle, &mut context, &mut traced) };
-            occluded.extend(traced.0.t_far[..rays.len()].iter().map(|&t| t < 0.0));
+            unsafe { occlude(&valid(n), self.scene.handle, &mut context, &mut traced) };
+            occluded.extend(traced.0.t_far[..n].iter().map(|&t| t < 0.0));
         }
     }
 }
@@ -128,7 +131,7 @@ fn fields(ray: &Ray, t_max: f32) -> RayFields<f32, u32> {
 
 /// The rays `0..n` lane by lane, and the last one in the remaining lanes.
 #[inline]
-fn lanes<'a>(n: usize, ray: impl Fn(usize) -> (&'a Ray, f32)) -> RayFields<[f32; 16], [u32; 16]> {
+fn lanes(n: usize, ray: impl Fn(usize) -> (Ray, f32)) -> RayFields<[f32; 16], [u32; 16]> {
     let ray = |lane: usize| ray(lane.min(n - 1));
     RayFields {
         origin: from_fn(|axis| from_fn(|lane| ray(lane).0.origin[axis])),
@@ -143,6 +146,6 @@ fn lanes<'a>(n: usize, ray: impl Fn(usize) -> (&'a Ray, f32)) -> RayFields<[f32;
 }
 
 /// The active mask: one lane per ray.
-fn valid<T>(rays: &[T]) -> Valid16 {
-    Valid16(from_fn(|lane| if lane < rays.len() { -1 } else { 0 }))
+fn valid(n: usize) -> Valid16 {
+    Valid16(from_fn(|lane| if lane < n { -1 } else { 0 }))
 }

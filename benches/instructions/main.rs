@@ -8,10 +8,10 @@ use std::hint::black_box;
 use std::path::Path;
 
 use glam::Vec3;
-use raycost::accel::{Accel, ShadowRay};
+use raycost::accel::{Accel, ShadowRay, ShadowStream};
 use raycost::config::Acceleration;
 use raycost::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};
-use raycost::geometry::{Ray, Shape, Sphere, Triangle};
+use raycost::geometry::{Ray, RayStream, Shape, Sphere, Triangle};
 use raycost::import::read_mesh;
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive};
@@ -69,8 +69,8 @@ fn primitives(scene: &str) -> Vec<Primitive> {
 }
 
 struct Rays {
-    nearest: Vec<Ray>,
-    shadow: Vec<ShadowRay>,
+    nearest: RayStream,
+    shadow: ShadowStream,
 }
 
 impl Rays {
@@ -82,8 +82,8 @@ impl Rays {
             let direction = (target - origin).normalize();
             Ray { origin, direction }
         };
-        let nearest: Vec<Ray> = (0..N_RAYS).map(ray).collect();
-        let shadow = |&ray| ShadowRay {
+        let nearest: RayStream = (0..N_RAYS).map(ray).collect();
+        let shadow = |ray| ShadowRay {
             ray,
             t_max: f32::INFINITY,
             ignored: None,
@@ -94,16 +94,16 @@ impl Rays {
 
     #[inline(never)]
     fn one_by_one<P: Probe>(&self, accel: &Accel, mut probe: P) {
-        for ray in &self.nearest {
-            black_box(accel.nearest(ray, &mut probe));
+        for ray in self.nearest.iter() {
+            black_box(accel.nearest(&ray, &mut probe));
         }
         for ShadowRay {
             ray,
             t_max,
             ignored,
-        } in &self.shadow
+        } in self.shadow.iter()
         {
-            black_box(accel.occluded(ray, *t_max, *ignored, &mut probe));
+            black_box(accel.occluded(&ray, t_max, ignored, &mut probe));
         }
         black_box(&probe);
     }

@@ -1,6 +1,6 @@
 //! What rays are asked for, and what they find.
 
-use crate::geometry::Ray;
+use crate::geometry::{Ray, RayStream};
 use crate::scene::ObjectId;
 
 /// A ray's hit on a primitive.
@@ -21,4 +21,65 @@ pub struct ShadowRay {
     pub t_max: f32,
     /// An object whose hits do not count.
     pub ignored: Option<ObjectId>,
+}
+
+/// Rays to be tested for occlusion, as a structure of arrays.
+#[derive(Debug, Clone, Default)]
+pub struct ShadowStream {
+    /// The rays.
+    pub(crate) rays: RayStream,
+    /// The end of each ray.
+    pub(crate) t_max: Vec<f32>,
+    /// The object that each ray ignores; empty if none ignores any.
+    pub(crate) ignored: Vec<Option<ObjectId>>,
+}
+
+impl ShadowStream {
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// Whether there are no rays.
+    pub fn is_empty(&self) -> bool {
+        self.rays.is_empty()
+    }
+
+    /// Removes all rays.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.ignored.clear();
+    }
+
+    /// The object that ray `i` ignores.
+    #[inline(always)]
+    pub(super) fn ignored(&self, i: usize) -> Option<ObjectId> {
+        self.ignored.get(i).copied().flatten()
+    }
+
+    /// Ray `i`.
+    pub fn get(&self, i: usize) -> ShadowRay {
+        ShadowRay {
+            ray: self.rays.get(i),
+            t_max: self.t_max[i],
+            ignored: self.ignored(i),
+        }
+    }
+
+    /// All rays.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = ShadowRay> {
+        (0..self.len()).map(|i| self.get(i))
+    }
+}
+
+impl FromIterator<ShadowRay> for ShadowStream {
+    fn from_iter<T: IntoIterator<Item = ShadowRay>>(rays: T) -> Self {
+        let mut stream = Self::default();
+        for shadow in rays {
+            stream.rays.push(shadow.ray);
+            stream.t_max.push(shadow.t_max);
+            stream.ignored.push(shadow.ignored);
+        }
+        stream
+    }
 }

@@ -26,20 +26,20 @@ use rayon::prelude::*;
 
 use crate::config::Acceleration;
 use crate::cost::{NoProbe, Probe, StreamProbe};
-use crate::geometry::Ray;
+use crate::geometry::{Ray, RayStream};
 use crate::scene::{ObjectId, Primitive};
 use crate::simd::Simd;
 
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
-pub use hit::{Hit, ShadowRay};
+pub use hit::{Hit, ShadowRay, ShadowStream};
 pub use kernel::RAYS_IN_FLIGHT;
 use kernel::{Batch, PacketTraversal, StreamTraversal};
 pub use nodes::BvhNode;
 use record::Recorder;
 pub use record::TraversalStep;
-use search::{AnyHit, NearestHit, Query, Search};
+use search::{AnyHit, NearestHit, Queries, Search};
 pub use statistics::BvhStatistics;
 
 /// An acceleration structure over the primitives of a scene.
@@ -130,7 +130,7 @@ impl<'a> Accel<'a> {
     /// The nearest hit with `t > 0` of the ray, whose direction is a unit
     /// vector.
     pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut nearest = NearestHit::new(self.primitives, ray);
+        let mut nearest = NearestHit::new(self.primitives);
         self.search(ray, &mut nearest, probe);
         nearest.hit()
     }
@@ -147,7 +147,7 @@ impl<'a> Accel<'a> {
         ignored: Option<ObjectId>,
         probe: &mut P,
     ) -> bool {
-        let mut any = AnyHit::new(self.primitives, ray, t_max, ignored);
+        let mut any = AnyHit::new(self.primitives, t_max, ignored);
         self.search(ray, &mut any, probe);
         any.found
     }
@@ -155,8 +155,8 @@ impl<'a> Accel<'a> {
     /// [`nearest`](Self::nearest); appends every step of the traversal to
     /// `steps`.
     pub fn record_nearest(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
-        let nearest = NearestHit::new(self.primitives, ray);
-        let mut recorder = Recorder::new(nearest, self.primitives, ray, steps);
+        let nearest = NearestHit::new(self.primitives);
+        let mut recorder = Recorder::new(nearest, self.primitives, steps);
         self.search(ray, &mut recorder, &mut NoProbe);
         recorder.into_parts().0.hit()
     }
@@ -169,8 +169,8 @@ impl<'a> Accel<'a> {
         steps: &mut Vec<TraversalStep>,
     ) -> Option<Hit> {
         let ray = &shadow.ray;
-        let any = AnyHit::new(self.primitives, ray, shadow.t_max, shadow.ignored);
-        let mut recorder = Recorder::new(any, self.primitives, ray, steps);
+        let any = AnyHit::new(self.primitives, shadow.t_max, shadow.ignored);
+        let mut recorder = Recorder::new(any, self.primitives, steps);
         self.search(ray, &mut recorder, &mut NoProbe);
         recorder.into_parts().1
     }
@@ -189,7 +189,7 @@ impl<'a> Accel<'a> {
     /// index, in any order.
     pub fn nearest_stream<P: StreamProbe>(
         &self,
-        rays: &[Ray],
+        rays: &RayStream,
         hits: &mut Vec<Option<Hit>>,
         probe: &mut P,
     ) {
@@ -200,7 +200,7 @@ impl<'a> Accel<'a> {
     /// [`nearest_stream`](Self::nearest_stream).
     pub fn occluded_stream<P: StreamProbe>(
         &self,
-        rays: &[ShadowRay],
+        rays: &ShadowStream,
         occluded: &mut Vec<bool>,
         probe: &mut P,
     ) {
@@ -208,14 +208,14 @@ impl<'a> Accel<'a> {
     }
 
     /// Answers all queries: coherent rays in packets, the others as a stream.
-    fn stream<Q: Query, P: StreamProbe>(
+    fn stream<Q: Queries, P: StreamProbe>(
         &self,
-        queries: &[Q],
+        queries: &Q,
         answers: &mut Vec<Q::Answer>,
         probe: &mut P,
     ) {
         answers.clear();
-        answers.resize_with(queries.len(), Q::Answer::default);
+        answers.resize_with(queries.rays().len(), Q::Answer::default);
         let empty = Arena::default();
         let mut batch = Batch {
             arena: self.index.bvh.as_ref().map_or(&empty, Bvh::arena),
@@ -225,7 +225,7 @@ impl<'a> Accel<'a> {
             answers,
             probe,
         };
-        if queries.is_empty() {
+        if queries.rays().is_empty() {
             return;
         }
         let incoherent = self.simd.run(PacketTraversal(batch.reborrow()));
@@ -241,7 +241,7 @@ impl<'a> Accel<'a> {
     /// counters to the probe.
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
         for &primitive in &self.index.unbounded {
-            search.test(primitive);
+            search.test(ray, primitive);
         }
         let n_tests = self.index.unbounded.len() as u32;
         match &self.index.bvh {

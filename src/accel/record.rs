@@ -35,7 +35,6 @@ pub enum TraversalStep {
 pub(super) struct Recorder<'a, S> {
     search: S,
     primitives: &'a [Primitive],
-    ray: &'a Ray,
     steps: &'a mut Vec<TraversalStep>,
     /// The index of the last leaf among the steps.
     leaf: Option<usize>,
@@ -48,13 +47,11 @@ impl<'a, S> Recorder<'a, S> {
     pub(super) fn new(
         search: S,
         primitives: &'a [Primitive],
-        ray: &'a Ray,
         steps: &'a mut Vec<TraversalStep>,
     ) -> Self {
         Self {
             search,
             primitives,
-            ray,
             steps,
             leaf: None,
             end: None,
@@ -79,12 +76,12 @@ impl<S: Search> Search for Recorder<'_, S> {
         self.search.is_done()
     }
 
-    fn test(&mut self, primitive: u32) {
+    fn test(&mut self, ray: &Ray, primitive: u32) {
         self.steps.push(TraversalStep::Test {
             primitive,
             hit: false,
         });
-        if let Some(t) = self.primitives[primitive as usize].intersect(self.ray, self.limit()) {
+        if let Some(t) = self.primitives[primitive as usize].intersect(ray, self.limit()) {
             self.found(t, primitive);
         }
     }

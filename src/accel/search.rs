@@ -1,7 +1,7 @@
 //! The two queries about a ray: its nearest hit, and whether there is any.
 
-use super::hit::{Hit, ShadowRay};
-use crate::geometry::Ray;
+use super::hit::{Hit, ShadowStream};
+use crate::geometry::{Ray, RayStream};
 use crate::scene::{ObjectId, Primitive};
 
 /// The state of a query while its ray is traversed.
@@ -12,8 +12,8 @@ pub(super) trait Search {
     fn limit(&self) -> f32;
     /// Whether no further primitive can change the answer.
     fn is_done(&self) -> bool;
-    /// Tests the primitive with this index.
-    fn test(&mut self, primitive: u32);
+    /// Tests the ray against the primitive with this index.
+    fn test(&mut self, ray: &Ray, primitive: u32);
     /// Whether the traversal calls [`visit_node`](Self::visit_node) and
     /// [`visit_leaf`](Self::visit_leaf).
     const RECORDS: bool = false;
@@ -28,35 +28,35 @@ pub(super) trait Search {
     fn found(&mut self, t: f32, primitive: u32);
 }
 
-/// A question about a ray.
-pub(super) trait Query {
-    /// The state of its traversal.
-    type Search<'a>: Search
+/// Questions about rays.
+pub(super) trait Queries {
+    /// The state of a traversal.
+    type Search<'a>: Search + Copy
     where
         Self: 'a;
-    /// The answer.
+    /// An answer.
     type Answer: Default;
-    /// The ray.
-    fn ray(&self) -> &Ray;
-    /// The search for the answer among these primitives.
-    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> Self::Search<'a>;
+    /// The rays.
+    fn rays(&self) -> &RayStream;
+    /// The search for the answer about ray `i` among these primitives.
+    fn search<'a>(&'a self, i: usize, primitives: &'a [Primitive]) -> Self::Search<'a>;
     /// The answer that a finished search has found.
     fn answer(search: &Self::Search<'_>) -> Self::Answer;
 }
 
-/// The nearest hit of the ray.
-impl Query for Ray {
+/// The nearest hits of the rays.
+impl Queries for RayStream {
     type Search<'a> = NearestHit<'a>;
     type Answer = Option<Hit>;
 
     #[inline(always)]
-    fn ray(&self) -> &Ray {
+    fn rays(&self) -> &RayStream {
         self
     }
 
     #[inline(always)]
-    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> NearestHit<'a> {
-        NearestHit::new(primitives, self)
+    fn search<'a>(&'a self, _: usize, primitives: &'a [Primitive]) -> NearestHit<'a> {
+        NearestHit::new(primitives)
     }
 
     #[inline(always)]
@@ -65,19 +65,19 @@ impl Query for Ray {
     }
 }
 
-/// Whether the ray is occluded.
-impl Query for ShadowRay {
+/// Whether the rays are occluded.
+impl Queries for ShadowStream {
     type Search<'a> = AnyHit<'a>;
     type Answer = bool;
 
     #[inline(always)]
-    fn ray(&self) -> &Ray {
-        &self.ray
+    fn rays(&self) -> &RayStream {
+        &self.rays
     }
 
     #[inline(always)]
-    fn search<'a>(&'a self, primitives: &'a [Primitive]) -> AnyHit<'a> {
-        AnyHit::new(primitives, &self.ray, self.t_max, self.ignored)
+    fn search<'a>(&'a self, i: usize, primitives: &'a [Primitive]) -> AnyHit<'a> {
+        AnyHit::new(primitives, self.t_max[i], self.ignored(i))
     }
 
     #[inline(always)]
@@ -87,9 +87,9 @@ impl Query for ShadowRay {
 }
 
 /// The search for a ray's nearest hit.
+#[derive(Clone, Copy)]
 pub(super) struct NearestHit<'a> {
     primitives: &'a [Primitive],
-    ray: &'a Ray,
     /// The nearest hit so far; at infinity if there is none.
     nearest: Hit,
     /// The next number after the `t` of that hit: hits at equal distance count.
@@ -97,10 +97,9 @@ pub(super) struct NearestHit<'a> {
 }
 
 impl<'a> NearestHit<'a> {
-    pub(super) fn new(primitives: &'a [Primitive], ray: &'a Ray) -> Self {
+    pub(super) fn new(primitives: &'a [Primitive]) -> Self {
         Self {
             primitives,
-            ray,
             nearest: Hit {
                 t: f32::INFINITY,
                 primitive: u32::MAX,
@@ -130,8 +129,8 @@ impl Search for NearestHit<'_> {
     }
 
     #[inline]
-    fn test(&mut self, primitive: u32) {
-        if let Some(t) = self.primitives[primitive as usize].intersect(self.ray, self.limit) {
+    fn test(&mut self, ray: &Ray, primitive: u32) {
+        if let Some(t) = self.primitives[primitive as usize].intersect(ray, self.limit) {
             self.found(t, primitive);
         }
     }
@@ -148,24 +147,18 @@ impl Search for NearestHit<'_> {
 }
 
 /// The search for any hit.
+#[derive(Clone, Copy)]
 pub(super) struct AnyHit<'a> {
     primitives: &'a [Primitive],
-    ray: &'a Ray,
     t_max: f32,
     ignored: Option<ObjectId>,
     pub(super) found: bool,
 }
 
 impl<'a> AnyHit<'a> {
-    pub(super) fn new(
-        primitives: &'a [Primitive],
-        ray: &'a Ray,
-        t_max: f32,
-        ignored: Option<ObjectId>,
-    ) -> Self {
+    pub(super) fn new(primitives: &'a [Primitive], t_max: f32, ignored: Option<ObjectId>) -> Self {
         Self {
             primitives,
-            ray,
             t_max,
             ignored,
             found: false,
@@ -187,8 +180,8 @@ impl Search for AnyHit<'_> {
     }
 
     #[inline]
-    fn test(&mut self, primitive: u32) {
-        if let Some(t) = self.primitives[primitive as usize].intersect(self.ray, self.t_max) {
+    fn test(&mut self, ray: &Ray, primitive: u32) {
+        if let Some(t) = self.primitives[primitive as usize].intersect(ray, self.t_max) {
             self.found(t, primitive);
         }
     }

@@ -44,8 +44,8 @@ macro_rules! shapes {
         }
 
         impl ShapeKind {
-            /// Number of kinds.
-            pub const COUNT: usize = Shape::KEYS.len();
+            /// All kinds, in the order of declaration.
+            pub const ALL: &[Self] = &[$(Self::$shape),*];
 
             /// [`Project::project_onto`] of shapes of this kind.
             #[inline(always)]

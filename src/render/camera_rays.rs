@@ -106,7 +106,7 @@ impl SimdKernel for StartPaths<'_> {
                     }
                     None => self.one_by_one(set, block, sample),
                 };
-                self.wave.start(rays, pixels, slot, n);
+                self.wave.start(set, rays, pixels, slot, n);
                 slot += N_LANES as u32;
             }
         }

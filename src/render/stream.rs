@@ -132,7 +132,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         });
         if self.view.eye().is_none() {
             self.eyes.resize(n_slots, Vec3::ZERO);
-            for (ray, &slot) in self.wave.rays.iter().zip(&self.wave.slots) {
+            for (ray, &slot) in self.wave.rays.iter().zip(self.wave.slots()) {
                 self.eyes[slot as usize] = ray.origin;
             }
         }
@@ -147,7 +147,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             points,
             ..
         } = self;
-        let probe = ByPixel::new(&mut self.probe, &wave.pixels);
+        let probe = ByPixel::new(&mut self.probe, wave.pixels());
         tracer.nearest_stream(&wave.rays, hits, probe);
         tracer.surface_points(&wave.rays, hits, points);
     }
@@ -186,16 +186,16 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         for light in 0..shader.n_lights() {
             shader.cast(light, wave, points);
             let shadows = &shader.shadows;
-            for &pixel in &shadows.pixels {
+            for &pixel in shadows.pixels() {
                 self.probe.rays(RayKind::Shadow, pixel as usize, 1);
             }
-            let probe = ByPixel::new(&mut self.probe, &shadows.pixels);
+            let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
             tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
             shader.add_light(light, eyes, wave, points, &self.occluded);
         }
         shader.end(wave, points, &mut self.next, &mut self.colors);
-        for &pixel in &self.next.pixels {
+        for &pixel in self.next.pixels() {
             self.probe.rays(RayKind::Reflection, pixel as usize, 1);
             self.probe.bounce(pixel as usize, self.next.depth);
         }

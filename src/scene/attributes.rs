@@ -29,8 +29,8 @@ pub enum AttributeKind {
 }
 
 impl AttributeKind {
-    /// Number of kinds.
-    pub const COUNT: u32 = 3;
+    /// All kinds, in the order of declaration.
+    pub const ALL: [Self; 3] = [Self::None, Self::Normals, Self::Colors];
 }
 
 impl Attributes {

@@ -7,6 +7,7 @@
 mod primitive;
 mod geometries;
 mod attributes;
+mod surface_class;
 mod placement;
 
 use glam::Vec3;
@@ -25,6 +26,7 @@ use placement::Placement;
 
 pub use geometries::Geometries;
 pub use primitive::{MaterialId, ObjectId, Primitive};
+pub use surface_class::SurfaceClass;
 
 /// A scene in world space.
 #[derive(Debug, Clone)]
@@ -41,6 +43,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Everything that rays can hit, object by object.
     pub primitives: Vec<Primitive>,
+    /// The classes of the primitives.
+    classes: Vec<SurfaceClass>,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
     /// The attributes of the objects' primitives, by [`ObjectId`].
@@ -77,6 +81,7 @@ impl Scene {
             lights: config.lights.clone(),
             materials: config.materials.values().cloned().collect(),
             primitives: Vec::with_capacity(geometries.n_primitives()),
+            classes: Vec::with_capacity(geometries.n_primitives()),
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
         };
@@ -87,6 +92,10 @@ impl Scene {
             let placement = Placement::new(object, ObjectId(index as u32), &materials, &path)?;
             let attributes =
                 placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
+            let kind = attributes.kind();
+            let added = &scene.primitives[first as usize..];
+            let class = |primitive| SurfaceClass::new(primitive, kind);
+            scene.classes.extend(added.iter().map(class));
             scene
                 .attributes
                 .push(ObjectAttributes { first, attributes });
@@ -153,10 +162,10 @@ impl Scene {
         )
     }
 
-    /// Which attributes an object's primitives have.
-    #[inline]
-    pub fn attribute_kind(&self, object: ObjectId) -> AttributeKind {
-        self.attributes[object.0 as usize].attributes.kind()
+    /// The class of a primitive.
+    #[inline(always)]
+    pub fn class(&self, primitive: u32) -> SurfaceClass {
+        self.classes[primitive as usize]
     }
 
     /// The attributes of the primitive's object, and the primitive's index among

@@ -91,7 +91,7 @@ impl<M> AddLight<'_, M> {
         };
         let mut columns = [[0.0; N_LANES]; 3];
         for (lane, &ray) in self.points.rays(at).iter().enumerate() {
-            let slot = self.wave.slots[ray as usize];
+            let slot = self.wave.slots()[ray as usize];
             set_lane(&mut columns, lane, eyes[slot as usize]);
         }
         set.load_vector(&columns)

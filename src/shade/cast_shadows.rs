@@ -2,29 +2,36 @@
 
 use super::model::Model;
 use super::paths::PathWave;
-use crate::accel::ShadowRay;
-use crate::geometry::Ray;
+use crate::accel::ShadowStream;
 use crate::light::Light;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel, lane_of, to_arrays};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel, grow, lanes_mut};
 use crate::trace::{PointLanes, Points};
 
 /// Shadow rays toward one light.
 #[derive(Debug, Default)]
 pub struct ShadowWave {
     /// The rays.
-    pub rays: Vec<ShadowRay>,
-    /// The point that each ray leaves.
-    pub points: Vec<u32>,
-    /// The pixel of each ray.
-    pub pixels: Vec<u32>,
+    pub rays: ShadowStream,
+    /// The point that each ray leaves, with room for whole lanes.
+    points: Vec<u32>,
+    /// The pixel of each ray, with room for whole lanes.
+    pixels: Vec<u32>,
 }
 
 impl ShadowWave {
     /// Removes all rays.
     pub(super) fn clear(&mut self) {
         self.rays.clear();
-        self.points.clear();
-        self.pixels.clear();
+    }
+
+    /// The point that each ray leaves.
+    pub(super) fn points(&self) -> &[u32] {
+        &self.points[..self.rays.len()]
+    }
+
+    /// The pixel of each ray.
+    pub fn pixels(&self) -> &[u32] {
+        &self.pixels[..self.rays.len()]
     }
 }
 
@@ -57,30 +64,28 @@ impl<M: Model> CastShadows<'_, M> {
         let point = self.points.shading(set, at);
         let light = self.light.illuminate(point.position);
         let mut lanes = self.model.may_arrive(&point, &light).bits() & at.bits();
+        let mask = set.mask(lanes);
         let origin = self.model.origin(&point, light.direction);
-        let (origin, direction) = (to_arrays(origin), to_arrays(light.direction));
-        let t_max = self.model.end(&light).to_array();
+        let shadows = &mut *self.shadows;
+        let mut next = shadows.rays.len();
+        shadows.rays.rays.reserve(N_LANES);
+        shadows.rays.rays.push_lanes(origin, light.direction, mask);
+        grow(&mut shadows.rays.t_max, next + N_LANES);
+        let t_max = self.model.end(&light).compress(mask);
+        *lanes_mut(&mut shadows.rays.t_max, next) = t_max.to_array();
+        grow(&mut shadows.points, next + N_LANES);
+        grow(&mut shadows.pixels, next + N_LANES);
+        let rays = self.points.rays(at);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;
             lanes &= lanes - 1;
-            let ray = Ray {
-                origin: lane_of(&origin, lane),
-                direction: lane_of(&direction, lane),
-            };
-            self.push(at.first + lane, ray, t_max[lane]);
+            let point = at.first + lane;
+            if M::IGNORES_OWN_OBJECT {
+                shadows.rays.ignored.push(Some(self.points.object(point)));
+            }
+            shadows.points[next] = point as u32;
+            shadows.pixels[next] = self.wave.pixels()[rays[lane] as usize];
+            next += 1;
         }
-    }
-
-    #[inline(always)]
-    fn push(&mut self, point: usize, ray: Ray, t_max: f32) {
-        self.shadows.rays.push(ShadowRay {
-            ray,
-            t_max,
-            ignored: M::IGNORES_OWN_OBJECT.then(|| self.points.object(point)),
-        });
-        self.shadows.points.push(point as u32);
-        self.shadows
-            .pixels
-            .push(self.wave.pixels[self.points.ray(point)]);
     }
 }

@@ -1,7 +1,7 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
 use super::model::Model;
-use super::paths::{PathWave, push_rays};
+use super::paths::PathWave;
 use crate::material::Material;
 use crate::scene::Scene;
 use crate::simd::{
@@ -62,23 +62,16 @@ impl<M: Model> EndPoints<'_, M> {
         set: I,
         material: &Material,
         at: PointLanes,
-        mut lanes: u8,
+        lanes: u8,
     ) {
         let point = self.points.shading(set, at);
         let direction = point.mirrored(self.points.directions(set, at));
         let origin = self.model.origin(&point, direction);
-        push_rays(&mut self.next.rays, origin, direction, lanes);
         let rays = self.points.rays(at);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % N_LANES;
-            lanes &= lanes - 1;
-            let ray = rays[lane] as usize;
-            self.next.pixels.push(self.wave.pixels[ray]);
-            self.next.slots.push(self.wave.slots[ray]);
-            self.next
-                .weights
-                .push(self.wave.weights[ray] * material.reflection);
-        }
+        let reflection = material.reflection;
+        let reflected = [origin, direction];
+        self.next
+            .bounce(set, reflected, self.wave, rays, reflection, lanes);
     }
 }
 
@@ -105,7 +98,7 @@ impl SimdKernel for AddBackground<'_> {
                 set_lane(
                     &mut directions,
                     lane,
-                    self.wave.rays[ray as usize].direction,
+                    self.wave.rays.get(ray as usize).direction,
                 );
             }
             let radiance = self.scene.background.color(set.load_vector(&directions));

@@ -1,20 +1,21 @@
 //! The paths of a wave.
 
-use crate::geometry::Ray;
-use crate::simd::{Lanes, N_LANES, Vector, lane_of, to_arrays};
+use crate::geometry::RayStream;
+use crate::simd::{InstructionSet, N_LANES, Vector, grow, lanes_mut};
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All
 /// paths have the same number of bounces.
 #[derive(Debug, Default)]
 pub struct PathWave {
     /// The rays.
-    pub rays: Vec<Ray>,
-    /// The pixel of each ray.
-    pub pixels: Vec<u32>,
-    /// The index of each path's color.
-    pub slots: Vec<u32>,
-    /// The share of the next point's radiance that reaches the camera.
-    pub weights: Vec<f32>,
+    pub rays: RayStream,
+    /// The pixel of each ray, with room for whole lanes.
+    pixels: Vec<u32>,
+    /// The index of each path's color, with room for whole lanes.
+    slots: Vec<u32>,
+    /// The share of the next point's radiance that reaches the camera, with room for
+    /// whole lanes.
+    weights: Vec<f32>,
     /// The number of bounces so far.
     pub depth: u32,
 }
@@ -23,26 +24,74 @@ impl PathWave {
     /// Removes all rays; their paths will have had this number of bounces.
     pub fn restart(&mut self, depth: u32) {
         self.rays.clear();
-        self.pixels.clear();
-        self.slots.clear();
-        self.weights.clear();
         self.depth = depth;
     }
 
-    /// Adds a path that starts with each of the first `n` rays; slots ascend from
+    /// The pixel of each ray.
+    pub fn pixels(&self) -> &[u32] {
+        &self.pixels[..self.rays.len()]
+    }
+
+    /// The index of each path's color.
+    pub fn slots(&self) -> &[u32] {
+        &self.slots[..self.rays.len()]
+    }
+
+    /// Makes room for eight more rays.
+    #[inline(always)]
+    pub(crate) fn reserve(&mut self) {
+        let n = self.rays.len();
+        self.rays.reserve(N_LANES);
+        grow(&mut self.pixels, n + N_LANES);
+        grow(&mut self.slots, n + N_LANES);
+        grow(&mut self.weights, n + N_LANES);
+    }
+
+    /// Adds a path that starts with each ray of the first `n` lanes; slots ascend from
     /// `first_slot`.
     #[inline(always)]
-    pub(crate) fn start<L: Lanes>(
+    pub(crate) fn start<I: InstructionSet>(
         &mut self,
-        [origin, direction]: [Vector<L>; 2],
+        set: I,
+        [origin, direction]: [Vector<I::Lanes>; 2],
         pixels: &[u32; N_LANES],
         first_slot: u32,
         n: usize,
     ) {
-        push_rays(&mut self.rays, origin, direction, u8::MAX >> (N_LANES - n));
-        self.pixels.extend_from_slice(&pixels[..n]);
-        self.slots.extend(first_slot..first_slot + n as u32);
-        self.weights.resize(self.rays.len(), 1.0);
+        self.reserve();
+        let first = self.rays.len();
+        let mask = set.mask(u8::MAX >> (N_LANES - n));
+        self.rays.push_lanes(origin, direction, mask);
+        *lanes_mut(&mut self.pixels, first) = *pixels;
+        *lanes_mut(&mut self.weights, first) = [1.0; N_LANES];
+        for (slot, lane) in lanes_mut(&mut self.slots, first).iter_mut().zip(0..) {
+            *slot = first_slot + lane;
+        }
+    }
+
+    /// Adds the reflected rays of these lanes, which continue the paths of `rays` of
+    /// the `wave`.
+    #[inline(always)]
+    pub(super) fn bounce<I: InstructionSet>(
+        &mut self,
+        set: I,
+        [origin, direction]: [Vector<I::Lanes>; 2],
+        wave: &PathWave,
+        rays: &[u32; N_LANES],
+        reflection: f32,
+        mut lanes: u8,
+    ) {
+        self.reserve();
+        let mut next = self.rays.len();
+        self.rays.push_lanes(origin, direction, set.mask(lanes));
+        while lanes != 0 {
+            let ray = rays[lanes.trailing_zeros() as usize % N_LANES] as usize;
+            lanes &= lanes - 1;
+            self.pixels[next] = wave.pixels[ray];
+            self.slots[next] = wave.slots[ray];
+            self.weights[next] = wave.weights[ray] * reflection;
+            next += 1;
+        }
     }
 
     /// The slots and the weights of these rays.
@@ -54,24 +103,5 @@ impl PathWave {
             weights[lane] = self.weights[rays[lane] as usize];
         }
         (slots, weights)
-    }
-}
-
-/// Adds the rays of these lanes.
-#[inline(always)]
-pub(super) fn push_rays<L: Lanes>(
-    rays: &mut Vec<Ray>,
-    origin: Vector<L>,
-    direction: Vector<L>,
-    mut lanes: u8,
-) {
-    let (origin, direction) = (to_arrays(origin), to_arrays(direction));
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize % N_LANES;
-        lanes &= lanes - 1;
-        rays.push(Ray {
-            origin: lane_of(&origin, lane),
-            direction: lane_of(&direction, lane),
-        });
     }
 }

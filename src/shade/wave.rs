@@ -98,7 +98,7 @@ impl<'a> WaveShader<'a> {
     ) {
         self.reached.clear();
         self.reached.resize(self.lit.len(), 0);
-        for (&point, is_occluded) in self.shadows.points.iter().zip(occluded) {
+        for (&point, is_occluded) in self.shadows.points().iter().zip(occluded) {
             let point = point as usize;
             self.reached[point / N_LANES] |= u8::from(!is_occluded) << (point % N_LANES);
         }

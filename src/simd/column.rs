@@ -47,6 +47,22 @@ impl VectorColumn {
         *lanes_mut(&mut self.z, first) = vectors.z.to_array();
     }
 
+    /// The coordinates of eight vectors from index `first` on.
+    #[inline(always)]
+    pub(crate) fn lanes(&self, first: usize) -> [&[f32; N_LANES]; 3] {
+        [
+            lanes(&self.x, first),
+            lanes(&self.y, first),
+            lanes(&self.z, first),
+        ]
+    }
+
+    /// Overwrites vector `i`.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, i: usize, vector: Vec3) {
+        (self.x[i], self.y[i], self.z[i]) = (vector.x, vector.y, vector.z);
+    }
+
     /// Vector `i`.
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> Vec3 {
@@ -64,10 +80,18 @@ impl VectorColumn {
 
 /// Makes room for at least `n` values and a lane for each behind them; keeps those
 /// that there are.
+#[inline(always)]
 pub(crate) fn grow<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
     if values.len() < n + N_LANES {
-        values.resize(n + N_LANES, T::default());
+        resize(values, n);
     }
+}
+
+#[cold]
+#[inline(never)]
+fn resize<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
+    let enough = (n + N_LANES).next_power_of_two();
+    values.resize(enough, T::default());
 }
 
 /// The eight values from index `first` on.

@@ -3,7 +3,7 @@
 use super::points::{PointGroup, PointLanes, Points};
 use super::surface_point::{on_side_of, side};
 use crate::accel::Hit;
-use crate::geometry::{N_PARAMETERS, Ray};
+use crate::geometry::{N_PARAMETERS, RayStream};
 use crate::scene::{AttributeKind, Scene, interpolated_normal};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
@@ -12,7 +12,7 @@ use crate::simd::{
 /// Computes the points of grouped hits.
 pub(super) struct FindPoints<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) rays: &'a [Ray],
+    pub(super) rays: &'a RayStream,
     pub(super) hits: &'a [Option<Hit>],
     pub(super) points: &'a mut Points,
 }
@@ -93,7 +93,7 @@ impl FindPoints<'_> {
             t: [0.0; N_LANES],
         };
         for (lane, &ray) in self.points.rays(at).iter().enumerate() {
-            let (ray, hit) = (&self.rays[ray as usize], self.hits[ray as usize]);
+            let (ray, hit) = (self.rays.get(ray as usize), self.hits[ray as usize]);
             let Some(hit) = hit else { continue };
             hits.primitives[lane] = hit.primitive;
             hits.t[lane] = hit.t;

@@ -4,9 +4,9 @@ mod surface_point;
 mod points;
 mod find_points;
 
-use crate::accel::{Accel, Hit, ShadowRay, TraversalStep};
+use crate::accel::{Accel, Hit, ShadowRay, ShadowStream, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
-use crate::geometry::Ray;
+use crate::geometry::{Ray, RayStream};
 use crate::scene::Scene;
 use crate::simd::{Simd, Vector};
 use find_points::FindPoints;
@@ -58,7 +58,7 @@ impl<'a> Tracer<'a> {
     /// is up to the caller.
     pub fn nearest_stream<P: PixelProbe>(
         &self,
-        rays: &[Ray],
+        rays: &RayStream,
         hits: &mut Vec<Option<Hit>>,
         mut probes: ByPixel<P>,
     ) {
@@ -70,7 +70,7 @@ impl<'a> Tracer<'a> {
     /// entry per ray.
     pub fn shadow_stream<P: PixelProbe>(
         &self,
-        rays: &[ShadowRay],
+        rays: &ShadowStream,
         shadowed: &mut Vec<bool>,
         mut probes: ByPixel<P>,
     ) {
@@ -83,7 +83,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Overwrites `points` with the surface points of the hits of these rays.
-    pub fn surface_points(&self, rays: &[Ray], hits: &[Option<Hit>], points: &mut Points) {
+    pub fn surface_points(&self, rays: &RayStream, hits: &[Option<Hit>], points: &mut Points) {
         points.group(self.scene, hits);
         self.simd().run(FindPoints {
             scene: self.scene,

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::surface_point::ShadingPoint;
 use crate::accel::Hit;
 use crate::geometry::ShapeKind;
-use crate::scene::{AttributeKind, MaterialId, ObjectId, Scene};
+use crate::scene::{AttributeKind, MaterialId, ObjectId, Scene, SurfaceClass};
 use crate::simd::{InstructionSet, N_LANES, Vector, VectorColumn, grow, lanes};
 
 /// The surface points that rays have hit, as a structure of arrays.
@@ -35,8 +35,8 @@ pub struct Points {
     pub(super) objects: Vec<ObjectId>,
     /// The group of each ray, while points are grouped.
     group_of_ray: Vec<u32>,
-    /// The index of the group with each key, if that group has the key.
-    group_of_key: Vec<u32>,
+    /// The index of the group of each class, if that group has this class.
+    group_of_class: Vec<u32>,
 }
 
 /// The index of the point of a ray that hit nothing.
@@ -50,7 +50,7 @@ pub struct PointGroup {
     pub(super) attributes: AttributeKind,
     /// Their material.
     pub material: MaterialId,
-    key: u32,
+    class: SurfaceClass,
     /// The index of the first point, a multiple of eight.
     first: usize,
     /// Number of points.
@@ -98,50 +98,41 @@ impl Points {
                 self.group_of_ray.push(NO_POINT);
                 continue;
             };
-            let group = self.group_of(scene, hit.primitive);
+            let group = self.group_of(scene.class(hit.primitive));
             self.groups[group].n += 1;
             self.group_of_ray.push(group as u32);
         }
         self.place();
     }
 
-    /// The index of the group of hits on this primitive.
+    /// The index of the group of a class.
     #[inline(always)]
-    fn group_of(&mut self, scene: &Scene, primitive: u32) -> usize {
-        let primitive = &scene.primitives[primitive as usize];
-        let shape = primitive.kind();
-        let attributes = scene.attribute_kind(primitive.object);
-        let n_shapes = ShapeKind::COUNT as u32 + 1;
-        let shape_number = shape.map_or(0, |kind| kind as u32 + 1);
-        let key = (primitive.material.0 * AttributeKind::COUNT + attributes as u32) * n_shapes
-            + shape_number;
-        if let Some(&group) = self.group_of_key.get(key as usize)
-            && self
-                .groups
-                .get(group as usize)
-                .is_some_and(|group| group.key == key)
+    fn group_of(&mut self, class: SurfaceClass) -> usize {
+        if let Some(&group) = self.group_of_class.get(class.number())
+            && let Some(found) = self.groups.get(group as usize)
+            && found.class == class
         {
             return group as usize;
         }
-        self.add_group(PointGroup {
-            shape,
-            attributes,
-            material: primitive.material,
-            key,
-            first: 0,
-            n: 0,
-        })
+        self.add_group(class)
     }
 
     #[cold]
-    fn add_group(&mut self, group: PointGroup) -> usize {
-        let (key, number) = (group.key as usize, self.groups.len());
-        if self.group_of_key.len() <= key {
-            self.group_of_key.resize(key + 1, 0);
+    fn add_group(&mut self, class: SurfaceClass) -> usize {
+        let group = self.groups.len();
+        if self.group_of_class.len() <= class.number() {
+            self.group_of_class.resize(class.number() + 1, 0);
         }
-        self.group_of_key[key] = number as u32;
-        self.groups.push(group);
-        number
+        self.group_of_class[class.number()] = group as u32;
+        self.groups.push(PointGroup {
+            class,
+            shape: class.shape(),
+            attributes: class.attributes(),
+            material: class.material(),
+            first: 0,
+            n: 0,
+        });
+        group
     }
 
     /// Gives each hit its place.

@@ -3,10 +3,10 @@
 use std::fmt::Debug;
 
 use proptest::prelude::*;
-use raycost::accel::{Accel, Hit, ShadowRay};
+use raycost::accel::{Accel, Hit, ShadowRay, ShadowStream};
 use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, StreamProbe, Traversals};
-use raycost::geometry::Ray;
+use raycost::geometry::{Ray, RayStream};
 use raycost::scene::{ObjectId, Primitive};
 use raycost::simd::Simd;
 
@@ -105,13 +105,15 @@ fn occluded(accel: &Accel, rays: &[ShadowRay]) -> Vec<Answer<bool>> {
 
 fn nearest_stream(accel: &Accel, rays: &[Ray]) -> Vec<Answer<Option<Hit>>> {
     let (mut hits, mut costs) = (Vec::new(), RayCosts::new(rays.len()));
-    accel.nearest_stream(rays, &mut hits, &mut costs);
+    let rays: RayStream = rays.iter().copied().collect();
+    accel.nearest_stream(&rays, &mut hits, &mut costs);
     costs.zip(hits)
 }
 
 fn occluded_stream(accel: &Accel, rays: &[ShadowRay]) -> Vec<Answer<bool>> {
     let (mut occluded, mut costs) = (Vec::new(), RayCosts::new(rays.len()));
-    accel.occluded_stream(rays, &mut occluded, &mut costs);
+    let rays: ShadowStream = rays.iter().copied().collect();
+    accel.occluded_stream(&rays, &mut occluded, &mut costs);
     costs.zip(occluded)
 }
 

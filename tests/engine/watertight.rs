@@ -133,7 +133,8 @@ fn all_hit(accel: &Accel, rays: &[Ray]) {
         assert!(accel.nearest(ray, &mut NoProbe).is_some(), "{ray:?}");
     }
     let mut hits = Vec::new();
-    accel.nearest_stream(rays, &mut hits, &mut NoProbe);
+    let stream = rays.iter().copied().collect();
+    accel.nearest_stream(&stream, &mut hits, &mut NoProbe);
     for (ray, hit) in rays.iter().zip(hits) {
         assert!(hit.is_some(), "{ray:?} in a stream");
     }

@@ -5,9 +5,8 @@ use glam::Vec3;
 
 use super::leaf::LeafIntersector;
 use super::slab::{MARGIN, MIN_DIRECTION, Slabs};
-use crate::accel::search::Query;
-use crate::geometry::{Ray, Shear};
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
+use crate::geometry::{Ray, RayStream, Shear};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, set_lane};
 
 /// A number for each of eight rays.
 pub(super) type LaneArray = [f32; N_LANES];
@@ -35,33 +34,29 @@ pub(super) struct RayBlock {
 }
 
 impl RayBlock {
-    /// Reads the rays of the queries with these indices, the first eight.
+    /// Reads the rays with these indices, the first eight.
     #[inline(always)]
-    fn read<Q: Query>(&mut self, queries: &[Q], indices: &[u32]) {
+    fn read(&mut self, rays: &RayStream, indices: &[u32]) {
         for (lane, &index) in indices.iter().enumerate().take(N_LANES) {
-            let Ray { origin, direction } = queries[index as usize].ray();
-            self.origin[0][lane] = origin.x;
-            self.origin[1][lane] = origin.y;
-            self.origin[2][lane] = origin.z;
-            self.direction[0][lane] = direction.x;
-            self.direction[1][lane] = direction.y;
-            self.direction[2][lane] = direction.z;
+            let Ray { origin, direction } = rays.get(index as usize);
+            set_lane(&mut self.origin, lane, origin);
+            set_lane(&mut self.direction, lane, direction);
         }
     }
 
-    /// Prepares the rays of the queries with these indices, the first eight, for boxes
+    /// Prepares the rays with these indices, the first eight, for boxes
     /// whose coordinates are at most `largest`.
     ///
     /// To the bit what [`Slabs::new`] and [`LeafIntersector::new`] compute.
     #[inline(always)]
-    pub(super) fn prepare<I: InstructionSet, Q: Query>(
+    pub(super) fn prepare<I: InstructionSet>(
         &mut self,
         set: I,
-        queries: &[Q],
+        rays: &RayStream,
         indices: &[u32],
         largest: f32,
     ) {
-        self.read(queries, indices);
+        self.read(rays, indices);
         let [x, y, z] = &self.origin;
         let (x, y, z) = (set.load(x), set.load(y), set.load(z));
         let [dx, dy, dz] = &self.direction;

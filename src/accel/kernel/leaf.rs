@@ -54,7 +54,7 @@ impl LeafIntersector {
             LeafKind::Spheres => self.spheres(set, leaf, search),
             LeafKind::Others => {
                 for i in 0..leaf.len() {
-                    search.test(leaf.primitive(0, i));
+                    search.test(&self.ray, leaf.primitive(0, i));
                 }
             }
         }

@@ -19,7 +19,7 @@ use super::slab::Slabs;
 use super::stack::{Stacks, Top};
 use crate::accel::arena::Arena;
 use crate::accel::layout::NodeRef;
-use crate::accel::search::{Query, Search};
+use crate::accel::search::{Queries, Search};
 use crate::cost::StreamProbe;
 use crate::simd::{InstructionSet, N_LANES, SimdKernel};
 
@@ -28,7 +28,7 @@ use crate::simd::{InstructionSet, N_LANES, SimdKernel};
 pub const RAYS_IN_FLIGHT: usize = 32;
 
 /// The queries of a batch with these indices, each ray on its own.
-pub(in crate::accel) struct StreamTraversal<'a, Q: Query, P> {
+pub(in crate::accel) struct StreamTraversal<'a, Q: Queries, P> {
     pub(in crate::accel) batch: Batch<'a, Q, P>,
     pub(in crate::accel) indices: &'a [u32],
 }
@@ -47,7 +47,7 @@ struct RayState<S> {
     top: Top,
 }
 
-impl<Q: Query, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
+impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
     type Output = ();
 
     #[inline(always)]
@@ -95,7 +95,7 @@ impl<Q: Query, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
     }
 }
 
-impl<'a, Q: Query, P: StreamProbe> StreamTraversal<'a, Q, P> {
+impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
     /// Launches the next ray that has to traverse the hierarchy; answers those
     /// before it that need not. Returns `false` if no ray is left.
     #[inline(always)]
@@ -118,13 +118,17 @@ impl<'a, Q: Query, P: StreamProbe> StreamTraversal<'a, Q, P> {
         while let Some(&index) = self.indices.get(*n_launched) {
             let lane = *n_launched % N_LANES;
             if lane == 0 {
-                block.prepare(set, queries, &self.indices[*n_launched..], arena.largest());
+                block.prepare(
+                    set,
+                    queries.rays(),
+                    &self.indices[*n_launched..],
+                    arena.largest(),
+                );
             }
             *n_launched += 1;
-            let query = &queries[index as usize];
-            let mut search = query.search(primitives);
+            let mut search = queries.search(index as usize, primitives);
             for &primitive in unbounded {
-                search.test(primitive);
+                search.test(&queries.rays().get(index as usize), primitive);
             }
             if arena.is_empty() || search.is_done() {
                 self.batch.answer(index as usize, &search, 0, n_tests);

@@ -166,7 +166,7 @@ mod tests {
         fn run<I: InstructionSet>(self, set: I) -> [u8; 2] {
             let Self(node, rays) = self;
             let mut soa = RaySoa::EMPTY;
-            soa.fill(&rays);
+            soa.fill(&rays.into_iter().collect(), 0);
             let incoherent = !soa.coherent_with_first(set);
             soa.replace_by_first(incoherent);
             let rays = PacketRays::new(set, &soa, 2.0);

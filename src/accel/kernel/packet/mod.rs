@@ -37,7 +37,7 @@ mod spheres;
 mod traversal;
 
 use super::batch::Batch;
-use crate::accel::search::Query;
+use crate::accel::search::Queries;
 use crate::cost::StreamProbe;
 use crate::simd::{InstructionSet, SimdKernel};
 use rays::PacketRays;
@@ -48,16 +48,18 @@ use traversal::{Packet, PacketStack};
 const MIN_RAYS: u32 = 8;
 
 /// Finds the coherent rays of a batch and answers their queries.
-pub(in crate::accel) struct PacketTraversal<'a, Q: Query, P>(pub(in crate::accel) Batch<'a, Q, P>);
+pub(in crate::accel) struct PacketTraversal<'a, Q: Queries, P>(
+    pub(in crate::accel) Batch<'a, Q, P>,
+);
 
-impl<Q: Query, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
+impl<Q: Queries, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
     /// The indices of the other queries.
     type Output = Vec<u32>;
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) -> Vec<u32> {
         let Self(mut batch) = self;
-        let n_queries = batch.queries.len() as u32;
+        let n_queries = batch.queries.rays().len() as u32;
         let mut incoherent = Vec::with_capacity(n_queries as usize);
         if batch.arena.is_empty() {
             incoherent.extend(0..n_queries);
@@ -68,20 +70,20 @@ impl<Q: Query, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
         // negative after the first packet, and the stream gets the other rays.
         let mut gain = 0;
         let mut first = 0;
-        let (packets, _) = batch.queries.as_chunks::<N_RAYS>();
-        for queries in packets {
+        while first + N_RAYS as u32 <= n_queries {
             let next = first + N_RAYS as u32;
-            if gain < 0 || !soa::may_be_coherent(queries) {
+            let (queries, rays) = (batch.queries, batch.queries.rays());
+            if gain < 0 || !soa::may_be_coherent(rays, first as usize) {
                 incoherent.extend(first..next);
                 first = next;
                 continue;
             }
-            soa.fill(queries);
+            soa.fill(rays, first as usize);
             let mut coherent = soa.coherent_with_first(set);
             if coherent.count_ones() >= MIN_RAYS {
                 soa.replace_by_first(!coherent);
                 let rays = PacketRays::new(set, &soa, batch.arena.largest());
-                let mut packet = Packet::new(&rays, queries, batch.primitives);
+                let mut packet = Packet::new(&rays, queries, first as usize, batch.primitives);
                 let active = packet.test_unbounded(batch.unbounded) & coherent;
                 if active != 0 {
                     gain += packet.traverse::<P>(batch.arena, active, &mut stack);
@@ -110,7 +112,7 @@ mod tests {
     use crate::accel::bvh::Bvh;
     use crate::config::Quality;
     use crate::cost::NoProbe;
-    use crate::geometry::{Ray, Shape, Sphere};
+    use crate::geometry::{Ray, RayStream, Shape, Sphere};
     use crate::scene::{MaterialId, ObjectId, Primitive};
     use crate::simd::Simd;
 
@@ -129,7 +131,7 @@ mod tests {
             arena: bvh.arena(),
             primitives: &primitives,
             unbounded: &[],
-            queries: rays,
+            queries: &rays.iter().copied().collect::<RayStream>(),
             answers: &mut answers,
             probe: &mut NoProbe,
         }))

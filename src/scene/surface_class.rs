@@ -1,0 +1,46 @@
+//! Classes of surfaces whose points are computed and shaded alike.
+
+use super::attributes::AttributeKind;
+use super::primitive::{MaterialId, Primitive};
+use crate::geometry::ShapeKind;
+
+/// What decides how a point of a primitive is computed and shaded: the kind of the
+/// shape, the attributes and the material, in one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SurfaceClass(u32);
+
+/// Kinds of shapes, and one more for shapes under a transform.
+const N_SHAPES: u32 = ShapeKind::ALL.len() as u32 + 1;
+const N_ATTRIBUTES: u32 = AttributeKind::ALL.len() as u32;
+
+impl SurfaceClass {
+    /// The class of a primitive with such attributes.
+    #[inline]
+    pub(super) fn new(primitive: &Primitive, attributes: AttributeKind) -> Self {
+        let shape = primitive.kind().map_or(0, |kind| kind as u32 + 1);
+        let material = primitive.material.0;
+        Self((material * N_ATTRIBUTES + attributes as u32) * N_SHAPES + shape)
+    }
+
+    /// Its number: classes of few materials have small numbers.
+    #[inline(always)]
+    pub fn number(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The kind of the shape; `None` for shapes under a transform.
+    pub fn shape(self) -> Option<ShapeKind> {
+        let shape = (self.0 % N_SHAPES) as usize;
+        shape.checked_sub(1).map(|kind| ShapeKind::ALL[kind])
+    }
+
+    /// The kind of the attributes.
+    pub fn attributes(self) -> AttributeKind {
+        AttributeKind::ALL[(self.0 / N_SHAPES % N_ATTRIBUTES) as usize]
+    }
+
+    /// The material.
+    pub fn material(self) -> MaterialId {
+        MaterialId(self.0 / N_SHAPES / N_ATTRIBUTES)
+    }
+}
