@@ -17,6 +17,7 @@ mod record;
 mod build;
 mod kernel;
 mod statistics;
+mod unbounded;
 mod nodes;
 mod bvh;
 
@@ -41,6 +42,7 @@ use record::Recorder;
 pub use record::TraversalStep;
 use search::{AnyHit, NearestHit, Queries, Search};
 pub use statistics::BvhStatistics;
+use unbounded::Unbounded;
 
 /// An acceleration structure over the primitives of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,9 +55,7 @@ pub struct Accel<'a> {
 /// What an acceleration structure knows of primitives that it does not borrow.
 #[derive(Debug, PartialEq)]
 pub(crate) struct AccelIndex {
-    /// Primitives outside the hierarchy, tested against every ray: the unbounded
-    /// ones; with brute force, all.
-    unbounded: Vec<u32>,
+    unbounded: Unbounded,
     bvh: Option<Bvh>,
 }
 
@@ -85,12 +85,12 @@ impl<'a> Accel<'a> {
     ) -> Result<Self, TooLarge> {
         let all = 0..primitives.len() as u32;
         let (unbounded, bvh) = match kind {
-            Acceleration::BruteForce => (all.collect(), None),
+            Acceleration::BruteForce => (Unbounded::one_by_one(all.collect()), None),
             Acceleration::Bvh(quality) => {
                 let is_unbounded = |&i: &u32| primitives[i as usize].is_unbounded();
                 let unbounded: Vec<u32> = all.into_par_iter().filter(is_unbounded).collect();
                 let bvh = Bvh::new(primitives, &unbounded, quality, report)?;
-                (unbounded, Some(bvh))
+                (Unbounded::new(primitives, unbounded), Some(bvh))
             }
         };
         let index = Arc::new(AccelIndex { unbounded, bvh });
@@ -240,9 +240,7 @@ impl<'a> Accel<'a> {
     /// Tests the search against all primitives that the ray may hit; reports the
     /// counters to the probe.
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
-        for &primitive in &self.index.unbounded {
-            search.test(ray, primitive);
-        }
+        self.index.unbounded.test(ray, search);
         let n_tests = self.index.unbounded.len() as u32;
         match &self.index.bvh {
             Some(bvh) if !search.is_done() => bvh.traverse(self.simd, ray, search, probe, n_tests),

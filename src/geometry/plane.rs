@@ -30,14 +30,26 @@ pub struct Plane {
     pub normal: Vec3,
 }
 
+impl Plane {
+    /// The parameter at which a ray, or the ray of each lane, hits the plane; 0 if it
+    /// misses it.
+    #[inline(always)]
+    pub fn hits<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> R {
+        let [point, normal] = [self.point, self.normal];
+        let (point, normal) = (
+            Vector::splat(origin.x, point),
+            Vector::splat(origin.x, normal),
+        );
+        let cos = direction.dot(normal);
+        let t = (point - origin).dot(normal) / cos;
+        R::select(cos.splat(MIN_COS).le(cos.abs()), t, cos.splat(0.0))
+    }
+}
+
 impl Intersectable for Plane {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let cos = ray.direction.dot(self.normal);
-        if cos.abs() < MIN_COS {
-            return None;
-        }
-        let t = (self.point - ray.origin).dot(self.normal) / cos;
+        let t = self.hits(ray.origin.into(), ray.direction.into());
         (t > 0.0 && t < t_max).then_some(t)
     }
 

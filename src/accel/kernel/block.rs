@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::leaf::LeafIntersector;
 use super::slab::{MARGIN, MIN_DIRECTION, Slabs};
 use crate::geometry::{Ray, RayStream, Shear};
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, set_lane};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector, set_lane};
 
 /// A number for each of eight rays.
 pub(super) type LaneArray = [f32; N_LANES];
@@ -82,6 +82,15 @@ impl RayBlock {
         let a = dx * dx + dy * dy + dz * dz;
         self.a = a.to_array();
         self.inverse_a = (set.splat(1.0) / a).to_array();
+    }
+
+    /// The origins and the directions.
+    #[inline(always)]
+    pub(super) fn rays<I: InstructionSet>(&self, set: I) -> [Vector<I::Lanes>; 2] {
+        [
+            set.load_vector(&self.origin),
+            set.load_vector(&self.direction),
+        ]
     }
 
     /// As in [`Slabs::new`].

@@ -9,6 +9,7 @@
 
 use std::mem::MaybeUninit;
 
+use arrayvec::ArrayVec;
 use bytemuck::Zeroable;
 
 use super::batch::Batch;
@@ -56,11 +57,14 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
         let (mut at_nodes, mut at_leaves) = (RaySet::EMPTY, RaySet::EMPTY);
         let (mut finished, mut idle) = (RaySet::EMPTY, RaySet::ALL);
         let (mut block, mut n_launched) = (RayBlock::zeroed(), 0);
+        let mut searches = ArrayVec::new();
         let mut stacks = Stacks::<RAYS_IN_FLIGHT>::new(self.batch.arena);
         while !(idle.is_empty() && at_nodes.is_empty() && at_leaves.is_empty()) {
             while let Some(i) = idle.take() {
                 let top = stacks.restart(i);
-                let is_launched = self.launch(set, &mut block, &mut n_launched, top, &mut rays[i]);
+                let ray = &mut rays[i];
+                let is_launched =
+                    self.launch(set, &mut block, &mut searches, &mut n_launched, top, ray);
                 at_nodes.insert_if(i, is_launched);
             }
             let (mut nodes, mut leaves) = (at_nodes, at_leaves);
@@ -96,6 +100,37 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
 }
 
 impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
+    /// Begins the searches of the rays of a block, with the planes.
+    #[inline(always)]
+    fn begin<I: InstructionSet>(
+        &self,
+        set: I,
+        block: &RayBlock,
+        indices: &[u32],
+        searches: &mut ArrayVec<Q::Search<'a>, N_LANES>,
+    ) {
+        let mut limits = [0.0; N_LANES];
+        searches.clear();
+        for (&index, limit) in indices.iter().zip(&mut limits) {
+            let search = self
+                .batch
+                .queries
+                .search(index as usize, self.batch.primitives);
+            *limit = search.limit();
+            searches.push(search);
+        }
+        let [origin, direction] = block.rays(set);
+        let limits = set.load(&limits);
+        let found = |lane: usize, t: f32, primitive: u32| {
+            let search: &mut Q::Search<'a> = &mut searches[lane];
+            if t < search.limit() {
+                search.found(t, primitive);
+            }
+        };
+        let unbounded = self.batch.unbounded;
+        unbounded.test_planes(set, origin, direction, limits, found);
+    }
+
     /// Launches the next ray that has to traverse the hierarchy; answers those
     /// before it that need not. Returns `false` if no ray is left.
     #[inline(always)]
@@ -103,13 +138,13 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
         &mut self,
         set: I,
         block: &mut RayBlock,
+        searches: &mut ArrayVec<Q::Search<'a>, N_LANES>,
         n_launched: &mut usize,
         top: Top,
         ray: &mut MaybeUninit<RayState<Q::Search<'a>>>,
     ) -> bool {
         let Batch {
             arena,
-            primitives,
             unbounded,
             queries,
             ..
@@ -118,17 +153,14 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
         while let Some(&index) = self.indices.get(*n_launched) {
             let lane = *n_launched % N_LANES;
             if lane == 0 {
-                block.prepare(
-                    set,
-                    queries.rays(),
-                    &self.indices[*n_launched..],
-                    arena.largest(),
-                );
+                let indices = &self.indices[*n_launched..];
+                block.prepare(set, queries.rays(), indices, arena.largest());
+                self.begin(set, block, &indices[..N_LANES.min(indices.len())], searches);
             }
             *n_launched += 1;
-            let mut search = queries.search(index as usize, primitives);
-            for &primitive in unbounded {
-                search.test(&queries.rays().get(index as usize), primitive);
+            let mut search = searches[lane];
+            if !unbounded.are_planes() {
+                unbounded.test_others(&queries.rays().get(index as usize), &mut search);
             }
             if arena.is_empty() || search.is_done() {
                 self.batch.answer(index as usize, &search, 0, n_tests);

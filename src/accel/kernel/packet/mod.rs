@@ -110,6 +110,7 @@ mod tests {
 
     use super::*;
     use crate::accel::bvh::Bvh;
+    use crate::accel::unbounded::Unbounded;
     use crate::config::Quality;
     use crate::cost::NoProbe;
     use crate::geometry::{Ray, RayStream, Shape, Sphere};
@@ -130,7 +131,7 @@ mod tests {
         simd.run(PacketTraversal(Batch {
             arena: bvh.arena(),
             primitives: &primitives,
-            unbounded: &[],
+            unbounded: &Unbounded::default(),
             queries: &rays.iter().copied().collect::<RayStream>(),
             answers: &mut answers,
             probe: &mut NoProbe,

@@ -56,7 +56,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
     }
     /// The vectors of a half.
     #[inline(always)]
-    fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
+    pub(super) fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
         Vector {
             x: self.set.load(&x[half]),
             y: self.set.load(&y[half]),
