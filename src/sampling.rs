@@ -81,6 +81,8 @@ pub struct PixelPattern {
     /// The index of the point in the pixel's center.
     center: u32,
     seed: u64,
+    /// The hash of the upper halves of the keys of pixels below 2^32.
+    mixed: [u32; 4],
 }
 
 impl PixelPattern {
@@ -91,6 +93,7 @@ impl PixelPattern {
             n_rows: (n as f32).sqrt().round().max(1.0) as u32,
             center: 0,
             seed,
+            mixed: mixed([(seed >> 32) as u32, 0, 0]),
         };
         let row = pattern.n_rows / 2;
         let [first, end] = [row, row + 1].map(|row| pattern.first_of_row(row));
@@ -105,6 +108,7 @@ impl PixelPattern {
 
     /// Point `i` of pixel number `pixel`, relative to the pixel's center: both
     /// coordinates are in [-0.5, 0.5).
+    #[inline]
     pub fn point(&self, pixel: u64, i: u32) -> Vec2 {
         let [x, y] = self.points::<f32>(pixel as u32, (pixel >> 32) as u32, i);
         Vec2::new(x, y)
@@ -120,7 +124,10 @@ impl PixelPattern {
         }
         let row = self.row_of(i);
         let (first, end) = (self.first_of_row(row), self.first_of_row(row + 1));
-        let mixed = mixed([(self.seed >> 32) as u32, high, 0]);
+        let mixed = match high {
+            0 => self.mixed,
+            _ => mixed([(self.seed >> 32) as u32, high, 0]),
+        };
         let words = hash([low.splat(self.seed as u32), low, low.splat(i)], mixed);
         let (u, v) = (unit::<R>(words[0]), unit::<R>(words[1]));
         // The height of a row is proportional to its points: all strata have the

@@ -43,6 +43,11 @@ pub(crate) struct WideMask(__m256);
 
 impl Mask for WideMask {
     #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == u8::MAX
+    }
+
+    #[inline(always)]
     fn bits(self) -> u8 {
         // SAFETY: `self` proves AVX2.
         unsafe { _mm256_movemask_ps(self.0) as u8 }

@@ -41,6 +41,11 @@ pub(crate) struct MaskRegister(__mmask8);
 
 impl Mask for MaskRegister {
     #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == u8::MAX
+    }
+
+    #[inline(always)]
     fn bits(self) -> u8 {
         self.0
     }

@@ -73,6 +73,11 @@ pub(crate) struct BitMask(u8);
 
 impl Mask for BitMask {
     #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == u8::MAX
+    }
+
+    #[inline(always)]
     fn bits(self) -> u8 {
         self.0
     }

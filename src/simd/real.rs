@@ -70,6 +70,8 @@ pub trait Real:
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Bit `i` for lane `i`.
     fn bits(self) -> u8;
+    /// Whether all are true.
+    fn all(self) -> bool;
 }
 
 /// Integers modulo 2^32.
@@ -191,6 +193,11 @@ impl Real for f32 {
 }
 
 impl Mask for bool {
+    #[inline(always)]
+    fn all(self) -> bool {
+        self
+    }
+
     #[inline(always)]
     fn bits(self) -> u8 {
         self.into()

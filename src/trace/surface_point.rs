@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::scene::{MaterialId, ObjectId};
-use crate::simd::{Real, Vector};
+use crate::simd::{Mask, Real, Vector};
 
 /// A point of a surface that a ray has hit, in world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,6 +90,10 @@ impl<R: Real> ShadingPoint<R> {
     pub fn mirrored(&self, direction: Vector<R>) -> Vector<R> {
         let mirrored = direction.reflect(self.normal).normalize();
         let leaves = self.side.splat(0.0).lt(mirrored.dot(self.geometric_normal));
+        // Almost always: the second reflection would cost as much as the first.
+        if leaves.all() {
+            return mirrored;
+        }
         let by_geometry = direction.reflect(self.geometric_normal).normalize();
         Vector::select(leaves, mirrored, by_geometry)
     }
