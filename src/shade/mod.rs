@@ -4,7 +4,9 @@
 //! streams share the same shading. [`Shader::light_samples`] returns the lights
 //! that may reach a point with their shadow rays. Given the unoccluded ones,
 //! [`Shader::shade`] adds the radiance of the point to the path and returns the
-//! reflected ray that continues it.
+//! reflected ray that continues it. [`WaveShader`] does the same for many points at once.
+//! Both use the formulas of the shading models, which are written once, for one point and
+//! for lanes of points.
 
 mod blinn_phong;
 mod model;

@@ -15,7 +15,7 @@ use crate::trace::Points;
 /// Shades waves of points. For each light in turn, [`cast`](Self::cast) collects the
 /// shadow rays of all points, so that rays toward one light are neighbors, and
 /// [`add_light`](Self::add_light) adds the light of those that are not occluded. At
-/// last [`end`](Self::end) adds the points' radiance to their paths.
+/// last `end` adds the points' radiance to their paths.
 #[derive(Debug)]
 pub struct WaveShader<'a> {
     scene: &'a Scene,

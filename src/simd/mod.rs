@@ -1,6 +1,6 @@
 //! Eight `f32` at a time, or sixteen, with the instruction sets that the CPU has.
 //!
-//! The kernels are generic over [`Lanes`], of which there are three kinds:
+//! The kernels are generic over `Lanes`, of which there are three kinds:
 //! plain arrays, AVX2 and AVX-512. All do the same IEEE operations in the same
 //! order and never contract a product and a sum into one rounding, so that
 //! hits and counters agree to the last bit on every path.

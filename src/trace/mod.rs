@@ -1,4 +1,7 @@
-//! Ray → the surface point that it hits.
+//! Rays → the surface points that they hit.
+//!
+//! [`Tracer`] traces rays one by one or as a stream. [`Points`] are the surface points of
+//! a stream's hits, computed in lanes, with the formulas of a single point.
 
 mod surface_point;
 mod points;
