@@ -80,19 +80,14 @@ impl ImagePlane {
         }
     }
 
-    /// The world-space size of pixel (x, y) at a distance along its ray: the side of
-    /// a square with the pixel's area.
-    pub fn footprint(&self, x: f32, y: f32, distance: f32) -> f32 {
-        self.footprints(self.pitch(), [x, y], distance)
-    }
-
     /// The side of a square with the area of a pixel on the plane.
     pub fn pitch(&self) -> f32 {
         (self.right.length() * self.down.length()).sqrt()
     }
 
-    /// [`footprint`](Self::footprint) of one pixel or of one per lane, given the
-    /// [`pitch`](Self::pitch).
+    /// The world-space size of pixel (x, y), or of one per lane, at a distance along its
+    /// ray: the side of a square with the pixel's area. `pitch` is that of the plane
+    /// ([`pitch`](Self::pitch)).
     #[inline(always)]
     pub fn footprints<R: Real>(&self, pitch: f32, [x, y]: [R; 2], distance: R) -> R {
         let pitch = x.splat(pitch);

@@ -32,16 +32,11 @@ impl Triangle {
         let [a, b, c] = self.vertices;
         (b - a).cross(c - a).try_normalize()
     }
-
-    /// The barycentric coordinates of a point in the triangle's plane: at least 0,
-    /// with a sum of 1. For a point outside they are those of a point on an
-    /// edge.
-    pub fn barycentrics(&self, point: Vec3) -> Vec3 {
-        barycentrics(&self.parameters(), point.into()).into()
-    }
 }
 
-/// [`Triangle::barycentrics`] of a triangle with these parameters, or of one per lane.
+/// The barycentric coordinates of a point in the plane of a triangle with these
+/// parameters: at least 0, with a sum of 1; or of one per lane. For a point outside they
+/// are those of a point on an edge.
 #[inline(always)]
 pub fn barycentrics<R: Real>(triangle: &[R; N_PARAMETERS], point: Vector<R>) -> [R; 3] {
     let (a, b, c) = (

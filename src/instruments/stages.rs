@@ -63,7 +63,7 @@ impl Stages {
     }
 
     /// Begins with a stage `start`, from the start of the process until now: loading
-    /// the program and reading the command line. The system tells its CPU time alone,
+    /// the program and reading the command line. The system reports its CPU time alone,
     /// which stands for its wall time, too.
     pub fn with_start(hardware: HardwareCounters) -> Self {
         let mut stages = Self::start(hardware);

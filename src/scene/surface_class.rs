@@ -1,4 +1,4 @@
-//! Classes of surfaces whose points are computed and shaded alike.
+//! Classes of surfaces whose points are computed and shaded in the same way.
 
 use super::attributes::AttributeKind;
 use super::primitive::{MaterialId, Primitive};

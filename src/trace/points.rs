@@ -1,4 +1,4 @@
-//! The surface points of a wave of rays, in groups that are computed alike.
+//! The surface points of a wave of rays, in groups that are computed in the same way.
 
 use glam::Vec3;
 
@@ -42,7 +42,7 @@ pub struct Points {
 /// The index of the point of a ray that hit nothing.
 const NO_POINT: u32 = u32::MAX;
 
-/// Points that are computed and shaded alike.
+/// Points that are computed and shaded in the same way.
 #[derive(Debug, Clone, Copy)]
 pub struct PointGroup {
     /// The kind of their shapes; `None` for shapes under a transform.
@@ -189,12 +189,6 @@ impl Points {
     /// The rays that hit nothing.
     pub fn missed(&self) -> &[u32] {
         &self.missed
-    }
-
-    /// The ray of a point.
-    #[inline(always)]
-    pub fn ray(&self, point: usize) -> usize {
-        self.rays[point] as usize
     }
 
     /// The indices of the object and of the material of a point.

@@ -14,7 +14,7 @@ pub(super) struct BinaryNode {
     /// The box around its references.
     pub(super) bounds: Aabb,
     /// How many nodes and references further on its second child begins. The two
-    /// highest bits tell which children are leaves.
+    /// highest bits mark the children that are leaves.
     link: u32,
     /// What becomes of its subtree.
     pub(super) choices: ForestChoices,

@@ -54,6 +54,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
             }
         }
     }
+
     /// The vectors of a half.
     #[inline(always)]
     pub(super) fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
