@@ -2,6 +2,7 @@
 
 use crate::geometry::{Ray, RayStream};
 use crate::scene::ObjectId;
+use crate::simd::{Lanes, N_LANES, Vector, grow, lanes_mut};
 
 /// A ray's hit on a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,9 +28,9 @@ pub struct ShadowRay {
 #[derive(Debug, Clone, Default)]
 pub struct ShadowStream {
     /// The rays.
-    pub(crate) rays: RayStream,
-    /// The end of each ray.
-    pub(crate) t_max: Vec<f32>,
+    pub(super) rays: RayStream,
+    /// The end of each ray, with room for whole lanes.
+    pub(super) t_max: Vec<f32>,
     /// The object that each ray ignores; empty if none ignores any.
     pub(crate) ignored: Vec<Option<ObjectId>>,
 }
@@ -49,6 +50,23 @@ impl ShadowStream {
     pub fn clear(&mut self) {
         self.rays.clear();
         self.ignored.clear();
+    }
+
+    /// Adds the rays of the lanes of `mask`, which end at `t_max`. The objects that they
+    /// ignore, if any, are added apart.
+    #[inline(always)]
+    pub(crate) fn push_lanes<L: Lanes>(
+        &mut self,
+        origin: Vector<L>,
+        direction: Vector<L>,
+        t_max: L,
+        mask: L::Mask,
+    ) {
+        let first = self.rays.len();
+        self.rays.reserve(N_LANES);
+        self.rays.push_lanes(origin, direction, mask);
+        grow(&mut self.t_max, first + N_LANES);
+        *lanes_mut(&mut self.t_max, first) = t_max.compress(mask).to_array();
     }
 
     /// The object that ray `i` ignores.

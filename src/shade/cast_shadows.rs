@@ -4,7 +4,7 @@ use super::model::Model;
 use super::paths::PathWave;
 use crate::accel::ShadowStream;
 use crate::light::Light;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel, grow, lanes_mut};
+use crate::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
 use crate::trace::{PointLanes, Points};
 
 /// Shadow rays toward one light.
@@ -68,11 +68,10 @@ impl<M: Model> CastShadows<'_, M> {
         let origin = self.model.origin(&point, light.direction);
         let shadows = &mut *self.shadows;
         let mut next = shadows.rays.len();
-        shadows.rays.rays.reserve(N_LANES);
-        shadows.rays.rays.push_lanes(origin, light.direction, mask);
-        grow(&mut shadows.rays.t_max, next + N_LANES);
-        let t_max = self.model.end(&light).compress(mask);
-        *lanes_mut(&mut shadows.rays.t_max, next) = t_max.to_array();
+        let t_max = self.model.end(&light);
+        shadows
+            .rays
+            .push_lanes(origin, light.direction, t_max, mask);
         grow(&mut shadows.points, next + N_LANES);
         grow(&mut shadows.pixels, next + N_LANES);
         let rays = self.points.rays(at);
