@@ -212,7 +212,7 @@ fn small(image: &Image) -> Image {
         width: shrunk(image.width),
         height: shrunk(image.height),
         samples_per_pixel: 1,
-        seed: 0,
+        ..*image
     }
 }
 

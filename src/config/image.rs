@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::sampling::PixelPattern;
 use crate::yaml;
 
 /// Longest side of a picture in pixels.
@@ -15,7 +16,7 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// ```
 /// # use raycost::config::Image;
 /// let image: Image = raycost::yaml::from_str("
-/// { width: 640, height: 480, samples_per_pixel: 4, seed: 7 }
+/// { width: 640, height: 480, samples_per_pixel: 4, seed: 7, sampler: sobol }
 /// ").unwrap();
 /// # assert_eq!(image.samples_per_pixel, 4);
 /// ```
@@ -37,6 +38,9 @@ pub struct Image {
     /// Seed of the sampling pattern; 0 if not given.
     #[serde(deserialize_with = "yaml::seed", default)]
     pub seed: u64,
+    /// The pattern of the samples in a pixel; `stratified` if not given.
+    #[serde(default)]
+    pub sampler: PixelPattern,
 }
 
 impl Image {

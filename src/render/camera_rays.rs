@@ -5,8 +5,7 @@ use std::ops::Range;
 use super::view::{View, limited};
 use crate::shade::PathWave;
 use crate::simd::{
-    InstructionSet, Lanes, N_LANES, Real, SimdKernel, Vector, VectorColumn, grow, lanes, lanes_mut,
-    set_lane,
+    InstructionSet, Lanes, N_LANES, Real, SimdKernel, VectorColumn, grow, lanes, lanes_mut,
 };
 
 /// The pixels that are rendered together, as a structure of arrays, in the order in
@@ -96,16 +95,10 @@ impl SimdKernel for StartPaths<'_> {
         for block in 0..self.places.n_blocks() {
             let n = self.places.in_block(block);
             let [x, y] = self.places.coordinates(set, block);
-            let (low, high) = self.numbers(block);
+            let numbers = set.load_integers(&self.numbers(block));
             let pixels = lanes(&self.places.pixels, N_LANES * block);
             for sample in self.samples.clone() {
-                let rays = match high {
-                    Some(high) => {
-                        let low = set.load_integers(&low);
-                        self.view.camera_rays([x, y], low, high, sample)
-                    }
-                    None => self.one_by_one(set, block, sample),
-                };
+                let rays = self.view.camera_rays([x, y], numbers, sample);
                 self.wave.start(set, rays, pixels, slot, n);
                 slot += N_LANES as u32;
             }
@@ -114,38 +107,13 @@ impl SimdKernel for StartPaths<'_> {
 }
 
 impl StartPaths<'_> {
-    /// The lower halves of the pixels' numbers in the picture, and their upper half
-    /// if it is the same for all.
+    /// The numbers of a block's pixels in the picture.
     #[inline(always)]
-    fn numbers(&self, block: usize) -> ([u32; N_LANES], Option<u32>) {
-        let mut low = [0; N_LANES];
-        let mut high = [0; N_LANES];
-        for lane in 0..N_LANES {
+    fn numbers(&self, block: usize) -> [u32; N_LANES] {
+        std::array::from_fn(|lane| {
             let (_, at) = self.places.get(N_LANES * block + lane);
-            let number = self.view.pixel_number(at);
-            low[lane] = number as u32;
-            high[lane] = (number >> 32) as u32;
-        }
-        let is_same = high.iter().all(|half| *half == high[0]);
-        (low, is_same.then_some(high[0]))
-    }
-
-    /// The rays of a block whose pixels' numbers have different upper halves.
-    #[cold]
-    fn one_by_one<I: InstructionSet>(
-        &self,
-        set: I,
-        block: usize,
-        sample: u32,
-    ) -> [Vector<I::Lanes>; 2] {
-        let (mut origins, mut directions) = ([[0.0; N_LANES]; 3], [[0.0; N_LANES]; 3]);
-        for lane in 0..N_LANES {
-            let (_, at) = self.places.get(N_LANES * block + lane);
-            let ray = self.view.camera_ray(at, sample);
-            set_lane(&mut origins, lane, ray.origin);
-            set_lane(&mut directions, lane, ray.direction);
-        }
-        [set.load_vector(&origins), set.load_vector(&directions)]
+            self.view.pixel_number(at)
+        })
     }
 }
 

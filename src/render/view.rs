@@ -7,7 +7,7 @@ use crate::camera::{ImagePlane, Projection};
 use crate::config::Image;
 use crate::film::Pixel;
 use crate::geometry::Ray;
-use crate::sampling::PixelPattern;
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::shade::Shader;
 use crate::simd::{Real, Vector};
@@ -24,7 +24,7 @@ pub(crate) struct View<'a> {
     pub(super) middle: u32,
     /// The positions of the pixels in world space.
     plane: ImagePlane,
-    pattern: PixelPattern,
+    sampler: Sampler,
     width: u32,
     /// The side of a square with the area of a pixel on the plane.
     pitch: f32,
@@ -32,14 +32,14 @@ pub(crate) struct View<'a> {
 
 impl<'a> View<'a> {
     pub(crate) fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
-        let pattern = PixelPattern::new(image.samples_per_pixel, image.seed);
+        let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
         Self {
             tracer: Tracer::new(scene, accel),
             shader: Shader::new(scene),
             n_samples: image.samples_per_pixel,
-            middle: pattern.center(),
+            middle: sampler.center(),
             plane: scene.image_plane,
-            pattern,
+            sampler,
             width: image.width,
             pitch: scene.image_plane.pitch(),
         }
@@ -54,29 +54,29 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Returns the number of a pixel in the picture.
+    /// Returns the number of a pixel in the picture, row by row.
     #[inline(always)]
-    pub(super) fn pixel_number(&self, (x, y): (u32, u32)) -> u64 {
-        u64::from(y) * u64::from(self.width) + u64::from(x)
+    pub(super) fn pixel_number(&self, (x, y): (u32, u32)) -> u32 {
+        y * self.width + x
     }
 
     /// Returns the camera ray of one of the pixel's samples.
     pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
-        let offset = self.pattern.point(self.pixel_number((x, y)), sample);
-        self.plane.ray(x as f32 + offset.x, y as f32 + offset.y)
+        let rays = self.camera_rays([x as f32, y as f32], self.pixel_number((x, y)), sample);
+        let [origin, direction] = rays.map(Vec3::from);
+        Ray { origin, direction }
     }
 
     /// Returns the origins and the directions of the camera rays of one sample of a
-    /// pixel per lane; the pixels' numbers have these lower and upper halves.
+    /// pixel per lane, with these columns and rows, and these numbers.
     #[inline(always)]
     pub(super) fn camera_rays<R: Real>(
         &self,
         [x, y]: [R; 2],
-        low: R::Integer,
-        high: u32,
+        pixel: R::Integer,
         sample: u32,
     ) -> [Vector<R>; 2] {
-        let [dx, dy] = self.pattern.points::<R>(low, high, sample);
+        let [dx, dy] = self.sampler.position::<R>(pixel, sample);
         self.plane.rays(x + dx, y + dy)
     }
 

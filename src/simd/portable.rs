@@ -309,8 +309,18 @@ impl Integer for U32x8 {
     }
 
     #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        self.zip(other, |a, b| a & b)
+    }
+
+    #[inline(always)]
     fn xor(self, other: Self) -> Self {
         self.zip(other, |a, b| a ^ b)
+    }
+
+    #[inline(always)]
+    fn shift_left<const N: i32>(self) -> Self {
+        self.zip(self, |a, _| a << N)
     }
 
     #[inline(always)]

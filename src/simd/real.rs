@@ -82,10 +82,31 @@ pub trait Integer: Copy {
     fn plus(self, other: Self) -> Self;
     /// The lower half of the product.
     fn times(self, other: Self) -> Self;
+    /// The bits that both have.
+    fn and(self, other: Self) -> Self;
     /// The bits in which both differ.
     fn xor(self, other: Self) -> Self;
+    /// The integer times 2^N.
+    fn shift_left<const N: i32>(self) -> Self;
     /// The integer without its lowest `N` bits.
     fn shift_right<const N: i32>(self) -> Self;
+    /// The bits in reverse order.
+    #[inline(always)]
+    fn reverse_bits(self) -> Self {
+        let swapped = swap::<_, 1>(self, 0x5555_5555);
+        let swapped = swap::<_, 2>(swapped, 0x3333_3333);
+        let swapped = swap::<_, 4>(swapped, 0x0f0f_0f0f);
+        let swapped = swap::<_, 8>(swapped, 0x00ff_00ff);
+        swap::<_, 16>(swapped, 0x0000_ffff)
+    }
+}
+
+/// Swaps groups of `N` bits; `lower` has the bits of every other group.
+#[inline(always)]
+fn swap<I: Integer, const N: i32>(integer: I, lower: u32) -> I {
+    let lower = integer.splat(lower);
+    let raised = integer.and(lower).shift_left::<N>();
+    raised.xor(integer.shift_right::<N>().and(lower))
 }
 
 /// Numbers in double precision.
@@ -221,13 +242,28 @@ impl Integer for u32 {
     }
 
     #[inline(always)]
+    fn and(self, other: u32) -> u32 {
+        self & other
+    }
+
+    #[inline(always)]
     fn xor(self, other: u32) -> u32 {
         self ^ other
     }
 
     #[inline(always)]
+    fn shift_left<const N: i32>(self) -> u32 {
+        self << N
+    }
+
+    #[inline(always)]
     fn shift_right<const N: i32>(self) -> u32 {
         self >> N
+    }
+
+    #[inline(always)]
+    fn reverse_bits(self) -> u32 {
+        u32::reverse_bits(self)
     }
 }
 

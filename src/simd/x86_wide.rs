@@ -37,7 +37,14 @@ impl<R: Registers> Integer for YmmIntegers<R> {
 
     binary!(plus, _mm256_add_epi32);
     binary!(times, _mm256_mullo_epi32);
+    binary!(and, _mm256_and_si256);
     binary!(xor, _mm256_xor_si256);
+
+    #[inline(always)]
+    fn shift_left<const N: i32>(self) -> Self {
+        // SAFETY: the set in `self` proves AVX2.
+        Self(unsafe { _mm256_slli_epi32::<N>(self.0) }, self.1)
+    }
 
     #[inline(always)]
     fn shift_right<const N: i32>(self) -> Self {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accel::BvhStatistics;
 use crate::camera::{ImagePlane, Projection};
-use crate::config::{Acceleration, Image, Quality};
+use crate::config::{Acceleration, Image, PixelPattern, Quality};
 
 /// The scene file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,6 +26,9 @@ pub struct ImageSection {
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern.
     pub seed: u64,
+    /// The pattern of the samples in a pixel; left out if stratified.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub sampler: PixelPattern,
 }
 
 /// Positions of the pixels in world space. Either `eye` or `direction` is given.
@@ -65,6 +68,10 @@ pub struct AccelerationSection {
     pub bvh: Option<BvhStatistics>,
 }
 
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 impl From<&Image> for ImageSection {
     fn from(image: &Image) -> Self {
         Self {
@@ -72,6 +79,7 @@ impl From<&Image> for ImageSection {
             height: image.height,
             samples_per_pixel: image.samples_per_pixel,
             seed: image.seed,
+            sampler: image.sampler,
         }
     }
 }

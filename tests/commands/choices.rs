@@ -4,7 +4,7 @@
 use clap::CommandFactory;
 use raycost::camera::Camera;
 use raycost::cli::Cli;
-use raycost::config::{CostMode, Object, Outputs, ShadingModel, TileOrder};
+use raycost::config::{CostMode, Object, Outputs, PixelPattern, ShadingModel, TileOrder};
 use raycost::cost::Metric;
 use raycost::import::read_mesh;
 use raycost::light::Light;
@@ -44,6 +44,7 @@ fn the_scene_reference_lists_every_key_and_keyword() {
         choices::<Object>("zzz: {}"),
         choices::<Texture>("zzz: {} # of a color"),
         choices::<Outputs>("[zzz]"),
+        choices::<PixelPattern>("zzz"),
         choices::<ShadingModel>("zzz"),
         choices::<CostMode>("zzz"),
         choices::<TileOrder>("zzz"),

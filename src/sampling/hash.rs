@@ -1,0 +1,86 @@
+//! Hashes of integers, for one key or for lanes of keys.
+
+use crate::simd::{Integer, Real};
+
+/// Four uniformly distributed numbers in [0, 1) for a key of three integers.
+///
+/// The hash is pcg4d of Jarzynski and Olano, "Hash Functions for GPU
+/// Rendering", JCGT 9(3), 2020, on both halves of the key.
+pub fn uniform(key: [u64; 3]) -> [f32; 4] {
+    let [low, high] = [0, 32].map(|shift| key.map(|word| (word >> shift) as u32));
+    // An f32 in [0, 1) has 24 bits of uniform resolution.
+    hash(low, mixed(high)).map(unit::<f32>)
+}
+
+/// The hash of the upper halves of a key.
+pub(super) fn mixed([a, b, c]: [u32; 3]) -> [u32; 4] {
+    pcg4d([a, b, c, 0])
+}
+
+/// The hash of the lower halves of a key, for one key or for lanes of keys.
+#[inline(always)]
+pub(super) fn hash<N: Integer>([a, b, c]: [N; 3], mixed: [u32; 4]) -> [N; 4] {
+    let [mixed_a, mixed_b, mixed_c, mixed_d] = mixed;
+    pcg4d([
+        a.xor(a.splat(mixed_a)),
+        b.xor(a.splat(mixed_b)),
+        c.xor(a.splat(mixed_c)),
+        a.splat(mixed_d),
+    ])
+}
+
+/// The number in [0, 1) that has the highest 24 bits of a word.
+#[inline(always)]
+pub(super) fn unit<R: Real>(word: R::Integer) -> R {
+    let whole = R::from_integer(word.shift_right::<8>());
+    whole * whole.splat(1.0 / (1 << 24) as f32)
+}
+
+#[inline(always)]
+fn pcg4d<N: Integer>([x, y, z, w]: [N; 4]) -> [N; 4] {
+    let (x, y, z, w) = round(congruent(x), congruent(y), congruent(z), congruent(w));
+    let (x, y, z, w) = round(folded(x), folded(y), folded(z), folded(w));
+    [x, y, z, w]
+}
+
+/// The next number of a linear congruential generator.
+#[inline(always)]
+fn congruent<N: Integer>(word: N) -> N {
+    let product = word.times(word.splat(1_664_525));
+    product.plus(word.splat(1_013_904_223))
+}
+
+/// A word whose upper bits change its lower ones.
+#[inline(always)]
+fn folded<N: Integer>(word: N) -> N {
+    word.xor(word.shift_right::<16>())
+}
+
+/// A round of pcg4d.
+#[inline(always)]
+fn round<N: Integer>(x: N, y: N, z: N, w: N) -> (N, N, N, N) {
+    let x = x.plus(y.times(w));
+    let y = y.plus(z.times(x));
+    let z = z.plus(x.times(y));
+    let w = w.plus(y.times(z));
+    (x, y, z, w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniform_numbers_are_uniformly_distributed() {
+        let mut counts = [0; 16];
+        for i in 0..10_000 {
+            for u in uniform([7, i, 3 << 32]) {
+                counts[(u * 16.0) as usize] += 1;
+            }
+        }
+        assert!(
+            counts.iter().all(|n| (2300..2700).contains(n)),
+            "{counts:?}"
+        );
+    }
+}

@@ -1,0 +1,162 @@
+//! Sobol' points with Owen's scrambling, by hashing.
+//!
+//! After Burley, "Practical Hash-based Owen Scrambling", JCGT 10(4), 2020. Of Sobol's
+//! sequence only the first two dimensions are used: as a (0, 2)-sequence, any `2^k` of
+//! its points from a multiple of `2^k` on have one point in each elementary interval of
+//! area `2^-k`. Further dimensions are the same two in another order and with another
+//! scrambling, which both keep that property.
+
+use crate::simd::Integer;
+
+/// Point `index` of the sequence, scrambled by these seeds: 32 binary digits of each
+/// coordinate, or of one per lane.
+#[inline(always)]
+pub(super) fn point<N: Integer>(index: N, seeds: [N; 2]) -> [N; 2] {
+    let [x, y] = reversed_point(index);
+    let [seed_x, seed_y] = seeds;
+    [
+        scrambled(x, seed_x).reverse_bits(),
+        scrambled(y, seed_y).reverse_bits(),
+    ]
+}
+
+/// [`point`], moved by a digital shift, which keeps all elementary intervals, so that
+/// both coordinates of point 0 are one half.
+#[inline(always)]
+pub(super) fn centered_point<N: Integer>(index: N, seeds: [N; 2]) -> [N; 2] {
+    let zero = index.splat(0);
+    let half = index.splat(1 << 31);
+    let [x, y] = point(index, seeds);
+    let [zero_x, zero_y] = point(zero, seeds);
+    [x.xor(zero_x).xor(half), y.xor(zero_y).xor(half)]
+}
+
+/// The index at this position of the sequence in another order, which depends on the
+/// seed: the first `2^k` positions have `2^k` indices from a multiple of `2^k` on.
+#[inline(always)]
+pub(super) fn shuffled<N: Integer>(position: N, seed: N) -> N {
+    scrambled(position.reverse_bits(), seed).reverse_bits()
+}
+
+/// The coordinates of a point with their binary digits in reverse order. Those of the
+/// first dimension are the index: van der Corput's sequence. The generator matrix of the
+/// second one is Pascal's triangle modulo 2, the product of five sparse matrices.
+#[inline(always)]
+fn reversed_point<N: Integer>(index: N) -> [N; 2] {
+    let add = |sum: N, upper: N, mask: u32| sum.xor(upper.and(sum.splat(mask)));
+    let y = add(index, index.shift_right::<16>(), 0x0000_ffff);
+    let y = add(y, y.shift_right::<8>(), 0x00ff_00ff);
+    let y = add(y, y.shift_right::<4>(), 0x0f0f_0f0f);
+    let y = add(y, y.shift_right::<2>(), 0x3333_3333);
+    let y = add(y, y.shift_right::<1>(), 0x5555_5555);
+    [index, y]
+}
+
+/// Scrambles digits in reverse order: whether one flips depends on those before it and
+/// on the seed. The hash is that of Laine and Karras with the constants of Vegdahl,
+/// "Building a Better LK Hash", 2021.
+#[inline(always)]
+fn scrambled<N: Integer>(reversed: N, seed: N) -> N {
+    let folded = |word: N, factor: u32| word.xor(word.times(word.splat(factor)));
+    // Odd, so that no digit is lost.
+    let odd_factor = seed
+        .shift_right::<17>()
+        .shift_left::<1>()
+        .plus(seed.splat(1));
+    let word = folded(reversed, 0x3d20_adea).plus(seed).times(odd_factor);
+    folded(folded(word, 0x0552_6c56), 0x53a2_2864)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::hash::hash;
+
+    /// The reference: direction numbers by the recurrence of the polynomial x + 1.
+    fn by_direction_numbers(index: u32) -> [u32; 2] {
+        let mut numbers = vec![1_u32 << 31];
+        for i in 1..32 {
+            let before = numbers[i - 1];
+            numbers.push(before ^ (before >> 1));
+        }
+        let mut second = 0;
+        for (i, number) in numbers.into_iter().enumerate() {
+            second ^= number * (index >> i & 1);
+        }
+        [index.reverse_bits(), second]
+    }
+
+    #[test]
+    fn the_points_are_those_of_the_direction_numbers() {
+        for index in (0..1000).chain((0..32).map(|bit| 1 << bit)) {
+            let found = reversed_point(index).map(u32::reverse_bits);
+            assert_eq!(found, by_direction_numbers(index), "{index}");
+        }
+    }
+
+    /// Checks that each elementary interval has one of these `2^k` points.
+    fn check_intervals(points: &[[u32; 2]]) {
+        let k = points.len().ilog2();
+        for k_x in 0..=k {
+            let top = |word: u32, bits| word.checked_shr(32 - bits).unwrap_or(0);
+            let interval = |[x, y]: &[u32; 2]| top(*x, k_x) << (k - k_x) | top(*y, k - k_x);
+            let mut found: Vec<u32> = points.iter().map(interval).collect();
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..1 << k), "2^-{k_x} x 2^-{}", k - k_x);
+        }
+    }
+
+    #[test]
+    fn every_elementary_interval_has_one_point() {
+        for pixel in 0..50_u32 {
+            let [a, b, c, _] = hash([pixel, 1, 2], [0; 4]);
+            let first = |n: u32| {
+                move |point: &dyn Fn(u32) -> [u32; 2]| -> Vec<[u32; 2]> {
+                    (0..n).map(point).collect()
+                }
+            };
+            for n in [1, 2, 8, 64, 256] {
+                check_intervals(&first(n)(&|i| point(i, [a, b])));
+                check_intervals(&first(n)(&|i| centered_point(i, [a, b])));
+                check_intervals(&first(n)(&|i| point(shuffled(i, c), [a, b])));
+                // Later samples of the same pixel.
+                check_intervals(&first(n)(&|i| point(5 * n + i, [a, b])));
+            }
+            assert_eq!(centered_point(0, [a, b]), [1 << 31; 2]);
+        }
+    }
+
+    /// Means and correlations over pixels: scrambled points are uniform and independent.
+    #[test]
+    fn points_of_pixels_and_dimensions_are_independent() {
+        let unit = |word: u32| f64::from(word) / 2_f64.powi(32) - 0.5;
+        let n = 4000;
+        let of_pixel = |pixel: u32, i: u32| {
+            let [a, b, c, _] = hash([pixel, 7, 0], [0; 4]);
+            let [d, e, f, _] = hash([pixel, 7, 1], [0; 4]);
+            let one = point(shuffled(i, c), [a, b]);
+            let two = point(shuffled(i, f), [d, e]);
+            [one[0], one[1], two[0], two[1]].map(unit)
+        };
+        for i in 0..8 {
+            let samples: Vec<[f64; 4]> = (0..n).map(|pixel| of_pixel(pixel, i)).collect();
+            let next: Vec<[f64; 4]> = (0..n).map(|pixel| of_pixel(pixel + 1, i)).collect();
+            let mean =
+                |f: &dyn Fn(usize) -> f64| (0..samples.len()).map(f).sum::<f64>() / f64::from(n);
+            // Five standard deviations of the mean of uniform numbers and of products.
+            let (of_mean, of_product) = (
+                5.0 / (12.0 * f64::from(n)).sqrt(),
+                5.0 / (144.0 * f64::from(n)).sqrt(),
+            );
+            for a in 0..4 {
+                assert!(mean(&|k| samples[k][a]).abs() < of_mean, "mean {i} {a}");
+                for b in 0..4 {
+                    let with_next = mean(&|k| samples[k][a] * next[k][b]);
+                    assert!(with_next.abs() < of_product, "{i} {a} {b}: {with_next}");
+                    let inside = mean(&|k| samples[k][a] * samples[k][b]);
+                    assert!(a == b || inside.abs() < of_product, "{i} {a} {b}: {inside}");
+                }
+            }
+        }
+    }
+}
