@@ -1,18 +1,24 @@
 //! Rays per second of whole renderings in each cost mode:
-//! `cargo bench --bench render [-- SCENE …]`.
+//! `cargo bench --bench render [-- SCENE …] [-- --json FILE]`.
 //!
 //! Takes scene files and folders of them; those in `configs/` if none is named. Renders on
 //! one thread; the modes take turns in one process, so that a drift of the machine affects
 //! all of them equally. Prints medians and, in brackets, the speed relative to the first
-//! mode: the gain of streams, and the cost of counters.
+//! mode: the gain of streams, and the cost of counters and of attributed times. Then compares the
+//! attributed time of each pixel with its time by the clock: the mean difference, in the
+//! picture and within tiles.
 
+mod agreement;
 mod scenes;
 
+use std::fs;
 use std::hint::black_box;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use agreement::agreement;
+use clap::Parser;
 use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
 use raycost::cost::Meter;
@@ -21,9 +27,27 @@ use raycost::scene::{Geometries, Scene};
 use raycost::statistics::median;
 use raycost::text::Diagnostic;
 use raycost::yaml::Source;
+use serde_json::{Value, json};
 
 const N_ROUNDS: usize = 9;
-const MODES: [CostMode; 3] = [CostMode::Time, CostMode::Counters, CostMode::None];
+const MODES: [CostMode; 4] = [
+    CostMode::Time,
+    CostMode::AttributedTime,
+    CostMode::Counters,
+    CostMode::None,
+];
+
+#[derive(Parser)]
+struct Options {
+    /// Scene files, and folders of them [default: configs]
+    scenes: Vec<PathBuf>,
+    /// Also write the results to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// `cargo bench` passes it
+    #[arg(long, hide = true)]
+    bench: bool,
+}
 
 fn main() -> ExitCode {
     match race() {
@@ -36,13 +60,21 @@ fn main() -> ExitCode {
 }
 
 fn race() -> Result<(), String> {
-    let scenes = scenes::named(std::env::args_os().skip(1))?;
+    let options = Options::parse();
+    let scenes = scenes::named(options.scenes)?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = one_thread.build().map_err(|error| error.to_string())?;
     println!("Mrays/s, one thread, medians of {N_ROUNDS} rounds");
+    let mut rows = Vec::new();
     for scene in scenes {
-        pool.install(|| compare(&scene))
-            .map_err(|error| error.to_string())?;
+        let row = pool.install(|| compare(&scene));
+        rows.push(row.map_err(|error| error.to_string())?);
+    }
+    if let Some(path) = options.json {
+        let made_by = raycost::summary::Build::current();
+        let results = json!({ "rows": rows, "made_by": made_by });
+        fs::write(&path, format!("{results:#}"))
+            .map_err(|error| format!("{}: {error}", path.display()))?;
     }
     Ok(())
 }
@@ -55,12 +87,12 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
     Ok((config, scene.map_err(|fault| source.point_at(fault))?))
 }
 
-fn compare(path: &Path) -> Result<(), Diagnostic> {
+fn compare(path: &Path) -> Result<Value, Diagnostic> {
     let (config, scene) = read(path)?;
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let meters = MODES.map(Meter::new);
-    let mut times = [[0.0; N_ROUNDS]; 3];
+    let mut times = [[0.0; N_ROUNDS]; MODES.len()];
     let mut n_rays = 0;
     for round in 0..N_ROUNDS {
         for (meter, times) in meters.iter().zip(&mut times) {
@@ -78,6 +110,25 @@ fn compare(path: &Path) -> Result<(), Diagnostic> {
         let relative = medians[0] / seconds;
         print!("   {mode:?} {speed:6.2} ({relative:.2})");
     }
-    println!();
-    Ok(())
+    let agreement = agreement(&config, &scene, &accel, &plan);
+    println!(
+        "   attributed {:.1} %, within tiles {:.1} %",
+        100.0 * agreement.of_picture,
+        100.0 * agreement.within_tiles
+    );
+    let [time, attributed_time, counters, none] = medians;
+    Ok(json!({
+        "scene": name,
+        "n_rays": n_rays,
+        "seconds": {
+            "time": time,
+            "attributed_time": attributed_time,
+            "counters": counters,
+            "none": none,
+        },
+        "attributed_difference": {
+            "of_picture": agreement.of_picture,
+            "within_tiles": agreement.within_tiles,
+        },
+    }))
 }

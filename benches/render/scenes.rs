@@ -1,20 +1,14 @@
 //! Command line → scene files.
 
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The scene files of a command line, those of each folder sorted by name; the
-/// folder `configs` where none is named. Cargo's own flags are skipped.
+/// folder `configs` where none is named.
 ///
 /// # Errors
 /// A message, where a path does not exist or a folder has no scene.
-pub fn named(arguments: impl Iterator<Item = OsString>) -> Result<Vec<PathBuf>, String> {
-    let is_flag = |argument: &OsString| argument.to_string_lossy().starts_with("--");
-    let mut paths: Vec<PathBuf> = arguments
-        .filter(|argument| !is_flag(argument))
-        .map(PathBuf::from)
-        .collect();
+pub fn named(mut paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, String> {
     if paths.is_empty() {
         paths.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs"));
     }

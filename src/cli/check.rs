@@ -183,6 +183,10 @@ fn cost(config: &Config) -> String {
     match (config.cost, config.repeats) {
         (CostMode::None, _) => "none; rays are traced in streams".to_owned(),
         (CostMode::Counters, _) => "counters, no time; rays are traced in streams".to_owned(),
+        (CostMode::AttributedTime, _) => {
+            "counters, and each tile's time, attributed to its pixels; rays are traced in streams"
+                .to_owned()
+        }
         (CostMode::Time, Repeats::ONCE) => "counters and time; each ray is traced alone".to_owned(),
         (CostMode::Time, Repeats::Exactly(n)) => {
             format!("counters and time, the median of {n}; each ray is traced alone")

@@ -60,6 +60,7 @@ pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
 pub(super) fn searched(config: &Config, metric: Metric) -> Config {
     let (cost, repeats) = match metric {
         Metric::TIME => (CostMode::Time, config.repeats),
+        Metric::ATTRIBUTED_TIME => (CostMode::AttributedTime, config.repeats),
         _ => (CostMode::Counters, Repeats::ONCE),
     };
     Config {
@@ -87,7 +88,7 @@ pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPix
     let pixels = film.hottest(metric, n);
     match (pixels.is_empty(), metric) {
         (false, _) => Ok(pixels),
-        (true, Metric::TIME) => {
+        (true, metric) if metric.is_timed() => {
             let message = "no pixel has a reliable time: the machine is too busy";
             let help = "ask for `--repeats 10`, or for counters, such as `--by node_visits`";
             Err(Failure::Machine(Diagnostic::new(message).with_help(help)))
@@ -101,7 +102,7 @@ pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPix
 }
 
 fn by_time(film: &Film) -> Option<Hottest> {
-    film.cost.has_time().then(|| most_by(film, Metric::TIME))?
+    most_by(film, Metric::of_times(film.cost)?)
 }
 
 /// By node visits, or by primitive tests if there is no hierarchy.

@@ -189,11 +189,7 @@ impl TraceArguments {
     /// The metric of `--hottest`; `None` without it.
     fn metric(&self, config: &Config) -> Option<Metric> {
         self.hottest?;
-        let by_default = if config.cost.has_time() {
-            Metric::TIME
-        } else {
-            Metric::NODE_VISITS
-        };
+        let by_default = Metric::of_times(config.cost).unwrap_or(Metric::NODE_VISITS);
         Some(self.by.unwrap_or(by_default))
     }
 }

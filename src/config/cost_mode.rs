@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::text;
 
 /// The cost measured for each pixel. All modes give the same picture, and the
-/// two modes with counters the same counters.
+/// three modes with counters the same counters.
 ///
 /// ```
 /// # use raycost::config::CostMode;
@@ -20,6 +20,9 @@ pub enum CostMode {
     None,
     /// Node visits, primitive tests and rays; traces rays in streams
     Counters,
+    /// Counters, and the time of each tile, attributed to its pixels by their
+    /// counters; traces rays in streams
+    AttributedTime,
     /// Counters and nanoseconds; traces rays one by one
     #[default]
     Time,
@@ -31,16 +34,16 @@ impl CostMode {
         self != Self::None
     }
 
-    /// Whether each pixel is timed. This excludes streams, which process the
-    /// rays of many pixels together.
+    /// Whether each pixel has a time: its own, or its share of its tile's.
     pub fn has_time(self) -> bool {
-        self == Self::Time
+        matches!(self, Self::AttributedTime | Self::Time)
     }
 
-    /// The name of the kernel: `stream`, or `single_ray` if pixels are timed.
+    /// The name of the kernel: `single_ray` if each pixel is timed, which excludes
+    /// the other, `stream`, as it traces the rays of many pixels together.
     pub fn kernel(self) -> &'static str {
         match self {
-            Self::None | Self::Counters => "stream",
+            Self::None | Self::Counters | Self::AttributedTime => "stream",
             Self::Time => "single_ray",
         }
     }

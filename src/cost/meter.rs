@@ -10,17 +10,20 @@ pub enum Meter {
     Off,
     /// Counters only.
     Counters,
-    /// Counters and a clock.
+    /// Counters, and a clock for tiles.
+    AttributedTime(Clock),
+    /// Counters, and a clock for pixels.
     Time(Clock),
 }
 
 impl Meter {
-    /// Creates the instruments of a mode. If pixels are timed, calibrates a
+    /// Creates the instruments of a mode. If there are times, calibrates a
     /// clock, which takes about 0.5 ms.
     pub fn new(mode: CostMode) -> Self {
         match mode {
             CostMode::None => Self::Off,
             CostMode::Counters => Self::Counters,
+            CostMode::AttributedTime => Self::AttributedTime(Clock::calibrated()),
             CostMode::Time => Self::Time(Clock::calibrated()),
         }
     }
@@ -30,6 +33,7 @@ impl Meter {
         match self {
             Self::Off => CostMode::None,
             Self::Counters => CostMode::Counters,
+            Self::AttributedTime(_) => CostMode::AttributedTime,
             Self::Time(_) => CostMode::Time,
         }
     }
@@ -37,7 +41,7 @@ impl Meter {
     /// The clock, if there is one.
     pub fn clock(&self) -> Option<&Clock> {
         match self {
-            Self::Time(clock) => Some(clock),
+            Self::AttributedTime(clock) | Self::Time(clock) => Some(clock),
             Self::Off | Self::Counters => None,
         }
     }

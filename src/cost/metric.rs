@@ -10,6 +10,7 @@ use std::time::Duration;
 use clap::builder::PossibleValue;
 
 use super::{Cost, Counter};
+use crate::config::CostMode;
 use crate::text::numbers;
 
 /// A cost metric of pixels.
@@ -56,6 +57,8 @@ pub enum Aggregation {
 pub enum MetricSource {
     /// The clock. The only one with noise.
     Clock,
+    /// The clock, per tile, attributed to pixels by their counters.
+    TileClock,
     /// A counter.
     Counter(Counter),
     /// The sum of the rays of all kinds.
@@ -84,6 +87,15 @@ impl Metric {
         spans_decades: true,
         source: MetricSource::Clock,
         ..counter("time_ns", "time", Counter::NodeVisits)
+    };
+    /// Share of the tile's thread time.
+    pub const ATTRIBUTED_TIME: Self = Self {
+        title: "attributed time per pixel",
+        about: "share of the tile's thread time, by the counters of the pixel",
+        source: MetricSource::TileClock,
+        name: "attributed_time_ns",
+        label: "attributed time",
+        ..Self::TIME
     };
     /// BVH nodes visited.
     pub const NODE_VISITS: Self = Self {
@@ -120,8 +132,9 @@ impl Metric {
 
     /// All metrics: in files, tables and menus they have this order, and heatmaps
     /// show the first two that are not zero.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::TIME,
+        Self::ATTRIBUTED_TIME,
         Self::NODE_VISITS,
         Self::PRIMITIVE_TESTS,
         Self::RAYS,
@@ -156,15 +169,24 @@ impl Metric {
         Self::ALL.into_iter().filter(|metric| !metric.is_timed())
     }
 
+    /// Returns the metric of the times that a mode measures, if it does.
+    pub fn of_times(mode: CostMode) -> Option<Self> {
+        match mode {
+            CostMode::None | CostMode::Counters => None,
+            CostMode::AttributedTime => Some(Self::ATTRIBUTED_TIME),
+            CostMode::Time => Some(Self::TIME),
+        }
+    }
+
     /// Whether its values come from the clock.
     pub fn is_timed(self) -> bool {
-        self.source == MetricSource::Clock
+        matches!(self.source, MetricSource::Clock | MetricSource::TileClock)
     }
 
     /// Returns its value of a counted cost; 0 for a time.
     pub fn of(self, cost: &Cost) -> u64 {
         match self.source {
-            MetricSource::Clock => 0,
+            MetricSource::Clock | MetricSource::TileClock => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }
@@ -223,7 +245,7 @@ mod tests {
     fn every_counter_is_a_metric_and_every_metric_has_its_value() {
         let counters = Metric::ALL.iter().filter_map(|metric| match metric.source {
             MetricSource::Counter(counter) => Some(counter),
-            MetricSource::Clock | MetricSource::AllRays => None,
+            MetricSource::Clock | MetricSource::TileClock | MetricSource::AllRays => None,
         });
         assert!(counters.eq(Counter::ALL));
         let cost = Cost {
@@ -233,7 +255,7 @@ mod tests {
             depth: 3,
         };
         let values = Metric::ALL.map(|metric| metric.of(&cost));
-        assert_eq!(values, [0, 1, 2, 100, 20, 30, 40, 3]);
+        assert_eq!(values, [0, 0, 1, 2, 100, 20, 30, 40, 3]);
     }
 
     #[test]

@@ -67,7 +67,8 @@ const GEOMETRY: [Column; 6] = [
     column!("material", material, I32 x 1),
 ];
 
-// Thread time without the overhead of the clock, at least 1.
+// Thread time without the overhead of the clock, at least 1; or the share of the
+// tile's, by another name.
 const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1);
 
 // The spread of repeated times, and the number of rejected ones.
@@ -88,7 +89,7 @@ const WORK: [Column; 2] = [
 /// The arrays of a film with this cost mode for which so many renderings were asked,
 /// in the order of the files: geometry, time and its spread, counters, tiles.
 pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column> {
-    let time = cost.has_time().then_some(TIME);
+    let time = Metric::of_times(cost).map(|Metric { name, .. }| Column { name, ..TIME });
     let is_repeated = cost.has_time() && repeats.has_spread();
     let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
     let counted = |metric: Metric| computed(metric.name, ScalarType::U32, Origin::Counted(metric));
@@ -145,8 +146,13 @@ mod tests {
 
     #[test]
     fn every_column_has_as_many_bytes_per_pixel_as_its_stride() {
-        let modes = [CostMode::None, CostMode::Counters, CostMode::Time];
-        for (mode, expected) in modes.into_iter().zip([43, 67, 72]) {
+        let modes = [
+            (CostMode::None, 43),
+            (CostMode::Counters, 67),
+            (CostMode::AttributedTime, 72),
+            (CostMode::Time, 72),
+        ];
+        for (mode, expected) in modes {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);
             for column in columns(mode, film.repeats) {
                 let mut buffer = Vec::new();

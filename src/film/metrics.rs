@@ -8,7 +8,7 @@ impl Film {
     pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
         counts.clear();
         match metric.source {
-            MetricSource::Clock => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Clock | MetricSource::TileClock => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => {
                 counts.resize(strip.rgb.len(), 0);
                 self.add_counts(strip, counter, counts);
@@ -51,7 +51,7 @@ impl Film {
 
     fn has_any(&self, metric: Metric) -> bool {
         if metric.is_timed() {
-            return self.cost.has_time();
+            return Metric::of_times(self.cost) == Some(metric);
         }
         let mut of_strip = Vec::new();
         self.strips.iter().any(|strip| {

@@ -77,10 +77,8 @@ fn cell_data<'a>(shown: &'a [Shown], cost: CostMode) -> Vec<Array<'a>> {
         array("hits", shown, |shown| shown.visits.n_hits),
         array("wasted_visits", shown, |shown| shown.visits.n_wasted()),
     ];
-    if cost.has_time() {
-        arrays.push(array(Metric::TIME.name, shown, |shown| {
-            shown.visits.time_ns()
-        }));
+    if let Some(metric) = Metric::of_times(cost) {
+        arrays.push(array(metric.name, shown, |shown| shown.visits.time_ns()));
     }
     arrays
 }

@@ -38,12 +38,7 @@ pub(crate) fn rows_per_thing() -> usize {
 
 /// The metrics of a row, after the number of pixels; their shares of the whole
 /// picture follow at the end of the row. Times come last.
-const METRICS: [Metric; 4] = [
-    Metric::RAYS,
-    Metric::NODE_VISITS,
-    Metric::PRIMITIVE_TESTS,
-    Metric::TIME,
-];
+const COUNTED: [Metric; 3] = [Metric::RAYS, Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS];
 
 /// The objects or the materials.
 pub struct Group<'a> {
@@ -88,13 +83,10 @@ fn write(
     attribution: &CostAttribution,
     out: &mut impl Write,
 ) -> io::Result<()> {
-    let has_time = rendering.film.cost.has_time();
-    let metrics = METRICS.into_iter();
+    let times = Metric::of_times(rendering.film.cost);
     let mut table = Table {
         rows: csv::Writer::from_writer(out),
-        metrics: metrics
-            .filter(|metric| has_time || !metric.is_timed())
-            .collect(),
+        metrics: COUNTED.into_iter().chain(times).collect(),
         samples_per_pixel: f64::from(rendering.config.image.samples_per_pixel),
     };
     table.write_names()?;

@@ -98,7 +98,8 @@ fn totals(film: &Film) -> IndexMap<String, Option<Number>> {
     let mut totals = IndexMap::new();
     for metric in Metric::ALL {
         let total = if metric.is_timed() {
-            let time_ns = film.cost.has_time().then(|| film.total_time_ns());
+            let is_measured = Metric::of_times(film.cost) == Some(metric);
+            let time_ns = is_measured.then(|| film.total_time_ns());
             time_ns.and_then(Number::from_f64)
         } else {
             Some(metric.of(&film.totals).into())

@@ -129,8 +129,8 @@ impl<'a> Surface<'a> {
             self.array("hits", |_, _, visits| visits.n_hits),
             self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
         ];
-        if cost.has_time() {
-            arrays.push(self.array(Metric::TIME.name, |_, _, visits| visits.time_ns()));
+        if let Some(metric) = Metric::of_times(cost) {
+            arrays.push(self.array(metric.name, |_, _, visits| visits.time_ns()));
         }
         arrays
     }

@@ -1,13 +1,17 @@
 //! The breakdown of the threads' time.
 
 use super::RenderingView;
+use crate::cost::Meter;
 use crate::summary::ThreadTime;
 
-/// Computes the breakdown of a rendering; `None` if pixels were not timed.
+/// Computes the breakdown of a rendering; `None` if there are no times.
 pub fn thread_time(rendering: &RenderingView) -> Option<ThreadTime> {
     let clock = rendering.meter.clock()?;
     let repeats = rendering.repeats;
-    let n_readings = repeats.len() * rendering.config.image.n_pixels();
+    let n_readings = match rendering.meter {
+        Meter::Time(_) => repeats.len() * rendering.config.image.n_pixels(),
+        _ => 0,
+    };
     let busy_ns = repeats.iter().map(|repeat| repeat.busy_ns).sum::<u64>();
     let film_ns = repeats.iter().map(|repeat| repeat.film_ns).sum::<u64>();
     let warm_up_ns = repeats.iter().map(|repeat| repeat.warm_up_ns).sum::<u64>();

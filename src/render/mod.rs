@@ -10,6 +10,7 @@ mod view;
 mod camera_rays;
 mod stream;
 mod timed;
+mod attribute_time;
 mod prepass;
 mod tile_plan;
 mod samples;
@@ -20,11 +21,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use crate::accel::Accel;
-use crate::cost::{Counters, Meter, NoProbe};
+use crate::cost::{Counters, Interruptions, Meter, NoProbe};
 use crate::film::{Film, Rendered};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, Tile, TileRun};
 use crate::stop;
+use attribute_time::attribute_time;
 use canvas::Canvas;
 use stream::StreamRenderer;
 use timed::SingleRayRenderer;
@@ -78,6 +80,12 @@ fn render_onto(
         Meter::Counters => {
             render_tiles(film, plan, || StreamRenderer::<Counters>::new(view), report)
         }
+        Meter::AttributedTime(_) => {
+            let renderer = || StreamRenderer::<Counters>::new(view);
+            let (mut film, schedule) = render_tiles(film, plan, renderer, report);
+            attribute_time(&mut film, &schedule);
+            (film, schedule)
+        }
         Meter::Time(clock) => {
             let renderer = || SingleRayRenderer::new(view, Some(clock), plan);
             render_tiles(film, plan, renderer, report)
@@ -104,6 +112,7 @@ fn render_tiles<R: TileRenderer>(
     let begin = Instant::now();
     let render_some = |context: rayon::BroadcastContext| {
         let mut renderer = renderer();
+        let mut interruptions = Interruptions::of_this_thread();
         let mut runs = Vec::new();
         loop {
             let position = n_taken.fetch_add(1, Ordering::Relaxed);
@@ -111,10 +120,13 @@ fn render_tiles<R: TileRenderer>(
             let Some(tile) = tile else {
                 return runs;
             };
+            interruptions.take();
+            let run = render_tile(&mut renderer, &tile, &canvas, begin);
             let run = TileRun {
                 thread: context.index() as u32,
                 position,
-                ..render_tile(&mut renderer, &tile, &canvas, begin)
+                is_interrupted: interruptions.take(),
+                ..run
             };
             runs.push((tile.number, run));
             report(Progress {

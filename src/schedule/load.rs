@@ -57,6 +57,7 @@ mod tests {
             end_ns,
             film_ns: 0,
             warm_up_ns: 0,
+            is_interrupted: false,
             counted: Cost::default(),
         }
     }

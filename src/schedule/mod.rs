@@ -53,6 +53,8 @@ pub struct TileRun {
     pub film_ns: u64,
     /// The part of its duration that the warm-up took, in nanoseconds.
     pub warm_up_ns: u64,
+    /// Whether the thread lost its CPU meanwhile, as far as the system reports it.
+    pub is_interrupted: bool,
     /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,
 }
@@ -61,6 +63,12 @@ impl TileRun {
     /// Its duration in nanoseconds.
     pub fn duration_ns(&self) -> u64 {
         self.end_ns - self.start_ns
+    }
+
+    /// The part of its duration in which its pixels were rendered, in nanoseconds.
+    pub fn rendering_ns(&self) -> u64 {
+        self.duration_ns()
+            .saturating_sub(self.film_ns + self.warm_up_ns)
     }
 }
 

@@ -1,16 +1,18 @@
-//! Statistics of measurements: order statistics, the summary of a sample, and the
-//! comparison of two samples.
+//! Statistics of measurements: order statistics, the summary of a sample, the
+//! comparison of two samples, and the fit of a linear model.
 //!
 //! Comparisons use ranks alone: an interrupted run is one high rank, however
 //! long it took, and no distribution of the noise is assumed.
 
 mod floats;
+mod least_squares;
 mod order;
 mod rank_sum;
 mod ratio;
 mod sample;
 
 pub use floats::floats_at;
+pub use least_squares::non_negative_least_squares;
 pub use order::{median, upper_median};
 pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::frame::ShownPixels;
+use crate::cost::Metric;
 use crate::film::{HotPixel, Times, highest_counts};
 use crate::results::FrameFile;
 use crate::summary::Summary;
@@ -26,10 +27,11 @@ pub(super) fn json(
     frame: &mut FrameFile,
     pixels: &ShownPixels,
 ) -> Result<Value, Diagnostic> {
-    let found = [
-        ("time_ns", by_time(summary, frame)?),
-        ("node_visits", by_count(frame, "node_visits")?),
-    ];
+    let mut found = Vec::new();
+    if let Some(Metric { name, .. }) = Metric::of_times(summary.cost.mode) {
+        found.push((name, by_time(name, summary, frame)?));
+    }
+    found.push(("node_visits", by_count(frame, "node_visits")?));
     let width = u64::from(frame.width());
     let pixel = |HotPixel { place, value }: &HotPixel| {
         let (x, y) = *place;
@@ -54,7 +56,11 @@ pub(super) fn trace_command(summary: &Summary) -> String {
     )
 }
 
-fn by_time(summary: &Summary, frame: &mut FrameFile) -> Result<Vec<HotPixel>, Diagnostic> {
+fn by_time(
+    name: &str,
+    summary: &Summary,
+    frame: &mut FrameFile,
+) -> Result<Vec<HotPixel>, Diagnostic> {
     let width = frame.width() as usize;
     let mut read = |name: &str| {
         if frame.has(name) {
@@ -63,7 +69,7 @@ fn by_time(summary: &Summary, frame: &mut FrameFile) -> Result<Vec<HotPixel>, Di
             Ok(None)
         }
     };
-    let [ns, mad_ns, n_rejected] = ["time_ns", "time_mad_ns", "n_rejected"].map(&mut read);
+    let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(&mut read);
     let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
     let n_repeats = summary.repeats.as_ref().map_or(1, |repeats| repeats.n);
     let times = Times {

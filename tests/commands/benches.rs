@@ -3,20 +3,19 @@
 #[path = "../../benches/render/scenes.rs"]
 mod scenes;
 
-use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
 
 use crate::common::in_repository;
 
 fn named(arguments: &[&str]) -> Result<Vec<PathBuf>, String> {
-    scenes::named(arguments.iter().map(OsString::from))
+    scenes::named(arguments.iter().map(PathBuf::from).collect())
 }
 
 #[test]
 fn render_races_the_scenes_of_a_folder_and_nothing_else_in_it() {
     // `configs` has folders of meshes, tables and studies beside its scenes.
-    let scenes = named(&["--bench"]).unwrap();
+    let scenes = named(&[]).unwrap();
     assert!(scenes.contains(&in_repository("configs/seed_sphere.yaml")));
     assert!(scenes.iter().all(|path| path.is_file()), "{scenes:?}");
     assert!(scenes.is_sorted());
@@ -29,7 +28,7 @@ fn render_races_the_scenes_of_a_folder_and_nothing_else_in_it() {
         fs::write(folder.path().join(name), "").unwrap();
     }
     let expected = ["a.yaml", "b.yaml"].map(|name| folder.path().join(name));
-    assert_eq!(named(&["--bench", path]).unwrap(), expected);
+    assert_eq!(named(&[path]).unwrap(), expected);
 }
 
 #[test]

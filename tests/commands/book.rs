@@ -257,7 +257,11 @@ fn the_tables_name_every_scene_and_array() {
         assert!(gallery.contains(&format!("| `{name}` |")), "{name}");
     }
     let outputs = fs::read_to_string(in_repository("docs/outputs.md")).unwrap();
-    for column in columns(CostMode::Time, Repeats::Auto) {
+    let modes = [CostMode::Time, CostMode::AttributedTime];
+    for column in modes
+        .into_iter()
+        .flat_map(|mode| columns(mode, Repeats::Auto))
+    {
         let is_named = outputs.contains(&format!("`{}`", column.name));
         assert!(is_named, "{}", column.name);
     }

@@ -1,5 +1,7 @@
 //! Same scene and seed, same bytes, on any number of threads.
 
+use clap::ValueEnum;
+
 use crate::common::{config, film, lasting};
 use raycost::config::CostMode;
 use raycost::film::Film;
@@ -10,7 +12,7 @@ fn the_number_of_threads_changes_no_byte() {
         let mut config = config(name);
         (config.image.width, config.image.height) = (101, 67);
         config.image.samples_per_pixel = 3;
-        for mode in [CostMode::None, CostMode::Counters, CostMode::Time] {
+        for &mode in CostMode::value_variants() {
             config.cost = mode;
             let one = lasting(film(&config, 1));
             for n_threads in [2, 5] {

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::common::data_set::DataSet;
@@ -40,7 +41,7 @@ fn exactly(n_repeats: u8) -> Repeats {
 
 #[test]
 fn repeats_change_neither_the_picture_nor_the_counters() {
-    for mode in [CostMode::None, CostMode::Counters, CostMode::Time] {
+    for &mode in CostMode::value_variants() {
         let config = with_cost(small("seed_extended"), mode);
         let once = crate::common::film(&config, 2);
         for n_repeats in [1, 2, 5] {

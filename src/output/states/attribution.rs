@@ -5,6 +5,7 @@ use std::iter::zip;
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
+use crate::cost::Metric;
 use crate::output::RenderingView;
 use crate::paraview::{Axis, ColorScale, StateValue};
 
@@ -193,10 +194,10 @@ impl Level {
 
 /// Returns the time of each node or primitive, or the number of visits.
 fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axis {
-    if cost.has_time() {
+    if let Some(metric) = Metric::of_times(cost) {
         let times = visits.iter().map(|of| (f64::from(of.time_ns()), of.n_hits));
         return Axis::new(
-            "time_ns",
+            metric.name,
             &format!("Time per {thing}"),
             ColorScale::Logarithmic,
             most(times),

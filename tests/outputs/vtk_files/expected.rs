@@ -151,6 +151,7 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     let (time, counters) = match (film.cost, film.repeats) {
         (CostMode::None, _) => (&[][..], &[][..]),
         (CostMode::Counters, _) => (&[][..], counters),
+        (CostMode::AttributedTime, _) => unreachable!("its name is that of another array"),
         (CostMode::Time, Repeats::ONCE) => (&time[..1], counters),
         (CostMode::Time, _) => (time, counters),
     };
