@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::lens::Lens;
 use crate::geometry::Ray;
 use crate::simd::{Real, Vector};
 
@@ -10,6 +11,8 @@ use crate::simd::{Real, Vector};
 pub struct ImagePlane {
     /// How the rays pass through the plane.
     pub projection: Projection,
+    /// The lens around the eye of a perspective camera; `None` for a pinhole.
+    pub lens: Option<Lens>,
     /// The center of pixel (0, 0): column 0 of the top row.
     pub origin: Vec3,
     /// From a pixel's center to the next column's.
@@ -23,7 +26,7 @@ pub struct ImagePlane {
 /// How rays pass through the image plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
-    /// All start in one point.
+    /// All start in one point, or around it on a lens.
     Perspective {
         /// That point, in world space.
         eye: Vec3,
@@ -50,6 +53,7 @@ impl ImagePlane {
         let [to_first_column, to_first_row] = size.map(|n| 0.5 * (n as f32 - 1.0) * pitch);
         Self {
             projection,
+            lens: None,
             origin: center - to_first_column * right + to_first_row * up,
             right: pitch * right,
             down: -pitch * up,
@@ -57,9 +61,22 @@ impl ImagePlane {
         }
     }
 
-    /// The ray through pixel coordinates (x, y). The centers of the pixels have
-    /// integer coordinates, (0, 0) at the top left; a pixel extends half a unit
-    /// to each side.
+    /// The same plane without a lens.
+    pub fn of_pinhole(self) -> Self {
+        Self { lens: None, ..self }
+    }
+
+    /// The point at which all camera rays start, if there is one.
+    pub fn eye(&self) -> Option<Vec3> {
+        match self.projection {
+            Projection::Perspective { eye } if self.lens.is_none() => Some(eye),
+            Projection::Perspective { .. } | Projection::Parallel { .. } => None,
+        }
+    }
+
+    /// The ray through pixel coordinates (x, y), with a lens through its center. The
+    /// centers of the pixels have integer coordinates, (0, 0) at the top left; a pixel
+    /// extends half a unit to each side.
     #[inline]
     pub fn ray(&self, x: f32, y: f32) -> Ray {
         let [origin, direction] = self.rays(x, y).map(Vec3::from);
@@ -80,6 +97,21 @@ impl ImagePlane {
         }
     }
 
+    /// The rays through these pixel coordinates and the points of the lens that the
+    /// numbers `uv` in [0, 1) choose, which are computed only if there is a lens.
+    #[inline(always)]
+    pub fn rays_through_lens<R: Real>(
+        &self,
+        [x, y]: [R; 2],
+        uv: impl FnOnce() -> [R; 2],
+    ) -> [Vector<R>; 2] {
+        let rays = self.rays(x, y);
+        match &self.lens {
+            None => rays,
+            Some(lens) => lens.refracted(rays, uv()),
+        }
+    }
+
     /// The side of a square with the area of a pixel on the plane.
     pub fn pitch(&self) -> f32 {
         (self.right.length() * self.down.length()).sqrt()
@@ -97,6 +129,16 @@ impl ImagePlane {
                 pitch * distance / to_eye.length()
             }
             Projection::Parallel { .. } => pitch,
+        }
+    }
+
+    /// The world-space size of a pixel at a point that it sees through the lens; `None`
+    /// without a lens. `pitch` is that of the plane.
+    pub fn footprint_behind_lens(&self, pitch: f32, point: Vec3) -> Option<f32> {
+        match (self.projection, &self.lens) {
+            // The plane of a camera with a lens is at distance 1.
+            (Projection::Perspective { eye }, Some(lens)) => Some(pitch * lens.depth(eye, point)),
+            _ => None,
         }
     }
 

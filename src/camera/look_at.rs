@@ -5,9 +5,10 @@ use serde::Deserialize;
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
+use super::lens::{FRAME_HEIGHT, Lens, LensKeys};
 use crate::yaml::{self, Number};
 
-/// A perspective camera.
+/// A perspective camera, a pinhole or with a lens.
 ///
 /// ```
 /// # use raycost::camera::Camera;
@@ -20,7 +21,9 @@ use crate::yaml::{self, Number};
 pub struct LookAt {
     eye: Vec3,
     basis: Basis,
-    fov_y_deg: f32,
+    /// Half of the height of view at distance 1.
+    half_height: f32,
+    lens: Option<Lens>,
 }
 
 #[derive(Deserialize)]
@@ -32,26 +35,58 @@ struct LookAtKeys {
     target: Vec3,
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
-    #[serde(deserialize_with = "fov_deg")]
-    fov_y_deg: f32,
+    #[serde(deserialize_with = "fov_deg", default)]
+    fov_y_deg: Option<f32>,
+    /// Of a lens for frames of 36 x 24 mm.
+    #[serde(deserialize_with = "focal_length_mm", default)]
+    focal_length_mm: Option<f32>,
+    #[serde(default)]
+    lens: Option<LensKeys>,
 }
 
-fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
     let number = Number {
         expected: "an angle in degrees from 0.001 to 179.9",
         accepts: |deg| (0.001..=179.9).contains(&deg),
     };
-    serde::de::DeserializeSeed::deserialize(number, d)
+    serde::de::DeserializeSeed::deserialize(number, d).map(Some)
+}
+
+fn focal_length_mm<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    let number = Number {
+        expected: "a focal length in millimeters from 1 to 10000",
+        accepts: |mm| (1.0..=1e4).contains(&mm),
+    };
+    serde::de::DeserializeSeed::deserialize(number, d).map(Some)
 }
 
 impl TryFrom<LookAtKeys> for LookAt {
     type Error = &'static str;
 
     fn try_from(keys: LookAtKeys) -> Result<Self, Self::Error> {
+        let half_height = match (keys.fov_y_deg, keys.focal_length_mm) {
+            (Some(deg), None) => libm::tanf(0.5 * deg.to_radians()),
+            (None, Some(mm)) => 0.5 * FRAME_HEIGHT / (1e-3 * mm),
+            (Some(_), Some(_)) => {
+                return Err("cannot have two angles of view, \
+                     expected either `fov_y_deg` or `focal_length_mm`");
+            }
+            (None, None) => {
+                return Err(
+                    "cannot lack an angle of view, expected `fov_y_deg` or `focal_length_mm`",
+                );
+            }
+        };
+        let basis = Basis::look_at(keys.eye, keys.target, keys.up)?;
+        let lens = match keys.lens {
+            Some(lens) => lens.placed([keys.eye, keys.target], basis, half_height)?,
+            None => None,
+        };
         Ok(Self {
             eye: keys.eye,
-            basis: Basis::look_at(keys.eye, keys.target, keys.up)?,
-            fov_y_deg: keys.fov_y_deg,
+            basis,
+            half_height,
+            lens,
         })
     }
 }
@@ -59,13 +94,16 @@ impl TryFrom<LookAtKeys> for LookAt {
 impl LookAt {
     pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
         let Basis { forward, right, up } = self.basis;
-        let half_height = libm::tanf(0.5 * self.fov_y_deg.to_radians());
-        ImagePlane::centered(
+        let plane = ImagePlane::centered(
             Projection::Perspective { eye: self.eye },
             [self.eye + forward, right, up],
-            2.0 * half_height,
+            2.0 * self.half_height,
             [width, height],
-        )
+        );
+        ImagePlane {
+            lens: self.lens,
+            ..plane
+        }
     }
 }
 
@@ -79,7 +117,9 @@ mod tests {
             eye: Vec3::ZERO,
             target: -Vec3::Z,
             up: Vec3::Y,
-            fov_y_deg: 90.0,
+            fov_y_deg: Some(90.0),
+            focal_length_mm: None,
+            lens: None,
         };
         let plane = LookAt::try_from(keys).unwrap().image_plane(200, 100);
         let top = plane.point(99.5, -0.5);

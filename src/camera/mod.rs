@@ -4,8 +4,9 @@
 //! [`ImagePlane`]; the rays depend on nothing else. To add a camera, write its
 //! file, its `mod` line and its row in the list of cameras.
 
-mod image_plane;
 mod basis;
+mod lens;
+mod image_plane;
 mod look_at;
 mod orthographic;
 mod window;
@@ -13,6 +14,7 @@ mod window;
 use serde::Deserialize;
 
 pub use image_plane::{ImagePlane, Projection};
+pub use lens::Lens;
 pub use window::WindowSamples;
 
 /// Defines [`Camera`] and its dispatch from one list. A row has the kind, whose YAML key

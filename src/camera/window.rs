@@ -74,6 +74,7 @@ impl Window {
         let (below_top, step_y) = samples.grid([0.0, y[1] - y[0]], height);
         ImagePlane {
             projection: Projection::Perspective { eye },
+            lens: None,
             origin: Vec3::new(first_x, y[1] - below_top, z),
             right: step_x * Vec3::X,
             down: -step_y * Vec3::Y,

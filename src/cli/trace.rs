@@ -104,11 +104,14 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let accel = accel.map_err(|error| source.point_at(memory::too_large(error)))?;
     let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;
 
-    // The cloud is a small picture of the scene; the traced rays pass through the
-    // image plane of the requested picture.
+    // The cloud is a small picture of the scene, sharp without a lens; the traced rays
+    // pass through the image plane of the requested picture.
     let plane = scene.image_plane;
     let small = small(&image);
-    scene.image_plane = config.camera.image_plane(small.width, small.height);
+    scene.image_plane = config
+        .camera
+        .image_plane(small.width, small.height)
+        .of_pinhole();
     let (cloud, _) = pool.install(|| {
         let plan = TilePlan::new(&scene, &accel, &small, Tiling::default());
         render(&scene, &accel, &plan, &Meter::Off, |_| {})

@@ -217,7 +217,7 @@ impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
             let (number, _) = self.places.get(i);
             let pixel = &mut self.pixels[number];
             pixel.color = self.means.get(i);
-            pixel.footprint = self.footprints[i];
+            self.view.set_footprint(pixel, self.footprints[i]);
         }
         Rendered {
             pixels: &self.pixels[..self.places.len()],

@@ -3,14 +3,14 @@
 use glam::Vec3;
 
 use crate::accel::Accel;
-use crate::camera::{ImagePlane, Projection};
+use crate::camera::ImagePlane;
 use crate::config::Image;
 use crate::film::Pixel;
 use crate::geometry::Ray;
-use crate::sampling::Sampler;
+use crate::sampling::{Dimension, Sampler};
 use crate::scene::Scene;
 use crate::shade::Shader;
-use crate::simd::{Real, Vector};
+use crate::simd::{Integer, Real, Vector};
 use crate::trace::Tracer;
 
 /// Everything that rendering a pixel needs.
@@ -77,10 +77,14 @@ impl<'a> View<'a> {
         sample: u32,
     ) -> [Vector<R>; 2] {
         let [dx, dy] = self.sampler.position::<R>(pixel, sample);
-        self.plane.rays(x + dx, y + dy)
+        let on_lens = || {
+            let sample = pixel.splat(sample);
+            self.sampler.pair(pixel, sample, Dimension::LENS)
+        };
+        self.plane.rays_through_lens([x + dx, y + dy], on_lens)
     }
 
-    /// Returns the footprints of pixels at these distances; NaN at NaN.
+    /// Returns the footprints of pixels at these distances, without a lens; NaN at NaN.
     #[inline(always)]
     pub(super) fn footprints<R: Real>(&self, at: [R; 2], distance: R) -> R {
         let footprint = self.plane.footprints(self.pitch, at, distance);
@@ -89,17 +93,22 @@ impl<'a> View<'a> {
 
     /// Returns the point at which all camera rays start, if there is one.
     pub(super) fn eye(&self) -> Option<Vec3> {
-        match self.plane.projection {
-            Projection::Perspective { eye } => Some(eye),
-            Projection::Parallel { .. } => None,
-        }
+        self.plane.eye()
     }
 
     /// Divides the sum of the samples' colors by their number, and sets the
     /// footprint.
     pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
         pixel.color /= self.n_samples as f32;
-        pixel.footprint = self.footprints([x as f32, y as f32], pixel.distance);
+        let footprint = self.footprints([x as f32, y as f32], pixel.distance);
+        self.set_footprint(pixel, footprint);
+    }
+
+    /// Sets the footprint of a pixel; `of_pinhole` is that of [`footprints`](Self::footprints).
+    #[inline]
+    pub(super) fn set_footprint(&self, pixel: &mut Pixel, of_pinhole: f32) {
+        let behind_lens = self.plane.footprint_behind_lens(self.pitch, pixel.position);
+        pixel.footprint = behind_lens.unwrap_or(of_pinhole);
     }
 }
 

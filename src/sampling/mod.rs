@@ -9,6 +9,8 @@ mod hash;
 mod sobol;
 mod stratified;
 mod sampler;
+mod shapes;
 
 pub use hash::uniform;
 pub use sampler::{Dimension, PixelPattern, Sampler};
+pub use shapes::{Polygon, disk};

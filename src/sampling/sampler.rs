@@ -33,6 +33,8 @@ pub struct Dimension(pub u32);
 impl Dimension {
     /// The position in the pixel.
     const PIXEL: Self = Self(0);
+    /// The point of the lens.
+    pub const LENS: Self = Self(1);
 }
 
 /// The numbers that choose the rays of a picture's samples.

@@ -12,6 +12,7 @@
 mod real;
 mod lanes;
 mod portable;
+mod turns;
 mod vector;
 mod column;
 mod wide;
@@ -39,6 +40,7 @@ pub(crate) use column::{VectorColumn, grow, lane_of, lanes, lanes_mut, set_lane,
 pub(crate) use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
 pub use real::{Double, Integer, Mask, Real};
+pub use turns::{cos_sin, cos_sin_of_eighths};
 pub use vector::Vector;
 pub(crate) use wide::{Arithmetic, Wide};
 

@@ -34,7 +34,7 @@ pub struct ImageSection {
 /// Positions of the pixels in world space. Either `eye` or `direction` is given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CameraSection {
-    /// The origin of all camera rays, of a perspective camera.
+    /// The origin of all camera rays, of a perspective camera, or the center of its lens.
     pub eye: Option<[f32; 3]>,
     /// The direction of all camera rays, a unit vector, of an orthographic camera.
     pub direction: Option<[f32; 3]>,
@@ -44,6 +44,18 @@ pub struct CameraSection {
     pub right: [f32; 3],
     /// The step from one row to the row below.
     pub down: [f32; 3],
+    /// The lens of a camera that has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<LensSection>,
+}
+
+/// The lens of a camera, in world units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LensSection {
+    /// Its radius.
+    pub radius: f32,
+    /// The distance of the plane in focus.
+    pub focus_distance: f32,
 }
 
 /// An object of the scene file.
@@ -96,6 +108,10 @@ impl From<&ImagePlane> for CameraSection {
             origin: plane.origin.to_array(),
             right: plane.right.to_array(),
             down: plane.down.to_array(),
+            lens: plane.lens.map(|lens| LensSection {
+                radius: lens.radius,
+                focus_distance: lens.focus_distance,
+            }),
         }
     }
 }

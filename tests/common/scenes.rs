@@ -20,6 +20,10 @@ pub struct RandomScene {
     /// For each light, whether it is a point light.
     pub lights: Vec<bool>,
     pub acceleration: &'static str,
+    /// More keys of the camera.
+    pub lens: &'static str,
+    /// More keys of the image.
+    pub sampling: &'static str,
 }
 
 impl RandomScene {
@@ -35,12 +39,14 @@ impl RandomScene {
             specular,
             lights,
             acceleration,
+            lens,
+            sampling,
         } = self;
         let mut text = format!(
             "
-image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed} }}
+image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed}{sampling} }}
 camera:
-  look_at: {{ eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50 }}
+  look_at: {{ eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50{lens} }}
 background:
   gradient: {{ bottom: 0.2, top: [0.3, 0.5, 0.9] }}
 shading: {{ model: {model}, max_depth: {max_depth}, ambient: 0.1 }}
@@ -76,6 +82,11 @@ lights:"
     }
 }
 
+const LENSES: [&str; 2] = [
+    ", lens: { radius: 0.2 }",
+    ", lens: { radius: 0.3, focus_distance: 4, blades: 5, rotation_deg: 20 }",
+];
+
 prop_compose! {
     /// A random scene with a small image.
     pub fn scenes()(
@@ -89,9 +100,11 @@ prop_compose! {
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
         lights in prop::collection::vec(any::<bool>(), 0..4),
         acceleration in prop_oneof![4 => Just("bvh"), 1 => Just("brute_force")],
+        lens in prop_oneof![2 => Just(""), 1 => Just(LENSES[0]), 1 => Just(LENSES[1])],
+        sampling in prop_oneof![Just(""), Just(", sampler: sobol")],
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, reflections, specular, lights, acceleration,
+            model, size, samples, max_depth, seed, reflections, specular, lights, acceleration, lens, sampling,
         }
     }
 }

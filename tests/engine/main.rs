@@ -5,6 +5,7 @@ mod common;
 
 mod accel;
 mod awkward;
+mod cameras;
 mod counters;
 mod determinism;
 mod import;

@@ -46,6 +46,8 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             specular: 0.5,
             lights: vec![true, false],
             acceleration: "bvh",
+            lens: ", lens: { radius: 0.1 }",
+            sampling: "",
         }
         .config();
         if samples > 1000 {

@@ -1,0 +1,69 @@
+//! Sines and cosines of angles in turns, with the same bits for one number and for lanes.
+
+use std::f32::consts::{FRAC_PI_4, TAU};
+
+use super::real::Real;
+
+/// The cosine and the sine of an angle in turns, of magnitude below 2^20, within two units
+/// in the last place of 1.
+#[inline(always)]
+pub fn cos_sin<R: Real>(turns: R) -> [R; 2] {
+    let [quarter, half, one] = [0.25, 0.5, 1.0].map(|number| turns.splat(number));
+    let n_quarters = (turns.splat(4.0) * turns + half).floor();
+    let [cos, sin] = polynomials((turns - n_quarters * quarter) * turns.splat(TAU));
+    // 0 to 3.
+    let quadrant = n_quarters - turns.splat(4.0) * (n_quarters * quarter).floor();
+    let is_odd = quadrant.equals(one) | quadrant.equals(turns.splat(3.0));
+    let [x, y] = [R::select(is_odd, sin, cos), R::select(is_odd, cos, sin)];
+    let is_left = quadrant.equals(one) | quadrant.equals(turns.splat(2.0));
+    let is_below = one.lt(quadrant);
+    [R::select(is_left, -x, x), R::select(is_below, -y, y)]
+}
+
+/// The cosine and the sine of an angle in eighths of a turn, from -1 to 1.
+#[inline(always)]
+pub fn cos_sin_of_eighths<R: Real>(eighths: R) -> [R; 2] {
+    polynomials(eighths * eighths.splat(FRAC_PI_4))
+}
+
+/// The cosine and the sine of an angle in radians, from -pi/4 to pi/4: the polynomials of
+/// Moshier's Cephes library.
+#[inline(always)]
+fn polynomials<R: Real>(x: R) -> [R; 2] {
+    let square = x * x;
+    let polynomial = |[a, b, c]: [f32; 3]| (x.splat(a) * square + x.splat(b)) * square + x.splat(c);
+    let sin = polynomial([-1.951_529_6e-4, 8.332_161e-3, -0.166_666_55]);
+    let cos = polynomial([2.443_315_7e-5, -1.388_731_6e-3, 0.041_666_646]);
+    [
+        cos * square * square - x.splat(0.5) * square + x.splat(1.0),
+        sin * square * x + x,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cosines_and_sines_are_those_of_double_precision() {
+        for i in -100_000_i32..=100_000 {
+            let turns = i as f32 * 3.1e-5;
+            let radians = f64::from(turns) * std::f64::consts::TAU;
+            for (found, expected) in cos_sin(turns)
+                .into_iter()
+                .zip([radians.cos(), radians.sin()])
+            {
+                assert!(
+                    (f64::from(found) - expected).abs() < 2.5e-7,
+                    "{turns}: {found}"
+                );
+            }
+        }
+        let axes = [0.0, 0.25, 0.5, 0.75, 1.0].map(cos_sin::<f32>);
+        assert_eq!(
+            axes,
+            [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]]
+        );
+        assert_eq!(cos_sin_of_eighths(-0.5_f32), cos_sin(-0.0625));
+    }
+}
