@@ -51,6 +51,7 @@ pub mod simd;
 pub mod sampling;
 #[doc(hidden)]
 pub mod statistics;
+pub mod color;
 pub mod geometry;
 #[doc(hidden)]
 pub mod import;

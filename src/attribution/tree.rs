@@ -46,7 +46,7 @@ pub struct TracedRay {
     /// overhead of the clock; 0 without a clock. It is that of the kernel of
     /// `cost: time`, which records no steps.
     pub time_ns: f32,
-    /// Its contribution to the pixel's color before clamping: the light of the
+    /// Its contribution to the pixel's color, without limits: the light of the
     /// point that it hit, or of the background, times its weight in the pixel.
     /// That of a shadow ray is the part of its parent's contribution that would
     /// be missing without its light.
@@ -72,16 +72,16 @@ impl RayTree {
         cost
     }
 
-    /// The pixel's color before clamping.
+    /// The pixel's color if no sample is limited.
     pub fn color(&self) -> Vec3 {
         color_of(&self.rays)
     }
 
-    /// The pixel's color as in the film: the mean of the samples, each channel
-    /// clamped to at most 1.
-    pub fn clamped_color(&self) -> Vec3 {
+    /// The pixel's color: the mean of the samples, each channel of which is limited
+    /// to `most`, as by [`ShadingModel::sample_limit`](crate::config::ShadingModel::sample_limit).
+    pub fn limited_color(&self, most: f32) -> Vec3 {
         let n_samples = self.rays.last().map_or(0, |ray| ray.sample + 1);
-        let most = Vec3::splat(1.0 / n_samples as f32);
+        let most = Vec3::splat(most / n_samples as f32);
         let samples = self.rays.chunk_by(|a, b| a.sample == b.sample);
         samples.map(|rays| color_of(rays).min(most)).sum()
     }

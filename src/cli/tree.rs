@@ -8,7 +8,6 @@ use glam::Vec3;
 use crate::attribution::{ObservedPixel, RayTree, TracedRay};
 use crate::config::Config;
 use crate::cost::RayKind;
-use crate::film::to_rgb8;
 use crate::output::Traced;
 use crate::text::numbers::{count, counted, duration};
 use crate::text::one_line;
@@ -181,8 +180,9 @@ impl<'a> Trees<'a> {
             cells,
             ..TreeRow::of_text(String::new())
         };
-        let limited = tree.clamped_color();
-        let [red, green, blue] = to_rgb8(limited);
+        let model = self.config.shading.model;
+        let limited = tree.limited_color(model.sample_limit());
+        let [red, green, blue] = self.config.film.development(model).rgb8(limited);
         let shown = format!("#{red:02x}{green:02x}{blue:02x} in the picture");
         let remark = if limited.abs_diff_eq(tree.color(), 1e-5) {
             shown

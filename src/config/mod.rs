@@ -8,6 +8,7 @@ mod acceleration;
 mod background;
 mod cost_mode;
 mod file;
+mod film;
 mod generator;
 mod image;
 mod object;
@@ -23,6 +24,7 @@ pub use acceleration::{Acceleration, Quality, Structure};
 pub use background::Background;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
+pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SAMPLES, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
@@ -69,6 +71,9 @@ pub struct Config {
     /// The shading model and its parameters.
     #[serde(default)]
     pub shading: Shading,
+    /// How light becomes the numbers of the picture.
+    #[serde(default)]
+    pub film: FilmSettings,
     /// The acceleration structure.
     #[serde(default)]
     pub acceleration: Acceleration,

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
+use crate::color::Transfer;
 use crate::text;
 use crate::yaml;
 
@@ -37,6 +38,26 @@ pub enum ShadingModel {
     BlinnPhong,
     /// The model of the course's NumPy code, for comparison with it.
     Seed,
+}
+
+impl ShadingModel {
+    /// The transfer function of pictures, unless the film has one: none for the
+    /// seed's, whose pictures have none.
+    pub fn transfer(self) -> Transfer {
+        match self {
+            Self::BlinnPhong => Transfer::Srgb,
+            Self::Seed => Transfer::Linear,
+        }
+    }
+
+    /// The greatest value of a channel of a sample, to which brighter ones are
+    /// limited before the mean is taken: infinity, but 1 for the seed's.
+    pub fn sample_limit(self) -> f32 {
+        match self {
+            Self::BlinnPhong => f32::INFINITY,
+            Self::Seed => 1.0,
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for ShadingModel {

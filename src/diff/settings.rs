@@ -20,9 +20,10 @@ pub struct Setting {
 const MACHINE: [&str; 4] = ["raycost", "machine", "cost/kernel", "cost/clock/source"];
 
 /// Paths in `summary.json` that describe the settings.
-const SETTINGS: [&str; 13] = [
+const SETTINGS: [&str; 14] = [
     "scene",
     "image",
+    "film",
     "objects",
     "materials",
     "n_primitives",

@@ -53,7 +53,7 @@ const fn computed(name: &'static str, scalar: ScalarType, origin: Origin) -> Col
 }
 
 const GEOMETRY: [Column; 6] = [
-    // The color, 8 bits per channel.
+    // The color in the picture, 8 bits per channel.
     column!("RGB", rgb, U8 x 3),
     // Shading normal, a unit vector on the visible side; NaN without a hit.
     column!("Normals", normal, F32 x 3),

@@ -22,9 +22,9 @@ pub use hottest::{HotPixel, Times, highest_counts};
 pub use packed::PackedCounters;
 pub use rendered::{Pixel, PixelTime, Rendered};
 pub use strip::Strip;
-pub(crate) use strip::to_rgb8;
 pub use tile::RenderedTile;
 
+use crate::color::Development;
 use crate::config::{CostMode, Repeats};
 use crate::cost::Cost;
 use crate::schedule::TileGrid;
@@ -41,6 +41,8 @@ pub struct Film {
     pub grid: TileGrid,
     /// Samples per pixel, each with its own camera ray.
     pub n_samples: u32,
+    /// How the colors of its pixels become those of the picture.
+    pub development: Development,
     /// Which cost arrays it has.
     pub cost: CostMode,
     /// How often it was to be rendered.
@@ -77,6 +79,7 @@ impl Film {
         Self {
             grid,
             n_samples,
+            development: Development::default(),
             cost,
             repeats: Repeats::ONCE,
             n_repeats: 1,

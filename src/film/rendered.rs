@@ -18,10 +18,10 @@ pub struct Rendered<'a> {
     pub warm_up_ns: f64,
 }
 
-/// The color and the surface of one pixel, as in files.
+/// The color and the surface of one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Pixel {
-    /// Mean color of the samples, not clamped.
+    /// The mean radiance of the samples: linear, and as bright as it may be.
     pub color: Vec3,
     /// The point that the camera ray of the center sample hit; NaN without a hit.
     pub position: Vec3,

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::{Pixel, Rendered};
+use crate::color::Development;
 use crate::config::CostMode;
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
@@ -51,10 +52,20 @@ impl Strip {
     }
 
     /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the
-    /// indices from `first` on of every array.
-    pub fn put(&mut self, first: usize, rendered: &Rendered, row: Range<usize>) {
+    /// indices from `first` on of every array; their colors are developed.
+    pub fn put(
+        &mut self,
+        first: usize,
+        rendered: &Rendered,
+        row: Range<usize>,
+        development: &Development,
+    ) {
         let places = first..first + row.len();
-        self.put_surfaces(places.clone(), &rendered.pixels[row.clone()]);
+        let pixels = &rendered.pixels[row.clone()];
+        self.put_surfaces(places.clone(), pixels);
+        fill(&mut self.rgb[places.clone()], pixels, |pixel| {
+            development.rgb8(pixel.color)
+        });
         if !rendered.times.is_empty() {
             let times = &rendered.times[row];
             fill(&mut self.time_ns[places.clone()], times, |time| time.ns);
@@ -71,7 +82,6 @@ impl Strip {
                 fill(&mut self.$field[places.clone()], pixels, $value)
             };
         }
-        put!(rgb, |pixel| to_rgb8(pixel.color));
         put!(position, |pixel| pixel.position);
         put!(normal, |pixel| pixel.normal);
         put!(distance, |pixel| pixel.distance);
@@ -86,36 +96,5 @@ impl Strip {
 fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
     for (place, from) in places.iter_mut().zip(from) {
         *place = value(from);
-    }
-}
-
-/// The color clamped to 0..1 and rounded to 8 bits per channel, without gamma.
-pub(crate) fn to_rgb8(color: Vec3) -> [u8; 3] {
-    (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
-        .to_array()
-        .map(rounded)
-}
-
-/// The integer nearest to a number from 0 to 255, halves rounded up: that of
-/// `f32::round`, which is a function call on x86-64 without SSE 4.1.
-#[inline(always)]
-fn rounded(channel: f32) -> u8 {
-    let whole = channel as u8;
-    // The difference is exact: it is less than 1.
-    whole + u8::from(channel - f32::from(whole) >= 0.5)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounding_equals_that_of_the_standard_library() {
-        let halves = (0..255).map(|whole| whole as f32 + 0.5);
-        let close = halves.flat_map(|half| [half.next_down(), half, half.next_up()]);
-        let everywhere = (0..=255_000).map(|thousandth| thousandth as f32 / 1000.0);
-        for channel in close.chain(everywhere) {
-            assert_eq!(rounded(channel), channel.round() as u8, "{channel}");
-        }
     }
 }

@@ -11,8 +11,8 @@ use crate::film::Film;
 use crate::folder::SUMMARY;
 use crate::instruments::peak_memory_bytes;
 use crate::summary::{
-    AccelerationSection, Build, CostSection, FileEntry, Machine, ObjectEntry, RepeatsSection,
-    SceneSection, StageEntry, Summary,
+    AccelerationSection, Build, CostSection, FileEntry, FilmSection, Machine, ObjectEntry,
+    RepeatsSection, SceneSection, StageEntry, Summary,
 };
 use crate::text::numbers::milliseconds;
 
@@ -35,6 +35,7 @@ fn of(job: &Job) -> Summary {
             file: rendering.scene_file.to_owned(),
         },
         image: (&config.image).into(),
+        film: FilmSection::new(&config.film, config.shading.model),
         camera: Some((&rendering.scene.image_plane).into()),
         objects: objects(rendering),
         materials: config.materials.keys().cloned().collect(),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::view::{View, limited};
+use super::view::View;
 use crate::shade::PathWave;
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, Real, SimdKernel, VectorColumn, grow, lanes, lanes_mut,
@@ -119,6 +119,7 @@ impl StartPaths<'_> {
 
 /// Adds the colors of the paths that [`StartPaths`] started to those of their pixels.
 pub(super) struct AddSamples<'a> {
+    pub(super) view: &'a View<'a>,
     pub(super) places: &'a Places,
     pub(super) n_samples: usize,
     /// The color of each path, by slot.
@@ -136,7 +137,7 @@ impl SimdKernel for AddSamples<'_> {
             let mut sum = self.sums.load(set, N_LANES * block);
             for sample in 0..self.n_samples {
                 let slot = N_LANES * (block * self.n_samples + sample);
-                sum = sum + limited(self.colors.load(set, slot));
+                sum = sum + self.view.limited(self.colors.load(set, slot));
             }
             self.sums.store(N_LANES * block, sum);
         }

@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::color::Development;
 use crate::film::{Film, PackedCounters, Rendered, RenderedTile, STRIP_ROWS, Strip};
 use crate::schedule::Tile;
 
@@ -11,6 +12,7 @@ pub(super) struct Canvas<'a> {
     tiles: Vec<Mutex<&'a mut RenderedTile>>,
     /// Pixels per row.
     width: usize,
+    development: Development,
 }
 
 impl<'a> Canvas<'a> {
@@ -19,6 +21,7 @@ impl<'a> Canvas<'a> {
         film.tiles.fill(RenderedTile::default());
         Self {
             width: film.grid.width as usize,
+            development: film.development,
             strips: film.strips.iter_mut().map(Mutex::new).collect(),
             tiles: film.tiles.iter_mut().map(Mutex::new).collect(),
         }
@@ -41,7 +44,8 @@ impl<'a> Canvas<'a> {
             for y in top.max(first_row)..bottom.min(first_row + strip.n_rows) {
                 let first = (y - first_row) as usize * self.width + left as usize;
                 let from = tile.index((left, y)) as usize;
-                strip.put(first, rendered, from..from + tile.width());
+                let row = from..from + tile.width();
+                strip.put(first, rendered, row, &self.development);
             }
         }
     }

@@ -61,7 +61,7 @@ pub fn render(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let film = plan.film(meter.mode());
+    let film = plan.film(scene, meter.mode());
     render_onto(film, scene, accel, plan, meter, report)
 }
 

@@ -125,7 +125,7 @@ impl Variant {
             Self::Measured(meter) => render(scene, accel, plan, &meter, report).0,
             Self::SingleRay => {
                 let view = View::new(scene, accel, &plan.image);
-                let film = plan.film(CostMode::Counters);
+                let film = plan.film(scene, CostMode::Counters);
                 let renderer = || SingleRayRenderer::new(view, None, plan);
                 render_tiles(film, plan, renderer, report).0
             }

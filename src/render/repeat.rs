@@ -91,7 +91,7 @@ pub fn repeat(
         (film, schedule, repeat)
     };
     let begin = Instant::now();
-    let mut film = plan.film(meter.mode());
+    let mut film = plan.film(scene, meter.mode());
     film.repeats = repeats;
     let mut samples = (film.cost.has_time() && repeats.has_spread()).then(|| Samples::new(&film));
     let mut done = Vec::new();

@@ -112,6 +112,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.shade();
         }
         self.simd.run(AddSamples {
+            view: &self.view,
             places: &self.places,
             n_samples: samples.len(),
             colors: &self.colors,

@@ -39,8 +39,11 @@ impl TilePlan {
     }
 
     /// Creates an empty film of the picture.
-    pub(super) fn film(&self, cost: CostMode) -> Film {
-        Film::new(self.grid, self.image.samples_per_pixel, cost)
+    pub(super) fn film(&self, scene: &Scene, cost: CostMode) -> Film {
+        Film {
+            development: scene.development,
+            ..Film::new(self.grid, self.image.samples_per_pixel, cost)
+        }
     }
 
     /// Most pixels rendered at a time.

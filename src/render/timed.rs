@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::view::{View, limited};
+use super::view::View;
 use super::{TilePlan, TileRenderer};
 use crate::config::Image;
 use crate::cost::{Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
@@ -202,7 +202,7 @@ fn render_pixel(view: &View, place: (u32, u32), pixel: &mut Pixel, counted: &mut
         {
             pixel.set_surface(&point);
         }
-        let color = limited(Vector::from(radiance(view, ray, met, probe)));
+        let color = view.limited(Vector::from(radiance(view, ray, met, probe)));
         pixel.color += Vec3::from(color);
     }
     view.finish(pixel, place);

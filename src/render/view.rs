@@ -22,6 +22,8 @@ pub(crate) struct View<'a> {
     pub(crate) n_samples: u32,
     /// The sample at the center of the pixel.
     pub(super) middle: u32,
+    /// The greatest value of a channel of a sample.
+    sample_limit: f32,
     /// The positions of the pixels in world space.
     plane: ImagePlane,
     sampler: Sampler,
@@ -38,6 +40,7 @@ impl<'a> View<'a> {
             shader: Shader::new(scene),
             n_samples: image.samples_per_pixel,
             middle: sampler.center(),
+            sample_limit: scene.shading.model.sample_limit(),
             plane: scene.image_plane,
             sampler,
             width: image.width,
@@ -96,6 +99,17 @@ impl<'a> View<'a> {
         self.plane.eye()
     }
 
+    /// Limits each channel of a sample to the shading model's greatest.
+    #[inline(always)]
+    pub(super) fn limited<R: Real>(&self, color: Vector<R>) -> Vector<R> {
+        let most = color.x.splat(self.sample_limit);
+        Vector {
+            x: color.x.min(most),
+            y: color.y.min(most),
+            z: color.z.min(most),
+        }
+    }
+
     /// Divides the sum of the samples' colors by their number, and sets the
     /// footprint.
     pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
@@ -109,17 +123,5 @@ impl<'a> View<'a> {
     pub(super) fn set_footprint(&self, pixel: &mut Pixel, of_pinhole: f32) {
         let behind_lens = self.plane.footprint_behind_lens(self.pitch, pixel.position);
         pixel.footprint = behind_lens.unwrap_or(of_pinhole);
-    }
-}
-
-/// Limits a sample to 1 in each channel. Samples are limited before they are
-/// averaged, so that bright edges stay antialiased.
-#[inline(always)]
-pub(super) fn limited<R: Real>(color: Vector<R>) -> Vector<R> {
-    let one = color.x.splat(1.0);
-    Vector {
-        x: color.x.min(one),
-        y: color.y.min(one),
-        z: color.z.min(one),
     }
 }

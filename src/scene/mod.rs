@@ -13,6 +13,7 @@ mod placement;
 use glam::Vec3;
 
 use crate::camera::ImagePlane;
+use crate::color::Development;
 use crate::config::{Background, Config, Geometry, GeometryFile, Object, Shading};
 use crate::light::Light;
 use crate::material::Material;
@@ -37,6 +38,8 @@ pub struct Scene {
     pub background: Background,
     /// How surfaces are shaded.
     pub shading: Shading,
+    /// How light becomes the numbers of the picture.
+    pub development: Development,
     /// The lights.
     pub lights: Vec<Light>,
     /// The materials, by [`MaterialId`].
@@ -78,6 +81,7 @@ impl Scene {
                 .image_plane(config.image.width, config.image.height),
             background: config.background,
             shading: config.shading,
+            development: config.film.development(config.shading.model),
             lights: config.lights.clone(),
             materials: config.materials.values().cloned().collect(),
             primitives: Vec::with_capacity(geometries.n_primitives()),

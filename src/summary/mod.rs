@@ -17,7 +17,9 @@ mod write;
 pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
 pub use program::{Build, Machine, Threads};
 pub(crate) use read::{MAX_BYTES, read_json};
-pub use scene::{AccelerationSection, CameraSection, ImageSection, ObjectEntry, SceneSection};
+pub use scene::{
+    AccelerationSection, CameraSection, FilmSection, ImageSection, ObjectEntry, SceneSection,
+};
 pub use timing::{OverheadSection, RepeatsSection, StageEntry, ThreadTime};
 pub(crate) use write::is_whole;
 
@@ -40,6 +42,10 @@ pub struct Summary {
     pub scene: SceneSection,
     /// Size and sampling of the picture.
     pub image: ImageSection,
+    /// How light became the numbers of the picture; left out if they are proportional to
+    /// it, with the factor 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<FilmSection>,
     /// Positions of the pixels in world space.
     pub camera: Option<CameraSection>,
     /// The objects in the order of the scene file. The array `object` of the

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::accel::BvhStatistics;
 use crate::camera::{ImagePlane, Projection};
-use crate::config::{Acceleration, Image, PixelPattern, Quality};
+use crate::color::{Development, ToneCurve, Transfer};
+use crate::config::{Acceleration, FilmSettings, Image, PixelPattern, Quality, ShadingModel};
+use crate::text::keyword_name;
 
 /// The scene file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,6 +31,17 @@ pub struct ImageSection {
     /// The pattern of the samples in a pixel; left out if stratified.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sampler: PixelPattern,
+}
+
+/// How light became the numbers of the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FilmSection {
+    /// Stops.
+    pub exposure: f32,
+    /// The tone curve: `none`, `agx` or `aces`.
+    pub tone_curve: String,
+    /// The transfer function: `srgb` or `linear`.
+    pub transfer: String,
 }
 
 /// Positions of the pixels in world space. Either `eye` or `direction` is given.
@@ -93,6 +106,19 @@ impl From<&Image> for ImageSection {
             seed: image.seed,
             sampler: image.sampler,
         }
+    }
+}
+
+impl FilmSection {
+    /// Describes the film of a scene with this shading model; `None` if light stays as
+    /// it is.
+    pub(crate) fn new(film: &FilmSettings, model: ShadingModel) -> Option<Self> {
+        let plain = Development::new(0.0, ToneCurve::None, Transfer::Linear);
+        (film.development(model) != plain).then(|| Self {
+            exposure: film.exposure,
+            tone_curve: keyword_name(&film.tone_curve),
+            transfer: keyword_name(&film.transfer(model)),
+        })
     }
 }
 

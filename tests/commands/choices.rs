@@ -4,6 +4,7 @@
 use clap::CommandFactory;
 use raycost::camera::Camera;
 use raycost::cli::Cli;
+use raycost::color::{ToneCurve, Transfer};
 use raycost::config::{CostMode, Object, Outputs, PixelPattern, ShadingModel, TileOrder};
 use raycost::cost::Metric;
 use raycost::import::read_mesh;
@@ -46,6 +47,8 @@ fn the_scene_reference_lists_every_key_and_keyword() {
         choices::<Outputs>("[zzz]"),
         choices::<PixelPattern>("zzz"),
         choices::<ShadingModel>("zzz"),
+        choices::<ToneCurve>("zzz"),
+        choices::<Transfer>("zzz"),
         choices::<CostMode>("zzz"),
         choices::<TileOrder>("zzz"),
         choices::<Codec>("zzz"),

@@ -1,0 +1,126 @@
+//! Radiance → the numbers of a picture.
+//!
+//! All light is linear: numbers are proportional to radiance, with the primaries of
+//! sRGB. A [`Development`] makes a picture of it, as a darkroom does of a negative:
+//! exposure, a tone curve, the transfer function of the display, and whole numbers.
+
+mod aces;
+mod agx;
+mod levels;
+mod srgb;
+mod tone_curve;
+
+use glam::Vec3;
+use serde::{Deserialize, Deserializer};
+
+use crate::text;
+pub use tone_curve::ToneCurve;
+
+/// How radiance becomes the numbers of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Development {
+    /// The factor of the radiance: 2 to the power of the exposure.
+    gain: f32,
+    curve: ToneCurve,
+    transfer: Transfer,
+}
+
+/// The function from linear light to the numbers of a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum Transfer {
+    /// That of sRGB displays (IEC 61966-2-1)
+    #[default]
+    Srgb,
+    /// None: the numbers are proportional to the light
+    Linear,
+}
+
+impl Development {
+    /// Exposes by `exposure` stops, each of which doubles the light.
+    pub fn new(exposure: f32, curve: ToneCurve, transfer: Transfer) -> Self {
+        Self {
+            gain: libm::exp2f(exposure),
+            curve,
+            transfer,
+        }
+    }
+
+    /// Returns the numbers of a picture of 8 bits per channel: the nearest ones.
+    #[inline]
+    pub fn rgb8(&self, radiance: Vec3) -> [u8; 3] {
+        let light = self.curve.displayed(self.gain * radiance);
+        match self.transfer {
+            Transfer::Srgb => srgb::levels8(light),
+            Transfer::Linear => levels::linear8(light),
+        }
+    }
+
+    /// Returns the numbers of a picture of 16 bits per channel: the nearest ones.
+    pub fn rgb16(&self, radiance: Vec3) -> [u16; 3] {
+        let light = self.curve.displayed(self.gain * radiance);
+        let encoded = |channel: f32| match self.transfer {
+            Transfer::Srgb => srgb::encoded(channel.into()),
+            Transfer::Linear => channel.into(),
+        };
+        // Conversions of floats saturate: NaN becomes 0.
+        let level = |channel: f32| (65_535.0 * encoded(channel.clamp(0.0, 1.0))).round() as u16;
+        light.to_array().map(level)
+    }
+}
+
+/// sRGB without exposure and without a curve.
+impl Default for Development {
+    fn default() -> Self {
+        Self::new(0.0, ToneCurve::default(), Transfer::default())
+    }
+}
+
+impl<'de> Deserialize<'de> for Transfer {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_doubles_the_light_before_the_curve() {
+        for curve in [ToneCurve::None, ToneCurve::Agx, ToneCurve::Aces] {
+            for transfer in [Transfer::Srgb, Transfer::Linear] {
+                let [plain, brighter] = [0.0, 1.0].map(|ev| Development::new(ev, curve, transfer));
+                for i in 0..200 {
+                    let light = Vec3::new(0.003, 0.002, 0.001) * i as f32;
+                    assert_eq!(brighter.rgb8(light), plain.rgb8(2.0 * light));
+                    assert_eq!(brighter.rgb16(light), plain.rgb16(2.0 * light));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn both_depths_show_the_same_picture() {
+        for transfer in [Transfer::Srgb, Transfer::Linear] {
+            let development = Development::new(0.0, ToneCurve::None, transfer);
+            for i in 0..=4000 {
+                let light = Vec3::splat(i as f32 / 3900.0);
+                let [few, ..] = development.rgb8(light);
+                let [many, ..] = development.rgb16(light);
+                let rounding = f32::from(many) / 257.0 - f32::from(few);
+                assert!(rounding.abs() <= 0.502, "{light}: {few} and {many}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_no_display_shows_becomes_its_nearest_number() {
+        for transfer in [Transfer::Srgb, Transfer::Linear] {
+            let development = Development::new(0.0, ToneCurve::None, transfer);
+            let light = Vec3::new(-1.0, f32::INFINITY, f32::NAN);
+            assert_eq!(development.rgb8(light), [0, 255, 0]);
+            assert_eq!(development.rgb16(light), [0, 65_535, 0]);
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The transfer function of sRGB (IEC 61966-2-1).
+
+use std::sync::LazyLock;
+
+use glam::Vec3;
+
+/// Returns the sRGB number of linear light, both from 0 to 1.
+pub(super) fn encoded(light: f64) -> f64 {
+    if light <= 0.003_130_8 {
+        12.92 * light
+    } else {
+        1.055 * libm::pow(light, 1.0 / 2.4) - 0.055
+    }
+}
+
+/// Returns the linear light of an sRGB number, both from 0 to 1.
+fn decoded(number: f64) -> f64 {
+    if number <= 0.040_45 {
+        number / 12.92
+    } else {
+        libm::pow((number + 0.055) / 1.055, 2.4)
+    }
+}
+
+/// Returns the sRGB numbers of linear light as the nearest of 256 levels: 255 times
+/// [`encoded`], rounded. Light is clamped to 0..1; NaN is 0.
+///
+/// Three powers would take longer than to trace a ray: levels are looked up instead.
+pub(super) fn levels8(light: Vec3) -> [u8; 3] {
+    let levels = &*LEVELS;
+    let [r, g, b] = light.to_array();
+    [levels.of(r), levels.of(g), levels.of(b)]
+}
+
+/// Light below this has level 0.
+const DARKEST: f32 = 1.0 / 8192.0;
+
+/// The largest number below 1.
+const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Numbers whose bits are equal but for this many share a bucket: 128 buckets for each
+/// power of two, so that no bucket has more than two levels.
+const BUCKET_BITS: u32 = f32::MANTISSA_DIGITS - 1 - 7;
+
+const N_BUCKETS: usize = ((1_f32.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS) as usize;
+
+static LEVELS: LazyLock<Levels> = LazyLock::new(Levels::new);
+
+/// The levels of linear light.
+struct Levels {
+    /// The least light of each level, and infinity.
+    least: [f32; 257],
+    /// The level of the least light of each bucket.
+    in_bucket: [u8; N_BUCKETS],
+}
+
+impl Levels {
+    fn new() -> Self {
+        let mut least = [f32::INFINITY; 257];
+        for (level, light) in least[..256].iter_mut().enumerate() {
+            *light = least_light(level);
+        }
+        let mut in_bucket = [0; N_BUCKETS];
+        for (bucket, level) in in_bucket.iter_mut().enumerate() {
+            let bits = DARKEST.to_bits() + ((bucket as u32) << BUCKET_BITS);
+            let begin = f32::from_bits(bits);
+            *level = (least.partition_point(|&light| light <= begin) - 1) as u8;
+        }
+        Self { least, in_bucket }
+    }
+
+    #[inline(always)]
+    fn of(&self, light: f32) -> u8 {
+        // One instruction each, which take NaN for the darkest.
+        let light = if light > DARKEST { light } else { DARKEST };
+        let light = if light < BRIGHTEST { light } else { BRIGHTEST };
+        let bucket = (light.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS;
+        let level = self.in_bucket[bucket as usize];
+        level + u8::from(light >= self.least[usize::from(level) + 1])
+    }
+}
+
+/// Returns the least light whose rounded level is `level`.
+fn least_light(level: usize) -> f32 {
+    if level == 0 {
+        return 0.0;
+    }
+    let half = level as f64 - 0.5;
+    let reaches = |light: f32| 255.0 * encoded(light.into()) >= half;
+    let mut light = decoded(half / 255.0) as f32;
+    while reaches(light.next_down()) {
+        light = light.next_down();
+    }
+    while !reaches(light) {
+        light = light.next_up();
+    }
+    light
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rounded(light: f32) -> u8 {
+        (255.0 * encoded(light.clamp(0.0, 1.0).into())).round() as u8
+    }
+
+    #[test]
+    fn levels_are_the_rounded_function() {
+        let thresholds = (0..256).map(least_light);
+        let close = thresholds.flat_map(|light| [light.next_down(), light, light.next_up()]);
+        let everywhere = (0..0x3f90_0000_u32).step_by(997).map(f32::from_bits);
+        for light in close.chain(everywhere).chain([f32::INFINITY, -1.0]) {
+            assert_eq!(LEVELS.of(light), rounded(light), "{light}");
+        }
+        assert_eq!(LEVELS.of(f32::NAN), 0);
+    }
+
+    #[test]
+    fn no_bucket_has_more_than_two_levels() {
+        let Levels { in_bucket, .. } = &*LEVELS;
+        assert!(in_bucket.windows(2).all(|pair| pair[1] - pair[0] <= 1));
+    }
+
+    #[test]
+    fn the_function_is_that_of_the_standard() {
+        // Table of the standard's 8-bit numbers and their light, to six digits.
+        for (number, light) in [
+            (10, 0.003_035),
+            (11, 0.003_347),
+            (55, 0.038_204),
+            (118, 0.181_164),
+            (188, 0.502_886),
+            (254, 0.991_102),
+        ] {
+            let number = f64::from(number) / 255.0;
+            assert!((decoded(number) - light).abs() < 5e-7);
+            assert!((encoded(decoded(number)) - number).abs() < 1e-6);
+        }
+        assert_eq!([encoded(0.0), decoded(0.0)], [0.0; 2]);
+        assert!((encoded(1.0) - 1.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,45 @@
+//! The `film` section.
+
+use serde::Deserialize;
+
+use super::ShadingModel;
+use crate::color::{Development, ToneCurve, Transfer};
+use crate::yaml;
+
+/// How the light of a pixel becomes the numbers of the picture.
+///
+/// ```
+/// # use raycost::config::FilmSettings;
+/// # use raycost::color::ToneCurve;
+/// let film: FilmSettings = raycost::yaml::from_str("
+/// { exposure: 1.5, tone_curve: agx }
+/// ").unwrap();
+/// # assert_eq!((film.exposure, film.tone_curve), (1.5, ToneCurve::Agx));
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "a film such as { exposure: 1, tone_curve: agx }"
+)]
+pub struct FilmSettings {
+    /// Stops, -32 to 32: the light is doubled for each; 0 if not given.
+    #[serde(deserialize_with = "yaml::stops")]
+    pub exposure: f32,
+    /// The tone curve; none if not given.
+    pub tone_curve: ToneCurve,
+    /// The transfer function; if not given, that of [`ShadingModel::transfer`].
+    pub transfer: Option<Transfer>,
+}
+
+impl FilmSettings {
+    /// How light becomes numbers, with this shading model.
+    pub fn development(&self, model: ShadingModel) -> Development {
+        Development::new(self.exposure, self.tone_curve, self.transfer(model))
+    }
+
+    /// The transfer function with this shading model.
+    pub fn transfer(&self, model: ShadingModel) -> Transfer {
+        self.transfer.unwrap_or(model.transfer())
+    }
+}
