@@ -3,10 +3,14 @@
 use glam::Vec3;
 
 use super::lens::Lens;
+use super::panorama::{SphereAxes, shrinkage};
 use crate::geometry::Ray;
 use crate::simd::{Real, Vector};
 
 /// The positions of the pixels in world space, and the camera rays through them.
+///
+/// The plane of a panorama is a map of the sphere of radius 1 around the eye, which it
+/// touches in the center: lengths along `right` and `down` are angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImagePlane {
     /// How the rays pass through the plane.
@@ -35,6 +39,13 @@ pub enum Projection {
     Parallel {
         /// That direction, a unit vector.
         direction: Vec3,
+    },
+    /// All start in one point, in all directions.
+    Panorama {
+        /// That point, in world space.
+        eye: Vec3,
+        /// The directions of the columns and rows.
+        axes: SphereAxes,
     },
 }
 
@@ -70,7 +81,17 @@ impl ImagePlane {
     pub fn eye(&self) -> Option<Vec3> {
         match self.projection {
             Projection::Perspective { eye } if self.lens.is_none() => Some(eye),
+            Projection::Panorama { eye, .. } => Some(eye),
             Projection::Perspective { .. } | Projection::Parallel { .. } => None,
+        }
+    }
+
+    /// The point from which the picture is seen: the eye, or without one the center of
+    /// the image.
+    pub fn viewpoint(&self) -> Vec3 {
+        match self.projection {
+            Projection::Perspective { eye } | Projection::Panorama { eye, .. } => eye,
+            Projection::Parallel { .. } => self.center(),
         }
     }
 
@@ -87,13 +108,15 @@ impl ImagePlane {
     /// [`ray`](Self::ray) for one pair or for lanes of them.
     #[inline(always)]
     pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
-        let through = self.points(x, y);
         match self.projection {
             Projection::Perspective { eye } => {
                 let eye = Vector::splat(x, eye);
-                [eye, (through - eye).normalize()]
+                [eye, (self.points(x, y) - eye).normalize()]
             }
-            Projection::Parallel { direction } => [through, Vector::splat(x, direction)],
+            Projection::Parallel { direction } => [self.points(x, y), Vector::splat(x, direction)],
+            Projection::Panorama { eye, axes } => {
+                [Vector::splat(x, eye), axes.direction([x, y], self.size)]
+            }
         }
     }
 
@@ -129,6 +152,7 @@ impl ImagePlane {
                 pitch * distance / to_eye.length()
             }
             Projection::Parallel { .. } => pitch,
+            Projection::Panorama { .. } => pitch * distance * shrinkage(y, self.size[1]),
         }
     }
 

@@ -9,12 +9,14 @@ mod lens;
 mod image_plane;
 mod look_at;
 mod orthographic;
+mod panorama;
 mod window;
 
 use serde::Deserialize;
 
 pub use image_plane::{ImagePlane, Projection};
 pub use lens::Lens;
+pub use panorama::SphereAxes;
 pub use window::WindowSamples;
 
 /// Defines [`Camera`] and its dispatch from one list. A row has the kind, whose YAML key
@@ -49,6 +51,8 @@ cameras! {
     LookAt(look_at::LookAt),
     /// A camera with parallel rays.
     Orthographic(orthographic::Orthographic),
+    /// A camera that sees all around.
+    Panorama(panorama::Panorama),
     /// A perspective camera, given by eye and window, which may be off-axis.
     Window(window::Window),
 }

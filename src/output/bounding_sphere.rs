@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::attribution::TracedRay;
-use crate::camera::{ImagePlane, Projection};
+use crate::camera::ImagePlane;
 use crate::geometry::{Aabb, Ray};
 use crate::scene::Scene;
 
@@ -23,14 +23,10 @@ pub(super) struct BoundingSphere {
 impl BoundingSphere {
     /// Creates the bounding sphere of a scene and the camera of this image plane.
     pub(super) fn of(scene: &Scene, plane: &ImagePlane) -> Self {
-        let eye = match plane.projection {
-            Projection::Perspective { eye } => eye,
-            Projection::Parallel { .. } => plane.center(),
-        };
         let [right, bottom] = plane.size.map(|n| n as f32);
         let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
         let camera = corners.map(|(x, y)| plane.point(x, y));
-        let camera = Aabb::of_points(camera.into_iter().chain([eye]));
+        let camera = Aabb::of_points(camera.into_iter().chain([plane.viewpoint()]));
         let bounded = scene.primitives.iter().filter(|p| !p.is_unbounded());
         let bounds = bounded.fold(camera, |all, primitive| all.union(primitive.bounds()));
         Self {

@@ -28,9 +28,12 @@ impl ViewCamera {
     /// position; without one, at the distance of the picture's middle, at least 1.
     pub(crate) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let center = plane.center();
-        let (position, forward, is_parallel) = match plane.projection {
-            Projection::Perspective { eye } => (eye, direction(plane, eye), false),
-            Projection::Parallel { direction } => (center, direction, true),
+        let position = plane.viewpoint();
+        let (forward, is_parallel) = match plane.projection {
+            Projection::Perspective { eye } | Projection::Panorama { eye, .. } => {
+                (direction(plane, eye), false)
+            }
+            Projection::Parallel { direction } => (direction, true),
         };
         let right = plane.right.reject_from(forward).normalize();
         let mirrored_up = right.cross(forward);
@@ -54,13 +57,18 @@ impl ViewCamera {
             };
             corners.into_iter().map(extent).fold(0.0, f32::max)
         };
+        let half = match plane.projection {
+            // ParaView has no panorama: 90 degrees from top to bottom.
+            Projection::Panorama { .. } => [2.0, 1.0],
+            Projection::Perspective { .. } | Projection::Parallel { .. } => [half(right), half(up)],
+        };
         let distance = median_distance.unwrap_or_else(|| center.distance(position).max(1.0));
         Self {
             position,
             focal_point: position + distance * forward,
             right,
             up,
-            half: [half(right), half(up)],
+            half,
             is_parallel,
             is_mirrored,
         }

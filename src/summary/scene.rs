@@ -57,6 +57,9 @@ pub struct CameraSection {
     pub right: [f32; 3],
     /// The step from one row to the row below.
     pub down: [f32; 3],
+    /// Whether these are those of a panorama's map, whose lengths are angles in radians.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub panorama: bool,
     /// The lens of a camera that has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<LensSection>,
@@ -125,7 +128,9 @@ impl FilmSection {
 impl From<&ImagePlane> for CameraSection {
     fn from(plane: &ImagePlane) -> Self {
         let (eye, direction) = match plane.projection {
-            Projection::Perspective { eye } => (Some(eye.to_array()), None),
+            Projection::Perspective { eye } | Projection::Panorama { eye, .. } => {
+                (Some(eye.to_array()), None)
+            }
             Projection::Parallel { direction } => (None, Some(direction.to_array())),
         };
         Self {
@@ -134,6 +139,7 @@ impl From<&ImagePlane> for CameraSection {
             origin: plane.origin.to_array(),
             right: plane.right.to_array(),
             down: plane.down.to_array(),
+            panorama: matches!(plane.projection, Projection::Panorama { .. }),
             lens: plane.lens.map(|lens| LensSection {
                 radius: lens.radius,
                 focus_distance: lens.focus_distance,

@@ -20,8 +20,7 @@ pub struct RandomScene {
     /// For each light, whether it is a point light.
     pub lights: Vec<bool>,
     pub acceleration: &'static str,
-    /// More keys of the camera.
-    pub lens: &'static str,
+    pub camera: &'static str,
     /// More keys of the image.
     pub sampling: &'static str,
 }
@@ -39,14 +38,13 @@ impl RandomScene {
             specular,
             lights,
             acceleration,
-            lens,
+            camera,
             sampling,
         } = self;
         let mut text = format!(
             "
 image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed}{sampling} }}
-camera:
-  look_at: {{ eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50{lens} }}
+camera: {{ {camera} }}
 background:
   gradient: {{ bottom: 0.2, top: [0.3, 0.5, 0.9] }}
 shading: {{ model: {model}, max_depth: {max_depth}, ambient: 0.1 }}
@@ -82,9 +80,13 @@ lights:"
     }
 }
 
-const LENSES: [&str; 2] = [
-    ", lens: { radius: 0.2 }",
-    ", lens: { radius: 0.3, focus_distance: 4, blades: 5, rotation_deg: 20 }",
+/// Cameras in front of the scene, and one in its middle.
+pub const CAMERAS: [&str; 4] = [
+    "look_at: { eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50 }",
+    "look_at: { eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50, lens: { radius: 0.2 } }",
+    "look_at: { eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50, \
+     lens: { radius: 0.3, focus_distance: 4, blades: 5, rotation_deg: 20 } }",
+    "panorama: { eye: [0.5, 1.5, 1.5], target: [0, 0, 0] }",
 ];
 
 prop_compose! {
@@ -100,11 +102,11 @@ prop_compose! {
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
         lights in prop::collection::vec(any::<bool>(), 0..4),
         acceleration in prop_oneof![4 => Just("bvh"), 1 => Just("brute_force")],
-        lens in prop_oneof![2 => Just(""), 1 => Just(LENSES[0]), 1 => Just(LENSES[1])],
+        camera in prop::sample::select(&CAMERAS[..]),
         sampling in prop_oneof![Just(""), Just(", sampler: sobol")],
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, reflections, specular, lights, acceleration, lens, sampling,
+            model, size, samples, max_depth, seed, reflections, specular, lights, acceleration, camera, sampling,
         }
     }
 }

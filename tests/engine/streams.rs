@@ -1,6 +1,6 @@
 //! Streams of rays have the hits and the counters of single rays.
 
-use crate::common::scenes::{RandomScene, scenes};
+use crate::common::scenes::{CAMERAS, RandomScene, scenes};
 use crate::common::{film, film_on, lasting, with_cost};
 use proptest::prelude::*;
 use raycost::config::CostMode;
@@ -46,7 +46,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             specular: 0.5,
             lights: vec![true, false],
             acceleration: "bvh",
-            lens: ", lens: { radius: 0.1 }",
+            camera: CAMERAS[1],
             sampling: "",
         }
         .config();

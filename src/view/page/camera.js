@@ -34,7 +34,8 @@ function startCamera(positions) {
   const upward = cross(right, forward);
   const up = dot(upward, plane.down) > 0 ? scaled(upward, -1) : upward;
   const eye = parallel ? center : plane.eye;
-  const half = [right, up].map((axis) =>
+  // A panorama is shown with 90 degrees from top to bottom.
+  const half = plane.panorama ? [2, 1] : [right, up].map((axis) =>
     Math.max(...[[-0.5, -0.5], [w - 0.5, -0.5], [-0.5, h - 0.5], [w - 0.5, h - 0.5]].map(([x, y]) => {
       const corner = minus(at(x, y), eye);
       return Math.abs(dot(corner, axis)) / (parallel ? 1 : dot(corner, forward));

@@ -1,0 +1,161 @@
+//! The camera that sees all around.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::basis::{Basis, up};
+use super::image_plane::{ImagePlane, Projection};
+use crate::simd::{Real, Vector, cos_sin};
+use crate::yaml;
+
+/// A panorama of 360 x 180 degrees, an equirectangular map: columns are at equal steps of
+/// longitude around `up`, rows of latitude, and the direction to `target` is on the middle
+/// column. The horizon is the middle row.
+///
+/// ```
+/// # use raycost::camera::Camera;
+/// let camera: Camera = raycost::yaml::from_str("
+/// panorama: { eye: [0, 1.6, 0], target: [0, 1.6, -1] }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "PanoramaKeys")]
+pub struct Panorama {
+    eye: Vec3,
+    axes: SphereAxes,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PanoramaKeys {
+    #[serde(deserialize_with = "yaml::point")]
+    eye: Vec3,
+    #[serde(deserialize_with = "yaml::point")]
+    target: Vec3,
+    #[serde(deserialize_with = "yaml::direction", default = "up")]
+    up: Vec3,
+}
+
+impl TryFrom<PanoramaKeys> for Panorama {
+    type Error = &'static str;
+
+    fn try_from(keys: PanoramaKeys) -> Result<Self, Self::Error> {
+        let Basis { right, .. } = Basis::look_at(keys.eye, keys.target, keys.up)?;
+        Ok(Self {
+            eye: keys.eye,
+            axes: SphereAxes {
+                forward: keys.up.cross(right),
+                right,
+                up: keys.up,
+            },
+        })
+    }
+}
+
+impl Panorama {
+    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+        use std::f32::consts::{PI, TAU};
+        let Self { eye, axes } = *self;
+        let [right, down] = [
+            TAU / width as f32 * axes.right,
+            -PI / height as f32 * axes.up,
+        ];
+        let [to_column, to_row] = [width, height].map(|n| 0.5 * (n as f32 - 1.0));
+        ImagePlane {
+            projection: Projection::Panorama { eye, axes },
+            lens: None,
+            origin: eye + axes.forward - to_column * right - to_row * down,
+            right,
+            down,
+            size: [width, height],
+        }
+    }
+}
+
+/// The axes of a sphere of directions: orthonormal vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphereAxes {
+    /// Longitude and latitude 0.
+    forward: Vec3,
+    /// A quarter of a turn to the east.
+    right: Vec3,
+    /// The north pole.
+    up: Vec3,
+}
+
+impl SphereAxes {
+    /// The unit direction at pixel coordinates (x, y) of a map of this size.
+    #[inline(always)]
+    pub(super) fn direction<R: Real>(
+        &self,
+        [x, y]: [R; 2],
+        [width, height]: [u32; 2],
+    ) -> Vector<R> {
+        let half = x.splat(0.5);
+        let longitude = (x + half) / x.splat(width as f32) - half;
+        let [cos_longitude, sin_longitude] = cos_sin(longitude);
+        let [cos_latitude, sin_latitude] = cos_sin(latitude(y, height));
+        let around = Vector::splat(x, self.forward) * cos_longitude
+            + Vector::splat(x, self.right) * sin_longitude;
+        around * cos_latitude + Vector::splat(x, self.up) * sin_latitude
+    }
+}
+
+/// The side of a square with the solid angle of a pixel of row `y`, over that of a pixel
+/// at the horizon, in a map of this height.
+#[inline(always)]
+pub(super) fn shrinkage<R: Real>(y: R, height: u32) -> R {
+    let [cosine, _] = cos_sin(latitude(y, height));
+    cosine.sqrt()
+}
+
+/// The latitude of a row in turns, from a quarter to minus a quarter.
+#[inline(always)]
+fn latitude<R: Real>(y: R, height: u32) -> R {
+    y.splat(0.25) - (y + y.splat(0.5)) / y.splat(2.0 * height as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(text: &str) -> ImagePlane {
+        let panorama: Panorama = yaml::from_str(text).unwrap();
+        panorama.image_plane(40, 20)
+    }
+
+    #[test]
+    fn directions_go_around_and_up() {
+        // The horizon is level though the target is below it.
+        let plane = plane("{ eye: [1, 2, 3], target: [1, 1, 2] }");
+        for (x, y, expected) in [
+            (19.5, 9.5, Vec3::NEG_Z),
+            (29.5, 9.5, Vec3::X),
+            (9.5, 9.5, Vec3::NEG_X),
+            (-0.5, 9.5, Vec3::Z),
+            (39.5, 9.5, Vec3::Z),
+            (7.0, -0.5, Vec3::Y),
+            (23.0, 19.5, Vec3::NEG_Y),
+        ] {
+            let ray = plane.ray(x, y);
+            assert_eq!(ray.origin, Vec3::new(1.0, 2.0, 3.0));
+            assert!(
+                ray.direction.abs_diff_eq(expected, 1e-6),
+                "{x} {y}: {}",
+                ray.direction
+            );
+        }
+    }
+
+    #[test]
+    fn the_pixels_cover_the_sphere() {
+        let plane = plane("{ eye: [0, 0, 0], target: [3, 1, 2], up: [0, 1, 1] }");
+        let mut area = 0.0;
+        for y in 0..20_u8 {
+            let side = plane.footprints(plane.pitch(), [3.0, y.into()], 2.0_f32);
+            area += 40.0 * side * side;
+        }
+        let sphere = 4.0 * std::f32::consts::PI * 4.0;
+        assert!((area / sphere - 1.0).abs() < 2e-3, "{area}");
+    }
+}
