@@ -1,7 +1,7 @@
 //! Primitives outside the hierarchy, tested against every ray.
 
 use super::search::Search;
-use crate::geometry::{Plane, Ray, Shape};
+use crate::geometry::{Intersectable, Plane, Ray, Shape};
 use crate::scene::Primitive;
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
@@ -44,8 +44,12 @@ impl Unbounded {
     /// Tests all of them against one ray.
     #[inline]
     pub(super) fn test<S: Search>(&self, ray: &Ray, search: &mut S) {
-        for &(primitive, _) in &self.planes {
-            search.test(ray, primitive);
+        for (primitive, plane) in &self.planes {
+            if S::RECORDS {
+                search.test(ray, *primitive);
+            } else if let Some(t) = plane.intersect(ray, search.limit()) {
+                search.found(t, *primitive);
+            }
         }
         self.test_others(ray, search);
     }

@@ -47,7 +47,7 @@ impl Plane {
 }
 
 impl Intersectable for Plane {
-    #[inline]
+    #[inline(always)]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let t = self.hits(ray.origin.into(), ray.direction.into());
         (t > 0.0 && t < t_max).then_some(t)
