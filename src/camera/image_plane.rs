@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::lens::Lens;
-use super::panorama::{SphereAxes, shrinkage};
+use super::sphere_axes::{SphereAxes, shrinkage};
 use crate::geometry::Ray;
 use crate::simd::{Real, Vector};
 

@@ -6,6 +6,7 @@
 
 mod basis;
 mod lens;
+mod sphere_axes;
 mod image_plane;
 mod look_at;
 mod orthographic;
@@ -16,7 +17,7 @@ use serde::Deserialize;
 
 pub use image_plane::{ImagePlane, Projection};
 pub use lens::Lens;
-pub use panorama::SphereAxes;
+pub use sphere_axes::SphereAxes;
 pub use window::WindowSamples;
 
 /// Defines [`Camera`] and its dispatch from one list. A row has the kind, whose YAML key
