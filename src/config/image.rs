@@ -1,9 +1,10 @@
 //! The `image` section.
 
 use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer};
 
-use crate::sampling::PixelPattern;
-use crate::yaml;
+use crate::sampling::{PixelFilter, PixelPattern};
+use crate::yaml::{self, Number};
 
 /// Longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 65_535;
@@ -20,7 +21,7 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// ").unwrap();
 /// # assert_eq!(image.samples_per_pixel, 4);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a size such as { width: 400, height: 300 }"
@@ -41,6 +42,13 @@ pub struct Image {
     /// The pattern of the samples in a pixel; `stratified` if not given.
     #[serde(default)]
     pub sampler: PixelPattern,
+    /// The pixel filter; `box` if not given.
+    #[serde(default)]
+    pub filter: PixelFilter,
+    /// The radius of the filter in pixels, from 0.1 to 10; the filter's usual one if not
+    /// given.
+    #[serde(deserialize_with = "filter_radius", default)]
+    pub filter_radius: Option<f32>,
 }
 
 impl Image {
@@ -48,6 +56,19 @@ impl Image {
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }
+
+    /// The radius of the filter in pixels.
+    pub fn filter_radius(&self) -> f32 {
+        self.filter_radius.unwrap_or(self.filter.usual_radius())
+    }
+}
+
+fn filter_radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    let number = Number {
+        expected: "a radius in pixels from 0.1 to 10",
+        accepts: |radius| (0.1..=10.0).contains(&radius),
+    };
+    number.deserialize(d).map(Some)
 }
 
 fn one() -> u32 {

@@ -36,7 +36,7 @@ pub use tiling::{TileOrder, Tiling};
 use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
-pub use crate::sampling::PixelPattern;
+pub use crate::sampling::{PixelFilter, PixelPattern};
 use crate::vtk::Codec;
 use crate::yaml::{Fault, FieldPath};
 

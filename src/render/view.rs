@@ -7,7 +7,7 @@ use crate::camera::ImagePlane;
 use crate::config::Image;
 use crate::film::Pixel;
 use crate::geometry::Ray;
-use crate::sampling::{Dimension, Sampler};
+use crate::sampling::{Dimension, FilterSampler, Sampler};
 use crate::scene::Scene;
 use crate::shade::Shader;
 use crate::simd::{Integer, Real, Vector};
@@ -27,6 +27,7 @@ pub(crate) struct View<'a> {
     /// The positions of the pixels in world space.
     plane: ImagePlane,
     sampler: Sampler,
+    filter: FilterSampler,
     width: u32,
     /// The side of a square with the area of a pixel on the plane.
     pitch: f32,
@@ -43,6 +44,7 @@ impl<'a> View<'a> {
             sample_limit: scene.shading.model.sample_limit(),
             plane: scene.image_plane,
             sampler,
+            filter: FilterSampler::new(image.filter, image.filter_radius()),
             width: image.width,
             pitch: scene.image_plane.pitch(),
         }
@@ -79,7 +81,8 @@ impl<'a> View<'a> {
         pixel: R::Integer,
         sample: u32,
     ) -> [Vector<R>; 2] {
-        let [dx, dy] = self.sampler.position::<R>(pixel, sample);
+        let even = self.sampler.position::<R>(pixel, sample);
+        let [dx, dy] = self.filter.position(even);
         let on_lens = || {
             let sample = pixel.splat(sample);
             self.sampler.pair(pixel, sample, Dimension::LENS)

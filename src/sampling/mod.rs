@@ -10,7 +10,9 @@ mod sobol;
 mod stratified;
 mod sampler;
 mod shapes;
+mod filter;
 
+pub use filter::{FilterSampler, PixelFilter};
 pub use hash::uniform;
 pub use sampler::{Dimension, PixelPattern, Sampler};
 pub use shapes::{Polygon, disk};

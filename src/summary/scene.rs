@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::accel::BvhStatistics;
 use crate::camera::{ImagePlane, Projection};
 use crate::color::{Development, ToneCurve, Transfer};
-use crate::config::{Acceleration, FilmSettings, Image, PixelPattern, Quality, ShadingModel};
+use crate::config::{
+    Acceleration, FilmSettings, Image, PixelFilter, PixelPattern, Quality, ShadingModel,
+};
 use crate::text::keyword_name;
 
 /// The scene file.
@@ -18,7 +20,7 @@ pub struct SceneSection {
 }
 
 /// Size and sampling of the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ImageSection {
     /// The number of columns.
     pub width: u32,
@@ -31,6 +33,12 @@ pub struct ImageSection {
     /// The pattern of the samples in a pixel; left out if stratified.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sampler: PixelPattern,
+    /// The pixel filter; left out if a box.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub filter: PixelFilter,
+    /// The radius of the filter in pixels; left out if it is the filter's usual one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filter_radius: Option<f32>,
 }
 
 /// How light became the numbers of the picture.
@@ -108,6 +116,8 @@ impl From<&Image> for ImageSection {
             samples_per_pixel: image.samples_per_pixel,
             seed: image.seed,
             sampler: image.sampler,
+            filter: image.filter,
+            filter_radius: image.filter_radius,
         }
     }
 }

@@ -5,7 +5,9 @@ use clap::CommandFactory;
 use raycost::camera::Camera;
 use raycost::cli::Cli;
 use raycost::color::{ToneCurve, Transfer};
-use raycost::config::{CostMode, Object, Outputs, PixelPattern, ShadingModel, TileOrder};
+use raycost::config::{
+    CostMode, Object, Outputs, PixelFilter, PixelPattern, ShadingModel, TileOrder,
+};
 use raycost::cost::Metric;
 use raycost::import::read_mesh;
 use raycost::light::Light;
@@ -46,6 +48,7 @@ fn the_scene_reference_lists_every_key_and_keyword() {
         choices::<Texture>("zzz: {} # of a color"),
         choices::<Outputs>("[zzz]"),
         choices::<PixelPattern>("zzz"),
+        choices::<PixelFilter>("zzz"),
         choices::<ShadingModel>("zzz"),
         choices::<ToneCurve>("zzz"),
         choices::<Transfer>("zzz"),

@@ -80,6 +80,14 @@ lights:"
     }
 }
 
+/// More keys of the image.
+const SAMPLING: [&str; 4] = [
+    "",
+    ", sampler: sobol",
+    ", filter: tent, filter_radius: 0.8",
+    ", sampler: sobol, filter: blackman_harris",
+];
+
 /// Cameras in front of the scene, and one in its middle.
 pub const CAMERAS: [&str; 4] = [
     "look_at: { eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50 }",
@@ -103,7 +111,7 @@ prop_compose! {
         lights in prop::collection::vec(any::<bool>(), 0..4),
         acceleration in prop_oneof![4 => Just("bvh"), 1 => Just("brute_force")],
         camera in prop::sample::select(&CAMERAS[..]),
-        sampling in prop_oneof![Just(""), Just(", sampler: sobol")],
+        sampling in prop::sample::select(&SAMPLING[..]),
     ) -> RandomScene {
         RandomScene {
             model, size, samples, max_depth, seed, reflections, specular, lights, acceleration, camera, sampling,

@@ -11,6 +11,7 @@ fn sphere(depth: f32, radius: f32, lens: &str) -> Config {
 image: {{ width: 96, height: 96, samples_per_pixel: 64, sampler: sobol }}
 camera: {{ look_at: {{ eye: [0, 0, 0], target: [0, 0, -4], fov_y_deg: 30{lens} }} }}
 shading: {{ ambient: 1 }}
+film: {{ transfer: linear }}
 materials: {{ white: {{ color: 1 }} }}
 lights: []
 objects:
@@ -102,4 +103,54 @@ objects: [{ plane: { point: [0, 0, -7], normal: [0, 0, 1] }, material: white }]
     }
     let depths = film.values(|strip| &strip.position).map(|point| point.z);
     assert!(depths.into_iter().all(|z| z == -7.0));
+}
+
+/// Across an edge the light is the integral of the filter.
+#[test]
+fn edges_have_the_profile_of_the_filter() {
+    let tent = |x: f64| {
+        let x = x.clamp(-1.0, 1.0);
+        0.5 + x - 0.5 * x * x.abs()
+    };
+    // The integral of the window of Blackman and Harris.
+    let bell = |x: f64| {
+        let x = x.clamp(-1.0, 1.0);
+        let wave = |k: f64| (k * std::f64::consts::PI * x).sin() / (k * std::f64::consts::PI);
+        let waves = 0.48829 * wave(1.0) + 0.14128 * wave(2.0) + 0.01168 * wave(3.0);
+        0.5 + 0.5 * (x + waves / 0.35875)
+    };
+    let square = |x: f64| 0.5 + 0.5 * x.clamp(-1.0, 1.0);
+    type Profile<'a> = &'a dyn Fn(f64) -> f64;
+    let profiles: [(&str, f64, Profile); 4] = [
+        ("box", 0.5, &square),
+        ("box, filter_radius: 3", 3.0, &square),
+        ("tent", 1.0, &tent),
+        ("blackman_harris, filter_radius: 4", 4.0, &bell),
+    ];
+    for (filter, radius, integral) in profiles {
+        // White to the right of x = 0.3 pixels.
+        let film = film(
+            &parse(&format!(
+                "
+image: {{ width: 16, height: 4, samples_per_pixel: 1024, sampler: sobol, filter: {filter} }}
+camera: {{ orthographic: {{ eye: [0, 0, 5], target: [0, 0, 0], height: 4 }} }}
+shading: {{ ambient: 1 }}
+film: {{ transfer: linear }}
+materials: {{ white: {{ color: 1 }} }}
+lights: []
+objects: [{{ box: {{ min: [0.3, -90, -1], max: [90, 90, 0] }}, material: white }}]
+"
+            )),
+            1,
+        );
+        for (i, [light, ..]) in film.values(|strip| &strip.rgb).enumerate() {
+            let center = (i % 16) as f64 - 7.5;
+            let expected = integral((center - 0.3) / radius);
+            let found = f64::from(light) / 255.0;
+            assert!(
+                (found - expected).abs() < 0.005,
+                "{filter} {i}: {found}, {expected}"
+            );
+        }
+    }
 }
