@@ -28,7 +28,7 @@ pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SAMPLES, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
-pub use outputs::{BvhLimits, OptionalOutput, Outputs};
+pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use repeats::Repeats;
 pub use shading::{Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};

@@ -41,6 +41,19 @@ pub enum OptionalOutput {
     Surface,
     /// The boxes of the hierarchy and the cost of each
     Bvh,
+    /// The linear light of each pixel, as an array of the VTK files
+    Radiance,
+}
+
+/// What a film keeps of its pixels besides what every film keeps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ExtraArrays {
+    /// The radiance.
+    pub radiance: bool,
+    /// Whether VTK files have it, too.
+    pub radiance_in_vtk: bool,
+    /// The color of the surface that the center sample hit.
+    pub albedo: bool,
 }
 
 /// The nodes of the hierarchy that are written; all, if not given.
@@ -71,7 +84,7 @@ impl OptionalOutput {
 
     /// Whether it requires the cost attribution, and therefore counters.
     pub(crate) fn needs_attribution(self) -> bool {
-        self != Self::Schedule
+        matches!(self, Self::Objects | Self::Surface | Self::Bvh)
     }
 
     /// Whether it requires a bounding volume hierarchy.
@@ -106,6 +119,16 @@ impl Outputs {
     pub fn add(&mut self, requested: OptionalOutput) {
         if !self.has(requested) {
             self.optional.push(requested);
+        }
+    }
+
+    /// What the film has to keep for them.
+    pub(crate) fn extra_arrays(&self) -> ExtraArrays {
+        let radiance_in_vtk = self.has(OptionalOutput::Radiance);
+        ExtraArrays {
+            radiance: radiance_in_vtk,
+            radiance_in_vtk,
+            albedo: false,
         }
     }
 

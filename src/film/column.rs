@@ -102,6 +102,12 @@ impl Column {
     /// The hit points in world space: three numbers per pixel; NaN without a hit.
     pub const POSITION: Self = column!("Points", position, F32 x 3);
 
+    /// The linear light of the pixel, with the primaries of sRGB; on request.
+    pub const RADIANCE: Self = column!("radiance", radiance, F32 x 3);
+
+    /// The color of the surface; not in VTK files.
+    pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
+
     /// Bytes per pixel.
     pub fn stride(&self) -> usize {
         let scalar = match self.scalar {
@@ -141,6 +147,7 @@ impl Column {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::ExtraArrays;
     use crate::film::bytes_per_pixel;
     use crate::schedule::TileGrid;
 
@@ -159,7 +166,12 @@ mod tests {
                 let bytes = column.bytes(&film, &film.strips[0], &mut buffer);
                 assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
             }
-            assert_eq!(bytes_per_pixel(mode), expected);
+            assert_eq!(bytes_per_pixel(mode, film.extra), expected);
+            let radiance = ExtraArrays {
+                radiance: true,
+                ..film.extra
+            };
+            assert_eq!(bytes_per_pixel(mode, radiance), expected + 12);
         }
     }
 

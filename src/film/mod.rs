@@ -25,7 +25,7 @@ pub use strip::Strip;
 pub use tile::RenderedTile;
 
 use crate::color::Development;
-use crate::config::{CostMode, Repeats};
+use crate::config::{CostMode, ExtraArrays, Repeats};
 use crate::cost::Cost;
 use crate::schedule::TileGrid;
 
@@ -43,6 +43,8 @@ pub struct Film {
     pub n_samples: u32,
     /// How the colors of its pixels become those of the picture.
     pub development: Development,
+    /// What it keeps besides what every film keeps.
+    pub extra: ExtraArrays,
     /// Which cost arrays it has.
     pub cost: CostMode,
     /// How often it was to be rendered.
@@ -62,24 +64,31 @@ pub struct Film {
 pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
 
 /// Upper bound of a film's bytes per pixel.
-pub fn bytes_per_pixel(cost: CostMode) -> usize {
+pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
-    size_of::<Vec3>() + rejected + kept.map(|column| column.stride()).sum::<usize>()
+    let n_vectors = 1 + usize::from(extra.radiance) + usize::from(extra.albedo);
+    n_vectors * size_of::<Vec3>() + rejected + kept.map(|column| column.stride()).sum::<usize>()
 }
 
 impl Film {
     /// A film for the pixels of the grid, not rendered yet.
     pub fn new(grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
+        Self::with_extra(ExtraArrays::default(), grid, n_samples, cost)
+    }
+
+    /// The same, with extra arrays.
+    pub fn with_extra(extra: ExtraArrays, grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
         let TileGrid { width, height, .. } = grid;
         let strip = |first_row| {
             let n_rows = STRIP_ROWS.min(height - first_row);
-            Strip::new(first_row, n_rows, width, cost)
+            Strip::new([first_row, n_rows, width], cost, extra)
         };
         Self {
             grid,
             n_samples,
             development: Development::default(),
+            extra,
             cost,
             repeats: Repeats::ONCE,
             n_repeats: 1,
@@ -90,6 +99,12 @@ impl Film {
                 .collect(),
             tiles: vec![RenderedTile::default(); grid.n_tiles() as usize],
         }
+    }
+
+    /// The arrays of its VTK files, in their order.
+    pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
+        let radiance = self.extra.radiance_in_vtk.then_some(Column::RADIANCE);
+        columns(self.cost, self.repeats).chain(radiance)
     }
 
     /// Number of pixels with a hit.

@@ -27,6 +27,8 @@ pub struct Pixel {
     pub position: Vec3,
     /// The shading normal there; NaN without a hit.
     pub normal: Vec3,
+    /// The color of the surface there; black without a hit.
+    pub albedo: Vec3,
     /// Distance along that ray; NaN without a hit.
     pub distance: f32,
     /// The size of the pixel there, in world units; NaN without a hit.
@@ -44,6 +46,7 @@ impl Default for Pixel {
             color: Vec3::ZERO,
             position: Vec3::NAN,
             normal: Vec3::NAN,
+            albedo: Vec3::ZERO,
             distance: f32::NAN,
             footprint: f32::NAN,
             object: -1,
@@ -58,6 +61,7 @@ impl Pixel {
     pub fn set_surface(&mut self, point: &SurfacePoint) {
         self.position = point.position;
         self.normal = point.normal;
+        self.albedo = point.color;
         self.distance = point.distance;
         self.object = point.object.0 as i32;
         self.material = point.material.0 as i32;

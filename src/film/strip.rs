@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::{Pixel, Rendered};
 use crate::color::Development;
-use crate::config::CostMode;
+use crate::config::{CostMode, ExtraArrays};
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
 /// uppermost row first. Arrays of times are empty without times.
@@ -18,6 +18,10 @@ pub struct Strip {
     /// Number of rows.
     pub n_rows: u32,
     pub rgb: Vec<[u8; 3]>,
+    /// The mean radiance of the samples; empty if the film does not keep it.
+    pub radiance: Vec<Vec3>,
+    /// The color of the surface at the pixel's hit; empty if the film does not keep it.
+    pub albedo: Vec<Vec3>,
     /// The point of the pixel's hit in world space; NaN without a hit.
     pub position: Vec<Vec3>,
     pub normal: Vec<Vec3>,
@@ -32,13 +36,20 @@ pub struct Strip {
 }
 
 impl Strip {
-    pub(super) fn new(first_row: u32, n_rows: u32, width: u32, cost: CostMode) -> Self {
+    pub(super) fn new(
+        [first_row, n_rows, width]: [u32; 3],
+        cost: CostMode,
+        extra: ExtraArrays,
+    ) -> Self {
         let n = n_rows as usize * width as usize;
-        let n_times = if cost.has_time() { n } else { 0 };
+        let n_if = |is_kept: bool| if is_kept { n } else { 0 };
+        let n_times = n_if(cost.has_time());
         Self {
             first_row,
             n_rows,
             rgb: vec![[0; 3]; n],
+            radiance: vec![Vec3::ZERO; n_if(extra.radiance)],
+            albedo: vec![Vec3::ZERO; n_if(extra.albedo)],
             position: vec![Vec3::ZERO; n],
             normal: vec![Vec3::ZERO; n],
             distance: vec![0.0; n],
@@ -66,6 +77,16 @@ impl Strip {
         fill(&mut self.rgb[places.clone()], pixels, |pixel| {
             development.rgb8(pixel.color)
         });
+        if !self.radiance.is_empty() {
+            fill(&mut self.radiance[places.clone()], pixels, |pixel| {
+                pixel.color
+            });
+        }
+        if !self.albedo.is_empty() {
+            fill(&mut self.albedo[places.clone()], pixels, |pixel| {
+                pixel.albedo
+            });
+        }
         if !rendered.times.is_empty() {
             let times = &rendered.times[row];
             fill(&mut self.time_ns[places.clone()], times, |time| time.ns);

@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use super::file::{FileContent, OutputFile};
-use crate::film::{Column, Film, columns};
+use crate::film::{Column, Film};
 use crate::vtk::appended;
 use crate::vtk::array::Array;
 use crate::vtk::data_set::DataSet;
@@ -34,7 +34,7 @@ pub fn write(
     };
     let image = DataSet::Image {
         size: [film.grid.width, film.grid.height],
-        point_data: columns(film.cost, film.repeats).map(array).collect(),
+        point_data: film.columns().map(array).collect(),
     };
     appended::write(&image, encoding.into(), out)
 }
@@ -45,8 +45,7 @@ fn n_pixels(film: &Film) -> u64 {
 
 /// The bytes of a point in all arrays of the film.
 pub(super) fn bytes_per_point(film: &Film) -> u64 {
-    let columns = columns(film.cost, film.repeats);
-    columns.map(|column| column.stride() as u64).sum()
+    film.columns().map(|column| column.stride() as u64).sum()
 }
 
 /// Creates the array of a column with `n` entries, which `write` writes.

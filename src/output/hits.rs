@@ -7,7 +7,7 @@ use vtkio::model::CellType;
 
 use super::file::{FileContent, OutputFile};
 use super::frame::{bytes_per_point, column_array};
-use crate::film::{Column, Film, Strip, columns};
+use crate::film::{Column, Film, Strip};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Integers, separate_cells, types_of};
 use crate::vtk::data_set::{CellMesh, DataSet};
@@ -40,7 +40,7 @@ pub fn write(
             hits.write_values(column, out)
         })
     };
-    let mut point_data: Vec<Array> = columns(film.cost, film.repeats).map(array).collect();
+    let mut point_data: Vec<Array> = film.columns().map(array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     let [connectivity, offsets] = separate_cells(1, n);
     let cloud = CellMesh {

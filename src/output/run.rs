@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::RenderingView;
-use crate::film::{Column, PackedCounters, RenderedTile, Strip, columns};
+use crate::film::{Column, PackedCounters, RenderedTile, Strip};
 use crate::provenance::{Hasher, RunId};
 
 /// Tiles that are hashed by one task: some hundred kilobytes.
@@ -13,9 +13,7 @@ const TILES_PER_HASH: usize = 256;
 /// except for the threads, which vary from run to run.
 pub(super) fn id_of(rendering: &RenderingView) -> RunId {
     let film = rendering.film;
-    let stored: Vec<Column> = columns(film.cost, film.repeats)
-        .filter(Column::is_in_strips)
-        .collect();
+    let stored: Vec<Column> = film.columns().filter(Column::is_in_strips).collect();
     let of_strip = |strip: &Strip| {
         let mut hasher = Hasher::new();
         for column in &stored {

@@ -42,7 +42,12 @@ impl TilePlan {
     pub(super) fn film(&self, scene: &Scene, cost: CostMode) -> Film {
         Film {
             development: scene.development,
-            ..Film::new(self.grid, self.image.samples_per_pixel, cost)
+            ..Film::with_extra(
+                scene.extra_arrays,
+                self.grid,
+                self.image.samples_per_pixel,
+                cost,
+            )
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::config::{CostMode, MAX_SIDE, Repeats};
-use crate::film::columns;
+use crate::film::{Column, columns};
 use crate::text::Diagnostic;
 use crate::vtk::read::{
     ArrayLocation, ArrayValues, DataArrayElement, DataArraysElement, Scalar, Selection, VtkReader,
@@ -270,6 +270,9 @@ impl Arrays {
         }
         if written_with(CostMode::Time, Repeats::Auto) {
             return error.with_help("render again with `--repeats 10`");
+        }
+        if name == Column::RADIANCE.name {
+            return error.with_help("render again with `--also radiance`");
         }
         let names: Vec<&str> = self.infos.iter().map(|info| info.name.as_str()).collect();
         error.with_help(format!("its arrays are {}", names.join(", ")))

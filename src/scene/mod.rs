@@ -14,7 +14,7 @@ use glam::Vec3;
 
 use crate::camera::ImagePlane;
 use crate::color::Development;
-use crate::config::{Background, Config, Geometry, GeometryFile, Object, Shading};
+use crate::config::{Background, Config, ExtraArrays, Geometry, GeometryFile, Object, Shading};
 use crate::light::Light;
 use crate::material::Material;
 use crate::simd::Vector;
@@ -40,6 +40,8 @@ pub struct Scene {
     pub shading: Shading,
     /// How light becomes the numbers of the picture.
     pub development: Development,
+    /// What the film keeps besides what every film keeps.
+    pub extra_arrays: ExtraArrays,
     /// The lights.
     pub lights: Vec<Light>,
     /// The materials, by [`MaterialId`].
@@ -82,6 +84,7 @@ impl Scene {
             background: config.background,
             shading: config.shading,
             development: config.film.development(config.shading.model),
+            extra_arrays: config.output.extra_arrays(),
             lights: config.lights.clone(),
             materials: config.materials.values().cloned().collect(),
             primitives: Vec::with_capacity(geometries.n_primitives()),

@@ -18,7 +18,7 @@ use crate::accel::{Accel, AccelIndex};
 use crate::attribution::CostAttribution;
 use crate::config::{Config, TileOrder};
 use crate::cost::Meter;
-use crate::film::columns;
+use crate::film::{Column, columns};
 use crate::folder::OutputFolder;
 use crate::memory::{self, Memory};
 use crate::output;
@@ -256,5 +256,10 @@ fn least_bytes(config: &Config) -> u64 {
     let per_pixel: usize = columns(config.cost, config.repeats)
         .map(|column| column.stride())
         .sum();
-    (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
+    let radiance = if config.output.extra_arrays().radiance_in_vtk {
+        Column::RADIANCE.stride()
+    } else {
+        0
+    };
+    (config.image.n_pixels() * (per_pixel + radiance)) as u64 / config.compress.max_ratio()
 }

@@ -238,6 +238,12 @@ impl Points {
         self.color.load(set, at.first)
     }
 
+    /// The color of the surface at a point.
+    #[inline(always)]
+    pub fn color(&self, point: usize) -> Vec3 {
+        self.color.get(point)
+    }
+
     /// The rays that hit eight points.
     #[inline(always)]
     pub(crate) fn rays(&self, at: PointLanes) -> &[u32; N_LANES] {

@@ -1,14 +1,20 @@
 //! Films of noise.
 
 use bytemuck::cast_slice_mut;
-use raycost::config::{CostMode, Repeats};
+use raycost::config::{CostMode, ExtraArrays, Repeats};
 use raycost::cost::{Cost, Counters};
 use raycost::film::{Film, PackedCounters, RenderedTile};
 use raycost::schedule::TileGrid;
 
 /// Returns a film of noise: all arrays differ, and NaN occurs with many bit patterns.
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
-    let mut film = Film::new(TileGrid::new(width, height, 7), 0x1234_5678, cost);
+    let extra = ExtraArrays {
+        radiance: true,
+        radiance_in_vtk: true,
+        albedo: true,
+    };
+    let grid = TileGrid::new(width, height, 7);
+    let mut film = Film::with_extra(extra, grid, 0x1234_5678, cost);
     let mut state = seed;
     let mut noise = || {
         // The linear congruential generator of Numerical Recipes.
@@ -18,7 +24,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     film.repeats = Repeats::Auto;
     for strip in &mut film.strips {
         strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
-        let arrays: [&mut [u8]; 10] = [
+        let arrays: [&mut [u8]; 12] = [
             cast_slice_mut(&mut strip.rgb),
             cast_slice_mut(&mut strip.position),
             cast_slice_mut(&mut strip.normal),
@@ -29,6 +35,8 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             cast_slice_mut(&mut strip.time_ns),
             cast_slice_mut(&mut strip.time_mad_ns),
             cast_slice_mut(&mut strip.n_rejected),
+            cast_slice_mut(&mut strip.radiance),
+            cast_slice_mut(&mut strip.albedo),
         ];
         for array in arrays {
             array.fill_with(&mut noise);

@@ -12,6 +12,7 @@ mod import;
 mod attribution;
 mod meshes;
 mod observe;
+mod radiance;
 mod repeats;
 mod rounding;
 mod schedule;

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
 use raycost::config::CostMode;
-use raycost::film::{Film, columns};
+use raycost::film::Film;
 use raycost::output::{write_frame, write_hits};
 use raycost::results::{FrameFile, HitsFile, Results};
 use raycost::schedule::TileGrid;
@@ -78,17 +78,14 @@ fn check(film: &Film, codec: Codec) {
         (film.grid.width, film.grid.height)
     );
     assert_eq!(hits.n_points(), film.n_hits());
-    assert_eq!(
-        frame.arrays().len(),
-        columns(film.cost, film.repeats).count()
-    );
+    assert_eq!(frame.arrays().len(), film.columns().count());
 
     let is_hit: Vec<bool> = film
         .strips
         .iter()
         .flat_map(|strip| strip.object.iter().map(|&object| object >= 0))
         .collect();
-    for column in columns(film.cost, film.repeats) {
+    for column in film.columns() {
         let all: Vec<u8> = film
             .strips
             .iter()

@@ -11,6 +11,7 @@ const ARRAYS = {
   material: { group: "Geometry", label: "Material", about: "position in the scene's list; -1 for none", names: about.materials },
   Normals: { group: "Geometry", label: "Normal", about: "unit normal on the visible side", components: ["x", "y", "z"] },
   RGB: { group: "Picture", label: "Color", about: "8 bits a channel", components: ["red", "green", "blue"] },
+  radiance: { group: "Picture", label: "Light", about: "before exposure and encoding", components: ["red", "green", "blue"] },
 };
 
 /** Sorts names of arrays in the order of the menu, unknown ones last. */

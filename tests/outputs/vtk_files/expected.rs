@@ -155,7 +155,9 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         (CostMode::Time, Repeats::ONCE) => (&time[..1], counters),
         (CostMode::Time, _) => (time, counters),
     };
-    let fields = geometry.iter().chain(time).chain(counters);
+    let radiance = [("radiance", Field::Vec3(|strip| &strip.radiance))];
+    let radiance = radiance.iter().filter(|_| film.extra.radiance_in_vtk);
+    let fields = geometry.iter().chain(time).chain(counters).chain(radiance);
     fields.map(array).collect()
 }
 
