@@ -41,7 +41,7 @@ impl Memory {
         Self {
             film: config.image.n_pixels() as u64 * per_pixel
                 + of_tiles
-                + output::compression_bytes(config.compress),
+                + output::write_bytes(config),
             scene: bare.scene + (bare.n_primitives * of_attribution) as u64,
             ..bare
         }

@@ -43,6 +43,8 @@ pub enum OptionalOutput {
     Bvh,
     /// The linear light of each pixel, as an array of the VTK files
     Radiance,
+    /// The linear light and all arrays of the pixels as an OpenEXR picture
+    Exr,
 }
 
 /// What a film keeps of its pixels besides what every film keeps.
@@ -125,10 +127,11 @@ impl Outputs {
     /// What the film has to keep for them.
     pub(crate) fn extra_arrays(&self) -> ExtraArrays {
         let radiance_in_vtk = self.has(OptionalOutput::Radiance);
+        let has_exr = self.has(OptionalOutput::Exr);
         ExtraArrays {
-            radiance: radiance_in_vtk,
+            radiance: radiance_in_vtk || has_exr,
             radiance_in_vtk,
-            albedo: false,
+            albedo: has_exr,
         }
     }
 

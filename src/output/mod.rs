@@ -8,6 +8,7 @@ mod bounding_sphere;
 mod frame;
 mod heatmap;
 mod hits;
+mod layers;
 mod nodes;
 mod objects;
 mod picture;
@@ -71,6 +72,11 @@ pub(crate) fn compression_bytes(codec: Codec) -> u64 {
     5 * per_file
 }
 
+/// Upper bound of the bytes to write files, besides those for each pixel.
+pub(crate) fn write_bytes(config: &Config) -> u64 {
+    compression_bytes(config.compress) + layers::write_bytes(config)
+}
+
 /// Files that are written in parallel.
 struct FileGroup {
     /// The stage that ends with them, if any.
@@ -91,6 +97,7 @@ const GROUPS: [FileGroup; 3] = [
             state_files::GEOMETRY,
             state_files::HEATMAP,
             state_files::OVERVIEW,
+            layers::FILE,
             tiles::FILE,
             trace_events::FILE,
             state_files::SCHEDULE,

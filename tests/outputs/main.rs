@@ -26,6 +26,7 @@ macro_rules! read_both_ways {
 mod attribution_files;
 mod hostile;
 mod interrupted;
+mod layers;
 mod output_folder;
 mod paraview_rays;
 mod paraview_states;
