@@ -28,7 +28,7 @@ impl Memory {
     /// Estimates the memory for a config and its geometries: an upper bound,
     /// except for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
-        let of_film = film::bytes_per_pixel(config.cost, config.output.extra_arrays())
+        let of_film = film::bytes_per_pixel(config.cost, config.extra_arrays())
             + repeat_bytes_per_pixel(config);
         let per_pixel = of_film as u64 + output::BYTES_PER_PIXEL;
         let Image { width, height, .. } = config.image;

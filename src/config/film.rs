@@ -12,11 +12,11 @@ use crate::yaml;
 /// # use raycost::config::FilmSettings;
 /// # use raycost::color::ToneCurve;
 /// let film: FilmSettings = raycost::yaml::from_str("
-/// { exposure: 1.5, tone_curve: agx }
+/// { exposure: 1.5, tone_curve: agx, bits: 16 }
 /// ").unwrap();
-/// # assert_eq!((film.exposure, film.tone_curve), (1.5, ToneCurve::Agx));
+/// # assert_eq!((film.exposure, film.tone_curve, film.bits), (1.5, ToneCurve::Agx, 16));
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     deny_unknown_fields,
     default,
@@ -30,6 +30,9 @@ pub struct FilmSettings {
     pub tone_curve: ToneCurve,
     /// The transfer function; if not given, that of [`ShadingModel::transfer`].
     pub transfer: Option<Transfer>,
+    /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
+    #[serde(deserialize_with = "yaml::bits")]
+    pub bits: u8,
 }
 
 impl FilmSettings {
@@ -41,5 +44,16 @@ impl FilmSettings {
     /// The transfer function with this shading model.
     pub fn transfer(&self, model: ShadingModel) -> Transfer {
         self.transfer.unwrap_or(model.transfer())
+    }
+}
+
+impl Default for FilmSettings {
+    fn default() -> Self {
+        Self {
+            exposure: 0.0,
+            tone_curve: ToneCurve::default(),
+            transfer: None,
+            bits: 8,
+        }
     }
 }

@@ -101,6 +101,17 @@ pub struct Config {
 }
 
 impl Config {
+    /// What the film has to keep for the pictures and outputs that are requested.
+    pub(crate) fn extra_arrays(&self) -> ExtraArrays {
+        let has_exr = self.output.has(OptionalOutput::Exr);
+        let radiance_in_vtk = self.output.has(OptionalOutput::Radiance);
+        ExtraArrays {
+            radiance: radiance_in_vtk || has_exr || self.film.bits > 8,
+            radiance_in_vtk,
+            albedo: has_exr,
+        }
+    }
+
     /// Checks that the other settings allow all requested outputs.
     ///
     /// # Errors

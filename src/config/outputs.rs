@@ -124,17 +124,6 @@ impl Outputs {
         }
     }
 
-    /// What the film has to keep for them.
-    pub(crate) fn extra_arrays(&self) -> ExtraArrays {
-        let radiance_in_vtk = self.has(OptionalOutput::Radiance);
-        let has_exr = self.has(OptionalOutput::Exr);
-        ExtraArrays {
-            radiance: radiance_in_vtk || has_exr,
-            radiance_in_vtk,
-            albedo: has_exr,
-        }
-    }
-
     /// Checks that all requested outputs are possible with these settings.
     ///
     /// # Errors

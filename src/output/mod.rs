@@ -74,7 +74,7 @@ pub(crate) fn compression_bytes(codec: Codec) -> u64 {
 
 /// Upper bound of the bytes to write files, besides those for each pixel.
 pub(crate) fn write_bytes(config: &Config) -> u64 {
-    compression_bytes(config.compress) + layers::write_bytes(config)
+    compression_bytes(config.compress) + layers::write_bytes(config) + picture::write_bytes(config)
 }
 
 /// Files that are written in parallel.

@@ -84,7 +84,7 @@ impl Scene {
             background: config.background,
             shading: config.shading,
             development: config.film.development(config.shading.model),
-            extra_arrays: config.output.extra_arrays(),
+            extra_arrays: config.extra_arrays(),
             lights: config.lights.clone(),
             materials: config.materials.values().cloned().collect(),
             primitives: Vec::with_capacity(geometries.n_primitives()),

@@ -256,7 +256,7 @@ fn least_bytes(config: &Config) -> u64 {
     let per_pixel: usize = columns(config.cost, config.repeats)
         .map(|column| column.stride())
         .sum();
-    let radiance = if config.output.extra_arrays().radiance_in_vtk {
+    let radiance = if config.extra_arrays().radiance_in_vtk {
         Column::RADIANCE.stride()
     } else {
         0

@@ -31,6 +31,7 @@ mod output_folder;
 mod paraview_rays;
 mod paraview_states;
 mod paraview_window;
+mod picture;
 mod results;
 mod view;
 mod vtk_files;

@@ -5,12 +5,9 @@ const SUB: u8 = 1;
 /// Differences to the row above.
 const UP: u8 = 2;
 
-/// Bytes of a pixel.
-const PIXEL: usize = 3;
-
 /// The filtered rows, each after the number of its filter: the one whose differences
 /// are smaller. The first row of a picture has zeros above.
-pub(super) fn filtered(above: Option<&[u8]>, rows: &[&[u8]]) -> Vec<u8> {
+pub(super) fn filtered(above: Option<&[u8]>, rows: &[&[u8]], pixel_bytes: usize) -> Vec<u8> {
     let width = rows.first().map_or(0, |row| row.len());
     let zeros = vec![0; width];
     let mut above = above.unwrap_or(&zeros);
@@ -22,7 +19,7 @@ pub(super) fn filtered(above: Option<&[u8]>, rows: &[&[u8]]) -> Vec<u8> {
             filtered.resize(filtered.len() + width, 0);
             continue;
         }
-        let (first, others) = row.split_at(PIXEL.min(width));
+        let (first, others) = row.split_at(pixel_bytes.min(width));
         if size_of_differences(others, row) < size_of_differences(row, above) {
             filtered.push(SUB);
             filtered.extend_from_slice(first);
@@ -68,8 +65,8 @@ mod tests {
             [2, 0, 0, 0, 0, 0, 255],
             [1, 90, 0, 7, 0, 0, 0],
         ];
-        assert_eq!(filtered(None, &rows), expected.concat());
-        assert_eq!(filtered(Some(rows[0]), &rows[1..2]), expected[1]);
+        assert_eq!(filtered(None, &rows, 3), expected.concat());
+        assert_eq!(filtered(Some(rows[0]), &rows[1..2], 3), expected[1]);
     }
 
     #[test]

@@ -22,7 +22,8 @@ const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Deflate with a window of 32 KiB, the fastest level.
 const ZLIB_HEADER: [u8; 2] = [0x78, 0x01];
 
-/// Writes a picture of `width * height` pixels from its rows, row 0 on top, 8 bits per channel.
+/// Writes a picture of `width * height` pixels from its rows, row 0 on top. A pixel has
+/// three bytes, or six for 16 bits per channel, the high byte first.
 /// `texts` are text chunks, keyword and ASCII text. Compresses on the current rayon pool.
 pub(crate) fn write(
     [width, height]: [u32; 2],
@@ -32,17 +33,16 @@ pub(crate) fn write(
 ) -> io::Result<()> {
     debug_assert_eq!(rows.len(), height as usize);
     out.write_all(&SIGNATURE)?;
-    // 8 bits per channel, red, green and blue; deflate, filters by row, not interlaced.
+    let row_bytes = rows.first().map_or(0, |row| row.len());
+    let pixel_bytes = row_bytes / width as usize;
+    // Bits per channel; red, green and blue; deflate, filters by row, not interlaced.
+    let kind = [8 * pixel_bytes as u8 / 3, 2, 0, 0, 0];
     let [width_bytes, height_bytes] = [width, height].map(u32::to_be_bytes);
-    write_chunk(
-        b"IHDR",
-        &[&width_bytes, &height_bytes, &[8, 2, 0, 0, 0]],
-        out,
-    )?;
+    write_chunk(b"IHDR", &[&width_bytes, &height_bytes, &kind], out)?;
     for (keyword, text) in texts {
         write_chunk(b"tEXt", &[keyword.as_bytes(), &[0], text.as_bytes()], out)?;
     }
-    let strips = strips(rows, (STRIP / (3 * width as usize)).max(1));
+    let strips = strips(rows, pixel_bytes, (STRIP / row_bytes.max(1)).max(1));
     let last = strips.len().saturating_sub(1);
     let mut checksum = 1;
     for (i, strip) in strips.iter().enumerate() {
@@ -63,12 +63,13 @@ struct CompressedRows {
     checksum: u32,
 }
 
-fn strips(rows: &[&[u8]], n_rows: usize) -> Vec<CompressedRows> {
+fn strips(rows: &[&[u8]], pixel_bytes: usize, n_rows: usize) -> Vec<CompressedRows> {
     let n_strips = rows.len().div_ceil(n_rows);
     let strip = |i: usize| {
         let first = i * n_rows;
         let above = first.checked_sub(1).map(|above| rows[above]);
-        let filtered = filter::filtered(above, &rows[first..rows.len().min(first + n_rows)]);
+        let rows = &rows[first..rows.len().min(first + n_rows)];
+        let filtered = filter::filtered(above, rows, pixel_bytes);
         CompressedRows {
             compressed: deflate::compressed(&filtered, i + 1 == n_strips),
             n_bytes: filtered.len(),
@@ -124,7 +125,9 @@ mod tests {
     }
 
     fn encoded(size: [u32; 2], pixels: &[u8], texts: &[(&str, &str)]) -> Vec<u8> {
-        let rows: Vec<&[u8]> = pixels.chunks_exact(3 * size[0] as usize).collect();
+        let rows: Vec<&[u8]> = pixels
+            .chunks_exact(pixels.len() / size[1] as usize)
+            .collect();
         let mut file = Vec::new();
         write(size, &rows, texts, &mut file).unwrap();
         file
@@ -152,6 +155,15 @@ mod tests {
             let expected = texts.map(|(keyword, text)| (keyword.to_owned(), text.to_owned()));
             assert_eq!(found_texts, expected);
         }
+    }
+
+    #[test]
+    fn pixels_of_six_bytes_have_16_bits_per_channel() {
+        let pixels = pixels([300, 700], 3);
+        let file = encoded([150, 700], &pixels, &[]);
+        let reader = png::Decoder::new(io::Cursor::new(&file)).read_info();
+        assert_eq!(reader.unwrap().info().bit_depth, png::BitDepth::Sixteen);
+        assert!(decoded(&file).0 == pixels);
     }
 
     #[test]

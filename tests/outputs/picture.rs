@@ -1,0 +1,55 @@
+//! `image.png` is the light of the pixels, exposed and encoded.
+
+use std::fs;
+
+use image::DynamicImage;
+use raycost::results::Results;
+
+use crate::common::{assert_success, in_repository, raycost};
+
+/// The function of IEC 61966-2-1, in double precision.
+fn srgb(light: f64) -> f64 {
+    let light = light.clamp(0.0, 1.0);
+    if light <= 0.003_130_8 {
+        12.92 * light
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+#[test]
+fn both_depths_are_the_nearest_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = fs::read_to_string(in_repository("configs/textures.yaml")).unwrap();
+    for bits in [8, 16] {
+        let film = format!("film: {{ exposure: 0.5, bits: {bits} }}\n");
+        let path = folder.path().join("scene.yaml");
+        fs::write(&path, scene.clone() + &film).unwrap();
+        let out = folder.path().join("out");
+        let mut command = raycost();
+        command.arg("render").arg(path).arg("--out").arg(&out);
+        command.args(["--width=61", "--height=43", "--also=radiance", "--quiet"]);
+        assert_success(&command.output().unwrap());
+        let most = 2_f64.powi(bits) - 1.0;
+        let numbers: Vec<f64> = match image::open(out.join("image.png")).unwrap() {
+            DynamicImage::ImageRgb8(picture) if bits == 8 => {
+                picture.iter().map(|&number| number.into()).collect()
+            }
+            DynamicImage::ImageRgb16(picture) if bits == 16 => {
+                picture.iter().map(|&number| number.into()).collect()
+            }
+            other => panic!("{:?}", other.color()),
+        };
+        let mut frame = Results::open(&out).unwrap().frame().unwrap();
+        let radiance = frame.read("radiance").unwrap();
+        assert_eq!(numbers.len(), radiance.values.len());
+        for (number, light) in numbers.into_iter().zip(radiance.values.iter()) {
+            let exact = most * srgb(light * 0.5_f64.exp2());
+            // The gain is a number of 32 bits.
+            assert!(
+                (number - exact).abs() < 0.51,
+                "{light}: {number}, not {exact}"
+            );
+        }
+    }
+}
