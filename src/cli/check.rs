@@ -5,7 +5,8 @@ use std::path::Path;
 use super::run_summary::primitives;
 use super::scene::SceneArguments;
 use super::{Failure, on_threads, shown};
-use crate::config::{Acceleration, Config, CostMode, Image, Repeats, Tiling};
+use crate::color::{ToneCurve, Transfer};
+use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
 use crate::folder::SUMMARY;
 use crate::memory::{self, Memory};
 use crate::output::{self, Request};
@@ -107,6 +108,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
                 image.seed
             ),
         ),
+        ("film", film(config)),
         (
             "objects",
             format!(
@@ -164,6 +166,21 @@ fn files(config: &Config, out: &Path) -> String {
     let codec = codec.unwrap_or_default();
     let (names, out) = (names.join(", "), shown(out));
     format!("{names} in {out}{codec}")
+}
+
+/// How light would become the picture.
+fn film(config: &Config) -> String {
+    let film = &config.film;
+    let transfer = match film.transfer(config.shading.model) {
+        Transfer::Srgb => "encoded for sRGB",
+        Transfer::Linear => "linear",
+    };
+    let curve = match film.tone_curve {
+        ToneCurve::None => "no tone curve".to_owned(),
+        curve => format!("tone curve {}", text::keyword_name(&curve)),
+    };
+    let FilmSettings { exposure, bits, .. } = film;
+    format!("exposure {exposure}, {curve}, {transfer}, {bits} bits per channel")
 }
 
 /// The tiles of the picture.

@@ -99,6 +99,11 @@ fn facts(summary: &Summary) -> Vec<String> {
         structure,
         counted(summary.threads.used as u64, "thread"),
     ];
+    if let Some(film) = &summary.film {
+        let exposure = (film.exposure != 0.0).then(|| format!("{:+} stops", film.exposure));
+        let curve = (film.tone_curve != "none").then(|| format!("tone curve {}", film.tone_curve));
+        facts.extend(exposure.into_iter().chain(curve));
+    }
     if let Some(n_rays) = summary.cost.total("rays") {
         facts.push(counted(n_rays as u64, "ray"));
     }
