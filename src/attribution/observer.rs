@@ -11,7 +11,7 @@ use crate::geometry::Ray;
 use crate::light::Illumination;
 use crate::render::View;
 use crate::scene::Scene;
-use crate::shade::{LightSample, Path};
+use crate::shade::{LightSample, PathRay};
 use crate::trace::SurfacePoint;
 
 /// Renders pixels and records their rays.
@@ -84,24 +84,30 @@ impl<'a> Observer<'a> {
     }
 
     fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) {
-        let mut path = Path::from_eye(self.view.camera_ray(place, sample).origin);
-        let mut next = Some((self.view.camera_ray(place, sample), RayKind::Camera, None));
-        while let Some((ray, kind, parent)) = next {
+        let camera_ray = self.view.camera_ray(place, sample);
+        let mut paths = vec![PathRay::from_camera(camera_ray)];
+        let mut parents = vec![None];
+        let mut n_traced = 0;
+        while let Some(&path) = paths.get(n_traced) {
             let start = Start {
-                kind,
-                parent,
+                kind: path.kind,
+                parent: parents[n_traced],
                 sample,
                 light: None,
                 bounce: path.depth,
-                ray,
+                ray: path.ray,
                 t_max: f32::INFINITY,
             };
+            n_traced += 1;
             let (number, hit) = self.trace(start, tree);
-            let mirrored = match hit {
-                Some(point) => self.shade(&mut path, number, &point, tree),
-                None => self.miss(&mut path, number, tree),
-            };
-            next = mirrored.map(|ray| (ray, RayKind::Reflection, Some(number)));
+            match hit {
+                Some(point) => {
+                    let eye = camera_ray.origin;
+                    self.shade(eye, &path, number, &point, &mut paths, tree);
+                }
+                None => self.miss(&path, number, tree),
+            }
+            parents.resize(paths.len(), Some(number));
         }
     }
 
@@ -141,16 +147,17 @@ impl<'a> Observer<'a> {
         (self.add(start, cost, time_ns, record, tree), is_shadowed)
     }
 
-    /// Shades the point that a ray hit; returns the ray that continues the path.
+    /// Shades the point that a ray hit; appends the rays that continue the path.
     fn shade(
         &self,
-        path: &mut Path,
+        eye: Vec3,
+        path: &PathRay,
         number: u32,
         point: &SurfacePoint,
+        next: &mut Vec<PathRay>,
         tree: &mut RayTree,
-    ) -> Option<Ray> {
+    ) {
         let shader = &self.view.shader;
-        let ray = tree.rays[number as usize].ray;
         let mut lights: Vec<(u32, Illumination<f32>)> = Vec::new();
         for (light, sample) in shader.indexed_light_samples(point) {
             let (shadow, is_shadowed) = self.trace_shadow(number, light, &sample, tree);
@@ -158,28 +165,23 @@ impl<'a> Observer<'a> {
                 lights.push((shadow, sample.light));
             }
         }
-        let before = *path;
         let all = || lights.iter().map(|(_, light)| *light);
-        let (_, time_ns, mirrored) = self.timed(|_| shader.shade(path, &ray, point, all()));
+        let (_, time_ns, color) = self.timed(|_| shader.shade(eye, path, point, all(), next));
         tree.rays[number as usize].time_ns += time_ns;
-        self.contribute(number, path.color - before.color, tree);
+        self.contribute(number, color, tree);
         for &(left_out, _) in &lights {
-            let mut without = before;
             let others = lights.iter().filter(|(shadow, _)| *shadow != left_out);
-            shader.shade(&mut without, &ray, point, others.map(|(_, light)| *light));
-            self.contribute(left_out, path.color - without.color, tree);
+            let others = others.map(|(_, light)| *light);
+            let without = shader.shade(eye, path, point, others, &mut Vec::new());
+            self.contribute(left_out, color - without, tree);
         }
-        mirrored
     }
 
     /// Adds the background that a ray sees; its path ends.
-    fn miss(&self, path: &mut Path, number: u32, tree: &mut RayTree) -> Option<Ray> {
-        let before = path.color;
-        let ray = tree.rays[number as usize].ray;
-        let (_, time_ns, ()) = self.timed(|_| self.view.shader.miss(path, &ray));
+    fn miss(&self, path: &PathRay, number: u32, tree: &mut RayTree) {
+        let (_, time_ns, color) = self.timed(|_| self.view.shader.miss(path));
         tree.rays[number as usize].time_ns += time_ns;
-        self.contribute(number, path.color - before, tree);
-        None
+        self.contribute(number, color, tree);
     }
 
     /// Sets the contribution of a ray, given in terms of its sample.

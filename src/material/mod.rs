@@ -1,11 +1,14 @@
 //! Materials: how surfaces reflect light.
 
 mod checker;
+mod dielectric;
 mod texture;
 
-use serde::Deserialize;
+use glam::Vec3;
+use serde::{Deserialize, Deserializer};
 
 pub use checker::{Axes, Rounding};
+pub use dielectric::Dielectric;
 pub use texture::*;
 
 use crate::yaml;
@@ -25,33 +28,83 @@ use crate::yaml;
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(
-    deny_unknown_fields,
+    try_from = "MaterialKeys",
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 pub struct Material {
-    /// The color of its diffuse reflection.
+    /// The color of its diffuse reflection; white by default, if it is a dielectric.
     pub color: Texture,
-    /// Fraction of the scene's ambient light, 0 to 1; 1 by default.
-    #[serde(deserialize_with = "yaml::fraction", default = "one")]
+    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a dielectric.
     pub ambient: f32,
-    /// Fraction of the diffuse light, 0 to 1; 1 by default.
-    #[serde(deserialize_with = "yaml::fraction", default = "one")]
+    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a dielectric.
     pub diffuse: f32,
     /// Strength of the highlight, 0 to 1; 0 by default.
-    #[serde(deserialize_with = "yaml::fraction", default)]
     pub specular: f32,
     /// Exponent of the highlight, at least 0; 50 by default.
-    #[serde(deserialize_with = "yaml::non_negative", default = "fifty")]
     pub exponent: f32,
-    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default.
-    #[serde(deserialize_with = "yaml::fraction", default)]
+    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a
+    /// dielectric, which reflects what Fresnel's equations say.
     pub reflection: f32,
+    /// The medium inside of the surface, if light enters it.
+    pub dielectric: Option<Dielectric>,
 }
 
-fn one() -> f32 {
-    1.0
+impl Material {
+    /// Whether it reflects light that arrives directly from a light.
+    pub fn is_lit(&self) -> bool {
+        self.dielectric.is_none() || self.diffuse > 0.0 || self.specular > 0.0
+    }
 }
 
-fn fifty() -> f32 {
-    50.0
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a material such as { color: [1, 0, 0] }"
+)]
+struct MaterialKeys {
+    #[serde(default)]
+    color: Option<Texture>,
+    #[serde(default, deserialize_with = "fraction")]
+    ambient: Option<f32>,
+    #[serde(default, deserialize_with = "fraction")]
+    diffuse: Option<f32>,
+    #[serde(default, deserialize_with = "fraction")]
+    specular: Option<f32>,
+    #[serde(default, deserialize_with = "exponent")]
+    exponent: Option<f32>,
+    #[serde(default, deserialize_with = "fraction")]
+    reflection: Option<f32>,
+    #[serde(default)]
+    dielectric: Option<Dielectric>,
+}
+
+fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::fraction(d).map(Some)
+}
+
+fn exponent<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::non_negative(d).map(Some)
+}
+
+impl TryFrom<MaterialKeys> for Material {
+    type Error = &'static str;
+
+    fn try_from(keys: MaterialKeys) -> Result<Self, Self::Error> {
+        let is_clear = keys.dielectric.is_some();
+        if is_clear && keys.reflection.is_some() {
+            return Err("cannot have a `reflection` beside its `dielectric`, \
+                 expected Fresnel's equations alone to say what a medium reflects");
+        }
+        let white = is_clear.then_some(Texture::Color(Vec3::ONE));
+        let by_default = if is_clear { 0.0 } else { 1.0 };
+        Ok(Self {
+            color: keys.color.or(white).ok_or("missing field `color`")?,
+            ambient: keys.ambient.unwrap_or(by_default),
+            diffuse: keys.diffuse.unwrap_or(by_default),
+            specular: keys.specular.unwrap_or(0.0),
+            exponent: keys.exponent.unwrap_or(50.0),
+            reflection: keys.reflection.unwrap_or(0.0),
+            dielectric: keys.dielectric,
+        })
+    }
 }

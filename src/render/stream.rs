@@ -131,6 +131,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             samples,
             wave: &mut self.wave,
         });
+        if self.shader.splits_paths() {
+            self.wave.start_in_vacuum();
+        }
         if self.view.eye().is_none() {
             self.eyes.resize(n_slots, Vec3::ZERO);
             for (ray, &slot) in self.wave.rays.iter().zip(self.wave.slots()) {
@@ -184,6 +187,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             shader,
             ..
         } = self;
+        shader.weaken(wave, &self.hits);
         shader.begin(points);
         for light in 0..shader.n_lights() {
             shader.cast(light, wave, points);
@@ -197,8 +201,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             shader.add_light(light, eyes, wave, points, &self.occluded);
         }
         shader.end(wave, points, &mut self.next, &mut self.colors);
-        for &pixel in self.next.pixels() {
-            self.probe.rays(RayKind::Reflection, pixel as usize, 1);
+        for (i, &pixel) in self.next.pixels().iter().enumerate() {
+            self.probe.rays(self.next.kind(i), pixel as usize, 1);
             self.probe.bounce(pixel as usize, self.next.depth);
         }
         std::mem::swap(&mut self.wave, &mut self.next);

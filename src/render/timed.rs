@@ -11,7 +11,7 @@ use crate::cost::{Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind}
 use crate::film::{Pixel, PixelTime, Rendered};
 use crate::geometry::Ray;
 use crate::schedule::Tile;
-use crate::shade::Path;
+use crate::shade::PathRay;
 use crate::simd::Vector;
 use crate::stop;
 use crate::trace::SurfacePoint;
@@ -25,6 +25,9 @@ const N_WARM_UP: usize = 4;
 /// Columns and rows of the pixels that warm up a thread.
 const SPREAD: u32 = 8;
 
+/// Paths for which there is room before any is traced.
+const PATHS: usize = 256;
+
 /// Renders tiles pixel by pixel, counts each and optionally times it.
 pub(super) struct SingleRayRenderer<'a> {
     view: View<'a>,
@@ -36,6 +39,8 @@ pub(super) struct SingleRayRenderer<'a> {
     costs: Vec<Cost>,
     counters: Counters,
     times: Vec<PixelTime>,
+    /// The rays that continue a camera ray's path.
+    paths: Vec<PathRay>,
 }
 
 impl<'a> SingleRayRenderer<'a> {
@@ -60,6 +65,7 @@ impl<'a> SingleRayRenderer<'a> {
             costs: vec![written_cost; n_pixels],
             counters: Counters::default(),
             times: vec![written_time; n_pixels],
+            paths: Vec::with_capacity(PATHS),
         };
         renderer.warm_up_thread(&plan.image);
         renderer
@@ -81,7 +87,7 @@ impl<'a> SingleRayRenderer<'a> {
                 spread(i % SPREAD, image.width),
                 spread(i / SPREAD, image.height),
             );
-            render_pixel(&self.view, place, &mut self.pixels[0], &mut self.costs[0]);
+            self.render_pixel(place, 0);
         }
     }
 
@@ -99,9 +105,38 @@ impl<'a> SingleRayRenderer<'a> {
                 break;
             }
             let i = tile.index(place) as usize;
-            render_pixel(&self.view, place, &mut self.pixels[i], &mut self.costs[i]);
+            self.render_pixel(place, i);
         }
         clock.elapsed_ns(begin, clock.now()).into()
+    }
+
+    /// Renders pixel `i` of a tile in place: a copy would take as long as a ray.
+    fn render_pixel(&mut self, place: (u32, u32), i: usize) {
+        let Self {
+            view,
+            pixels,
+            costs,
+            paths,
+            ..
+        } = self;
+        let pixel = &mut pixels[i];
+        *pixel = Pixel::default();
+        // A local variable, which stays in registers.
+        let mut cost = Cost::default();
+        let probe = &mut cost;
+        for sample in 0..view.n_samples {
+            let ray = view.camera_ray(place, sample);
+            let met = view.tracer.trace(&ray, RayKind::Camera, probe);
+            if let Some(point) = met
+                && sample == view.middle
+            {
+                pixel.set_surface(&point);
+            }
+            let color = radiance(view, ray, met, paths, probe);
+            pixel.color += Vec3::from(view.limited(Vector::from(color)));
+        }
+        view.finish(pixel, place);
+        costs[i] = cost;
     }
 }
 
@@ -119,7 +154,7 @@ impl TileRenderer for SingleRayRenderer<'_> {
             }
             n_done += 1;
             let i = tile.index(place) as usize;
-            render_pixel(&self.view, place, &mut self.pixels[i], &mut self.costs[i]);
+            self.render_pixel(place, i);
             if let Some(stopwatch) = &mut self.stopwatch {
                 self.times[i] = stopwatch.lap();
             }
@@ -188,51 +223,40 @@ impl<'a> Stopwatch<'a> {
     }
 }
 
-/// Renders a pixel in place: a copy would take as long as a ray.
-fn render_pixel(view: &View, place: (u32, u32), pixel: &mut Pixel, counted: &mut Cost) {
-    *pixel = Pixel::default();
-    // A local variable, which stays in registers.
-    let mut cost = Cost::default();
-    let probe = &mut cost;
-    for sample in 0..view.n_samples {
-        let ray = view.camera_ray(place, sample);
-        let met = view.tracer.trace(&ray, RayKind::Camera, probe);
-        if let Some(point) = met
-            && sample == view.middle
-        {
-            pixel.set_surface(&point);
-        }
-        let color = view.limited(Vector::from(radiance(view, ray, met, probe)));
-        pixel.color += Vec3::from(color);
-    }
-    view.finish(pixel, place);
-    *counted = cost;
-}
-
-/// Returns the radiance along a camera ray, given the point that it hit.
+/// Returns the radiance along a camera ray, given the point that it hit. `paths` is a
+/// reused buffer.
 fn radiance<P: Probe>(
     view: &View,
     camera_ray: Ray,
     first: Option<SurfacePoint>,
+    paths: &mut Vec<PathRay>,
     probe: &mut P,
 ) -> Vec3 {
     let View { tracer, shader, .. } = view;
-    let mut path = Path::from_eye(camera_ray.origin);
-    let (mut ray, mut met) = (camera_ray, first);
-    while let Some(point) = met {
-        let lights = shader
-            .light_samples(&point)
-            .filter(|sample| !tracer.is_shadowed(&sample.shadow, probe))
-            .map(|sample| sample.light);
-        match shader.shade(&mut path, &ray, &point, lights) {
-            Some(reflected) => ray = reflected,
-            None => return path.color,
-        }
+    let mut color = Vec3::ZERO;
+    let (mut path, mut met) = (PathRay::from_camera(camera_ray), first);
+    paths.clear();
+    // All rays of a depth before those of the next, as in waves.
+    let mut n_traced = 0;
+    loop {
+        color += match met {
+            Some(point) => {
+                let lights = shader
+                    .light_samples(&point)
+                    .filter(|sample| !tracer.is_shadowed(&sample.shadow, probe))
+                    .map(|sample| sample.light);
+                shader.shade(camera_ray.origin, &path, &point, lights, paths)
+            }
+            None => shader.miss(&path),
+        };
+        let Some(&next) = paths.get(n_traced) else {
+            return color;
+        };
+        n_traced += 1;
+        path = next;
         probe.bounce(path.depth);
-        met = tracer.trace(&ray, RayKind::Reflection, probe);
+        met = tracer.trace(&path.ray, path.kind, probe);
     }
-    shader.miss(&mut path, &ray);
-    path.color
 }
 
 #[cfg(test)]

@@ -14,7 +14,9 @@ use glam::Vec3;
 
 use crate::camera::ImagePlane;
 use crate::color::Development;
-use crate::config::{Background, Config, ExtraArrays, Geometry, GeometryFile, Object, Shading};
+use crate::config::{
+    Background, Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel,
+};
 use crate::light::Light;
 use crate::material::Material;
 use crate::simd::Vector;
@@ -50,6 +52,8 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// The classes of the primitives.
     classes: Vec<SurfaceClass>,
+    /// Whether any material is a dielectric.
+    has_media: bool,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
     /// The attributes of the objects' primitives, by [`ObjectId`].
@@ -77,6 +81,7 @@ impl Scene {
             )
             .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
         }
+        check_media(config)?;
         let mut scene = Self {
             image_plane: config
                 .camera
@@ -87,6 +92,10 @@ impl Scene {
             extra_arrays: config.extra_arrays(),
             lights: config.lights.clone(),
             materials: config.materials.values().cloned().collect(),
+            has_media: config
+                .materials
+                .values()
+                .any(|material| material.dielectric.is_some()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
             classes: Vec::with_capacity(geometries.n_primitives()),
             n_degenerate: 0,
@@ -108,6 +117,11 @@ impl Scene {
                 .push(ObjectAttributes { first, attributes });
         }
         Ok(scene)
+    }
+
+    /// Whether any material is a dielectric.
+    pub fn has_media(&self) -> bool {
+        self.has_media
     }
 
     /// Number of objects.
@@ -181,6 +195,24 @@ impl Scene {
         let object = self.primitives[primitive as usize].object;
         let ObjectAttributes { first, attributes } = &self.attributes[object.0 as usize];
         (attributes, (primitive - first) as usize)
+    }
+}
+
+/// Checks that the shading model refracts, if a material does.
+fn check_media(config: &Config) -> Result<(), Fault> {
+    let mut materials = config.materials.iter();
+    let medium = materials.find(|(_, material)| material.dielectric.is_some());
+    match (medium, config.shading.model) {
+        (Some((name, _)), ShadingModel::Seed) => {
+            let path = FieldPath::default().key("materials").key(name);
+            Err(Fault::new(
+                path.key("dielectric"),
+                "the shading model `seed` has no refraction",
+                "expected a material without it",
+            )
+            .with_help("remove `model: seed` from `shading`"))
+        }
+        _ => Ok(()),
     }
 }
 

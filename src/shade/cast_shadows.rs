@@ -4,6 +4,7 @@ use super::model::Model;
 use super::paths::PathWave;
 use crate::accel::ShadowStream;
 use crate::light::Light;
+use crate::scene::Scene;
 use crate::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
 use crate::trace::{PointLanes, Points};
 
@@ -38,6 +39,7 @@ impl ShadowWave {
 /// Collects the shadow rays of all points that the light may reach.
 pub(super) struct CastShadows<'a, M> {
     pub(super) model: M,
+    pub(super) scene: &'a Scene,
     pub(super) light: &'a Light,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
@@ -50,6 +52,9 @@ impl<M: Model> SimdKernel for CastShadows<'_, M> {
     #[inline(always)]
     fn run<I: InstructionSet>(mut self, set: I) {
         for group in self.points.groups() {
+            if !self.scene.material(group.material).is_lit() {
+                continue;
+            }
             for at in group.lanes() {
                 self.cast(set, at);
             }

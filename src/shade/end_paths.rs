@@ -1,11 +1,17 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
+use glam::Vec3;
+
+use super::fresnel::{Split, split_at};
+use super::media::Media;
 use super::model::Model;
-use super::paths::PathWave;
+use super::path::MIN_WEIGHT;
+use super::paths::{Continued, PathWave};
+use crate::cost::RayKind;
 use crate::material::Material;
-use crate::scene::Scene;
+use crate::scene::{MaterialId, Scene};
 use crate::simd::{
-    InstructionSet, N_LANES, SimdKernel, Vector, VectorColumn, lane_of, set_lane, to_arrays,
+    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, lane_of, set_lane, to_arrays,
 };
 use crate::trace::{PointLanes, Points};
 
@@ -38,8 +44,10 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
                     ended &= self.lit[at.first / N_LANES];
                 }
                 self.add(set, at, ended);
-                if reflects {
-                    self.reflect(set, material, at, ended);
+                match material.dielectric {
+                    None if reflects => self.reflect(set, material, at, ended),
+                    Some(_) if may_bounce => self.split(set, group.material, at, ended),
+                    _ => {}
                 }
             }
         }
@@ -51,8 +59,8 @@ impl<M: Model> EndPoints<'_, M> {
     #[inline(always)]
     fn add<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
         let radiance = self.radiance.load(set, at.first);
-        let (slots, weights) = self.wave.of_rays(self.points.rays(at));
-        add(set, self.colors, radiance, &slots, &weights, lanes);
+        let (slots, weights) = self.wave.of_rays(set, self.points.rays(at));
+        add(self.colors, radiance.times(weights), &slots, lanes);
     }
 
     /// Collects the reflected rays of these lanes.
@@ -67,12 +75,101 @@ impl<M: Model> EndPoints<'_, M> {
         let point = self.points.shading(set, at);
         let direction = point.mirrored(self.points.directions(set, at));
         let origin = self.model.origin(&point, direction);
-        let rays = self.points.rays(at);
-        let reflection = material.reflection;
-        let reflected = [origin, direction];
-        self.next
-            .bounce(set, reflected, self.wave, rays, reflection, lanes);
+        let reflected = Continued {
+            origin,
+            direction,
+            factor: set.splat_vector(Vec3::splat(material.reflection)),
+            rays: self.points.rays(at),
+            kind: RayKind::Reflection,
+            media: None,
+        };
+        self.next.bounce(set, &reflected, self.wave, lanes);
     }
+
+    /// Collects the reflected and the refracted rays of these lanes, at the surface of a
+    /// medium.
+    #[inline(always)]
+    fn split<I: InstructionSet>(
+        &mut self,
+        set: I,
+        material: MaterialId,
+        at: PointLanes,
+        lanes: u8,
+    ) {
+        let point = self.points.shading(set, at);
+        let direction = self.points.directions(set, at);
+        let rays = self.points.rays(at);
+        let Interfaces {
+            eta,
+            visible,
+            behind,
+        } = self.interfaces(material, rays, point.side.signs());
+        let Split {
+            reflectance,
+            refracted,
+        } = split_at(&point, direction, set.load(&eta), set.mask(visible));
+        let mirrored = point.mirrored(direction);
+        let refraction = set.splat(1.0) - reflectance;
+        for (kind, direction, factor, media) in [
+            (RayKind::Reflection, mirrored, reflectance, None),
+            (RayKind::Refraction, refracted, refraction, Some(&behind)),
+        ] {
+            let continued = Continued {
+                origin: self.model.origin(&point, direction),
+                direction,
+                factor: Vector {
+                    x: factor,
+                    y: factor,
+                    z: factor,
+                },
+                rays,
+                kind,
+                media,
+            };
+            let lanes = lanes & self.worth(rays, factor.to_array());
+            self.next.bounce(set, &continued, self.wave, lanes);
+        }
+    }
+
+    /// The surfaces of a medium that eight rays met; `flipped` are those that they met
+    /// from inside.
+    #[inline(always)]
+    fn interfaces(&self, material: MaterialId, rays: &[u32; N_LANES], flipped: u8) -> Interfaces {
+        let mut interfaces = Interfaces {
+            eta: [1.0; N_LANES],
+            visible: 0,
+            behind: [Media::default(); N_LANES],
+        };
+        for (lane, &ray) in rays.iter().enumerate() {
+            let media = self.wave.branches[ray as usize].media;
+            let enters = flipped >> lane & 1 == 0;
+            let interface = media.cross(material, enters, &self.scene.materials);
+            interfaces.eta[lane] = interface.eta;
+            interfaces.visible |= u8::from(interface.is_visible) << lane;
+            interfaces.behind[lane] = interface.behind;
+        }
+        interfaces
+    }
+
+    /// The lanes whose rays would still have enough weight after a factor.
+    #[inline(always)]
+    fn worth(&self, rays: &[u32; N_LANES], factors: [f32; N_LANES]) -> u8 {
+        let mut lanes = 0;
+        for (lane, (&ray, factor)) in rays.iter().zip(factors).enumerate() {
+            let weight = self.wave.weights.get(ray as usize) * factor;
+            lanes |= u8::from(weight.max_element() >= MIN_WEIGHT) << lane;
+        }
+        lanes
+    }
+}
+
+/// The surfaces of a medium that eight rays met.
+struct Interfaces {
+    /// The indices of refraction before the surfaces over those behind them.
+    eta: [f32; N_LANES],
+    /// The lanes where the medium that counts changes.
+    visible: u8,
+    behind: [Media; N_LANES],
 }
 
 /// Adds the background to the paths whose rays hit nothing.
@@ -102,27 +199,25 @@ impl SimdKernel for AddBackground<'_> {
                 );
             }
             let radiance = self.scene.background.color(set.load_vector(&directions));
-            let (slots, weights) = self.wave.of_rays(&rays);
+            let (slots, weights) = self.wave.of_rays(set, &rays);
             let lanes = u8::MAX >> (N_LANES - missed.len());
-            add(set, self.colors, radiance, &slots, &weights, lanes);
+            add(self.colors, radiance.times(weights), &slots, lanes);
         }
     }
 }
 
-/// Adds weighted radiance to the colors of these lanes' slots.
+/// Adds to the colors of these lanes' slots.
 #[inline(always)]
-fn add<I: InstructionSet>(
-    set: I,
+fn add<L: Lanes>(
     colors: &mut VectorColumn,
-    radiance: Vector<I::Lanes>,
+    added: Vector<L>,
     slots: &[u32; N_LANES],
-    weights: &[f32; N_LANES],
     mut lanes: u8,
 ) {
-    let weighted = to_arrays(radiance * set.load(weights));
+    let added = to_arrays(added);
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize % N_LANES;
         lanes &= lanes - 1;
-        colors.add(slots[lane] as usize, lane_of(&weighted, lane));
+        colors.add(slots[lane] as usize, lane_of(&added, lane));
     }
 }

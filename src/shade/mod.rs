@@ -3,12 +3,15 @@
 //! This module traces no rays, so that rays traced one by one and rays in
 //! streams share the same shading. [`Shader::light_samples`] returns the lights
 //! that may reach a point with their shadow rays. Given the unoccluded ones,
-//! [`Shader::shade`] adds the radiance of the point to the path and returns the
-//! reflected ray that continues it. [`WaveShader`] does the same for many points at once.
+//! [`Shader::shade`] returns the radiance that the point adds to its path, and the rays
+//! that continue it: none, a reflected one, or, at the surface of a clear medium, a
+//! reflected and a refracted one. [`WaveShader`] does the same for many points at once.
 //! Both use the formulas of the shading models, which are written once, for one point and
 //! for lanes of points.
 
 mod blinn_phong;
+mod fresnel;
+mod media;
 mod model;
 mod seed;
 mod standard;
@@ -19,20 +22,25 @@ mod add_light;
 mod end_paths;
 mod wave;
 
+use glam::Vec3;
+
 use crate::accel::ShadowRay;
 use crate::config::ShadingModel;
+use crate::cost::RayKind;
 use crate::geometry::Ray;
 use crate::light::{Illumination, Light};
 use crate::scene::Scene;
 use crate::simd::{Simd, Vector};
 use crate::trace::SurfacePoint;
+use fresnel::split_at;
 use model::Model;
 use seed::Seed;
 use standard::Standard;
 
 pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;
-pub use path::Path;
+use path::MIN_WEIGHT;
+pub use path::PathRay;
 pub use paths::PathWave;
 pub use wave::WaveShader;
 
@@ -73,7 +81,9 @@ impl<'a> Shader<'a> {
         &self,
         point: &SurfacePoint,
     ) -> impl Iterator<Item = (u32, LightSample)> {
-        (0..).zip(&self.scene.lights).filter_map(|(index, light)| {
+        let is_lit = self.scene.material(point.material).is_lit();
+        let lights = if is_lit { &self.scene.lights[..] } else { &[] };
+        (0..).zip(lights).filter_map(|(index, light)| {
             let sample = match self.scene.shading.model {
                 ShadingModel::BlinnPhong => light_sample(Standard, light, point),
                 ShadingModel::Seed => light_sample(Seed, light, point),
@@ -82,19 +92,20 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// Adds the radiance of `point`, hit by the path's `ray`, to the path.
-    /// `lights` are the unoccluded light samples of the point, in their order.
-    /// Returns the ray that continues the path, or `None` at its end.
+    /// Returns the radiance that `point`, hit by a ray of a path from `eye`, adds to the
+    /// path; appends the rays that continue it to `next`. `lights` are the unoccluded
+    /// light samples of the point, in their order.
     pub fn shade(
         &self,
-        path: &mut Path,
-        ray: &Ray,
+        eye: Vec3,
+        path: &PathRay,
         point: &SurfacePoint,
         lights: impl Iterator<Item = Illumination<f32>>,
-    ) -> Option<Ray> {
+        next: &mut Vec<PathRay>,
+    ) -> Vec3 {
         match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.shade_by(Standard, path, ray, point, lights),
-            ShadingModel::Seed => self.shade_by(Seed, path, ray, point, lights),
+            ShadingModel::BlinnPhong => self.shade_by(Standard, eye, path, point, lights, next),
+            ShadingModel::Seed => self.shade_by(Seed, eye, path, point, lights, next),
         }
     }
 
@@ -102,14 +113,15 @@ impl<'a> Shader<'a> {
     fn shade_by<M: Model>(
         &self,
         model: M,
-        path: &mut Path,
-        ray: &Ray,
+        eye: Vec3,
+        path: &PathRay,
         point: &SurfacePoint,
         lights: impl Iterator<Item = Illumination<f32>>,
-    ) -> Option<Ray> {
+        next: &mut Vec<PathRay>,
+    ) -> Vec3 {
         let material = self.scene.material(point.material);
-        let (at, direction) = (point.shading(), ray.direction.into());
-        let to_viewer = model.to_viewer(&at, path.eye.into(), direction);
+        let (at, direction) = (point.shading(), path.ray.direction.into());
+        let to_viewer = model.to_viewer(&at, eye.into(), direction);
         let mut color = model.ambient(material, self.scene.shading.ambient, at.color);
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
@@ -117,25 +129,84 @@ impl<'a> Shader<'a> {
             color = color + model.reflected(material, &at, &light, to_viewer);
         }
         if !is_lit {
-            return None;
+            return Vec3::ZERO;
         }
-        path.add(color.into());
-        if material.reflection == 0.0 || path.depth >= u32::from(self.scene.shading.max_depth) {
-            return None;
+        let arriving = self.weakened(path, point.distance);
+        if path.depth < u32::from(self.scene.shading.max_depth) {
+            self.continue_path(model, &arriving, point, next);
         }
-        path.bounce(material.reflection);
-        let mirrored = at.mirrored(direction);
-        Some(Ray {
-            origin: model.origin(&at, mirrored).into(),
-            direction: mirrored.into(),
-        })
+        arriving.weight * Vec3::from(color)
     }
 
-    /// Adds the radiance of the background along the path's `ray`, which hit
-    /// nothing.
-    pub fn miss(&self, path: &mut Path, ray: &Ray) {
-        let color = self.scene.background.color(Vector::from(ray.direction));
-        path.add(color.into());
+    /// The ray with the weight that is left after a distance.
+    fn weakened(&self, path: &PathRay, distance: f32) -> PathRay {
+        let transmittance = path.media.transmittance(distance, &self.scene.materials);
+        PathRay {
+            weight: path.weight * transmittance,
+            ..*path
+        }
+    }
+
+    /// Appends the rays that continue a path from a point.
+    fn continue_path(
+        &self,
+        model: impl Model,
+        path: &PathRay,
+        point: &SurfacePoint,
+        next: &mut Vec<PathRay>,
+    ) {
+        let material = self.scene.material(point.material);
+        let (at, direction) = (point.shading(), Vector::from(path.ray.direction));
+        let mut add = |kind, factor: f32, to: Vector<f32>, media| {
+            next.push(PathRay {
+                ray: Ray {
+                    origin: model.origin(&at, to).into(),
+                    direction: to.into(),
+                },
+                kind,
+                depth: path.depth + 1,
+                weight: path.weight * factor,
+                media,
+            });
+        };
+        if material.dielectric.is_none() {
+            if material.reflection != 0.0 {
+                let mirrored = at.mirrored(direction);
+                add(
+                    RayKind::Reflection,
+                    material.reflection,
+                    mirrored,
+                    path.media,
+                );
+            }
+            return;
+        }
+        let materials = &self.scene.materials;
+        let interface = path
+            .media
+            .cross(point.material, !point.is_flipped, materials);
+        let split = split_at(&at, direction, interface.eta, interface.is_visible);
+        let is_worth = |factor: f32| (path.weight * factor).max_element() >= MIN_WEIGHT;
+        let refraction = 1.0 - split.reflectance;
+        if is_worth(split.reflectance) {
+            let mirrored = at.mirrored(direction);
+            add(RayKind::Reflection, split.reflectance, mirrored, path.media);
+        }
+        if is_worth(refraction) {
+            add(
+                RayKind::Refraction,
+                refraction,
+                split.refracted,
+                interface.behind,
+            );
+        }
+    }
+
+    /// Returns the radiance of the background that a ray which hit nothing adds to its
+    /// path.
+    pub fn miss(&self, path: &PathRay) -> Vec3 {
+        let color = self.scene.background.color(path.ray.direction.into());
+        self.weakened(path, f32::INFINITY).weight * Vec3::from(color)
     }
 }
 

@@ -1,40 +1,39 @@
-//! The state of a path of rays.
+//! The rays of a path.
 
 use glam::Vec3;
 
-/// A path of rays from the camera. At each point, color += weight * radiance
-/// and weight *= reflection.
+use super::media::Media;
+use crate::cost::RayKind;
+use crate::geometry::Ray;
+
+/// A ray that starts at the camera, or continues a path from a surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Path {
-    /// The radiance so far, each channel at least 0, not limited to 1.
-    pub color: Vec3,
-    /// The number of bounces so far.
+pub struct PathRay {
+    /// The ray.
+    pub ray: Ray,
+    /// Its kind.
+    pub kind: RayKind,
+    /// The number of bounces before it.
     pub depth: u32,
-    /// The origin of the camera ray.
-    pub(super) eye: Vec3,
-    /// The share of the next point's radiance that reaches the camera.
-    weight: f32,
+    /// The share of the radiance that it meets which reaches the camera.
+    pub(super) weight: Vec3,
+    /// The media that it is in.
+    pub(super) media: Media,
 }
 
-impl Path {
-    /// Creates a path whose camera ray starts at `eye`.
-    pub fn from_eye(eye: Vec3) -> Self {
+impl PathRay {
+    /// A camera ray.
+    pub fn from_camera(ray: Ray) -> Self {
         Self {
-            color: Vec3::ZERO,
+            ray,
+            kind: RayKind::Camera,
             depth: 0,
-            eye,
-            weight: 1.0,
+            weight: Vec3::ONE,
+            media: Media::default(),
         }
     }
-
-    /// Adds the radiance of a point.
-    pub(super) fn add(&mut self, light: Vec3) {
-        self.color += self.weight * light;
-    }
-
-    /// Continues with a reflected ray, weighted by `reflection`.
-    pub(super) fn bounce(&mut self, reflection: f32) {
-        self.depth += 1;
-        self.weight *= reflection;
-    }
 }
+
+/// Least weight of a ray that is split off at the surface of a medium, in its greatest
+/// channel: without a limit, the number of rays doubles with each bounce.
+pub(super) const MIN_WEIGHT: f32 = 1.0 / 4096.0;

@@ -1,7 +1,15 @@
 //! The paths of a wave.
 
+use glam::Vec3;
+
+use super::media::Media;
+use crate::accel::Hit;
+use crate::cost::RayKind;
 use crate::geometry::RayStream;
-use crate::simd::{InstructionSet, N_LANES, Vector, grow, lanes_mut};
+use crate::material::Material;
+use crate::simd::{
+    InstructionSet, N_LANES, Vector, VectorColumn, grow, lane_of, lanes_mut, set_lane, to_arrays,
+};
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All
 /// paths have the same number of bounces.
@@ -13,18 +21,98 @@ pub struct PathWave {
     pixels: Vec<u32>,
     /// The index of each path's color, with room for whole lanes.
     slots: Vec<u32>,
-    /// The share of the next point's radiance that reaches the camera, with room for
-    /// whole lanes.
-    weights: Vec<f32>,
+    /// The share of the radiance that each ray meets which reaches the camera.
+    pub(super) weights: VectorColumn,
+    /// What only paths through media have; else empty.
+    pub(super) branches: Vec<Branch>,
     /// The number of bounces so far.
     pub depth: u32,
+}
+
+/// A ray of a path that may be split.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Branch {
+    /// The media that the ray is in.
+    pub(super) media: Media,
+    pub(super) kind: RayKind,
+    /// Its place among the rays of its wave: twice that of the ray that it continues,
+    /// and one more if it is refracted.
+    place: u32,
+}
+
+/// The eight rays that continue rays of a wave, in lanes.
+pub(super) struct Continued<'a, L> {
+    pub(super) origin: Vector<L>,
+    pub(super) direction: Vector<L>,
+    /// The share of the light that they carry on.
+    pub(super) factor: Vector<L>,
+    /// The rays that they continue.
+    pub(super) rays: &'a [u32; N_LANES],
+    pub(super) kind: RayKind,
+    /// The media that they are in, unless they are those of the rays before.
+    pub(super) media: Option<&'a [Media; N_LANES]>,
 }
 
 impl PathWave {
     /// Removes all rays; their paths will have had this number of bounces.
     pub fn restart(&mut self, depth: u32) {
         self.rays.clear();
+        self.branches.clear();
         self.depth = depth;
+    }
+
+    /// Lets all paths start in the vacuum, in a scene whose media may split them.
+    pub fn start_in_vacuum(&mut self) {
+        let camera = |place| Branch {
+            media: Media::default(),
+            kind: RayKind::Camera,
+            place,
+        };
+        self.branches.clear();
+        self.branches
+            .extend((0..self.rays.len() as u32).map(camera));
+    }
+
+    /// The kind of ray `i`, which continues a path.
+    #[inline(always)]
+    pub fn kind(&self, i: usize) -> RayKind {
+        let branch = self.branches.get(i);
+        branch.map_or(RayKind::Reflection, |branch| branch.kind)
+    }
+
+    /// Weakens the light by the media on the way to the hits.
+    pub(super) fn weaken(&mut self, hits: &[Option<Hit>], materials: &[Material]) {
+        for (i, (branch, hit)) in self.branches.iter().zip(hits).enumerate() {
+            let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
+            let transmittance = branch.media.transmittance(distance, materials);
+            self.weights.set(i, self.weights.get(i) * transmittance);
+        }
+    }
+
+    /// Overwrites `sorted` with its rays in the order of the rays that they continue, of
+    /// which there were `n_before`; of two, the reflected one comes first. So the order
+    /// depends on each path alone. `order` is a reused buffer.
+    pub(super) fn sort_into(
+        &self,
+        sorted: &mut PathWave,
+        n_before: usize,
+        order: &mut Vec<Option<u32>>,
+    ) {
+        order.clear();
+        order.resize(2 * n_before, None);
+        for (i, branch) in (0..).zip(&self.branches) {
+            order[branch.place as usize] = Some(i);
+        }
+        sorted.restart(self.depth);
+        for &i in order.iter().flatten() {
+            let (from, to) = (i as usize, sorted.rays.len());
+            sorted.reserve();
+            sorted.rays.push(self.rays.get(from));
+            sorted.pixels[to] = self.pixels[from];
+            sorted.slots[to] = self.slots[from];
+            sorted.weights.set(to, self.weights.get(from));
+            sorted.branches.push(self.branches[from]);
+        }
     }
 
     /// The pixel of each ray.
@@ -44,7 +132,7 @@ impl PathWave {
         self.rays.reserve(N_LANES);
         grow(&mut self.pixels, n + N_LANES);
         grow(&mut self.slots, n + N_LANES);
-        grow(&mut self.weights, n + N_LANES);
+        self.weights.grow(n + N_LANES);
     }
 
     /// Adds a path that starts with each ray of the first `n` lanes; slots ascend from
@@ -63,45 +151,68 @@ impl PathWave {
         let mask = set.mask(u8::MAX >> (N_LANES - n));
         self.rays.push_lanes(origin, direction, mask);
         *lanes_mut(&mut self.pixels, first) = *pixels;
-        *lanes_mut(&mut self.weights, first) = [1.0; N_LANES];
+        self.weights.store(first, set.splat_vector(Vec3::ONE));
         for (slot, lane) in lanes_mut(&mut self.slots, first).iter_mut().zip(0..) {
             *slot = first_slot + lane;
         }
     }
 
-    /// Adds the reflected rays of these lanes, which continue the paths of `rays` of
-    /// the `wave`.
+    /// Adds these lanes of rays that continue those of the `wave`.
     #[inline(always)]
     pub(super) fn bounce<I: InstructionSet>(
         &mut self,
         set: I,
-        [origin, direction]: [Vector<I::Lanes>; 2],
+        continued: &Continued<I::Lanes>,
         wave: &PathWave,
-        rays: &[u32; N_LANES],
-        reflection: f32,
         mut lanes: u8,
     ) {
         self.reserve();
         let mut next = self.rays.len();
+        let Continued {
+            origin,
+            direction,
+            factor,
+            rays,
+            kind,
+            media,
+        } = *continued;
         self.rays.push_lanes(origin, direction, set.mask(lanes));
+        let factors = to_arrays(factor);
         while lanes != 0 {
-            let ray = rays[lanes.trailing_zeros() as usize % N_LANES] as usize;
+            let lane = lanes.trailing_zeros() as usize % N_LANES;
+            let ray = rays[lane] as usize;
             lanes &= lanes - 1;
             self.pixels[next] = wave.pixels[ray];
             self.slots[next] = wave.slots[ray];
-            self.weights[next] = wave.weights[ray] * reflection;
+            let weight = wave.weights.get(ray) * lane_of(&factors, lane);
+            self.weights.set(next, weight);
+            if let Some(before) = wave.branches.get(ray) {
+                self.branches.push(Branch {
+                    media: media.map_or(before.media, |media| media[lane]),
+                    kind,
+                    place: 2 * ray as u32 + u32::from(kind == RayKind::Refraction),
+                });
+            }
             next += 1;
         }
     }
 
-    /// The slots and the weights of these rays.
+    /// The indices under which these rays add to colors, and their weights: the indices
+    /// of paths, but those of rays if paths may be split.
     #[inline(always)]
-    pub(super) fn of_rays(&self, rays: &[u32; N_LANES]) -> ([u32; N_LANES], [f32; N_LANES]) {
-        let (mut slots, mut weights) = ([0; N_LANES], [0.0; N_LANES]);
+    pub(super) fn of_rays<I: InstructionSet>(
+        &self,
+        set: I,
+        rays: &[u32; N_LANES],
+    ) -> ([u32; N_LANES], Vector<I::Lanes>) {
+        let (mut slots, mut weights) = ([0; N_LANES], [[0.0; N_LANES]; 3]);
         for lane in 0..N_LANES {
-            slots[lane] = self.slots[rays[lane] as usize];
-            weights[lane] = self.weights[rays[lane] as usize];
+            slots[lane] = match self.branches.is_empty() {
+                true => self.slots[rays[lane] as usize],
+                false => rays[lane],
+            };
+            set_lane(&mut weights, lane, self.weights.get(rays[lane] as usize));
         }
-        (slots, weights)
+        (slots, set.load_vector(&weights))
     }
 }

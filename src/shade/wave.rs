@@ -7,6 +7,7 @@ use super::model::Model;
 use super::paths::PathWave;
 use super::seed::Seed;
 use super::standard::Standard;
+use crate::accel::Hit;
 use crate::config::ShadingModel;
 use crate::scene::Scene;
 use crate::simd::{N_LANES, Simd, VectorColumn};
@@ -28,6 +29,18 @@ pub struct WaveShader<'a> {
     reached: Vec<u8>,
     /// The points that some light reaches.
     lit: Vec<u8>,
+    /// Only in scenes with media.
+    split: SplitPaths,
+}
+
+/// Buffers for paths that may be split.
+#[derive(Debug, Default)]
+struct SplitPaths {
+    /// What each ray adds to its path.
+    added: VectorColumn,
+    /// The rays that continue the paths, in the order of the points.
+    unsorted: PathWave,
+    order: Vec<Option<u32>>,
 }
 
 impl<'a> WaveShader<'a> {
@@ -40,7 +53,13 @@ impl<'a> WaveShader<'a> {
             radiance: VectorColumn::default(),
             reached: Vec::new(),
             lit: Vec::new(),
+            split: SplitPaths::default(),
         }
+    }
+
+    /// Whether media may split paths.
+    pub fn splits_paths(&self) -> bool {
+        self.scene.has_media()
     }
 
     /// Number of lights.
@@ -80,6 +99,7 @@ impl<'a> WaveShader<'a> {
     fn cast_by(&mut self, model: impl Model, light: usize, wave: &PathWave, points: &Points) {
         self.simd.run(CastShadows {
             model,
+            scene: self.scene,
             light: &self.scene.lights[light],
             wave,
             points,
@@ -131,8 +151,13 @@ impl<'a> WaveShader<'a> {
         });
     }
 
+    /// Weakens the light of rays by the media on the way to their hits.
+    pub fn weaken(&self, wave: &mut PathWave, hits: &[Option<Hit>]) {
+        wave.weaken(hits, &self.scene.materials);
+    }
+
     /// Adds the radiance of the points, and the background that the other rays see,
-    /// to `colors`, by slot. Overwrites `next` with the reflected rays.
+    /// to `colors`, by slot. Overwrites `next` with the rays that continue the paths.
     pub(crate) fn end(
         &mut self,
         wave: &PathWave,
@@ -140,7 +165,31 @@ impl<'a> WaveShader<'a> {
         next: &mut PathWave,
         colors: &mut VectorColumn,
     ) {
-        next.restart(wave.depth + 1);
+        if !self.scene.has_media() {
+            next.restart(wave.depth + 1);
+            return self.end_paths(wave, points, next, colors);
+        }
+        // Several rays of a path add to its color: in an order that depends on the path
+        // alone, not on the other paths of the wave.
+        let mut split = std::mem::take(&mut self.split);
+        split.added.reset(wave.rays.len());
+        split.unsorted.restart(wave.depth + 1);
+        self.end_paths(wave, points, &mut split.unsorted, &mut split.added);
+        for (ray, &slot) in wave.slots().iter().enumerate() {
+            colors.add(slot as usize, split.added.get(ray));
+        }
+        let n_before = wave.rays.len();
+        split.unsorted.sort_into(next, n_before, &mut split.order);
+        self.split = split;
+    }
+
+    fn end_paths(
+        &self,
+        wave: &PathWave,
+        points: &Points,
+        next: &mut PathWave,
+        colors: &mut VectorColumn,
+    ) {
         self.simd.run(AddBackground {
             scene: self.scene,
             missed: points.missed(),
@@ -154,7 +203,7 @@ impl<'a> WaveShader<'a> {
     }
 
     fn end_by(
-        &mut self,
+        &self,
         model: impl Model,
         wave: &PathWave,
         points: &Points,

@@ -15,6 +15,8 @@ pub struct RandomScene {
     pub samples: u32,
     pub max_depth: u32,
     pub seed: u64,
+    /// Whether some objects are of glass and water.
+    pub has_media: bool,
     pub reflections: [f32; 3],
     pub specular: f32,
     /// For each light, whether it is a point light.
@@ -34,6 +36,7 @@ impl RandomScene {
             samples,
             max_depth,
             seed,
+            has_media,
             reflections: [floor, ball, cloud],
             specular,
             lights,
@@ -41,6 +44,12 @@ impl RandomScene {
             camera,
             sampling,
         } = self;
+        // Some of the cloud's spheres overlap.
+        let (media, of_cloud) = if *has_media && *model != "seed" {
+            (MEDIA, "[cloud, glass, water]")
+        } else {
+            ("", "cloud")
+        };
         let mut text = format!(
             "
 image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed}{sampling} }}
@@ -53,7 +62,7 @@ materials:
   floor: {{ color: {{ checker: {{ even: 1, odd: 0.1, size: 0.5, axes: xz }} }}, reflection: {floor} }}
   ball: {{ color: [0.9, 0.2, 0.1], specular: {specular}, reflection: {ball} }}
   cloud: {{ color: 0.6, specular: 0.3, exponent: 7.5, reflection: {cloud} }}
-objects:
+{media}objects:
   - plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}
     material: floor
   - sphere: {{ center: [0, 0, 0], radius: 0.9 }}
@@ -61,7 +70,7 @@ objects:
   - box: {{ min: [1, -1, -1], max: [2, 0.5, 0] }}
     material: ball
   - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
-    material: cloud
+    material: {of_cloud}
 lights:"
         );
         for (i, at_point) in lights.iter().enumerate() {
@@ -79,6 +88,12 @@ lights:"
         parse(&text)
     }
 }
+
+/// Materials of media.
+const MEDIA: &str =
+    "  glass: { dielectric: { index: 1.5, absorption: [0.1, 0.9, 3], priority: 1 }, specular: 0.2 }
+  water: { dielectric: { index: 1.33 } }
+";
 
 /// More keys of the image.
 const SAMPLING: [&str; 4] = [
@@ -105,6 +120,7 @@ prop_compose! {
         samples in 1_u32..=9,
         max_depth in 0_u32..6,
         seed in 0_u64..1000,
+        has_media in any::<bool>(),
         reflections in [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
             .prop_map(|shares| shares.map(|share| if share < 0.3 { 0.0 } else { share })),
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
@@ -114,7 +130,7 @@ prop_compose! {
         sampling in prop::sample::select(&SAMPLING[..]),
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, reflections, specular, lights, acceleration, camera, sampling,
+            model, size, samples, max_depth, seed, has_media, reflections, specular, lights, acceleration, camera, sampling,
         }
     }
 }

@@ -9,6 +9,7 @@ mod cameras;
 mod counters;
 mod determinism;
 mod import;
+mod media;
 mod attribution;
 mod meshes;
 mod observe;

@@ -1,0 +1,92 @@
+//! Light through clear media, against formulas.
+
+use glam::Vec3;
+
+use crate::common::{parse, scene_of};
+use raycost::accel::Accel;
+use raycost::attribution::{Observer, RayTree};
+use raycost::cost::RayKind;
+
+/// The rays of the pixel in the middle of five, which sees a medium under a white sky.
+fn under_white_sky(max_depth: u32, medium: &str, objects: &str) -> RayTree {
+    let config = parse(&format!(
+        "
+image: {{ width: 5, height: 5 }}
+camera: {{ look_at: {{ eye: [0, 0, 3], target: [0, 0, 0], fov_y_deg: 40 }} }}
+background: 1
+shading: {{ max_depth: {max_depth} }}
+materials:
+  medium: {{ dielectric: {medium} }}
+  water: {{ dielectric: {{ index: 1.33 }} }}
+lights: []
+objects: [{objects}]
+"
+    ));
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let mut tree = RayTree::default();
+    Observer::new(&scene, &accel, &config.image, None).observe((2, 2), &mut tree);
+    tree
+}
+
+/// A slab before the camera, 0.8 thick.
+const SLAB: &str = "{ box: { min: [-9, -9, -0.5], max: [9, 9, 0.3] }, material: medium }";
+
+#[test]
+fn a_slab_transmits_what_the_series_of_its_reflections_says() {
+    for (medium, index, absorption) in [
+        (
+            "{ index: 1.5, absorption: [0, 0.5, 4] }",
+            1.5,
+            [0.0, 0.5, 4.0],
+        ),
+        ("{ index: 2.4, absorption: 0.2 }", 2.4, [0.2; 3]),
+    ] {
+        let found = under_white_sky(60, medium, SLAB).color();
+        let fresnel = ((index - 1.0) / (index + 1.0_f32)).powi(2);
+        // Reflected at the first surface, or after any number of passes through the slab.
+        let expected = absorption.map(|absorption: f32| {
+            let pass = (-absorption * 0.8).exp();
+            fresnel + (1.0 - fresnel).powi(2) * pass / (1.0 - fresnel * pass)
+        });
+        let difference = (found - Vec3::from(expected)).abs().max_element();
+        // Rays of little weight are left out.
+        assert!(difference < 1e-3, "{found} {expected:?}");
+    }
+}
+
+#[test]
+fn a_clear_sphere_in_a_white_furnace_is_invisible() {
+    for offset in [0.0, 0.1, 0.2, 0.29] {
+        let sphere =
+            format!("{{ sphere: {{ center: [{offset}, 0, 0], radius: 0.3 }}, material: medium }}");
+        let tree = under_white_sky(60, "{ index: 1.5 }", &sphere);
+        let color = tree.color();
+        assert!((color - Vec3::ONE).abs().max_element() < 1e-3, "{color}");
+        let n_refracted = tree
+            .rays
+            .iter()
+            .filter(|ray| ray.kind == RayKind::Refraction);
+        assert!(n_refracted.count() >= 2);
+    }
+}
+
+#[test]
+fn a_medium_inside_of_an_equal_one_is_invisible() {
+    let in_water =
+        format!("{{ box: {{ min: [-9, -9, -0.9], max: [9, 9, 0.9] }}, material: water }}, {SLAB}");
+    let tree = under_white_sky(8, "{ index: 1.33 }", &in_water);
+    let alone = under_white_sky(8, "{ index: 1.33 }", SLAB);
+    // Into the water, through both surfaces of the slab, and out of it.
+    assert!(tree.rays.len() > alone.rays.len());
+    assert!((tree.color() - Vec3::ONE).abs().max_element() < 1e-3);
+}
+
+#[test]
+fn rays_end_at_the_greatest_depth() {
+    for max_depth in [0, 1, 3] {
+        let tree = under_white_sky(max_depth, "{ index: 1.5 }", SLAB);
+        let deepest = tree.rays.iter().map(|ray| ray.bounce).max();
+        assert_eq!(deepest, Some(max_depth));
+    }
+}
