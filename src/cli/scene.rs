@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 
 use super::shell_word;
+use crate::color::ToneCurve;
 use crate::config::{
-    Config, CostMode, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats, Structure,
-    TileOrder, Tiling,
+    Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats,
+    Structure, TileOrder, Tiling,
 };
 use crate::memory::Memory;
 use crate::scene::Geometries;
 use crate::session::Input;
-use crate::text::Diagnostic;
+use crate::text::{Diagnostic, keyword_name};
 use crate::vtk::Codec;
 use crate::yaml::{self, Fault, Source};
 
@@ -45,6 +46,14 @@ pub(super) struct SceneArguments {
     /// Longest path in bounces, instead of the file's
     #[arg(long, value_name = "BOUNCES")]
     max_depth: Option<u8>,
+
+    /// Exposure in stops, each of which doubles the light, instead of the file's
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    exposure: Option<f32>,
+
+    /// Tone curve, instead of the file's
+    #[arg(long, value_name = "CURVE")]
+    tone_curve: Option<ToneCurve>,
 
     /// Acceleration structure, instead of the file's
     #[arg(long, value_name = "STRUCTURE")]
@@ -110,6 +119,9 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
+        let film = &mut config.film;
+        film.exposure = self.exposure.unwrap_or(film.exposure);
+        film.tone_curve = self.tone_curve.unwrap_or(film.tone_curve);
         config.acceleration = self.acceleration.map_or(config.acceleration, Into::into);
         if let Some(count) = self.count {
             config
@@ -200,6 +212,8 @@ impl SceneArguments {
             flag("spp", number(self.spp)),
             flag("seed", self.seed.map(|seed| seed.to_string())),
             flag("max-depth", self.max_depth.map(|n| n.to_string())),
+            flag("exposure", self.exposure.map(|stops| stops.to_string())),
+            flag("tone-curve", self.tone_curve.map(|c| keyword_name(&c))),
             flag("acceleration", structure.map(|s| s.get_name().to_owned())),
             flag("count", number(self.count)),
             flag("out", self.out.as_deref().map(shell_word)),
@@ -220,4 +234,11 @@ impl SceneArguments {
         let stem = self.scene.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
+}
+
+/// Reads an exposure.
+fn stops(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok();
+    let in_range = number.filter(|stops| FilmSettings::STOPS.contains(stops));
+    in_range.ok_or_else(|| "expected a number from -32 to 32".to_owned())
 }

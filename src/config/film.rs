@@ -1,5 +1,7 @@
 //! The `film` section.
 
+use std::ops::RangeInclusive;
+
 use serde::Deserialize;
 
 use super::ShadingModel;
@@ -36,6 +38,9 @@ pub struct FilmSettings {
 }
 
 impl FilmSettings {
+    /// The exposures of pictures.
+    pub const STOPS: RangeInclusive<f32> = -32.0..=32.0;
+
     /// How light becomes numbers, with this shading model.
     pub fn development(&self, model: ShadingModel) -> Development {
         Development::new(self.exposure, self.tone_curve, self.transfer(model))

@@ -53,3 +53,24 @@ fn both_depths_are_the_nearest_numbers() {
         }
     }
 }
+
+#[test]
+fn the_command_line_overrides_the_film() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = fs::read_to_string(in_repository("configs/blocks.yaml")).unwrap();
+    let picture = |film: &str, flags: &[&str]| {
+        let path = folder.path().join("scene.yaml");
+        fs::write(&path, format!("{scene}film: {{ {film} }}\n")).unwrap();
+        let out = folder.path().join("out");
+        let mut command = raycost();
+        command.arg("render").arg(path).arg("--out").arg(&out);
+        command.args(["--width=40", "--height=30", "--cost=none", "--quiet"]);
+        assert_success(&command.args(flags).output().unwrap());
+        image::open(out.join("image.png")).unwrap()
+    };
+    let by_file = picture("exposure: -1.5, tone_curve: agx", &[]);
+    let flags = ["--exposure", "-1.5", "--tone-curve", "agx"];
+    assert_eq!(picture("exposure: 3, tone_curve: aces", &flags), by_file);
+    assert_ne!(picture("exposure: -1.5", &[]), by_file);
+    assert_ne!(picture("tone_curve: agx", &[]), by_file);
+}
