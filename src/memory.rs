@@ -28,7 +28,9 @@ impl Memory {
     /// Estimates the memory for a config and its geometries: an upper bound,
     /// except for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
+        let of_samples = config.image.adaptive.map_or(0, |_| size_of::<u32>());
         let of_film = film::bytes_per_pixel(config.cost, config.extra_arrays())
+            + of_samples
             + repeat_bytes_per_pixel(config);
         let per_pixel = of_film as u64 + output::BYTES_PER_PIXEL;
         let Image { width, height, .. } = config.image;

@@ -16,9 +16,15 @@ pub struct Work {
     /// Their thread time in picoseconds, as integers so that sums do not depend
     /// on their order; 0 if no time was measured.
     pub time_ps: u64,
+    /// The pixels that they are samples of, if camera rays, in units of
+    /// [`Self::PIXEL_UNIT`]: integers for the same reason.
+    pub pixel_units: u64,
 }
 
 impl Work {
+    /// A whole pixel: each of its `n` camera rays counts as an n-th of it, rounded.
+    pub const PIXEL_UNIT: u64 = 1 << 30;
+
     /// The metrics of rays, in order of preference.
     pub const METRICS: [Metric; 4] = [
         Metric::TIME,
@@ -45,6 +51,7 @@ impl Work {
             node_visits: self.node_visits + other.node_visits,
             primitive_tests: self.primitive_tests + other.primitive_tests,
             time_ps: self.time_ps + other.time_ps,
+            pixel_units: self.pixel_units + other.pixel_units,
         }
     }
 }
@@ -100,8 +107,16 @@ impl AttributedCost {
         }
     }
 
-    /// Returns the number of camera rays that hit it. Divided by the samples per
-    /// pixel, this is the number of pixels that it covers.
+    /// Returns the number of pixels that it covers, each of a pixel's samples counted as
+    /// its share.
+    pub fn n_pixels(&self) -> f64 {
+        let units = self
+            .of_kind(AttributionRule::Hit, RayKind::Camera)
+            .pixel_units;
+        units as f64 / Work::PIXEL_UNIT as f64
+    }
+
+    /// Returns the number of camera rays that hit it.
     pub fn n_samples(&self) -> u64 {
         self.of_kind(AttributionRule::Hit, RayKind::Camera).rays
     }

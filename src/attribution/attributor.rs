@@ -12,8 +12,8 @@ use crate::scene::{Primitive, Scene};
 /// Sums that all threads add to.
 pub(super) struct Tallies {
     /// Four [`Work`] for each [`AttributionRule`] of each object.
-    objects: Tally<4>,
-    materials: Tally<4>,
+    objects: Tally<5>,
+    materials: Tally<5>,
     primitives: Option<Tally<3>>,
     /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
@@ -53,12 +53,13 @@ fn visits([n, n_hits, time_ps]: [u64; 3]) -> Visits {
     Visits { n, n_hits, time_ps }
 }
 
-fn accounts(tally: Tally<4>) -> Vec<AttributedCost> {
-    let work = |[rays, node_visits, primitive_tests, time_ps]: [u64; 4]| Work {
+fn accounts(tally: Tally<5>) -> Vec<AttributedCost> {
+    let work = |[rays, node_visits, primitive_tests, time_ps, pixel_units]: [u64; 5]| Work {
         rays,
         node_visits,
         primitive_tests,
         time_ps,
+        pixel_units,
     };
     let rows = tally.into_rows(work);
     let account = |rows: &[Work]| AttributedCost {
@@ -117,6 +118,8 @@ impl<'a> Attributor<'a> {
             Some(time_ns) if observed_ns > 0.0 => 1e3 * f64::from(time_ns) / observed_ns,
             _ => 0.0,
         };
+        let n_samples = rays.last().map_or(1, |ray| u64::from(ray.sample) + 1);
+        let share = (Work::PIXEL_UNIT + n_samples / 2) / n_samples;
         let mut primary = self.groups.background;
         for ray in rays {
             let hit = self.groups.of_hit(ray.hit);
@@ -126,9 +129,9 @@ impl<'a> Attributor<'a> {
             }
             let time_ps = (f64::from(ray.time_ns) * ps).round() as u64;
             self.groups
-                .attribute(AttributionRule::Primary, primary, ray, time_ps);
+                .attribute(AttributionRule::Primary, primary, ray, [time_ps, share]);
             self.groups
-                .attribute(AttributionRule::Hit, hit, ray, time_ps);
+                .attribute(AttributionRule::Hit, hit, ray, [time_ps, share]);
             self.steps.add(ray, self.tree.steps_of(ray), time_ps);
         }
         rays.len() as u64
@@ -141,7 +144,7 @@ struct ObjectTallies<'a> {
     /// The object and the material that represent the background.
     background: [u32; 2],
     /// The tallies of objects and of materials.
-    accounts: [TallyCache<'a, 4>; 2],
+    accounts: [TallyCache<'a, 5>; 2],
 }
 
 impl ObjectTallies<'_> {
@@ -153,13 +156,25 @@ impl ObjectTallies<'_> {
         })
     }
 
-    /// Attributes a ray to an object and a material.
-    fn attribute(&mut self, charge: AttributionRule, to: [u32; 2], ray: &TracedRay, time_ps: u64) {
+    /// Attributes a ray, with its time and its share of the pixel, to an object and a
+    /// material.
+    fn attribute(
+        &mut self,
+        charge: AttributionRule,
+        to: [u32; 2],
+        ray: &TracedRay,
+        [time_ps, share]: [u64; 2],
+    ) {
         let work = [
             1,
             ray.node_visits.into(),
             ray.primitive_tests.into(),
             time_ps,
+            if ray.kind == RayKind::Camera {
+                share
+            } else {
+                0
+            },
         ];
         for (counter, id) in self.accounts.iter_mut().zip(to) {
             let row = N_ROWS as u32 * id + 4 * charge as u32 + ray.kind as u32;

@@ -60,7 +60,7 @@ impl Observer<'_> {
         n_bytes: u64,
         report: impl Fn(u64),
     ) -> Result<Vec<ObservedPixel>, TooManyRays> {
-        let batch_len = N_SAMPLES.div_ceil(self.n_samples()) as usize;
+        let batch_len = N_SAMPLES.div_ceil(self.most_samples()) as usize;
         let mut places = places.peekable();
         let (mut pixels, mut n_rays) = (Vec::new(), 0);
         while places.peek().is_some() && !stop::is_requested() {

@@ -9,7 +9,7 @@ use crate::config::Image;
 use crate::cost::{Clock, Cost, RayKind};
 use crate::geometry::Ray;
 use crate::light::Illumination;
-use crate::render::View;
+use crate::render::{SampleSums, View};
 use crate::scene::Scene;
 use crate::shade::{LightSample, PathRay};
 use crate::trace::SurfacePoint;
@@ -66,9 +66,9 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Number of samples per pixel.
-    pub(super) fn n_samples(&self) -> u32 {
-        self.view.n_samples
+    /// Most samples of a pixel.
+    pub(super) fn most_samples(&self) -> u32 {
+        self.view.rounds.n_most()
     }
 
     /// Whether it measures times.
@@ -80,14 +80,26 @@ impl<'a> Observer<'a> {
     /// on top.
     pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
         tree.clear();
-        (0..self.view.n_samples).for_each(|sample| self.observe_sample((x, y), sample, tree));
+        let mut sums = SampleSums::zero(0.0);
+        let mut round = self.view.rounds.first();
+        while !round.is_empty() {
+            for sample in round.clone() {
+                let color = self.observe_sample((x, y), sample, tree);
+                sums.add(self.view.limited(color.into()));
+            }
+            round = self.view.rounds.next(&sums, round.end);
+        }
+        for ray in &mut tree.rays {
+            ray.contribution /= round.end as f32;
+        }
     }
 
-    fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) {
+    /// Observes a sample, with contributions in terms of it; returns its color.
+    fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) -> Vec3 {
         let camera_ray = self.view.camera_ray(place, sample);
         let mut paths = vec![PathRay::from_camera(camera_ray)];
         let mut parents = vec![None];
-        let mut n_traced = 0;
+        let (mut color, mut n_traced) = (Vec3::ZERO, 0);
         while let Some(&path) = paths.get(n_traced) {
             let start = Start {
                 kind: path.kind,
@@ -108,7 +120,9 @@ impl<'a> Observer<'a> {
                 None => self.miss(&path, number, tree),
             }
             parents.resize(paths.len(), Some(number));
+            color += tree.rays[number as usize].contribution;
         }
+        color
     }
 
     /// Traces a ray for its nearest hit and adds it; returns its index and the
@@ -184,9 +198,9 @@ impl<'a> Observer<'a> {
         self.contribute(number, color, tree);
     }
 
-    /// Sets the contribution of a ray, given in terms of its sample.
+    /// Sets the contribution of a ray to its sample.
     fn contribute(&self, number: u32, color: Vec3, tree: &mut RayTree) {
-        tree.rays[number as usize].contribution = color / self.view.n_samples as f32;
+        tree.rays[number as usize].contribution = color;
     }
 
     /// Runs `work`; returns its counters, its time in nanoseconds and its result.

@@ -36,7 +36,7 @@ pub(super) fn tables(rendering: &RenderingView, attribution: &CostAttribution) -
 fn table(group: &Group, whole: &AttributedCost, metric: Metric) -> String {
     let numbers = |account: &AttributedCost| {
         let [primary, hit] = AttributionRule::ALL.map(|rule| account.all(rule).get(metric));
-        [account.n_samples() as f64, primary, hit]
+        [account.n_pixels(), primary, hit]
     };
     let whole = numbers(whole);
     let row = |(name, account): (&String, &AttributedCost)| {

@@ -104,7 +104,7 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
                 "{} x {} pixels, {} per pixel, seed {}",
                 image.width,
                 image.height,
-                counted(u64::from(image.samples_per_pixel), "sample"),
+                image.samples(),
                 image.seed
             ),
         ),
@@ -130,7 +130,12 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
         (
             "rays",
             format!(
-                "{} from the camera, hits found by {structure}",
+                "{}{} from the camera, hits found by {structure}",
+                if image.adaptive.is_some() {
+                    "up to "
+                } else {
+                    ""
+                },
                 count(n_samples)
             ),
         ),

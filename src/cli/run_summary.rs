@@ -60,7 +60,7 @@ pub(super) fn lines(
          {trace}",
         image.width,
         image.height,
-        counted(image.samples_per_pixel.into(), "sample"),
+        image.samples(),
         primitives(rendering.scene),
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
@@ -105,6 +105,9 @@ fn speed(rendering: &RenderingView) -> String {
         format!("{:.1} Mrays/s, {} rays", millions(n_rays), count(n_rays))
     } else {
         let image = &rendering.config.image;
+        if image.adaptive.is_some() {
+            return "rays were not counted".to_owned();
+        }
         let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
         format!(
             "{:.1} million samples/s; rays were not counted",

@@ -211,6 +211,7 @@ fn small(image: &Image) -> Image {
         width: shrunk(image.width),
         height: shrunk(image.height),
         samples_per_pixel: 1,
+        adaptive: None,
         ..*image
     }
 }

@@ -46,6 +46,11 @@ impl Development {
         }
     }
 
+    /// The factor from radiance to light in the picture.
+    pub fn gain(&self) -> f32 {
+        self.gain
+    }
+
     /// Returns the numbers of a picture of 8 bits per channel: the nearest ones.
     #[inline]
     pub fn rgb8(&self, radiance: Vec3) -> [u8; 3] {

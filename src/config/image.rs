@@ -3,14 +3,12 @@
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer};
 
+use super::adaptive::{Adaptive, MAX_SAMPLES};
 use crate::sampling::{PixelFilter, PixelPattern};
-use crate::yaml::{self, Number};
+use crate::yaml::{self, Fault, FieldPath, Number};
 
 /// Longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 65_535;
-
-/// Most camera rays through a pixel.
-pub const MAX_SAMPLES: u32 = 65_536;
 
 /// Size and sampling of the picture.
 ///
@@ -49,12 +47,45 @@ pub struct Image {
     /// given.
     #[serde(deserialize_with = "filter_radius", default)]
     pub filter_radius: Option<f32>,
+    /// Adaptive sampling, which needs [`PixelPattern::Sobol`]: then `samples_per_pixel`
+    /// is the most that a pixel gets.
+    #[serde(default)]
+    pub adaptive: Option<Adaptive>,
 }
 
 impl Image {
     /// The number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// The number of samples per pixel, for people: "64 samples", "16 to 64 samples".
+    pub fn samples(&self) -> String {
+        Adaptive::samples(self.adaptive, self.samples_per_pixel)
+    }
+
+    /// The samples of every pixel; 0 if sampling is adaptive.
+    pub fn uniform_samples(&self) -> u32 {
+        match self.adaptive {
+            None => self.samples_per_pixel,
+            Some(_) => 0,
+        }
+    }
+
+    /// Checks that the settings of samples fit together.
+    ///
+    /// # Errors
+    /// The key that does not.
+    pub fn check_sampling(&self) -> Result<(), Fault> {
+        if self.adaptive.is_none() || self.sampler == PixelPattern::Sobol {
+            return Ok(());
+        }
+        let message = "`adaptive` needs samples whose first ones are evenly spread";
+        let image = FieldPath::default().key("image");
+        Err(
+            Fault::of_key(image.key("adaptive"), message, "requires `sampler: sobol`")
+                .with_help("add `sampler: sobol` to `image`"),
+        )
     }
 
     /// The radius of the filter in pixels.

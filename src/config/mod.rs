@@ -5,6 +5,7 @@
 //! references between sections, such as the names of materials.
 
 mod acceleration;
+mod adaptive;
 mod background;
 mod cost_mode;
 mod file;
@@ -21,12 +22,13 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 
 pub use acceleration::{Acceleration, Quality, Structure};
+pub use adaptive::{Adaptive, MAX_SAMPLES};
 pub use background::Background;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
-pub use image::{Image, MAX_SAMPLES, MAX_SIDE};
+pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use repeats::Repeats;

@@ -5,7 +5,7 @@ use super::{Cost, RayKind};
 /// Defines the enum from one list. A row has the counter and its field of [`Cost`].
 macro_rules! counters {
     ($($(#[$doc:meta])* $counter:ident: |$cost:ident| $field:expr,)*) => {
-        /// A counter of each pixel. Camera rays have none: each sample has one ray.
+        /// A counter of each pixel.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Counter {
             $($(#[$doc])* $counter,)*
@@ -39,6 +39,9 @@ counters! {
     NodeVisits: |cost| cost.node_visits,
     /// Ray-primitive tests.
     PrimitiveTests: |cost| cost.primitive_tests,
+    /// Samples, each of which has one camera ray. Where all pixels have the same number,
+    /// this is not counted.
+    Samples: |cost| cost.rays[RayKind::Camera as usize],
     /// Rays toward lights.
     ShadowRays: |cost| cost.rays[RayKind::Shadow as usize],
     /// Reflected rays.
@@ -50,14 +53,14 @@ counters! {
 }
 
 impl Counter {
-    /// Returns the counter of rays of one kind; `None` for camera rays.
+    /// Returns the counter of rays of one kind.
     #[inline]
-    pub fn of_rays(kind: RayKind) -> Option<Self> {
+    pub fn of_rays(kind: RayKind) -> Self {
         match kind {
-            RayKind::Camera => None,
-            RayKind::Shadow => Some(Self::ShadowRays),
-            RayKind::Reflection => Some(Self::ReflectionRays),
-            RayKind::Refraction => Some(Self::RefractionRays),
+            RayKind::Camera => Self::Samples,
+            RayKind::Shadow => Self::ShadowRays,
+            RayKind::Reflection => Self::ReflectionRays,
+            RayKind::Refraction => Self::RefractionRays,
         }
     }
 }

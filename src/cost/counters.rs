@@ -4,13 +4,13 @@ use super::{Cost, Counter, RayKind, Traversals};
 
 /// The counters of some pixels: one array per counter, one entry per pixel.
 ///
-/// To keep counting cheap, camera rays are stored as the number of samples, and
-/// the array of a counter that few pictures need is empty while it is 0 for all
+/// To keep counting cheap, camera rays are stored as the number of samples where all
+/// pixels have the same, and the array of a counter that few pictures need is empty while it is 0 for all
 /// pixels.
 #[derive(Debug, Clone, Default)]
 pub struct Counters {
     n_pixels: usize,
-    /// Camera rays per pixel.
+    /// Camera rays of every pixel; 0 if they are counted.
     n_samples: u32,
     /// In the order of [`Counter::ALL`]. Those of traversals are never empty.
     counts: [Vec<u64>; Counter::ALL.len()],
@@ -18,7 +18,7 @@ pub struct Counters {
 
 impl Counters {
     /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
-    /// rays each.
+    /// rays each; 0 if they will be counted.
     pub fn reset(&mut self, n_pixels: usize, n_samples: u32) {
         (self.n_pixels, self.n_samples) = (n_pixels, n_samples);
         self.counts.iter_mut().for_each(Vec::clear);
@@ -57,27 +57,28 @@ impl Counters {
         for counter in Counter::ALL {
             *cost.get_mut(counter) = sum(self.get(counter));
         }
-        cost.rays[RayKind::Camera as usize] = n_pixels * u64::from(self.n_samples);
+        cost.rays[RayKind::Camera as usize] += n_pixels * u64::from(self.n_samples);
         cost
     }
 
     /// Adds the cost of one pixel.
     pub fn add(&mut self, pixel: usize, cost: &Cost) {
-        debug_assert_eq!(cost.rays_of(RayKind::Camera), u64::from(self.n_samples));
+        let n_samples = u64::from(self.n_samples);
+        debug_assert!(n_samples == 0 || n_samples == cost.rays_of(RayKind::Camera));
         for counter in Counter::ALL {
             match cost.get(counter) {
                 0 => {}
+                _ if counter == Counter::Samples && n_samples > 0 => {}
                 depth if counter == Counter::Depth => self.bounce(pixel, depth),
                 count => self.allocated(counter)[pixel] += count,
             }
         }
     }
 
-    /// Adds `n` rays of this kind, which are not camera rays.
+    /// Adds `n` rays of this kind; camera rays only if they are counted.
     #[inline(always)]
     pub(super) fn add_rays(&mut self, kind: RayKind, pixel: usize, n: u64) {
-        let counter = Counter::of_rays(kind).expect("camera rays are counted as samples");
-        self.allocated(counter)[pixel] += n;
+        self.allocated(Counter::of_rays(kind))[pixel] += n;
     }
 
     /// Adds the counters of traversal `i` to `pixels[i]`.
@@ -167,5 +168,9 @@ mod tests {
         assert!(counters.get(Counter::RefractionRays).is_empty());
         counters.reset(1, 0);
         assert_eq!(counters.total(), Cost::default());
+        counters.add_rays(RayKind::Camera, 0, 7);
+        counters.add(0, &cost);
+        assert_eq!(counters.of(0).rays, [9, 3, 1, 0]);
+        assert_eq!(counters.total(), counters.of(0));
     }
 }

@@ -122,6 +122,12 @@ impl Metric {
         source: MetricSource::AllRays,
         ..counter("rays", "rays", Counter::ShadowRays)
     };
+    /// Samples, where pixels have different numbers.
+    pub const SAMPLES: Self = Self {
+        title: "samples per pixel",
+        about: "samples, each with its camera ray",
+        ..counter("samples", "samples", Counter::Samples)
+    };
     /// The longest path.
     pub const DEPTH: Self = Self {
         title: "bounces of the longest path per pixel",
@@ -132,12 +138,13 @@ impl Metric {
 
     /// All metrics: in files, tables and menus they have this order, and heatmaps
     /// show the first two that are not zero.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::TIME,
         Self::ATTRIBUTED_TIME,
         Self::NODE_VISITS,
         Self::PRIMITIVE_TESTS,
         Self::RAYS,
+        Self::SAMPLES,
         Self {
             title: "shadow rays per pixel",
             about: "rays toward lights",
@@ -164,9 +171,11 @@ impl Metric {
         Self::DEPTH,
     ];
 
-    /// Returns all metrics that are counted.
-    pub fn counted() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(|metric| !metric.is_timed())
+    /// Returns all metrics that are counted; [`Self::SAMPLES`] only `with_samples`.
+    pub fn counted(with_samples: bool) -> impl Iterator<Item = Self> {
+        let is_counted =
+            move |metric: &Self| !metric.is_timed() && (with_samples || *metric != Self::SAMPLES);
+        Self::ALL.into_iter().filter(is_counted)
     }
 
     /// Returns the metric of the times that a mode measures, if it does.
@@ -255,7 +264,7 @@ mod tests {
             depth: 3,
         };
         let values = Metric::ALL.map(|metric| metric.of(&cost));
-        assert_eq!(values, [0, 0, 1, 2, 100, 20, 30, 40, 3]);
+        assert_eq!(values, [0, 0, 1, 2, 100, 10, 20, 30, 40, 3]);
     }
 
     #[test]

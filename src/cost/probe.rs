@@ -71,9 +71,9 @@ pub trait PixelProbe: Default {
     /// Whether it uses what it receives.
     const COUNTS: bool;
     /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
-    /// rays each.
+    /// rays each; 0 if they will be counted.
     fn reset(&mut self, n_pixels: usize, n_samples: u32);
-    /// `n` rays of this kind, other than camera rays, start for a pixel.
+    /// `n` rays of this kind start for a pixel; camera rays only if they are counted.
     fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
     /// The traversal of one ray of each of these pixels has ended.
     fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);

@@ -87,13 +87,23 @@ const WORK: [Column; 2] = [
 ];
 
 /// The arrays of a film with this cost mode for which so many renderings were asked,
-/// in the order of the files: geometry, time and its spread, counters, tiles.
+/// in the order of the files: geometry, time and its spread, counters, tiles; those that
+/// a film has with any settings of samples.
 pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column> {
+    all_columns(cost, repeats, false)
+}
+
+/// [`columns`], with the numbers of samples if they are counted.
+pub(super) fn all_columns(
+    cost: CostMode,
+    repeats: Repeats,
+    counts_samples: bool,
+) -> impl Iterator<Item = Column> {
     let time = Metric::of_times(cost).map(|Metric { name, .. }| Column { name, ..TIME });
     let is_repeated = cost.has_time() && repeats.has_spread();
     let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
     let counted = |metric: Metric| computed(metric.name, ScalarType::U32, Origin::Counted(metric));
-    let work = || Metric::counted().map(counted).chain(WORK);
+    let work = || Metric::counted(counts_samples).map(counted).chain(WORK);
     let work = cost.has_counters().then(work).into_iter().flatten();
     GEOMETRY.into_iter().chain(time).chain(repeated).chain(work)
 }

@@ -10,12 +10,16 @@ impl Film {
         match metric.source {
             MetricSource::Clock | MetricSource::TileClock => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => {
-                counts.resize(strip.rgb.len(), 0);
+                let uncounted = match counter {
+                    Counter::Samples => self.n_samples,
+                    _ => 0,
+                };
+                counts.resize(strip.rgb.len(), uncounted);
                 self.add_counts(strip, counter, counts);
             }
             MetricSource::AllRays => {
                 counts.resize(strip.rgb.len(), self.n_samples);
-                for counter in RayKind::ALL.into_iter().filter_map(Counter::of_rays) {
+                for counter in RayKind::ALL.map(Counter::of_rays) {
                     self.add_counts(strip, counter, counts);
                 }
             }

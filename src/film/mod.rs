@@ -17,6 +17,7 @@ mod tile;
 
 use glam::Vec3;
 
+use column::all_columns;
 pub use column::{Column, columns};
 pub use hottest::{HotPixel, Times, highest_counts};
 pub use packed::PackedCounters;
@@ -39,7 +40,8 @@ pub const STRIP_ROWS: u32 = 4;
 pub struct Film {
     /// Its tiles, its width and its height.
     pub grid: TileGrid,
-    /// Samples per pixel, each with its own camera ray.
+    /// Samples of every pixel, each with its own camera ray; 0 if they are counted by
+    /// pixel, as [`Counter::Samples`](crate::cost::Counter::Samples).
     pub n_samples: u32,
     /// How the colors of its pixels become those of the picture.
     pub development: Development,
@@ -72,7 +74,8 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
 }
 
 impl Film {
-    /// A film for the pixels of the grid, not rendered yet.
+    /// A film for the pixels of the grid, not rendered yet. `n_samples` are those of every
+    /// pixel; 0 if they will be counted.
     pub fn new(grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
         Self::with_extra(ExtraArrays::default(), grid, n_samples, cost)
     }
@@ -101,10 +104,15 @@ impl Film {
         }
     }
 
+    /// Whether the samples of its pixels were counted.
+    pub fn counts_samples(&self) -> bool {
+        self.n_samples == 0
+    }
+
     /// The arrays of its VTK files, in their order.
     pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
         let radiance = self.extra.radiance_in_vtk.then_some(Column::RADIANCE);
-        columns(self.cost, self.repeats).chain(radiance)
+        all_columns(self.cost, self.repeats, self.counts_samples()).chain(radiance)
     }
 
     /// Number of pixels with a hit.

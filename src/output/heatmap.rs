@@ -52,7 +52,7 @@ fn subtitle(rendering: &RenderingView, metric: Metric, values: &[f32]) -> String
         "{} × {} pixels, {} per pixel, {}; median {}, sum {}",
         image.width,
         image.height,
-        numbers::counted(image.samples_per_pixel.into(), "sample"),
+        image.samples(),
         numbers::counted(n_threads as u64, "thread"),
         metric.format(median.into()),
         metric.format(values.iter().copied().map(f64::from).sum()),

@@ -87,7 +87,7 @@ fn write(
     let mut table = Table {
         rows: csv::Writer::from_writer(out),
         metrics: COUNTED.into_iter().chain(times).collect(),
-        samples_per_pixel: f64::from(rendering.config.image.samples_per_pixel),
+        n_samples: rendering.film.n_samples,
     };
     table.write_names()?;
     for group in Group::all(rendering, attribution) {
@@ -108,7 +108,8 @@ fn write(
 struct Table<W: Write> {
     rows: csv::Writer<W>,
     metrics: Vec<Metric>,
-    samples_per_pixel: f64,
+    /// Samples of every pixel; 0 if pixels have different numbers.
+    n_samples: u32,
 }
 
 impl<W: Write> Table<W> {
@@ -152,7 +153,10 @@ impl<W: Write> Table<W> {
 
     /// The number of pixels, then all metrics.
     fn numbers(&self, account: &AttributedCost, work: Work) -> Vec<f64> {
-        let n_pixels = account.n_samples() as f64 / self.samples_per_pixel;
+        let n_pixels = match self.n_samples {
+            0 => account.n_pixels(),
+            n => account.n_samples() as f64 / f64::from(n),
+        };
         let values = self.metrics.iter().map(|&metric| work.get(metric));
         std::iter::once(n_pixels).chain(values).collect()
     }

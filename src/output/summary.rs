@@ -97,7 +97,8 @@ fn cost(rendering: &RenderingView) -> CostSection {
 /// The sums of the film's arrays, by the arrays' names.
 fn totals(film: &Film) -> IndexMap<String, Option<Number>> {
     let mut totals = IndexMap::new();
-    for metric in Metric::ALL {
+    let has = |metric: &Metric| *metric != Metric::SAMPLES || film.counts_samples();
+    for metric in Metric::ALL.into_iter().filter(has) {
         let total = if metric.is_timed() {
             let is_measured = Metric::of_times(film.cost) == Some(metric);
             let time_ns = is_measured.then(|| film.total_time_ns());
@@ -107,7 +108,7 @@ fn totals(film: &Film) -> IndexMap<String, Option<Number>> {
         };
         totals.insert(metric.name.to_owned(), total);
         if metric.source == MetricSource::AllRays {
-            // Camera rays are no metric: each pixel has the same number.
+            // Camera rays are no metric of all films: pixels may have the same number.
             let camera_rays = film.totals.rays_of(RayKind::Camera);
             totals.insert("camera_rays".to_owned(), Some(camera_rays.into()));
         }

@@ -62,10 +62,11 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
     ]
 }
 
-/// The totals of the pixels' counters in each tile; for `depth` the maximum.
+/// The totals of the pixels' counters in each tile but their samples, which are those of
+/// their rays that have no kind; for `depth` the maximum.
 fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
     let sum = |metric: Metric| array(metric.name, schedule, move |_, run| metric.of(&run.counted));
-    Metric::counted().map(sum)
+    Metric::counted(false).map(sum)
 }
 
 /// An array with one value per tile, given the tile's number and run.

@@ -107,7 +107,7 @@ fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
         "warm_up_ns": run.warm_up_ns,
     });
     if has_counters {
-        for metric in Metric::counted() {
+        for metric in Metric::counted(false) {
             arguments[metric.name] = metric.of(&run.counted).into();
         }
     }

@@ -100,7 +100,9 @@ fn model_times(
     let camera_rays = f64::from(film.n_samples) * weights[COUNTERS.len()];
     times.clear();
     times.resize(strip.rgb.len(), camera_rays);
-    for (counter, &weight) in COUNTERS.into_iter().zip(weights) {
+    // Camera rays that are not the same for all pixels have a counter.
+    let counters = COUNTERS.into_iter().chain([Counter::Samples]);
+    for (counter, &weight) in counters.zip(weights) {
         if weight == 0.0 {
             continue;
         }

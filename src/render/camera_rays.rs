@@ -10,7 +10,7 @@ use crate::simd::{
 
 /// The pixels that are rendered together, as a structure of arrays, in the order in
 /// which their camera rays are traced.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub(super) struct Places {
     /// Number of pixels.
     n: usize,
@@ -149,6 +149,9 @@ impl SimdKernel for AddSamples<'_> {
 pub(super) struct FinishPixels<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) places: &'a Places,
+    /// The number of samples of each pixel, with room for whole lanes; `None` if all have
+    /// the same.
+    pub(super) n_samples: Option<&'a [f32]>,
     /// Sums of colors, which become their means.
     pub(super) colors: &'a mut VectorColumn,
     pub(super) distances: &'a [f32],
@@ -161,9 +164,13 @@ impl SimdKernel for FinishPixels<'_> {
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
         grow(self.footprints, self.places.len());
-        let n_samples = set.splat(self.view.n_samples as f32);
+        let n_uniform = set.splat(self.view.rounds.n_most() as f32);
         for block in 0..self.places.n_blocks() {
             let first = N_LANES * block;
+            let n_samples = match self.n_samples {
+                None => n_uniform,
+                Some(n_samples) => set.load(lanes(n_samples, first)),
+            };
             let mean = self.colors.load(set, first) / n_samples;
             self.colors.store(first, mean);
             let at = self.places.coordinates(set, block);

@@ -6,8 +6,10 @@
 //! the same pixels and the same counters.
 
 mod canvas;
+mod rounds;
 mod view;
 mod camera_rays;
+mod noisy_pixels;
 mod stream;
 mod timed;
 mod attribute_time;
@@ -28,6 +30,7 @@ use crate::schedule::{Schedule, Tile, TileRun};
 use crate::stop;
 use attribute_time::attribute_time;
 use canvas::Canvas;
+pub(crate) use rounds::SampleSums;
 use stream::StreamRenderer;
 use timed::SingleRayRenderer;
 pub(crate) use view::View;

@@ -19,6 +19,7 @@ const STEP: u32 = 8;
 pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid) -> Vec<u64> {
     let image = Image {
         samples_per_pixel: 1,
+        adaptive: None,
         ..*image
     };
     let view = View::new(scene, accel, &image);

@@ -11,6 +11,7 @@ use glam::Vec3;
 
 use super::TileRenderer;
 use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
+use super::noisy_pixels::NoisyPixels;
 use super::view::View;
 use crate::accel::Hit;
 use crate::cost::{ByPixel, PixelProbe, RayKind};
@@ -31,6 +32,7 @@ pub(super) struct StreamRenderer<'a, P> {
     view: View<'a>,
     simd: Simd,
     places: Places,
+    noisy: NoisyPixels,
     pixels: Vec<Pixel>,
     probe: P,
     wave: PathWave,
@@ -58,6 +60,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             view,
             simd,
             places: Places::default(),
+            noisy: NoisyPixels::default(),
             pixels: Vec::new(),
             probe: P::default(),
             wave: PathWave::default(),
@@ -80,17 +83,43 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.places.fill(places);
         let n_pixels = self.places.len();
         self.pixels.resize(n_pixels, Pixel::default());
-        let n_samples = self.view.n_samples;
-        self.probe.reset(n_pixels, n_samples);
+        self.probe.reset(n_pixels, self.view.rounds.n_uniform());
         self.means.reset(n_pixels);
         self.distances.clear();
         self.distances.resize(n_pixels + N_LANES, f32::NAN);
-        let n_per_wave = (WAVE_LEN / n_pixels).max(1);
-        for first in (0..n_samples).step_by(n_per_wave) {
+        let first = self.view.rounds.first();
+        if self.view.rounds.are_adaptive() {
+            self.render_adaptively(first);
+        } else {
+            self.render_round(first);
+        }
+    }
+
+    /// Renders rounds of samples until no pixel is noisy.
+    fn render_adaptively(&mut self, mut round: Range<u32>) {
+        self.noisy.begin(&self.places);
+        while self.places.len() > 0 && !round.is_empty() && !stop::is_requested() {
+            self.render_round(round.clone());
+            for i in 0..self.places.len() {
+                let (number, _) = self.places.get(i);
+                self.probe.rays(RayKind::Camera, number, round.len());
+            }
+            let rounds = &self.view.rounds;
+            self.noisy
+                .end_round(&mut self.places, &self.means, rounds, round.end);
+            round = rounds.after(round.end);
+        }
+        self.noisy.end(&mut self.places);
+    }
+
+    /// Renders these samples of all pixels in waves.
+    fn render_round(&mut self, samples: Range<u32>) {
+        let n_per_wave = (WAVE_LEN / self.places.len()).max(1);
+        for first in samples.clone().step_by(n_per_wave) {
             if stop::is_requested() {
                 break;
             }
-            self.render_samples(first..n_samples.min(first + n_per_wave as u32));
+            self.render_samples(first..samples.end.min(first + n_per_wave as u32));
         }
     }
 
@@ -110,6 +139,13 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         while !self.wave.rays.is_empty() {
             self.trace();
             self.shade();
+        }
+        if self.view.rounds.are_adaptive() {
+            let sums = [&mut self.colors, &mut self.means];
+            let add = self
+                .noisy
+                .add(&self.view, &self.places, samples.len(), sums);
+            return self.simd.run(add);
         }
         self.simd.run(AddSamples {
             view: &self.view,
@@ -212,9 +248,11 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
     fn render(&mut self, tile: &Tile) -> Rendered<'_> {
         self.follow(tile.pixels().map(|at| (tile.index(at), at)));
+        let rounds = &self.view.rounds;
         self.simd.run(FinishPixels {
             view: &self.view,
             places: &self.places,
+            n_samples: rounds.are_adaptive().then(|| self.noisy.n_samples()),
             colors: &mut self.means,
             distances: &self.distances,
             footprints: &mut self.footprints,

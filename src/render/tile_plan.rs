@@ -45,7 +45,7 @@ impl TilePlan {
             ..Film::with_extra(
                 scene.extra_arrays,
                 self.grid,
-                self.image.samples_per_pixel,
+                self.image.uniform_samples(),
                 cost,
             )
         }

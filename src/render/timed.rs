@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use super::view::View;
-use super::{TilePlan, TileRenderer};
+use super::{SampleSums, TilePlan, TileRenderer};
 use crate::config::Image;
 use crate::cost::{Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
@@ -124,18 +124,24 @@ impl<'a> SingleRayRenderer<'a> {
         // A local variable, which stays in registers.
         let mut cost = Cost::default();
         let probe = &mut cost;
-        for sample in 0..view.n_samples {
-            let ray = view.camera_ray(place, sample);
-            let met = view.tracer.trace(&ray, RayKind::Camera, probe);
-            if let Some(point) = met
-                && sample == view.middle
-            {
-                pixel.set_surface(&point);
+        let mut sums = SampleSums::zero(0.0);
+        let mut round = view.rounds.first();
+        while !round.is_empty() {
+            for sample in round.clone() {
+                let ray = view.camera_ray(place, sample);
+                let met = view.tracer.trace(&ray, RayKind::Camera, probe);
+                if let Some(point) = met
+                    && sample == view.middle
+                {
+                    pixel.set_surface(&point);
+                }
+                let color = radiance(view, ray, met, paths, probe);
+                sums.add(view.limited(Vector::from(color)));
             }
-            let color = radiance(view, ray, met, paths, probe);
-            pixel.color += Vec3::from(view.limited(Vector::from(color)));
+            round = view.rounds.next(&sums, round.end);
         }
-        view.finish(pixel, place);
+        pixel.color = sums.colors.into();
+        view.finish(pixel, round.end, place);
         costs[i] = cost;
     }
 }
@@ -159,7 +165,7 @@ impl TileRenderer for SingleRayRenderer<'_> {
                 self.times[i] = stopwatch.lap();
             }
         }
-        self.counters.reset(n_pixels, self.view.n_samples);
+        self.counters.reset(n_pixels, self.view.rounds.n_uniform());
         for (i, cost) in self.costs[..n_done].iter().enumerate() {
             self.counters.add(i, cost);
         }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::rounds::Rounds;
 use crate::accel::Accel;
 use crate::camera::ImagePlane;
 use crate::config::Image;
@@ -18,8 +19,8 @@ use crate::trace::Tracer;
 pub(crate) struct View<'a> {
     pub(crate) tracer: Tracer<'a>,
     pub(crate) shader: Shader<'a>,
-    /// Samples per pixel.
-    pub(crate) n_samples: u32,
+    /// The samples of each pixel.
+    pub(crate) rounds: Rounds,
     /// The sample at the center of the pixel.
     pub(super) middle: u32,
     /// The greatest value of a channel of a sample.
@@ -39,7 +40,7 @@ impl<'a> View<'a> {
         Self {
             tracer: Tracer::new(scene, accel),
             shader: Shader::new(scene),
-            n_samples: image.samples_per_pixel,
+            rounds: Rounds::new(image, scene.development.gain()),
             middle: sampler.center(),
             sample_limit: scene.shading.model.sample_limit(),
             plane: scene.image_plane,
@@ -104,7 +105,7 @@ impl<'a> View<'a> {
 
     /// Limits each channel of a sample to the shading model's greatest.
     #[inline(always)]
-    pub(super) fn limited<R: Real>(&self, color: Vector<R>) -> Vector<R> {
+    pub(crate) fn limited<R: Real>(&self, color: Vector<R>) -> Vector<R> {
         let most = color.x.splat(self.sample_limit);
         Vector {
             x: color.x.min(most),
@@ -113,10 +114,9 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Divides the sum of the samples' colors by their number, and sets the
-    /// footprint.
-    pub(super) fn finish(&self, pixel: &mut Pixel, (x, y): (u32, u32)) {
-        pixel.color /= self.n_samples as f32;
+    /// Divides the sum of the samples' colors by their number, and sets the footprint.
+    pub(super) fn finish(&self, pixel: &mut Pixel, n_samples: u32, (x, y): (u32, u32)) {
+        pixel.color /= n_samples as f32;
         let footprint = self.footprints([x as f32, y as f32], pixel.distance);
         self.set_footprint(pixel, footprint);
     }

@@ -82,6 +82,7 @@ impl Scene {
             .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
         }
         check_media(config)?;
+        config.image.check_sampling()?;
         let mut scene = Self {
             image_plane: config
                 .camera

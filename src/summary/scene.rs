@@ -6,7 +6,7 @@ use crate::accel::BvhStatistics;
 use crate::camera::{ImagePlane, Projection};
 use crate::color::{Development, ToneCurve, Transfer};
 use crate::config::{
-    Acceleration, FilmSettings, Image, PixelFilter, PixelPattern, Quality, ShadingModel,
+    Acceleration, Adaptive, FilmSettings, Image, PixelFilter, PixelPattern, Quality, ShadingModel,
 };
 use crate::text::keyword_name;
 
@@ -39,6 +39,9 @@ pub struct ImageSection {
     /// The radius of the filter in pixels; left out if it is the filter's usual one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter_radius: Option<f32>,
+    /// Adaptive sampling, with the samples per pixel as the most; left out without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adaptive>,
 }
 
 /// How light became the numbers of the picture.
@@ -118,6 +121,7 @@ impl From<&Image> for ImageSection {
             sampler: image.sampler,
             filter: image.filter,
             filter_radius: image.filter_radius,
+            adaptive: image.adaptive,
         }
     }
 }

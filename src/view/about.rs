@@ -8,7 +8,7 @@ use super::cloud::Cloud;
 use super::frame::ShownPixels;
 use super::hottest;
 use super::payload::type_name;
-use crate::config::CostMode;
+use crate::config::{Adaptive, CostMode};
 use crate::cost::Metric;
 use crate::results::LoadedArray;
 use crate::summary::{ObjectEntry, Summary};
@@ -93,7 +93,7 @@ fn facts(summary: &Summary) -> Vec<String> {
         format!("{} × {} pixels", image.width, image.height),
         format!(
             "{} per pixel",
-            counted(image.samples_per_pixel.into(), "sample")
+            Adaptive::samples(image.adaptive, image.samples_per_pixel)
         ),
         counted(summary.n_primitives, "primitive"),
         structure,

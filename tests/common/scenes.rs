@@ -96,11 +96,12 @@ const MEDIA: &str =
 ";
 
 /// More keys of the image.
-const SAMPLING: [&str; 4] = [
+const SAMPLING: [&str; 5] = [
     "",
     ", sampler: sobol",
     ", filter: tent, filter_radius: 0.8",
     ", sampler: sobol, filter: blackman_harris",
+    ", sampler: sobol, adaptive: { noise: 0.05, min_samples: 2 }",
 ];
 
 /// Cameras in front of the scene, and one in its middle.

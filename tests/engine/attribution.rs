@@ -3,7 +3,7 @@
 use crate::common::kept::kept;
 use crate::common::{config, counts, parse, rays, with_cost};
 use raycost::attribution::{AttributedCost, AttributionRule, CostAttribution, Visits, Work};
-use raycost::config::{Acceleration, Config, CostMode};
+use raycost::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern};
 use raycost::cost::{Counter, RayKind};
 use raycost::film::Strip;
 
@@ -37,8 +37,18 @@ fn total(accounts: &[AttributedCost], charge: AttributionRule) -> Work {
 
 #[test]
 fn costs_of_objects_and_materials_sum_to_the_film() {
-    for name in SCENES {
-        let (.., film, attribution) = kept(&small(name, 3, CostMode::Counters), 2);
+    let adaptive = |mut config: Config| {
+        config.image.sampler = PixelPattern::Sobol;
+        config.image.adaptive = Some(Adaptive {
+            noise: 0.02,
+            min_samples: 2,
+        });
+        config
+    };
+    let uniform = |name| (name, small(name, 3, CostMode::Counters));
+    let noisy = |name| (name, adaptive(small(name, 8, CostMode::Counters)));
+    for (name, config) in SCENES.map(uniform).into_iter().chain(SCENES.map(noisy)) {
+        let (.., film, attribution) = kept(&config, 2);
         for accounts in [&attribution.objects, &attribution.materials] {
             for charge in AttributionRule::ALL {
                 let work = total(accounts, charge);
@@ -52,6 +62,8 @@ fn costs_of_objects_and_materials_sum_to_the_film() {
             }
             let samples: u64 = accounts.iter().map(AttributedCost::n_samples).sum();
             assert_eq!(samples, film.totals.rays_of(RayKind::Camera));
+            let pixels: f64 = accounts.iter().map(AttributedCost::n_pixels).sum();
+            assert!((pixels - 48.0 * 36.0).abs() < 1e-4, "{pixels}");
         }
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 mod accel;
+mod adaptive;
 mod awkward;
 mod cameras;
 mod counters;

@@ -50,10 +50,10 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     channels.extend(vector("", COLOR, Column::RADIANCE));
     channels.extend(vector("albedo.", COLOR, Column::ALBEDO));
     channels.extend(vector("P.", SPACE, Column::POSITION));
-    for column in columns(film.cost, film.repeats) {
+    for column in film.columns() {
         match column.name {
-            // The picture of 8 bits.
-            "RGB" => {}
+            // The picture of 8 bits, and what is there already.
+            "RGB" | "radiance" => {}
             "Normals" => channels.extend(vector("N.", SPACE, column)),
             _ => channels.push(number(column)),
         }
