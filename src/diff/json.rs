@@ -36,6 +36,7 @@ pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
         "objects_reached": groups(&diff.reached),
         "tiles": groups(&diff.tiles),
         "picture": diff.picture,
+        "light": diff.light,
         "n_pixels_of_other_objects": diff.n_other_objects,
         "settings": diff.settings,
         "machine": diff.machine,

@@ -9,6 +9,7 @@
 mod noise;
 mod group;
 mod picture;
+mod light;
 mod settings;
 mod reached;
 mod side;
@@ -27,6 +28,7 @@ pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
 pub use group::PixelBounds;
 pub use json::to_json;
+pub use light::LightDifference;
 pub use noise::{Noise, Test};
 pub use picture::PictureDifference;
 pub use report::report;
@@ -61,6 +63,9 @@ pub struct Diff {
     pub tiles: Vec<CostGroup>,
     /// The difference of the pictures.
     pub picture: PictureDifference,
+    /// The difference of the light; `None` unless both outputs have the array
+    /// `radiance`.
+    pub light: Option<LightDifference>,
     /// Pixels that show different objects in A and B.
     pub n_other_objects: u64,
     /// The settings that differ.
@@ -180,6 +185,10 @@ impl Diff {
             reached: sorted(reached::groups(sides)?),
             tiles: sorted(groups.tiles(size)),
             picture: PictureDifference::of(&a.colors()?, &b.colors()?),
+            light: match [a.radiance()?, b.radiance()?] {
+                [Some(a), Some(b)] => Some(LightDifference::of(&a, &b)),
+                _ => None,
+            },
             n_other_objects: groups.n_other_objects,
             settings: settings::of_run(&values),
             machine: settings::of_machine(&values),

@@ -4,7 +4,7 @@ use super::gate::Gate;
 use super::group::PixelBounds;
 use super::noise::{Noise, Test};
 use super::settings::Setting;
-use super::{CostGroup, Diff, Side, Total, ratio};
+use super::{CostGroup, Diff, LightDifference, Side, Total, ratio};
 use crate::cost::Metric;
 use crate::statistics::CONFIDENCE;
 use crate::text::numbers::{count, counted};
@@ -31,6 +31,8 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     text += &groups_table("by tile", &diff.tiles);
     text.push('\n');
     text += &entry("picture", &[picture_sentence(diff)]);
+    let light = diff.light.as_ref().map(light_sentence);
+    text += &entry("light", light.as_slice());
     text += &entry("settings", &setting_lines(&diff.settings));
     text += &entry("machine", &setting_lines(&diff.machine));
     text
@@ -187,6 +189,12 @@ fn evidence(test: &Test) -> String {
         "B / A is {estimate}{interval}; Mann-Whitney {}, {n_a} and {n_b} repeats",
         test.p_label()
     )
+}
+
+fn light_sentence(light: &LightDifference) -> String {
+    let LightDifference { mean, max, rms } = light;
+    let [a, b] = mean;
+    format!("mean {a:.5} in A, {b:.5} in B; the difference is {max:.5} at most, RMS {rms:.5}")
 }
 
 fn picture_sentence(diff: &Diff) -> String {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Metric;
+use crate::film::Column;
 use crate::output::FRAME_VTI;
 use crate::results::{ObjectsTable, Results};
 use crate::summary::{self, Summary};
@@ -99,6 +100,14 @@ impl Side {
     pub(super) fn colors(&self) -> Result<Vec<[u8; 3]>, Diagnostic> {
         let channels: Vec<u8> = self.numbers("RGB", 3)?;
         Ok(channels.as_chunks().0.to_vec())
+    }
+
+    /// Reads the radiance of every pixel, three channels each, row-major, row 0 on top;
+    /// `None` if the output does not have it.
+    pub(super) fn radiance(&self) -> Result<Option<Vec<f32>>, Diagnostic> {
+        let Column { name, .. } = Column::RADIANCE;
+        let is_there = self.arrays.iter().any(|array| array == name);
+        is_there.then(|| self.numbers(name, 3)).transpose()
     }
 
     fn numbers<T: Scalar>(&self, name: &str, n_components: usize) -> Result<Vec<T>, Diagnostic> {

@@ -144,6 +144,37 @@ fn sums_of_pixels_objects_and_tiles_are_those_of_the_summaries() {
 }
 
 #[test]
+fn light_is_compared_where_both_have_it() {
+    let flags = ["--cost=counters", "--also=radiance"];
+    let folder = outputs(&flags);
+    let brighter = ["--cost=counters", "--also=radiance", "--exposure=2"];
+    render(folder.path(), "b", SCENE, &brighter);
+    let text = || String::from_utf8(diff(folder.path(), &["a", "b"]).stdout).unwrap();
+    let (found, _) = json_report(folder.path(), &["a", "b"]);
+    assert!(found["picture"]["n_pixels"].as_u64() > Some(100));
+    let light = &found["light"];
+    assert_eq!((&light["max"], &light["rms"]), (&json!(0.0), &json!(0.0)));
+    let bytes = frame(folder.path().join("a"))
+        .array("radiance")
+        .bytes
+        .clone();
+    let channels = bytes
+        .as_chunks()
+        .0
+        .iter()
+        .map(|&bytes| f32::from_ne_bytes(bytes));
+    let n = channels.len() as f64;
+    let mean = channels.map(f64::from).sum::<f64>() / n;
+    assert!((light["mean"][1].as_f64().unwrap() - mean).abs() < 1e-12 * mean);
+    assert!(text().contains("\nlight     mean "), "{}", text());
+
+    render(folder.path(), "b", SCENE, &["--cost=counters"]);
+    let (found, _) = json_report(folder.path(), &["a", "b"]);
+    assert_eq!(found["light"], json!(null));
+    assert!(!text().contains("\nlight "), "{}", text());
+}
+
+#[test]
 fn a_difference_of_the_pictures_is_counted() {
     let folder = outputs(&["--cost=counters"]);
     let moved = SCENE
