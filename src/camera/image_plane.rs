@@ -120,19 +120,10 @@ impl ImagePlane {
         }
     }
 
-    /// The rays through these pixel coordinates and the points of the lens that the
-    /// numbers `uv` in [0, 1) choose, which are computed only if there is a lens.
+    /// The lens, if there is one: it refracts the rays of a pinhole.
     #[inline(always)]
-    pub fn rays_through_lens<R: Real>(
-        &self,
-        [x, y]: [R; 2],
-        uv: impl FnOnce() -> [R; 2],
-    ) -> [Vector<R>; 2] {
-        let rays = self.rays(x, y);
-        match &self.lens {
-            None => rays,
-            Some(lens) => lens.refracted(rays, uv()),
-        }
+    pub fn lens(&self) -> Option<&Lens> {
+        self.lens.as_ref()
     }
 
     /// The side of a square with the area of a pixel on the plane.

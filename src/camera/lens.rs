@@ -176,7 +176,7 @@ impl Lens {
     /// The rays of a pinhole, moved to points of the lens which the numbers `uv` in [0, 1)
     /// choose uniformly: origins and unit directions, of one ray or of one per lane.
     #[inline(always)]
-    pub(super) fn refracted<R: Real>(
+    pub fn refracted<R: Real>(
         &self,
         [center, direction]: [Vector<R>; 2],
         uv: [R; 2],

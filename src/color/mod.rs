@@ -14,6 +14,7 @@ use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
 use crate::text;
+use levels::linear8;
 pub use tone_curve::ToneCurve;
 
 /// How radiance becomes the numbers of a picture.
@@ -52,12 +53,36 @@ impl Development {
     }
 
     /// Returns the numbers of a picture of 8 bits per channel: the nearest ones.
-    #[inline]
     pub fn rgb8(&self, radiance: Vec3) -> [u8; 3] {
-        let light = self.curve.displayed(self.gain * radiance);
-        match self.transfer {
-            Transfer::Srgb => srgb::levels8(light),
-            Transfer::Linear => levels::linear8(light),
+        let mut numbers = [[0; 3]];
+        self.develop8(&[radiance], |radiance| *radiance, &mut numbers);
+        numbers[0]
+    }
+
+    /// Overwrites `numbers` with those of the `radiance` of all pixels, in the manner of
+    /// [`rgb8`](Self::rgb8).
+    pub fn develop8<T>(
+        &self,
+        pixels: &[T],
+        radiance: impl Fn(&T) -> Vec3,
+        numbers: &mut [[u8; 3]],
+    ) {
+        let exposed = |pixel: &T| self.gain * radiance(pixel);
+        let developed = |pixel: &T| self.curve.displayed(exposed(pixel));
+        // A loop each, which decides nothing per pixel.
+        match (self.curve, self.transfer) {
+            (ToneCurve::None, Transfer::Linear) => {
+                fill(pixels, numbers, |pixel| linear8(exposed(pixel)))
+            }
+            (_, Transfer::Linear) => fill(pixels, numbers, |pixel| linear8(developed(pixel))),
+            (ToneCurve::None, Transfer::Srgb) => {
+                let levels = srgb::levels();
+                fill(pixels, numbers, |pixel| levels.of_color(exposed(pixel)));
+            }
+            (_, Transfer::Srgb) => {
+                let levels = srgb::levels();
+                fill(pixels, numbers, |pixel| levels.of_color(developed(pixel)));
+            }
         }
     }
 
@@ -71,6 +96,13 @@ impl Development {
         // Conversions of floats saturate: NaN becomes 0.
         let level = |channel: f32| (65_535.0 * encoded(channel.clamp(0.0, 1.0))).round() as u16;
         light.to_array().map(level)
+    }
+}
+
+#[inline(always)]
+fn fill<T>(pixels: &[T], numbers: &mut [[u8; 3]], of: impl Fn(&T) -> [u8; 3]) {
+    for (numbers, pixel) in numbers.iter_mut().zip(pixels) {
+        *numbers = of(pixel);
     }
 }
 

@@ -22,14 +22,11 @@ fn decoded(number: f64) -> f64 {
     }
 }
 
-/// Returns the sRGB numbers of linear light as the nearest of 256 levels: 255 times
-/// [`encoded`], rounded. Light is clamped to 0..1; NaN is 0.
+/// The levels of linear light.
 ///
 /// Three powers would take longer than to trace a ray: levels are looked up instead.
-pub(super) fn levels8(light: Vec3) -> [u8; 3] {
-    let levels = &*LEVELS;
-    let [r, g, b] = light.to_array();
-    [levels.of(r), levels.of(g), levels.of(b)]
+pub(super) fn levels() -> &'static Levels {
+    &LEVELS
 }
 
 /// Light below this has level 0.
@@ -46,8 +43,9 @@ const N_BUCKETS: usize = ((1_f32.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS) 
 
 static LEVELS: LazyLock<Levels> = LazyLock::new(Levels::new);
 
-/// The levels of linear light.
-struct Levels {
+/// The nearest of 256 levels for any linear light: 255 times [`encoded`], rounded. Light
+/// is clamped to 0..1; NaN is 0.
+pub(super) struct Levels {
     /// The least light of each level, and infinity.
     least: [f32; 257],
     /// The level of the least light of each bucket.
@@ -67,6 +65,12 @@ impl Levels {
             *level = (least.partition_point(|&light| light <= begin) - 1) as u8;
         }
         Self { least, in_bucket }
+    }
+
+    /// Returns the levels of the channels.
+    #[inline(always)]
+    pub(super) fn of_color(&self, light: Vec3) -> [u8; 3] {
+        [self.of(light.x), self.of(light.y), self.of(light.z)]
     }
 
     #[inline(always)]

@@ -74,9 +74,7 @@ impl Strip {
         let places = first..first + row.len();
         let pixels = &rendered.pixels[row.clone()];
         self.put_surfaces(places.clone(), pixels);
-        fill(&mut self.rgb[places.clone()], pixels, |pixel| {
-            development.rgb8(pixel.color)
-        });
+        development.develop8(pixels, |pixel| pixel.color, &mut self.rgb[places.clone()]);
         if !self.radiance.is_empty() {
             fill(&mut self.radiance[places.clone()], pixels, |pixel| {
                 pixel.color

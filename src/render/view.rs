@@ -84,11 +84,15 @@ impl<'a> View<'a> {
     ) -> [Vector<R>; 2] {
         let even = self.sampler.position::<R>(pixel, sample);
         let [dx, dy] = self.filter.position(even);
-        let on_lens = || {
-            let sample = pixel.splat(sample);
-            self.sampler.pair(pixel, sample, Dimension::LENS)
-        };
-        self.plane.rays_through_lens([x + dx, y + dy], on_lens)
+        let rays = self.plane.rays(x + dx, y + dy);
+        match self.plane.lens() {
+            None => rays,
+            Some(lens) => {
+                let sample = pixel.splat(sample);
+                let on_lens = self.sampler.pair(pixel, sample, Dimension::LENS);
+                lens.refracted(rays, on_lens)
+            }
+        }
     }
 
     /// Returns the footprints of pixels at these distances, without a lens; NaN at NaN.

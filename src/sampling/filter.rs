@@ -82,24 +82,27 @@ impl FilterSampler {
     /// The position in pixels, relative to the pixel's center, of a sample whose
     /// position in an evenly sampled pixel is `even`, in [-0.5, 0.5) in x and y.
     #[inline(always)]
-    pub fn position<R: Real>(&self, even: [R; 2]) -> [R; 2] {
-        even.map(|even| {
-            let radius = even.splat(self.radius);
-            if self.filter == PixelFilter::Box {
-                return even * (radius + radius);
+    pub fn position<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
+        [self.coordinate(x), self.coordinate(y)]
+    }
+
+    #[inline(always)]
+    fn coordinate<R: Real>(&self, even: R) -> R {
+        let radius = even.splat(self.radius);
+        if self.filter == PixelFilter::Box {
+            return even * (radius + radius);
+        }
+        let one = even.splat(1.0);
+        // The share of the light farther from the center.
+        let outside = (one - even.splat(2.0) * even.abs()).max(even.splat(0.0));
+        let distance = match self.filter {
+            PixelFilter::Box | PixelFilter::Tent => one - outside.sqrt(),
+            PixelFilter::BlackmanHarris => {
+                let root = outside.sqrt().sqrt().to_double();
+                R::from_double(root.map(|root| self.distance(root)))
             }
-            let one = even.splat(1.0);
-            // The share of the light farther from the center.
-            let outside = (one - even.splat(2.0) * even.abs()).max(even.splat(0.0));
-            let distance = match self.filter {
-                PixelFilter::Box | PixelFilter::Tent => one - outside.sqrt(),
-                PixelFilter::BlackmanHarris => {
-                    let root = outside.sqrt().sqrt().to_double();
-                    R::from_double(root.map(|root| self.distance(root)))
-                }
-            };
-            (radius * distance).flip_sign_by(even)
-        })
+        };
+        (radius * distance).flip_sign_by(even)
     }
 
     /// The distance at a value of `q`, from 0 to 1, between two of the table.

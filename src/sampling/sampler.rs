@@ -78,11 +78,10 @@ impl Sampler {
             return strata.point(pixel, sample);
         }
         let [x, y, ..] = self.seeds(pixel, Dimension::PIXEL);
-        let point = sobol::centered_point(pixel.splat(sample), [x, y]);
-        point.map(|word| {
-            let number = unit::<R>(word);
-            number - number.splat(0.5)
-        })
+        let [x, y] = sobol::centered_point(pixel.splat(sample), [x, y]);
+        let (x, y) = (unit::<R>(x), unit::<R>(y));
+        let half = x.splat(0.5);
+        [x - half, y - half]
     }
 
     /// Two numbers in [0, 1) of one sample, or of one per lane, in any pattern
@@ -95,7 +94,8 @@ impl Sampler {
         dimension: Dimension,
     ) -> [R; 2] {
         let [x, y, order, _] = self.seeds(pixel, dimension);
-        sobol::point(sobol::shuffled(sample, order), [x, y]).map(unit::<R>)
+        let [x, y] = sobol::point(sobol::shuffled(sample, order), [x, y]);
+        [unit::<R>(x), unit::<R>(y)]
     }
 
     /// The seeds of a pixel in a dimension.

@@ -6,7 +6,7 @@ use crate::simd::{Real, cos_sin, cos_sin_of_eighths};
 /// Distortion Map Between Disk and Square", JGT 2(3), 1997.
 #[inline(always)]
 pub fn disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
-    let [one, two] = [1.0, 2.0].map(|number| u.splat(number));
+    let (one, two) = (u.splat(1.0), u.splat(2.0));
     let (x, y) = (two * u - one, two * v - one);
     let is_wide = y.abs().lt(x.abs());
     let (radius, other) = (R::select(is_wide, x, y), R::select(is_wide, y, x));
@@ -47,7 +47,8 @@ impl Polygon {
         let corner = scaled.floor();
         let along = scaled - corner;
         let [x, y] = cos_sin(u.splat(self.first) + corner / u.splat(self.n));
-        let [cos, sin] = self.step.map(|number| u.splat(number));
+        let [cos, sin] = self.step;
+        let (cos, sin) = (u.splat(cos), u.splat(sin));
         let next = [x * cos - y * sin, x * sin + y * cos];
         let radius = v.sqrt();
         let (of_next, of_first) = (radius * along, radius * (u.splat(1.0) - along));

@@ -43,13 +43,18 @@ pub(super) fn shuffled<N: Integer>(position: N, seed: N) -> N {
 /// second one is Pascal's triangle modulo 2, the product of five sparse matrices.
 #[inline(always)]
 fn reversed_point<N: Integer>(index: N) -> [N; 2] {
-    let add = |sum: N, upper: N, mask: u32| sum.xor(upper.and(sum.splat(mask)));
-    let y = add(index, index.shift_right::<16>(), 0x0000_ffff);
-    let y = add(y, y.shift_right::<8>(), 0x00ff_00ff);
-    let y = add(y, y.shift_right::<4>(), 0x0f0f_0f0f);
-    let y = add(y, y.shift_right::<2>(), 0x3333_3333);
-    let y = add(y, y.shift_right::<1>(), 0x5555_5555);
+    let y = fold_half::<N, 16>(index, 0x0000_ffff);
+    let y = fold_half::<N, 8>(y, 0x00ff_00ff);
+    let y = fold_half::<N, 4>(y, 0x0f0f_0f0f);
+    let y = fold_half::<N, 2>(y, 0x3333_3333);
+    let y = fold_half::<N, 1>(y, 0x5555_5555);
     [index, y]
+}
+
+/// Adds the digits that are `SHIFT` above to those of the mask, modulo 2.
+#[inline(always)]
+fn fold_half<N: Integer, const SHIFT: i32>(word: N, mask: u32) -> N {
+    word.xor(word.shift_right::<SHIFT>().and(word.splat(mask)))
 }
 
 /// Scrambles digits in reverse order: whether one flips depends on those before it and
@@ -57,14 +62,21 @@ fn reversed_point<N: Integer>(index: N) -> [N; 2] {
 /// "Building a Better LK Hash", 2021.
 #[inline(always)]
 fn scrambled<N: Integer>(reversed: N, seed: N) -> N {
-    let folded = |word: N, factor: u32| word.xor(word.times(word.splat(factor)));
     // Odd, so that no digit is lost.
     let odd_factor = seed
         .shift_right::<17>()
         .shift_left::<1>()
         .plus(seed.splat(1));
-    let word = folded(reversed, 0x3d20_adea).plus(seed).times(odd_factor);
-    folded(folded(word, 0x0552_6c56), 0x53a2_2864)
+    let word = multiplied(reversed, 0x3d20_adea)
+        .plus(seed)
+        .times(odd_factor);
+    multiplied(multiplied(word, 0x0552_6c56), 0x53a2_2864)
+}
+
+/// Adds a multiple of a word to it, modulo 2.
+#[inline(always)]
+fn multiplied<N: Integer>(word: N, factor: u32) -> N {
+    word.xor(word.times(word.splat(factor)))
 }
 
 #[cfg(test)]
