@@ -24,24 +24,26 @@ fn the_error_is_below_the_threshold_wherever_samples_were_left() {
         noise,
         min_samples: 16,
     };
-    let found = film(&marbles(1024, Some(adaptive)), 2);
+    let found = film(&marbles(512, Some(adaptive)), 2);
     let n_samples = counts(&found, Counter::Samples);
-    let exact = film(&marbles(4096, None), 2);
-    let (mut n, mut squares) = (0, 0.0);
+    let exact = film(&marbles(2048, None), 2);
+    let (mut n, mut n_far, mut squares) = (0, 0, 0.0);
     let pixels = levels(&found).into_iter().zip(levels(&exact));
     for (pixel, (found, exact)) in pixels.enumerate() {
-        if n_samples[pixel] == 1024 {
+        if n_samples[pixel] == 512 {
             continue;
         }
         for (found, exact) in found.into_iter().zip(exact) {
             let error = (f32::from(found) - f32::from(exact)) / 255.0;
-            assert!(error.abs() < 5.0 * noise, "{pixel}: {error}");
+            n_far += usize::from(error.abs() > 3.0 * noise);
             squares += error * error;
             n += 1;
         }
     }
     let error = (squares / n as f32).sqrt();
     assert!(error < noise, "{error}");
+    // Few pixels have samples that happen to be alike.
+    assert!(n_far * 100 < n, "{n_far} of {n}");
     // Flat pixels have the fewest samples, blurred edges many.
     let of_least = n_samples.iter().filter(|&&n| n == 16).count();
     let of_many = n_samples.iter().filter(|&&n| n >= 64).count();
