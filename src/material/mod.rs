@@ -1,6 +1,7 @@
 //! Materials: how surfaces reflect light.
 
 mod checker;
+mod conductor;
 mod dielectric;
 mod texture;
 
@@ -8,6 +9,7 @@ use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
 pub use checker::{Axes, Rounding};
+pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use texture::*;
 
@@ -32,27 +34,37 @@ use crate::yaml;
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 pub struct Material {
-    /// The color of its diffuse reflection; white by default, if it is a dielectric.
+    /// The color of its diffuse reflection; white by default, if it is a medium or a
+    /// metal.
     pub color: Texture,
-    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a dielectric.
+    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a
+    /// metal.
     pub ambient: f32,
-    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a dielectric.
+    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
     pub diffuse: f32,
     /// Strength of the highlight, 0 to 1; 0 by default.
     pub specular: f32,
     /// Exponent of the highlight, at least 0; 50 by default.
     pub exponent: f32,
     /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a
-    /// dielectric, which reflects what Fresnel's equations say.
+    /// medium or a metal, which reflect what Fresnel's equations say.
     pub reflection: f32,
     /// The medium inside of the surface, if light enters it.
     pub dielectric: Option<Dielectric>,
+    /// The metal of which the surface is, if it is of one.
+    pub conductor: Option<Conductor>,
 }
 
 impl Material {
+    /// Whether it mirrors.
+    pub fn mirrors(&self) -> bool {
+        self.reflection > 0.0 || self.conductor.is_some()
+    }
+
     /// Whether it reflects light that arrives directly from a light.
     pub fn is_lit(&self) -> bool {
-        self.dielectric.is_none() || self.diffuse > 0.0 || self.specular > 0.0
+        let is_fresnel = self.dielectric.is_some() || self.conductor.is_some();
+        !is_fresnel || self.diffuse > 0.0 || self.specular > 0.0
     }
 }
 
@@ -76,6 +88,8 @@ struct MaterialKeys {
     reflection: Option<f32>,
     #[serde(default)]
     dielectric: Option<Dielectric>,
+    #[serde(default)]
+    conductor: Option<Conductor>,
 }
 
 fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
@@ -90,13 +104,18 @@ impl TryFrom<MaterialKeys> for Material {
     type Error = &'static str;
 
     fn try_from(keys: MaterialKeys) -> Result<Self, Self::Error> {
-        let is_clear = keys.dielectric.is_some();
-        if is_clear && keys.reflection.is_some() {
-            return Err("cannot have a `reflection` beside its `dielectric`, \
-                 expected Fresnel's equations alone to say what a medium reflects");
+        let ways = [
+            keys.reflection.is_some(),
+            keys.dielectric.is_some(),
+            keys.conductor.is_some(),
+        ];
+        if ways.into_iter().filter(|is_given| *is_given).count() > 1 {
+            return Err("cannot reflect in two ways, \
+                 expected `reflection`, `dielectric` or `conductor`, and no other of them");
         }
-        let white = is_clear.then_some(Texture::Color(Vec3::ONE));
-        let by_default = if is_clear { 0.0 } else { 1.0 };
+        let is_fresnel = keys.dielectric.is_some() || keys.conductor.is_some();
+        let white = is_fresnel.then_some(Texture::Color(Vec3::ONE));
+        let by_default = if is_fresnel { 0.0 } else { 1.0 };
         Ok(Self {
             color: keys.color.or(white).ok_or("missing field `color`")?,
             ambient: keys.ambient.unwrap_or(by_default),
@@ -105,6 +124,7 @@ impl TryFrom<MaterialKeys> for Material {
             exponent: keys.exponent.unwrap_or(50.0),
             reflection: keys.reflection.unwrap_or(0.0),
             dielectric: keys.dielectric,
+            conductor: keys.conductor,
         })
     }
 }

@@ -1,8 +1,6 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
-use glam::Vec3;
-
-use super::fresnel::{Split, split_at};
+use super::fresnel::{Split, mirrored_share, split_at};
 use super::media::Media;
 use super::model::Model;
 use super::path::MIN_WEIGHT;
@@ -37,7 +35,7 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
         let may_bounce = self.wave.depth < u32::from(self.scene.shading.max_depth);
         for group in self.points.groups() {
             let material = self.scene.material(group.material);
-            let reflects = may_bounce && material.reflection > 0.0;
+            let reflects = may_bounce && material.mirrors();
             for at in group.lanes() {
                 let mut ended = at.bits();
                 if M::NEEDS_LIGHT {
@@ -73,12 +71,13 @@ impl<M: Model> EndPoints<'_, M> {
         lanes: u8,
     ) {
         let point = self.points.shading(set, at);
-        let direction = point.mirrored(self.points.directions(set, at));
+        let arriving = self.points.directions(set, at);
+        let direction = point.mirrored(arriving);
         let origin = self.model.origin(&point, direction);
         let reflected = Continued {
             origin,
             direction,
-            factor: set.splat_vector(Vec3::splat(material.reflection)),
+            factor: mirrored_share(material, &point, arriving),
             rays: self.points.rays(at),
             kind: RayKind::Reflection,
             media: None,

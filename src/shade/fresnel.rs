@@ -1,7 +1,53 @@
-//! Light at the smooth surface between two clear media.
+//! Light at smooth surfaces: of clear media, and of metals.
 
+use glam::Vec3;
+
+use crate::material::{Conductor, Material};
 use crate::simd::{Real, Vector};
 use crate::trace::ShadingPoint;
+
+/// The share of the mirrored ray's light that a material reflects, for a ray in
+/// `direction`.
+#[inline(always)]
+pub(super) fn mirrored_share<R: Real>(
+    material: &Material,
+    point: &ShadingPoint<R>,
+    direction: Vector<R>,
+) -> Vector<R> {
+    let zero = direction.x.splat(0.0);
+    let Some(Conductor { index, extinction }) = material.conductor else {
+        return Vector::splat(zero, Vec3::splat(material.reflection));
+    };
+    let cos = (-direction.dot(point.normal))
+        .max(zero)
+        .min(zero.splat(1.0));
+    Vector {
+        x: conductor(cos, index.x, extinction.x),
+        y: conductor(cos, index.y, extinction.y),
+        z: conductor(cos, index.z, extinction.z),
+    }
+}
+
+/// The reflectance of a metal in vacuum for unpolarized light, by the cosine of the angle
+/// of incidence.
+///
+/// Fresnel's equations with a complex index: Born and Wolf, "Principles of Optics", 14.2,
+/// in the form of Lagarde, "Memo on Fresnel Equations", 2013.
+#[inline(always)]
+fn conductor<R: Real>(cos: R, index: f32, extinction: f32) -> R {
+    let (zero, half) = (cos.splat(0.0), cos.splat(0.5));
+    let (index2, extinction2) = (index * index, extinction * extinction);
+    let cos2 = cos * cos;
+    let sin2 = cos.splat(1.0) - cos2;
+    let difference = cos.splat(index2 - extinction2) - sin2;
+    let length = (difference * difference + cos.splat(4.0 * index2 * extinction2)).sqrt();
+    let root = (half * (length + difference)).max(zero).sqrt();
+    let (sum, twice) = (length + cos2, cos.splat(2.0) * root * cos);
+    let perpendicular = (sum - twice) / (sum + twice);
+    let (sum, twice) = (cos2 * length + sin2 * sin2, twice * sin2);
+    let parallel = perpendicular * (sum - twice) / (sum + twice);
+    half * (perpendicular + parallel)
+}
 
 /// The split of a ray at a smooth surface.
 pub(super) struct Split<R> {
@@ -94,6 +140,46 @@ mod tests {
                 assert!((f64::from(reflectance) - expected).abs() < 1e-5);
                 let found = f64::from(refracted.x).atan2(-f64::from(refracted.y));
                 assert!((found - behind).abs() < 1e-5, "{found} {behind}");
+            }
+        }
+    }
+
+    #[test]
+    fn metals_reflect_what_complex_amplitudes_say() {
+        // The amplitudes by complex arithmetic: (real, imaginary).
+        type Complex = (f64, f64);
+        let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+        let minus = |a: Complex, b: Complex| (a.0 - b.0, a.1 - b.1);
+        let plus = |a: Complex, b: Complex| (a.0 + b.0, a.1 + b.1);
+        let root = |a: Complex| {
+            let length = a.0.hypot(a.1);
+            (
+                ((length + a.0) / 2.0).sqrt(),
+                ((length - a.0) / 2.0).sqrt().copysign(a.1),
+            )
+        };
+        let power = |a: Complex| a.0 * a.0 + a.1 * a.1;
+        for (n, k) in [
+            (0.143, 3.983),
+            (1.442, 1.603),
+            (0.2, 3.9),
+            (1.5, 0.0),
+            (2.0, 7.5),
+        ] {
+            for i in 0..20 {
+                let cos = f64::from(89 * i / 19).to_radians().cos();
+                let index2 = times((n, k), (n, k));
+                let behind = root(minus(index2, (1.0 - cos * cos, 0.0)));
+                let before = (cos, 0.0);
+                let perpendicular = power(minus(before, behind)) / power(plus(before, behind));
+                let bent = times(index2, before);
+                let parallel = power(minus(bent, behind)) / power(plus(bent, behind));
+                let expected = 0.5 * (perpendicular + parallel);
+                let found = f64::from(conductor(cos as f32, n as f32, k as f32));
+                assert!(
+                    (found - expected).abs() < 2e-5,
+                    "{n} {k} {cos}: {found} {expected}"
+                );
             }
         }
     }

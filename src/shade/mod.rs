@@ -31,15 +31,14 @@ use crate::geometry::Ray;
 use crate::light::{Illumination, Light};
 use crate::scene::Scene;
 use crate::simd::{Simd, Vector};
-use crate::trace::SurfacePoint;
-use fresnel::split_at;
+use crate::trace::{ShadingPoint, SurfacePoint};
+use fresnel::{mirrored_share, split_at};
 use model::Model;
 use seed::Seed;
 use standard::Standard;
 
 pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;
-use path::MIN_WEIGHT;
 pub use path::PathRay;
 pub use paths::PathWave;
 pub use wave::WaveShader;
@@ -157,49 +156,30 @@ impl<'a> Shader<'a> {
     ) {
         let material = self.scene.material(point.material);
         let (at, direction) = (point.shading(), Vector::from(path.ray.direction));
-        let mut add = |kind, factor: f32, to: Vector<f32>, media| {
-            next.push(PathRay {
-                ray: Ray {
-                    origin: model.origin(&at, to).into(),
-                    direction: to.into(),
-                },
-                kind,
-                depth: path.depth + 1,
-                weight: path.weight * factor,
-                media,
-            });
+        let reflected = |share: Vec3| {
+            let ray = departing(model, &at, at.mirrored(direction));
+            path.continued(RayKind::Reflection, ray, share)
         };
         if material.dielectric.is_none() {
-            if material.reflection != 0.0 {
-                let mirrored = at.mirrored(direction);
-                add(
-                    RayKind::Reflection,
-                    material.reflection,
-                    mirrored,
-                    path.media,
-                );
+            if material.mirrors() {
+                next.push(reflected(mirrored_share(material, &at, direction).into()));
             }
             return;
         }
-        let materials = &self.scene.materials;
-        let interface = path
-            .media
-            .cross(point.material, !point.is_flipped, materials);
+        let media = path.media;
+        let enters = !point.is_flipped;
+        let interface = media.cross(point.material, enters, &self.scene.materials);
         let split = split_at(&at, direction, interface.eta, interface.is_visible);
-        let is_worth = |factor: f32| (path.weight * factor).max_element() >= MIN_WEIGHT;
-        let refraction = 1.0 - split.reflectance;
-        if is_worth(split.reflectance) {
-            let mirrored = at.mirrored(direction);
-            add(RayKind::Reflection, split.reflectance, mirrored, path.media);
-        }
-        if is_worth(refraction) {
-            add(
+        let refracted = PathRay {
+            media: interface.behind,
+            ..path.continued(
                 RayKind::Refraction,
-                refraction,
-                split.refracted,
-                interface.behind,
-            );
-        }
+                departing(model, &at, split.refracted),
+                Vec3::splat(1.0 - split.reflectance),
+            )
+        };
+        let both = [reflected(Vec3::splat(split.reflectance)), refracted];
+        next.extend(both.into_iter().filter(PathRay::has_weight));
     }
 
     /// Returns the radiance of the background that a ray which hit nothing adds to its
@@ -207,6 +187,14 @@ impl<'a> Shader<'a> {
     pub fn miss(&self, path: &PathRay) -> Vec3 {
         let color = self.scene.background.color(path.ray.direction.into());
         self.weakened(path, f32::INFINITY).weight * Vec3::from(color)
+    }
+}
+
+/// The ray that leaves a point in this direction.
+fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) -> Ray {
+    Ray {
+        origin: model.origin(at, direction).into(),
+        direction: direction.into(),
     }
 }
 

@@ -32,6 +32,22 @@ impl PathRay {
             media: Media::default(),
         }
     }
+
+    /// The ray of the path after a bounce which leaves this share of the light.
+    pub(super) fn continued(&self, kind: RayKind, ray: Ray, share: Vec3) -> Self {
+        Self {
+            ray,
+            kind,
+            depth: self.depth + 1,
+            weight: self.weight * share,
+            media: self.media,
+        }
+    }
+
+    /// Whether it has at least [`MIN_WEIGHT`].
+    pub(super) fn has_weight(&self) -> bool {
+        self.weight.max_element() >= MIN_WEIGHT
+    }
 }
 
 /// Least weight of a ray that is split off at the surface of a medium, in its greatest

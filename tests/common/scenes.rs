@@ -46,7 +46,7 @@ impl RandomScene {
         } = self;
         // Some of the cloud's spheres overlap.
         let (media, of_cloud) = if *has_media && *model != "seed" {
-            (MEDIA, "[cloud, glass, water]")
+            (MEDIA, "[cloud, glass, water, gold]")
         } else {
             ("", "cloud")
         };
@@ -93,6 +93,7 @@ lights:"
 const MEDIA: &str =
     "  glass: { dielectric: { index: 1.5, absorption: [0.1, 0.9, 3], priority: 1 }, specular: 0.2 }
   water: { dielectric: { index: 1.33 } }
+  gold: { conductor: gold, specular: 0.1 }
 ";
 
 /// More keys of the image.
