@@ -47,6 +47,9 @@ impl Film {
     /// film: without a hierarchy, for example, there are no node visits. `None`
     /// for a film without cost.
     pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
+        if !self.cost.has_counters() {
+            return None;
+        }
         let mut shown = Metric::ALL
             .into_iter()
             .filter(|&metric| self.has_any(metric));
@@ -62,5 +65,20 @@ impl Film {
             self.counts(strip, metric, &mut of_strip);
             of_strip.iter().any(|&count| count > 0)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::CostMode;
+    use crate::schedule::TileGrid;
+
+    #[test]
+    fn a_film_without_cost_has_no_metric_to_show() {
+        for (mode, is_shown) in [(CostMode::None, false), (CostMode::Time, true)] {
+            let film = Film::new(TileGrid::new(3, 2, 2), 4, mode);
+            assert_eq!(film.heatmap_metrics().is_some(), is_shown);
+        }
     }
 }
