@@ -25,18 +25,14 @@ impl Work {
     /// A whole pixel: each of its `n` camera rays counts as an n-th of it, rounded.
     pub const PIXEL_UNIT: u64 = 1 << 30;
 
-    /// The metrics of rays, in order of preference.
-    pub const METRICS: [Metric; 4] = [
-        Metric::TIME,
-        Metric::NODE_VISITS,
-        Metric::PRIMITIVE_TESTS,
-        Metric::RAYS,
-    ];
+    /// The counted metrics of rays, in order of preference.
+    pub const COUNTED: [Metric; 3] = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS, Metric::RAYS];
 
-    /// Returns one of [`Self::METRICS`], a time in nanoseconds; 0 for any other.
+    /// Returns one of [`Self::COUNTED`], or the time in nanoseconds for any metric of times;
+    /// 0 for any other.
     pub fn get(&self, metric: Metric) -> f64 {
         match metric {
-            Metric::TIME => (self.time_ps as f64 / 1e3).round(),
+            _ if metric.is_timed() => (self.time_ps as f64 / 1e3).round(),
             Metric::NODE_VISITS => self.node_visits as f64,
             Metric::PRIMITIVE_TESTS => self.primitive_tests as f64,
             Metric::RAYS => self.rays as f64,

@@ -281,8 +281,18 @@ fn number(row: &Row, column: &str) -> f64 {
 
 #[test]
 fn the_rows_of_the_table_sum_up_to_the_summary() {
+    check_sums("time", "time_ns");
+}
+
+#[test]
+fn the_rows_sum_up_to_attributed_times_too() {
+    check_sums("attributed_time", "attributed_time_ns");
+}
+
+/// Checks the sums of `objects.csv` in a mode of `cost`, whose times have this name.
+fn check_sums(cost: &str, time: &str) {
     let folder = tempfile::tempdir().unwrap();
-    render("hall_of_mirrors.yaml", folder.path(), &[]);
+    render("hall_of_mirrors.yaml", folder.path(), &["--cost", cost]);
     let rows = rows(folder.path());
     let summary = fs::read(folder.path().join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
@@ -304,22 +314,16 @@ fn the_rows_of_the_table_sum_up_to_the_summary() {
             for column in ["rays", "node_visits", "primitive_tests"] {
                 assert_eq!(sum("all", column), totals[column].as_f64().unwrap());
             }
-            let time_ns = totals["time_ns"].as_f64().unwrap();
+            let time_ns = totals[time].as_f64().unwrap();
             // The table has whole nanoseconds.
             let rounding = 0.5 * group("all").len() as f64 + 1e-6 * time_ns;
-            assert!((sum("all", "time_ns") - time_ns).abs() <= rounding);
+            assert!((sum("all", time) - time_ns).abs() <= rounding);
             for ray_kind in ["camera", "shadow", "reflection", "refraction"] {
                 let rays = totals[format!("{ray_kind}_rays")].as_f64().unwrap();
                 assert_eq!(sum(ray_kind, "rays"), rays);
             }
             assert_eq!(sum("all", "pixels"), 40.0 * 30.0);
-            for column in [
-                "pixels",
-                "rays",
-                "node_visits",
-                "primitive_tests",
-                "time_ns",
-            ] {
+            for column in ["pixels", "rays", "node_visits", "primitive_tests", time] {
                 let whole = sum("all", &format!("{column}_share"));
                 assert!((whole - 1.0).abs() < 1e-5, "{column}: {whole}");
             }
