@@ -9,14 +9,7 @@ impl Film {
         counts.clear();
         match metric.source {
             MetricSource::Clock | MetricSource::TileClock => counts.resize(strip.rgb.len(), 0),
-            MetricSource::Counter(counter) => {
-                let uncounted = match counter {
-                    Counter::Samples => self.n_samples,
-                    _ => 0,
-                };
-                counts.resize(strip.rgb.len(), uncounted);
-                self.add_counts(strip, counter, counts);
-            }
+            MetricSource::Counter(counter) => self.counter(strip, counter, counts),
             MetricSource::AllRays => {
                 counts.resize(strip.rgb.len(), self.n_samples);
                 for counter in RayKind::ALL.map(Counter::of_rays) {
@@ -24,6 +17,17 @@ impl Film {
                 }
             }
         }
+    }
+
+    /// Overwrites `counts` with a counter of the pixels of a strip.
+    pub(crate) fn counter(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
+        let uncounted = match counter {
+            Counter::Samples => self.n_samples,
+            _ => 0,
+        };
+        counts.clear();
+        counts.resize(strip.rgb.len(), uncounted);
+        self.add_counts(strip, counter, counts);
     }
 
     /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24

@@ -26,7 +26,7 @@ impl Film {
     }
 
     /// Adds one counter of the pixels of a strip to `sums`, tile by tile.
-    pub(crate) fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
+    pub(super) fn add_counts(&self, strip: &Strip, counter: Counter, sums: &mut [u32]) {
         let TileGrid {
             tile_size, width, ..
         } = self.grid;

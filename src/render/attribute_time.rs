@@ -7,31 +7,28 @@
 
 use rayon::prelude::*;
 
-use crate::cost::{Cost, Counter, RayKind};
+use crate::cost::{Cost, Counter};
 use crate::film::{Film, Strip};
 use crate::schedule::{Schedule, TileRun};
 use crate::statistics::non_negative_least_squares;
 
-/// The counters of a ray's work, and the camera rays, which have none.
-const N_TERMS: usize = COUNTERS.len() + 1;
-
 /// All counters but the depth, which is not work.
-const COUNTERS: [Counter; 5] = [
+const COUNTERS: [Counter; 6] = [
     Counter::NodeVisits,
     Counter::PrimitiveTests,
+    Counter::Samples,
     Counter::ShadowRays,
     Counter::ReflectionRays,
     Counter::RefractionRays,
 ];
 
-/// Nanoseconds per event: those of [`COUNTERS`], then camera rays.
-type Weights = [f64; N_TERMS];
+/// Nanoseconds per event that each of [`COUNTERS`] counts.
+type Weights = [f64; COUNTERS.len()];
 
 /// Sets the times of all pixels to their shares of their tiles' times. The pixels of a
 /// tile whose thread was interrupted are rejected.
 pub(super) fn attribute_time(film: &mut Film, schedule: &Schedule) {
     let weights = fitted(&schedule.runs);
-    // The measured time of each tile over that of the model.
     let scales: Vec<f64> = schedule
         .runs
         .iter()
@@ -71,6 +68,7 @@ fn fitted(runs: &[TileRun]) -> Weights {
     non_negative_least_squares(rows(true))
 }
 
+/// The measured time of a tile over that of the model; 0 without work.
 fn scale(run: &TileRun, weights: &Weights) -> f64 {
     let terms = terms(&run.counted).into_iter().zip(weights);
     let modeled: f64 = terms.map(|(count, weight)| count * weight).sum();
@@ -82,11 +80,7 @@ fn scale(run: &TileRun, weights: &Weights) -> f64 {
 }
 
 fn terms(counted: &Cost) -> Weights {
-    let mut terms = [counted.rays_of(RayKind::Camera) as f64; N_TERMS];
-    for (term, counter) in terms.iter_mut().zip(COUNTERS) {
-        *term = counted.get(counter) as f64;
-    }
-    terms
+    COUNTERS.map(|counter| counted.get(counter) as f64)
 }
 
 /// Overwrites `times` with what the model gives the pixels of a strip.
@@ -97,18 +91,13 @@ fn model_times(
     times: &mut Vec<f64>,
     counts: &mut Vec<u32>,
 ) {
-    let camera_rays = f64::from(film.n_samples) * weights[COUNTERS.len()];
     times.clear();
-    times.resize(strip.rgb.len(), camera_rays);
-    // Camera rays that are not the same for all pixels have a counter.
-    let counters = COUNTERS.into_iter().chain([Counter::Samples]);
-    for (counter, &weight) in counters.zip(weights) {
+    times.resize(strip.rgb.len(), 0.0);
+    for (counter, &weight) in COUNTERS.into_iter().zip(weights) {
         if weight == 0.0 {
             continue;
         }
-        counts.clear();
-        counts.resize(times.len(), 0);
-        film.add_counts(strip, counter, counts);
+        film.counter(strip, counter, counts);
         for (time, &count) in times.iter_mut().zip(&*counts) {
             *time += weight * f64::from(count);
         }
