@@ -182,12 +182,12 @@ impl<'a> Observer<'a> {
         let all = || lights.iter().map(|(_, light)| *light);
         let (_, time_ns, color) = self.timed(|_| shader.shade(eye, path, point, all(), next));
         tree.rays[number as usize].time_ns += time_ns;
-        self.contribute(number, color, tree);
+        tree.rays[number as usize].contribution = color;
         for &(left_out, _) in &lights {
             let others = lights.iter().filter(|(shadow, _)| *shadow != left_out);
             let others = others.map(|(_, light)| *light);
             let without = shader.shade(eye, path, point, others, &mut Vec::new());
-            self.contribute(left_out, color - without, tree);
+            tree.rays[left_out as usize].contribution = color - without;
         }
     }
 
@@ -195,11 +195,6 @@ impl<'a> Observer<'a> {
     fn miss(&self, path: &PathRay, number: u32, tree: &mut RayTree) {
         let (_, time_ns, color) = self.timed(|_| self.view.shader.miss(path));
         tree.rays[number as usize].time_ns += time_ns;
-        self.contribute(number, color, tree);
-    }
-
-    /// Sets the contribution of a ray to its sample.
-    fn contribute(&self, number: u32, color: Vec3, tree: &mut RayTree) {
         tree.rays[number as usize].contribution = color;
     }
 

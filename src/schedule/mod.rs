@@ -53,7 +53,8 @@ pub struct TileRun {
     pub film_ns: u64,
     /// The part of its duration that the warm-up took, in nanoseconds.
     pub warm_up_ns: u64,
-    /// Whether the thread lost its CPU meanwhile, as far as the system reports it.
+    /// Whether the thread lost its CPU meanwhile, as far as the system reports it. Where
+    /// each pixel is timed, the check of the pixel notices it first.
     pub is_interrupted: bool,
     /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,

@@ -3,7 +3,7 @@
 use super::fresnel::{Split, mirrored_share, split_at};
 use super::media::Media;
 use super::model::Model;
-use super::path::MIN_WEIGHT;
+use super::path::is_worth_tracing;
 use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
 use crate::material::Material;
@@ -156,7 +156,7 @@ impl<M: Model> EndPoints<'_, M> {
         let mut lanes = 0;
         for (lane, (&ray, factor)) in rays.iter().zip(factors).enumerate() {
             let weight = self.wave.weights.get(ray as usize) * factor;
-            lanes |= u8::from(weight.max_element() >= MIN_WEIGHT) << lane;
+            lanes |= u8::from(is_worth_tracing(weight)) << lane;
         }
         lanes
     }

@@ -44,12 +44,18 @@ impl PathRay {
         }
     }
 
-    /// Whether it has at least [`MIN_WEIGHT`].
+    /// Whether it is worth tracing.
     pub(super) fn has_weight(&self) -> bool {
-        self.weight.max_element() >= MIN_WEIGHT
+        is_worth_tracing(self.weight)
     }
 }
 
 /// Least weight of a ray that is split off at the surface of a medium, in its greatest
 /// channel: without a limit, the number of rays doubles with each bounce.
-pub(super) const MIN_WEIGHT: f32 = 1.0 / 4096.0;
+const MIN_WEIGHT: f32 = 1.0 / 4096.0;
+
+/// Whether a ray of this weight, split off at the surface of a medium, is traced.
+#[inline(always)]
+pub(super) fn is_worth_tracing(weight: Vec3) -> bool {
+    weight.max_element() >= MIN_WEIGHT
+}

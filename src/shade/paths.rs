@@ -207,9 +207,10 @@ impl PathWave {
     ) -> ([u32; N_LANES], Vector<I::Lanes>) {
         let (mut slots, mut weights) = ([0; N_LANES], [[0.0; N_LANES]; 3]);
         for lane in 0..N_LANES {
-            slots[lane] = match self.branches.is_empty() {
-                true => self.slots[rays[lane] as usize],
-                false => rays[lane],
+            slots[lane] = if self.branches.is_empty() {
+                self.slots[rays[lane] as usize]
+            } else {
+                rays[lane]
             };
             set_lane(&mut weights, lane, self.weights.get(rays[lane] as usize));
         }

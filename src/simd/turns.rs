@@ -8,7 +8,7 @@ use super::real::Real;
 /// in the last place of 1.
 #[inline(always)]
 pub fn cos_sin<R: Real>(turns: R) -> [R; 2] {
-    let [quarter, half, one] = [0.25, 0.5, 1.0].map(|number| turns.splat(number));
+    let (quarter, half, one) = (turns.splat(0.25), turns.splat(0.5), turns.splat(1.0));
     let n_quarters = (turns.splat(4.0) * turns + half).floor();
     let [cos, sin] = polynomials((turns - n_quarters * quarter) * turns.splat(TAU));
     // 0 to 3.
@@ -31,13 +31,18 @@ pub fn cos_sin_of_eighths<R: Real>(eighths: R) -> [R; 2] {
 #[inline(always)]
 fn polynomials<R: Real>(x: R) -> [R; 2] {
     let square = x * x;
-    let polynomial = |[a, b, c]: [f32; 3]| (x.splat(a) * square + x.splat(b)) * square + x.splat(c);
-    let sin = polynomial([-1.951_529_6e-4, 8.332_161e-3, -0.166_666_55]);
-    let cos = polynomial([2.443_315_7e-5, -1.388_731_6e-3, 0.041_666_646]);
+    let sin = parabola(square, [-1.951_529_6e-4, 8.332_161e-3, -0.166_666_55]);
+    let cos = parabola(square, [2.443_315_7e-5, -1.388_731_6e-3, 0.041_666_646]);
     [
         cos * square * square - x.splat(0.5) * square + x.splat(1.0),
         sin * square * x + x,
     ]
+}
+
+/// `a x² + b x + c`.
+#[inline(always)]
+fn parabola<R: Real>(x: R, [a, b, c]: [f32; 3]) -> R {
+    (x.splat(a) * x + x.splat(b)) * x + x.splat(c)
 }
 
 #[cfg(test)]
