@@ -238,7 +238,7 @@ impl SceneArguments {
 
 /// Reads an exposure.
 fn stops(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok();
-    let in_range = number.filter(|stops| FilmSettings::STOPS.contains(stops));
+    let number = text.parse::<f32>().ok();
+    let in_range = number.filter(|&stops| FilmSettings::STOPS.contains(&stops.into()));
     in_range.ok_or_else(|| "expected a number from -32 to 32".to_owned())
 }

@@ -2,11 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use serde::Deserialize;
+use serde::de::DeserializeSeed;
+use serde::{Deserialize, Deserializer};
 
 use super::ShadingModel;
 use crate::color::{Development, ToneCurve, Transfer};
-use crate::yaml;
+use crate::yaml::Number;
 
 /// How the light of a pixel becomes the numbers of the picture.
 ///
@@ -26,20 +27,20 @@ use crate::yaml;
 )]
 pub struct FilmSettings {
     /// Stops, -32 to 32: the light is doubled for each; 0 if not given.
-    #[serde(deserialize_with = "yaml::stops")]
+    #[serde(deserialize_with = "stops")]
     pub exposure: f32,
     /// The tone curve; none if not given.
     pub tone_curve: ToneCurve,
     /// The transfer function; if not given, that of [`ShadingModel::transfer`].
     pub transfer: Option<Transfer>,
     /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
-    #[serde(deserialize_with = "yaml::bits")]
+    #[serde(deserialize_with = "bits")]
     pub bits: u8,
 }
 
 impl FilmSettings {
     /// The exposures of pictures.
-    pub const STOPS: RangeInclusive<f32> = -32.0..=32.0;
+    pub const STOPS: RangeInclusive<f64> = -32.0..=32.0;
 
     /// How light becomes numbers, with this shading model.
     pub fn development(&self, model: ShadingModel) -> Development {
@@ -50,6 +51,22 @@ impl FilmSettings {
     pub fn transfer(&self, model: ShadingModel) -> Transfer {
         self.transfer.unwrap_or(model.transfer())
     }
+}
+
+fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    let number = Number {
+        expected: "a number of stops from -32 to 32",
+        accepts: |stops| FilmSettings::STOPS.contains(&stops),
+    };
+    number.deserialize(d)
+}
+
+fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
+    let number = Number {
+        expected: "8 or 16",
+        accepts: |bits| [8.0, 16.0].contains(&bits),
+    };
+    number.deserialize(d).map(|bits| bits as u8)
 }
 
 impl Default for FilmSettings {

@@ -23,7 +23,7 @@ pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
 pub use name::{MAX_NAME, name};
 pub use number::{
-    Number, bits, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
-    positive_range, range, scale, seed, stops, vector, whole,
+    Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
+    positive_range, range, scale, seed, vector, whole,
 };
 pub use source::{Source, from_str};

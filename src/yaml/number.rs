@@ -44,16 +44,6 @@ const FRACTION: Number = Number {
     expected: "a number from 0 to 1",
     accepts: |x| (0.0..=1.0).contains(&x),
 };
-/// An exposure.
-const STOPS: Number = Number {
-    expected: "a number of stops from -32 to 32",
-    accepts: |x| (-32.0..=32.0).contains(&x),
-};
-/// Bits per channel of a picture.
-const BITS: Number = Number {
-    expected: "8 or 16",
-    accepts: |x| [8.0, 16.0].contains(&x),
-};
 const SCALE: Number = Number {
     expected: "a number other than 0 (magnitude 1e-6 to 1e6)",
     accepts: |x| (1e-6..=1e6).contains(&x.abs()),
@@ -72,16 +62,6 @@ pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
 /// Reads a fraction, 0 to 1.
 pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     FRACTION.deserialize(d)
-}
-
-/// Reads an exposure in stops, -32 to 32.
-pub fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    STOPS.deserialize(d)
-}
-
-/// Reads the bits per channel of a picture, 8 or 16.
-pub fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
-    BITS.deserialize(d).map(|bits| bits as u8)
 }
 
 /// Reads a coordinate, or an angle in degrees, of any sign.
