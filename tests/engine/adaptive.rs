@@ -42,7 +42,7 @@ fn the_error_is_below_the_threshold_wherever_samples_were_left() {
     }
     let error = (squares / n as f32).sqrt();
     assert!(error < noise, "{error}");
-    // Few pixels have samples that happen to be alike.
+    // Few pixels have samples that are the same by chance.
     assert!(n_far * 100 < n, "{n_far} of {n}");
     // Flat pixels have the fewest samples, blurred edges many.
     let of_least = n_samples.iter().filter(|&&n| n == 16).count();
