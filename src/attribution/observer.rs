@@ -96,8 +96,9 @@ impl<'a> Observer<'a> {
 
     /// Observes a sample, with contributions in terms of it; returns its color.
     fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) -> Vec3 {
-        let camera_ray = self.view.camera_ray(place, sample);
-        let mut paths = vec![PathRay::from_camera(camera_ray)];
+        let camera_path = self.view.camera_path(place, sample);
+        let eye = camera_path.ray.origin;
+        let mut paths = vec![camera_path];
         let mut parents = vec![None];
         let (mut color, mut n_traced) = (Vec3::ZERO, 0);
         while let Some(&path) = paths.get(n_traced) {
@@ -114,7 +115,6 @@ impl<'a> Observer<'a> {
             let (number, hit) = self.trace(start, tree);
             match hit {
                 Some(point) => {
-                    let eye = camera_ray.origin;
                     self.shade(eye, &path, number, &point, &mut paths, tree);
                 }
                 None => self.miss(&path, number, tree),
@@ -137,13 +137,7 @@ impl<'a> Observer<'a> {
 
     /// Traces the shadow ray of a light sample and adds it; returns its index and
     /// whether it is occluded.
-    fn trace_shadow(
-        &self,
-        parent: u32,
-        light: u32,
-        sample: &LightSample,
-        tree: &mut RayTree,
-    ) -> (u32, bool) {
+    fn trace_shadow(&self, parent: u32, sample: &LightSample, tree: &mut RayTree) -> (u32, bool) {
         let tracer = &self.view.tracer;
         let shadow = &sample.shadow;
         let from = &tree.rays[parent as usize];
@@ -151,7 +145,7 @@ impl<'a> Observer<'a> {
             kind: RayKind::Shadow,
             parent: Some(parent),
             sample: from.sample,
-            light: Some(light),
+            light: Some(sample.index),
             bounce: from.bounce,
             ray: shadow.ray,
             t_max: shadow.t_max,
@@ -173,8 +167,8 @@ impl<'a> Observer<'a> {
     ) {
         let shader = &self.view.shader;
         let mut lights: Vec<(u32, Illumination<f32>)> = Vec::new();
-        for (light, sample) in shader.indexed_light_samples(point) {
-            let (shadow, is_shadowed) = self.trace_shadow(number, light, &sample, tree);
+        for sample in shader.light_samples(path, point) {
+            let (shadow, is_shadowed) = self.trace_shadow(number, &sample, tree);
             if !is_shadowed {
                 lights.push((shadow, sample.light));
             }

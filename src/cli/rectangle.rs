@@ -10,12 +10,12 @@ use crate::text::Diagnostic;
 /// A rectangle of pixels, row 0 on top, such as `3,4`, `10..19,4` or `10..19,0..9`; both
 /// ends are inclusive.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Rectangle {
+pub(super) struct PixelRectangle {
     columns: RangeInclusive<u32>,
     rows: RangeInclusive<u32>,
 }
 
-impl Rectangle {
+impl PixelRectangle {
     /// Checks that the rectangle lies in the picture.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl Rectangle {
     }
 }
 
-impl FromStr for Rectangle {
+impl FromStr for PixelRectangle {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -82,7 +82,7 @@ fn range(text: &str) -> Option<RangeInclusive<u32>> {
     (first <= last).then_some(first..=last)
 }
 
-impl fmt::Display for Rectangle {
+impl fmt::Display for PixelRectangle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let side = |range: &RangeInclusive<u32>| match (range.start(), range.end()) {
             (first, last) if first == last => first.to_string(),
@@ -99,9 +99,12 @@ mod tests {
     #[test]
     fn parsing_inverts_formatting() {
         for text in ["3,4", "10..19,4", "0,7..8", "10..19,0..9"] {
-            assert_eq!(text.parse::<Rectangle>().unwrap().to_string(), text);
+            assert_eq!(text.parse::<PixelRectangle>().unwrap().to_string(), text);
         }
-        assert_eq!("5..5, 1".parse::<Rectangle>().unwrap().to_string(), "5,1");
+        assert_eq!(
+            "5..5, 1".parse::<PixelRectangle>().unwrap().to_string(),
+            "5,1"
+        );
     }
 
     #[test]
@@ -119,14 +122,14 @@ mod tests {
             "1...3,4",
             "4294967296,0",
         ] {
-            assert!(text.parse::<Rectangle>().is_err(), "{text}");
+            assert!(text.parse::<PixelRectangle>().is_err(), "{text}");
         }
     }
 
     #[test]
     fn overlapping_rectangles_give_each_pixel_once() {
         let rectangles = ["1..2,1..2", "2..3,2"].map(|text| text.parse().unwrap());
-        let pixels: Vec<_> = Rectangle::pixels(&rectangles).collect();
+        let pixels: Vec<_> = PixelRectangle::pixels(&rectangles).collect();
         assert_eq!(pixels, [(1, 1), (2, 1), (1, 2), (2, 2), (3, 2)]);
         assert_eq!(rectangles.map(|rectangle| rectangle.n_pixels()), [4, 2]);
     }

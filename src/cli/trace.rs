@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::progress::{BuildBar, PixelBar};
-use super::rectangle::Rectangle;
+use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
 use super::tree::Trees;
@@ -45,7 +45,7 @@ pub(super) struct TraceArguments {
     /// Pixels to trace; 0,0 is at the top left. X and Y are numbers, or ranges such as
     /// 10..19, both ends included. Can be repeated
     #[arg(long, value_name = "X,Y", required_unless_present = "hottest")]
-    pixel: Vec<Rectangle>,
+    pixel: Vec<PixelRectangle>,
 
     /// Trace the N most expensive pixels instead, 1 to 10,000; renders the picture to
     /// find them
@@ -140,7 +140,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
 /// The pixels to trace.
 enum TracedPixels<'a> {
     /// Those of `--pixel`.
-    Named(&'a [Rectangle]),
+    Named(&'a [PixelRectangle]),
     /// Those of `--hottest`.
     Hottest(Metric, Vec<HotPixel>),
 }
@@ -166,7 +166,7 @@ impl<'a> TracedPixels<'a> {
     /// The number of pixels.
     fn n(&self) -> u64 {
         match self {
-            Self::Named(rectangles) => rectangles.iter().map(Rectangle::n_pixels).sum(),
+            Self::Named(rectangles) => rectangles.iter().map(PixelRectangle::n_pixels).sum(),
             Self::Hottest(_, pixels) => pixels.len() as u64,
         }
     }
@@ -174,7 +174,7 @@ impl<'a> TracedPixels<'a> {
     /// The column and row of each pixel.
     fn places(&self) -> Box<dyn Iterator<Item = (u32, u32)> + '_> {
         match self {
-            Self::Named(rectangles) => Box::new(Rectangle::pixels(rectangles)),
+            Self::Named(rectangles) => Box::new(PixelRectangle::pixels(rectangles)),
             Self::Hottest(_, pixels) => Box::new(pixels.iter().map(|pixel| pixel.place)),
         }
     }

@@ -219,6 +219,7 @@ fn kind(kind: RayKind) -> (&'static str, AnsiColor) {
         RayKind::Shadow => ("shadow", AnsiColor::Yellow),
         RayKind::Reflection => ("reflection", AnsiColor::Red),
         RayKind::Refraction => ("refraction", AnsiColor::Green),
+        RayKind::Diffuse => ("diffuse", AnsiColor::Cyan),
     }
 }
 

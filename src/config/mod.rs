@@ -32,7 +32,7 @@ pub use image::{Image, MAX_SIDE};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use repeats::Repeats;
-pub use shading::{Shading, ShadingModel};
+pub use shading::{LightSampling, Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
 
 use crate::camera::Camera;

@@ -48,6 +48,8 @@ counters! {
     ReflectionRays: |cost| cost.rays[RayKind::Reflection as usize],
     /// Refracted rays.
     RefractionRays: |cost| cost.rays[RayKind::Refraction as usize],
+    /// Scattered rays.
+    DiffuseRays: |cost| cost.rays[RayKind::Diffuse as usize],
     /// Bounces of the longest path.
     Depth: |cost| cost.depth,
 }
@@ -61,6 +63,7 @@ impl Counter {
             RayKind::Shadow => Self::ShadowRays,
             RayKind::Reflection => Self::ReflectionRays,
             RayKind::Refraction => Self::RefractionRays,
+            RayKind::Diffuse => Self::DiffuseRays,
         }
     }
 }

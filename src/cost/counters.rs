@@ -135,7 +135,7 @@ mod tests {
         let cost = Cost {
             node_visits: 1 << 40,
             primitive_tests: 9,
-            rays: [2, 3, 1, 0],
+            rays: [2, 3, 1, 0, 0],
             depth: 7,
         };
         counters.add(1, &cost);
@@ -150,7 +150,7 @@ mod tests {
         let first = Cost {
             node_visits: 4,
             primitive_tests: 2,
-            rays: [2, 1, 0, 0],
+            rays: [2, 1, 0, 0, 0],
             depth: 0,
         };
         let second = Cost {
@@ -159,7 +159,7 @@ mod tests {
             ..cost
         };
         let third = Cost {
-            rays: [2, 0, 0, 0],
+            rays: [2, 0, 0, 0, 0],
             ..Cost::default()
         };
         assert_eq!([0, 1, 2].map(|i| counters.of(i)), [first, second, third]);
@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(counters.total(), Cost::default());
         counters.add_rays(RayKind::Camera, 0, 7);
         counters.add(0, &cost);
-        assert_eq!(counters.of(0).rays, [9, 3, 1, 0]);
+        assert_eq!(counters.of(0).rays, [9, 3, 1, 0, 0]);
         assert_eq!(counters.total(), counters.of(0));
     }
 }

@@ -138,7 +138,7 @@ impl Metric {
 
     /// All metrics: in files, tables and menus they have this order, and heatmaps
     /// show the first two that are not zero.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::TIME,
         Self::ATTRIBUTED_TIME,
         Self::NODE_VISITS,
@@ -167,6 +167,11 @@ impl Metric {
                 "refraction rays",
                 Counter::RefractionRays,
             )
+        },
+        Self {
+            title: "diffuse rays per pixel",
+            about: "rays scattered by rough surfaces",
+            ..counter("diffuse_rays", "diffuse rays", Counter::DiffuseRays)
         },
         Self::DEPTH,
     ];
@@ -260,11 +265,11 @@ mod tests {
         let cost = Cost {
             node_visits: 1,
             primitive_tests: 2,
-            rays: [10, 20, 30, 40],
+            rays: [10, 20, 30, 40, 50],
             depth: 3,
         };
         let values = Metric::ALL.map(|metric| metric.of(&cost));
-        assert_eq!(values, [0, 0, 1, 2, 100, 10, 20, 30, 40, 3]);
+        assert_eq!(values, [0, 0, 1, 2, 150, 10, 20, 30, 40, 50, 3]);
     }
 
     #[test]

@@ -35,15 +35,18 @@ pub enum RayKind {
     Reflection,
     /// Refracted by a surface.
     Refraction,
+    /// Scattered by a rough surface, in a random direction.
+    Diffuse,
 }
 
 impl RayKind {
     /// All kinds, in the order of declaration.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Camera,
         Self::Shadow,
         Self::Reflection,
         Self::Refraction,
+        Self::Diffuse,
     ];
 }
 
@@ -56,7 +59,7 @@ pub struct Cost {
     /// Ray-primitive tests.
     pub primitive_tests: u64,
     /// Rays by kind, in the order of [`RayKind`].
-    pub rays: [u64; 4],
+    pub rays: [u64; RayKind::ALL.len()],
     /// Bounces of the longest path.
     pub depth: u64,
 }

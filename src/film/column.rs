@@ -165,9 +165,9 @@ mod tests {
     fn every_column_has_as_many_bytes_per_pixel_as_its_stride() {
         let modes = [
             (CostMode::None, 43),
-            (CostMode::Counters, 67),
-            (CostMode::AttributedTime, 72),
-            (CostMode::Time, 72),
+            (CostMode::Counters, 71),
+            (CostMode::AttributedTime, 76),
+            (CostMode::Time, 76),
         ];
         for (mode, expected) in modes {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);

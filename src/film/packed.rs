@@ -165,7 +165,7 @@ mod tests {
             let cost = Cost {
                 node_visits,
                 primitive_tests,
-                rays: [1, shadow, 0, 0],
+                rays: [1, shadow, 0, 0, 0],
                 depth,
             };
             counters.add(i, &cost);

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Real, Vector};
@@ -111,6 +112,69 @@ impl Project for Cuboid {
         };
         (point, normal)
     }
+}
+
+impl Sampled for Cuboid {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        let [x, y, z] = face_areas(parameters);
+        x.splat(2.0) * (x + y + z)
+    }
+
+    /// Uniform on the surface: the first number chooses the face.
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        [u, v]: [R; 2],
+    ) -> SurfaceSample<R> {
+        let (zero, one, two) = (u.splat(0.0), u.splat(1.0), u.splat(2.0));
+        let [area_x, area_y, area_z] = face_areas(parameters);
+        let half_area = area_x + area_y + area_z;
+        // Upper faces first, then lower ones.
+        let is_lower = one.le(two * u);
+        let sign = R::select(is_lower, -one, one);
+        let along = (two * u - R::select(is_lower, one, zero)) * half_area;
+        let (is_x, is_z) = (along.lt(area_x), (area_x + area_y).le(along));
+        let is_y = !is_x & !is_z;
+        // What the choice leaves of the number is the first coordinate on the face.
+        let left = R::select(
+            is_x,
+            along / area_x,
+            R::select(
+                is_z,
+                (along - area_x - area_y) / area_z,
+                (along - area_x) / area_y,
+            ),
+        );
+        let side = R::select(is_lower, zero, one);
+        let fraction = Vector {
+            x: R::select(is_x, side, left),
+            y: R::select(is_y, side, R::select(is_x, left, v)),
+            z: R::select(is_z, side, v),
+        };
+        let normal = Vector {
+            x: R::select(is_x, sign, zero),
+            y: R::select(is_y, sign, zero),
+            z: R::select(is_z, sign, zero),
+        };
+        let (min, max) = (vector(parameters, 0), vector(parameters, 3));
+        let point = min + (max - min).times(fraction);
+        Seen::new(point, normal, from).by_area(two * half_area)
+    }
+
+    #[inline(always)]
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
+        let [x, y, z] = face_areas(parameters);
+        seen.density_by_area(x.splat(2.0) * (x + y + z))
+    }
+}
+
+/// The areas of a box's faces by the axis of their normals.
+#[inline(always)]
+fn face_areas<R: Real>(parameters: &[R; N_PARAMETERS]) -> [R; 3] {
+    let Vector { x, y, z } = vector(parameters, 3) - vector(parameters, 0);
+    [y * z, z * x, x * y]
 }
 
 /// The face of a box on one axis that is nearest to a point.

@@ -1,10 +1,14 @@
 //! Flat disks.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::surface::parameters_of;
+use super::sampled::{Sampled, Seen, SurfaceSample};
+use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
+use crate::sampling::disk;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -77,7 +81,9 @@ impl Intersectable for Disk {
 impl Project for Disk {
     #[inline(always)]
     fn parameters(&self) -> [f32; N_PARAMETERS] {
-        parameters_of(&[self.center, self.normal])
+        let mut parameters = parameters_of(&[self.center, self.normal]);
+        parameters[6] = self.radius;
+        parameters
     }
 
     #[inline(always)]
@@ -87,6 +93,37 @@ impl Project for Disk {
     ) -> (Vector<R>, Vector<R>) {
         Plane::project_onto(parameters, near)
     }
+}
+
+impl Sampled for Disk {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        area(parameters[6])
+    }
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        numbers: [R; 2],
+    ) -> SurfaceSample<R> {
+        let (center, normal) = (vector(parameters, 0), vector(parameters, 3));
+        let radius = parameters[6];
+        let [x, y] = disk(numbers);
+        let [u, v] = normal.orthonormal_pair();
+        let point = center + u * (radius * x) + v * (radius * y);
+        Seen::new(point, normal, from).by_area(area(radius))
+    }
+
+    #[inline(always)]
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
+        seen.density_by_area(area(parameters[6]))
+    }
+}
+
+#[inline(always)]
+fn area<R: Real>(radius: R) -> R {
+    radius.splat(PI) * radius * radius
 }
 
 #[cfg(test)]

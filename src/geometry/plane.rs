@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Real, Vector};
@@ -83,6 +84,29 @@ impl Project for Plane {
         let (point, normal) = (vector(parameters, 0), vector(parameters, 3));
         let above = (near - point).dot(normal);
         (near - normal * above, normal)
+    }
+}
+
+/// Its area is infinite, so that its surface is never sampled.
+impl Sampled for Plane {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        parameters[0].splat(f32::INFINITY)
+    }
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        [u, _]: [R; 2],
+    ) -> SurfaceSample<R> {
+        let (point, normal) = Self::project_onto(parameters, from);
+        Seen::new(point, normal, from).by_area(u.splat(f32::INFINITY))
+    }
+
+    #[inline(always)]
+    fn density<R: Real>(_: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
+        seen.cos.splat(0.0)
     }
 }
 

@@ -5,7 +5,9 @@ use std::fmt;
 use glam::Vec3;
 use serde::de::MapAccess;
 
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use super::{
+    Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Sampled, Seen, SurfaceSample, Transform,
+};
 use crate::simd::{Real, Vector};
 
 /// Defines the enum, its YAML keys and its dispatch from one list. A row has the YAML
@@ -55,6 +57,34 @@ macro_rules! shapes {
                 near: Vector<R>,
             ) -> (Vector<R>, Vector<R>) {
                 match self { $(Self::$shape => $shape::project_onto(parameters, near),)* }
+            }
+
+            /// [`Sampled::area`] of a shape of this kind.
+            #[inline(always)]
+            pub fn area<R: Real>(self, parameters: &[R; N_PARAMETERS]) -> R {
+                match self { $(Self::$shape => $shape::area(parameters),)* }
+            }
+
+            /// [`Sampled::sample`] of shapes of this kind.
+            #[inline(always)]
+            pub fn sample<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                from: Vector<R>,
+                numbers: [R; 2],
+            ) -> SurfaceSample<R> {
+                match self { $(Self::$shape => $shape::sample(parameters, from, numbers),)* }
+            }
+
+            /// [`Sampled::density`] of shapes of this kind.
+            #[inline(always)]
+            pub fn density<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                from: Vector<R>,
+                seen: &Seen<R>,
+            ) -> R {
+                match self { $(Self::$shape => $shape::density(parameters, from, seen),)* }
             }
         }
 
@@ -119,4 +149,6 @@ shapes! {
     "triangle" => triangle::Triangle,
     /// An axis-aligned box.
     "box" => cuboid::Cuboid,
+    /// A rectangle.
+    "rectangle" => rectangle::Rectangle,
 }

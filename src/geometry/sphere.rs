@@ -1,11 +1,14 @@
 //! Spheres.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::sampled::{Sampled, Seen, SurfaceSample, on_unit_sphere};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
-use crate::simd::{Real, Vector};
+use crate::simd::{Mask, Real, Vector, cos_sin};
 use crate::yaml;
 
 /// The points at a distance from a center.
@@ -89,6 +92,108 @@ impl Project for Sphere {
         let up = Vector::splat(radius, Vec3::Y);
         let normal = (near - center).normalize_or(up);
         (center + normal * radius, normal)
+    }
+}
+
+impl Sampled for Sphere {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        area(parameters[3])
+    }
+
+    /// Uniform in the cone of directions that hit the sphere: Pharr, Jakob and Humphreys,
+    /// "Physically Based Rendering", 4th edition, section 6.2.4. Seen from inside, all
+    /// points of the surface have the same density.
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        numbers: [R; 2],
+    ) -> SurfaceSample<R> {
+        let (center, radius) = (vector(parameters, 0), parameters[3]);
+        let cone = Cone::around(center, radius, from);
+        let outside = cone.sample(radius, numbers);
+        if cone.is_outside.all() {
+            return outside;
+        }
+        let normal = on_unit_sphere(numbers);
+        let inside = Seen::new(center + normal * radius, normal, from).by_area(area(radius));
+        SurfaceSample {
+            seen: Seen::select(cone.is_outside, outside.seen, inside.seen),
+            density: R::select(cone.is_outside, outside.density, inside.density),
+        }
+    }
+
+    #[inline(always)]
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], from: Vector<R>, seen: &Seen<R>) -> R {
+        let (center, radius) = (vector(parameters, 0), parameters[3]);
+        let cone = Cone::around(center, radius, from);
+        let inside = seen.density_by_area(area(radius));
+        R::select(cone.is_outside, cone.density(), inside)
+    }
+}
+
+/// The area of a sphere.
+#[inline(always)]
+fn area<R: Real>(radius: R) -> R {
+    radius.splat(4.0 * PI) * radius * radius
+}
+
+/// The directions from a point to a sphere.
+struct Cone<R: Real> {
+    /// The direction to the center.
+    axis: Vector<R>,
+    /// The distance of the center.
+    distance: R,
+    /// 1 minus the cosine of the cone's half angle.
+    height: R,
+    /// Whether the point is outside of the sphere.
+    is_outside: R::Mask,
+}
+
+impl<R: Real> Cone<R> {
+    #[inline(always)]
+    fn around(center: Vector<R>, radius: R, from: Vector<R>) -> Self {
+        let (zero, one) = (radius.splat(0.0), radius.splat(1.0));
+        let to_center = center - from;
+        let distance = to_center.length();
+        let sine = radius / distance;
+        let cos = (one - sine * sine).max(zero).sqrt();
+        let up = Vector::splat(radius, Vec3::Z);
+        Self {
+            axis: to_center.normalize_or(up),
+            distance,
+            // Without cancellation for small spheres.
+            height: sine * sine / (one + cos),
+            is_outside: sine.lt(radius.splat(0.9999)),
+        }
+    }
+
+    #[inline(always)]
+    fn density(&self) -> R {
+        let one = self.height.splat(1.0);
+        one / (self.height.splat(2.0 * PI) * self.height)
+    }
+
+    #[inline(always)]
+    fn sample(&self, radius: R, [u, v]: [R; 2]) -> SurfaceSample<R> {
+        let (zero, one, two) = (u.splat(0.0), u.splat(1.0), u.splat(2.0));
+        let depth = u * self.height;
+        let sin2 = depth * (two - depth);
+        let (cos, sin) = (one - depth, sin2.sqrt());
+        let [x, y] = cos_sin(v);
+        let direction = self.axis.around([sin * x, sin * y, cos]).normalize();
+        // The cosine at the sphere, of the triangle with its center.
+        let sine_there = self.distance * sin / radius;
+        let cos_there = (one - sine_there * sine_there).max(zero).sqrt();
+        SurfaceSample {
+            seen: Seen {
+                direction,
+                distance: self.distance * cos - radius * cos_there,
+                cos: cos_there,
+            },
+            density: self.density(),
+        }
     }
 }
 

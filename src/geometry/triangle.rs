@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
 
+use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Shear, Transform};
 use crate::simd::{Real, Vector};
@@ -105,6 +106,49 @@ impl Project for Triangle {
         let above = (near - a).dot(normal);
         (near - normal * above, normal)
     }
+}
+
+impl Sampled for Triangle {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        normal_and_area(parameters).1
+    }
+
+    /// Uniform on the surface: Pharr, Jakob and Humphreys, "Physically Based Rendering",
+    /// 4th edition, section 6.5.3, after Heitz's map of the square.
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        [u, v]: [R; 2],
+    ) -> SurfaceSample<R> {
+        let half = u.splat(0.5);
+        let is_first = u.lt(v);
+        let of_first = R::select(is_first, half * u, u - half * v);
+        let of_second = R::select(is_first, v - half * u, half * v);
+        let (a, b, c) = (
+            vector(parameters, 0),
+            vector(parameters, 3),
+            vector(parameters, 6),
+        );
+        let point = a * of_first + b * of_second + c * (u.splat(1.0) - of_first - of_second);
+        let (normal, area) = normal_and_area(parameters);
+        Seen::new(point, normal, from).by_area(area)
+    }
+
+    #[inline(always)]
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
+        seen.density_by_area(normal_and_area(parameters).1)
+    }
+}
+
+/// The unit normal and the area.
+#[inline(always)]
+fn normal_and_area<R: Real>(parameters: &[R; N_PARAMETERS]) -> (Vector<R>, R) {
+    let a = vector(parameters, 0);
+    let cross = (vector(parameters, 3) - a).cross(vector(parameters, 6) - a);
+    let normal = cross.normalize_or(Vector::splat(a.x, Vec3::Y));
+    (normal, a.x.splat(0.5) * cross.length())
 }
 
 /// Reads three points that are not on one line.

@@ -34,12 +34,17 @@ pub struct DirectionalLight {
 }
 
 impl DirectionalLight {
+    pub(super) fn position(&self) -> Option<Vec3> {
+        None
+    }
+
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         Illumination {
             direction: Vector::splat(point.x, -self.direction),
             distance: point.x.splat(f32::INFINITY),
             radiance: Vector::splat(point.x, self.color * self.intensity),
+            density: point.x.splat(f32::INFINITY),
         }
     }
 }

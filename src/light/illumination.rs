@@ -10,6 +10,10 @@ pub struct Illumination<R> {
     pub direction: Vector<R>,
     /// Distance to the light; infinite for a directional one.
     pub distance: R,
-    /// The radiance that arrives, each channel at least 0.
+    /// The radiance that arrives, each channel at least 0: that of a white diffuse
+    /// surface which faces the light.
     pub radiance: Vector<R>,
+    /// The density with which the direction was chosen, per steradian; infinite for a
+    /// light that has one direction from each point.
+    pub density: R,
 }

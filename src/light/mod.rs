@@ -8,6 +8,7 @@ mod directional;
 mod falloff;
 mod illumination;
 mod point;
+mod spot;
 
 use serde::Deserialize;
 
@@ -33,6 +34,13 @@ macro_rules! lights {
         }
 
         impl Light {
+            /// Its position, if it has one.
+            pub fn position(&self) -> Option<glam::Vec3> {
+                match self {
+                    $(Self::$kind(light) => light.position(),)*
+                }
+            }
+
             /// The light that arrives at `point` unless it is occluded.
             #[inline(always)]
             pub fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
@@ -49,4 +57,6 @@ lights! {
     Point(point::PointLight),
     /// A light infinitely far away.
     Directional(directional::DirectionalLight),
+    /// A light at a point that shines into a cone.
+    Spot(spot::SpotLight),
 }

@@ -37,6 +37,10 @@ pub struct PointLight {
 }
 
 impl PointLight {
+    pub(super) fn position(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         let to_light = Vector::splat(point.x, self.position) - point;
@@ -46,6 +50,7 @@ impl PointLight {
             direction: to_light / distance.max(distance.splat(f32::MIN_POSITIVE)),
             distance,
             radiance: Vector::splat(distance, self.color) * intensity,
+            density: distance.splat(f32::INFINITY),
         }
     }
 }

@@ -53,18 +53,35 @@ pub struct Material {
     pub dielectric: Option<Dielectric>,
     /// The metal of which the surface is, if it is of one.
     pub conductor: Option<Conductor>,
+    /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
+    pub roughness: f32,
+    /// The radiance that the surface emits, the same in all directions; none by default.
+    pub emission: Vec3,
+    /// Whether both sides reflect and emit light, or only the outer one: the side of the
+    /// shape's own normal. Both by default.
+    pub two_sided: bool,
 }
 
 impl Material {
+    /// Whether it emits light.
+    pub fn emits(&self) -> bool {
+        self.emission != Vec3::ZERO
+    }
+
     /// Whether it mirrors.
     pub fn mirrors(&self) -> bool {
         self.reflection > 0.0 || self.conductor.is_some()
     }
 
+    /// Whether it reflects or refracts anything.
+    pub fn scatters(&self) -> bool {
+        self.is_lit() || self.mirrors() || self.dielectric.is_some()
+    }
+
     /// Whether it reflects light that arrives directly from a light.
     pub fn is_lit(&self) -> bool {
-        let is_fresnel = self.dielectric.is_some() || self.conductor.is_some();
-        !is_fresnel || self.diffuse > 0.0 || self.specular > 0.0
+        let is_special = self.dielectric.is_some() || self.conductor.is_some() || self.emits();
+        !is_special || self.diffuse > 0.0 || self.specular > 0.0
     }
 }
 
@@ -90,6 +107,16 @@ struct MaterialKeys {
     dielectric: Option<Dielectric>,
     #[serde(default)]
     conductor: Option<Conductor>,
+    #[serde(default, deserialize_with = "fraction")]
+    roughness: Option<f32>,
+    #[serde(default, deserialize_with = "yaml::radiance")]
+    emission: Vec3,
+    #[serde(default = "both")]
+    two_sided: bool,
+}
+
+fn both() -> bool {
+    true
 }
 
 fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
@@ -114,8 +141,14 @@ impl TryFrom<MaterialKeys> for Material {
                  expected `reflection`, `dielectric` or `conductor`, and no other of them");
         }
         let is_fresnel = keys.dielectric.is_some() || keys.conductor.is_some();
-        let white = is_fresnel.then_some(Texture::Color(Vec3::ONE));
-        let by_default = if is_fresnel { 0.0 } else { 1.0 };
+        if keys.roughness.is_some() && !is_fresnel {
+            return Err("cannot have a `roughness` of its own, \
+                 expected it beside `dielectric` or `conductor` (or `specular` and `exponent`)");
+        }
+        let is_lamp = keys.emission != Vec3::ZERO && keys.color.is_none();
+        let is_special = is_fresnel || is_lamp;
+        let white = is_special.then_some(Texture::Color(Vec3::ONE));
+        let by_default = if is_special { 0.0 } else { 1.0 };
         Ok(Self {
             color: keys.color.or(white).ok_or("missing field `color`")?,
             ambient: keys.ambient.unwrap_or(by_default),
@@ -125,6 +158,9 @@ impl TryFrom<MaterialKeys> for Material {
             reflection: keys.reflection.unwrap_or(0.0),
             dielectric: keys.dielectric,
             conductor: keys.conductor,
+            roughness: keys.roughness.unwrap_or(0.0),
+            emission: keys.emission,
+            two_sided: keys.two_sided,
         })
     }
 }

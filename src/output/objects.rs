@@ -23,12 +23,13 @@ pub(crate) const FILE: OutputFile = OutputFile {
 const NOTHING: &str = "nothing";
 
 /// Kinds of rays and their names in the file; `None` for all.
-const RAY_KINDS: [(&str, Option<RayKind>); 5] = [
+const RAY_KINDS: [(&str, Option<RayKind>); 6] = [
     ("all", None),
     ("camera", Some(RayKind::Camera)),
     ("shadow", Some(RayKind::Shadow)),
     ("reflection", Some(RayKind::Reflection)),
     ("refraction", Some(RayKind::Refraction)),
+    ("diffuse", Some(RayKind::Diffuse)),
 ];
 
 /// Rows per object or material.

@@ -13,13 +13,14 @@ use crate::schedule::{Schedule, TileRun};
 use crate::statistics::non_negative_least_squares;
 
 /// All counters but the depth, which is not work.
-const COUNTERS: [Counter; 6] = [
+const COUNTERS: [Counter; 7] = [
     Counter::NodeVisits,
     Counter::PrimitiveTests,
     Counter::Samples,
     Counter::ShadowRays,
     Counter::ReflectionRays,
     Counter::RefractionRays,
+    Counter::DiffuseRays,
 ];
 
 /// Nanoseconds per event that each of [`COUNTERS`] counts.
@@ -147,13 +148,13 @@ mod tests {
         Cost {
             node_visits: word % 97,
             primitive_tests: word >> 8 & 63,
-            rays: [3, word >> 16 & 3, word >> 20 & 1, 0],
+            rays: [3, word >> 16 & 3, word >> 20 & 1, 0, 0],
             depth: 0,
         }
     }
 
     fn model(cost: &Cost) -> u64 {
-        let [camera, shadow, reflection, _] = cost.rays;
+        let [camera, shadow, reflection, ..] = cost.rays;
         40 * cost.node_visits
             + 15 * cost.primitive_tests
             + 300 * camera

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::view::View;
-use crate::shade::PathWave;
+use crate::shade::{PathWave, SampleIds};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, Real, SimdKernel, VectorColumn, grow, lanes, lanes_mut,
 };
@@ -84,20 +84,26 @@ pub(super) struct StartPaths<'a> {
     pub(super) places: &'a Places,
     pub(super) samples: Range<u32>,
     pub(super) wave: &'a mut PathWave,
+    /// Where the scene needs random numbers: the samples by slot.
+    pub(super) ids: Option<&'a mut SampleIds>,
 }
 
 impl SimdKernel for StartPaths<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<I: InstructionSet>(self, set: I) {
+    fn run<I: InstructionSet>(mut self, set: I) {
         let mut slot = 0;
         for block in 0..self.places.n_blocks() {
             let n = self.places.in_block(block);
             let [x, y] = self.places.coordinates(set, block);
-            let numbers = set.load_integers(&self.numbers(block));
+            let numbers = self.numbers(block);
             let pixels = lanes(&self.places.pixels, N_LANES * block);
             for sample in self.samples.clone() {
+                if let Some(ids) = &mut self.ids {
+                    ids.set(slot as usize, &numbers, sample);
+                }
+                let numbers = set.load_integers(&numbers);
                 let rays = self.view.camera_rays([x, y], numbers, sample);
                 self.wave.start(set, rays, pixels, slot, n);
                 slot += N_LANES as u32;

@@ -17,7 +17,7 @@ use crate::accel::Hit;
 use crate::cost::{ByPixel, PixelProbe, RayKind};
 use crate::film::{Pixel, Rendered};
 use crate::schedule::Tile;
-use crate::shade::{Eyes, PathWave, WaveShader};
+use crate::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use crate::simd::{N_LANES, Simd, VectorColumn};
 use crate::stop;
 use crate::trace::Points;
@@ -44,6 +44,8 @@ pub(super) struct StreamRenderer<'a, P> {
     occluded: Vec<bool>,
     /// The origins of the camera rays by slot, unless all start at one point.
     eyes: Vec<Vec3>,
+    /// The samples by slot, in a scene that needs random numbers.
+    ids: SampleIds,
     /// The color of each path, by slot.
     colors: VectorColumn,
     /// The color of each pixel, in the order of `places`.
@@ -70,6 +72,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             shader: view.shader.of_waves(simd),
             occluded: Vec::new(),
             eyes: Vec::new(),
+            ids: SampleIds::default(),
             colors: VectorColumn::default(),
             means: VectorColumn::default(),
             distances: Vec::new(),
@@ -161,13 +164,18 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         let n_slots = N_LANES * self.places.n_blocks() * samples.len();
         self.colors.reset(n_slots);
         self.wave.restart(0);
+        let is_random = self.shader.is_random();
+        if is_random {
+            self.ids.resize(n_slots);
+        }
         self.simd.run(StartPaths {
             view: &self.view,
             places: &self.places,
             samples,
             wave: &mut self.wave,
+            ids: is_random.then_some(&mut self.ids),
         });
-        if self.shader.splits_paths() {
+        if self.shader.has_branches() {
             self.wave.start_in_vacuum();
         }
         if self.view.eye().is_none() {
@@ -217,6 +225,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             Some(eye) => Eyes::One(eye),
             None => Eyes::OfSlots(&self.eyes),
         };
+        let starts = PathStarts {
+            eyes,
+            ids: &self.ids,
+        };
         let Self {
             wave,
             points,
@@ -224,9 +236,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             ..
         } = self;
         shader.weaken(wave, &self.hits);
-        shader.begin(points);
-        for light in 0..shader.n_lights() {
-            shader.cast(light, wave, points);
+        shader.begin(wave, points);
+        for sample in 0..shader.n_light_samples(wave.depth) {
+            shader.cast(sample, starts, wave, points);
             let shadows = &shader.shadows;
             for &pixel in shadows.pixels() {
                 self.probe.rays(RayKind::Shadow, pixel as usize, 1);
@@ -234,9 +246,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
             tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
-            shader.add_light(light, eyes, wave, points, &self.occluded);
+            shader.add_light(starts, wave, points, &self.occluded);
         }
-        shader.end(wave, points, &mut self.next, &mut self.colors);
+        shader.end(starts, wave, points, &mut self.next, &mut self.colors);
         for (i, &pixel) in self.next.pixels().iter().enumerate() {
             self.probe.rays(self.next.kind(i), pixel as usize, 1);
             self.probe.bounce(pixel as usize, self.next.depth);

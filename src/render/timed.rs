@@ -9,7 +9,6 @@ use super::{SampleSums, TilePlan, TileRenderer};
 use crate::config::Image;
 use crate::cost::{Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
-use crate::geometry::Ray;
 use crate::schedule::Tile;
 use crate::shade::PathRay;
 use crate::simd::Vector;
@@ -128,14 +127,14 @@ impl<'a> SingleRayRenderer<'a> {
         let mut round = view.rounds.first();
         while !round.is_empty() {
             for sample in round.clone() {
-                let ray = view.camera_ray(place, sample);
-                let met = view.tracer.trace(&ray, RayKind::Camera, probe);
+                let path = view.camera_path(place, sample);
+                let met = view.tracer.trace(&path.ray, RayKind::Camera, probe);
                 if let Some(point) = met
                     && sample == view.middle
                 {
                     pixel.set_surface(&point);
                 }
-                let color = radiance(view, ray, met, paths, probe);
+                let color = radiance(view, path, met, paths, probe);
                 sums.add(view.limited(Vector::from(color)));
             }
             round = view.rounds.next(&sums, round.end);
@@ -229,18 +228,19 @@ impl<'a> Stopwatch<'a> {
     }
 }
 
-/// Returns the radiance along a camera ray, given the point that it hit. `paths` is a
+/// Returns the radiance along a camera ray, the start of a path, given the point that it hit. `paths` is a
 /// reused buffer.
 fn radiance<P: Probe>(
     view: &View,
-    camera_ray: Ray,
+    camera_path: PathRay,
     first: Option<SurfacePoint>,
     paths: &mut Vec<PathRay>,
     probe: &mut P,
 ) -> Vec3 {
     let View { tracer, shader, .. } = view;
     let mut color = Vec3::ZERO;
-    let (mut path, mut met) = (PathRay::from_camera(camera_ray), first);
+    let (mut path, mut met) = (camera_path, first);
+    let eye = camera_path.ray.origin;
     paths.clear();
     // All rays of a depth before those of the next, as in waves.
     let mut n_traced = 0;
@@ -248,10 +248,10 @@ fn radiance<P: Probe>(
         color += match met {
             Some(point) => {
                 let lights = shader
-                    .light_samples(&point)
+                    .light_samples(&path, &point)
                     .filter(|sample| !tracer.is_shadowed(&sample.shadow, probe))
                     .map(|sample| sample.light);
-                shader.shade(camera_ray.origin, &path, &point, lights, paths)
+                shader.shade(eye, &path, &point, lights, paths)
             }
             None => shader.miss(&path),
         };

@@ -10,7 +10,7 @@ use crate::film::Pixel;
 use crate::geometry::Ray;
 use crate::sampling::{Dimension, FilterSampler, Sampler};
 use crate::scene::Scene;
-use crate::shade::Shader;
+use crate::shade::{PathRay, SampleId, Shader};
 use crate::simd::{Integer, Real, Vector};
 use crate::trace::Tracer;
 
@@ -39,7 +39,7 @@ impl<'a> View<'a> {
         let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
         Self {
             tracer: Tracer::new(scene, accel),
-            shader: Shader::new(scene),
+            shader: Shader::new(scene, sampler),
             rounds: Rounds::new(image, scene.development.gain()),
             middle: sampler.center(),
             sample_limit: scene.shading.model.sample_limit(),
@@ -71,6 +71,15 @@ impl<'a> View<'a> {
         let rays = self.camera_rays([x as f32, y as f32], self.pixel_number((x, y)), sample);
         let [origin, direction] = rays.map(Vec3::from);
         Ray { origin, direction }
+    }
+
+    /// Returns the start of the path of one of the pixel's samples.
+    pub(crate) fn camera_path(&self, place: (u32, u32), sample: u32) -> PathRay {
+        let id = SampleId {
+            pixel: self.pixel_number(place),
+            sample,
+        };
+        PathRay::from_camera(self.camera_ray(place, sample), id)
     }
 
     /// Returns the origins and the directions of the camera rays of one sample of a

@@ -5,6 +5,7 @@
 //! whatever thread it is computed. Samples of pixels are generic over
 //! [`Real`](crate::simd::Real): for one pixel, or for one per lane.
 
+mod alias;
 mod hash;
 mod sobol;
 mod stratified;
@@ -12,6 +13,7 @@ mod sampler;
 mod shapes;
 mod filter;
 
+pub use alias::{AliasTable, MAX_BINS};
 pub use filter::{FilterSampler, PixelFilter};
 pub use hash::uniform;
 pub use sampler::{Dimension, PixelPattern, Sampler};

@@ -35,6 +35,11 @@ impl Dimension {
     const PIXEL: Self = Self(0);
     /// The point of the lens.
     pub const LENS: Self = Self(1);
+
+    /// A choice, less than 2^20, that is made after this number of bounces, up to 255.
+    pub const fn after_bounces(depth: u32, choice: u32) -> Self {
+        Self(2 + (depth << 20 | choice))
+    }
 }
 
 /// The numbers that choose the rays of a picture's samples.

@@ -9,6 +9,8 @@ mod geometries;
 mod attributes;
 mod surface_class;
 mod placement;
+mod emitter;
+mod lights;
 
 use glam::Vec3;
 
@@ -17,17 +19,18 @@ use crate::color::Development;
 use crate::config::{
     Background, Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel,
 };
-use crate::light::Light;
 use crate::material::Material;
 use crate::simd::Vector;
-use crate::text::did_you_mean;
+use crate::text::{did_you_mean, keyword_name};
 use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
 pub use attributes::{AttributeKind, interpolated_normal};
 use placement::Placement;
 
+pub use emitter::Emitter;
 pub use geometries::Geometries;
+pub use lights::{LightNumbers, Lights};
 pub use primitive::{MaterialId, ObjectId, Primitive};
 pub use surface_class::SurfaceClass;
 
@@ -45,7 +48,7 @@ pub struct Scene {
     /// What the film keeps besides what every film keeps.
     pub extra_arrays: ExtraArrays,
     /// The lights.
-    pub lights: Vec<Light>,
+    pub lights: Lights,
     /// The materials, by [`MaterialId`].
     pub materials: Vec<Material>,
     /// Everything that rays can hit, object by object.
@@ -81,7 +84,7 @@ impl Scene {
             )
             .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
         }
-        check_media(config)?;
+        check_materials(config)?;
         config.image.check_sampling()?;
         let mut scene = Self {
             image_plane: config
@@ -91,7 +94,7 @@ impl Scene {
             shading: config.shading,
             development: config.film.development(config.shading.model),
             extra_arrays: config.extra_arrays(),
-            lights: config.lights.clone(),
+            lights: Lights::default(),
             materials: config.materials.values().cloned().collect(),
             has_media: config
                 .materials
@@ -117,12 +120,39 @@ impl Scene {
                 .attributes
                 .push(ObjectAttributes { first, attributes });
         }
+        scene.lights = match config.shading.model {
+            ShadingModel::AmbientOcclusion => {
+                Lights::surroundings(config.shading.occlusion_distance)
+            }
+            _ => Lights::new(
+                &config.lights,
+                &scene.materials,
+                &scene.primitives,
+                config.shading.light_sampling,
+            ),
+        };
         Ok(scene)
     }
 
-    /// Whether any material is a dielectric.
-    pub fn has_media(&self) -> bool {
-        self.has_media
+    /// Whether media split paths.
+    pub fn splits_paths(&self) -> bool {
+        self.has_media && self.shading.model != ShadingModel::Path
+    }
+
+    /// Whether rays need more than an origin and a direction: media, or the density of
+    /// their choice.
+    pub fn has_branches(&self) -> bool {
+        self.has_media || self.shading.model == ShadingModel::Path
+    }
+
+    /// Whether points need the random numbers of their samples.
+    pub fn is_random(&self) -> bool {
+        self.shading.model == ShadingModel::Path || self.lights.are_random()
+    }
+
+    /// Whether any material emits light.
+    pub fn has_emission(&self) -> bool {
+        self.materials.iter().any(Material::emits)
     }
 
     /// Number of objects.
@@ -199,23 +229,32 @@ impl Scene {
     }
 }
 
-/// Checks that the shading model refracts, if a material does.
-fn check_media(config: &Config) -> Result<(), Fault> {
-    let mut materials = config.materials.iter();
-    let medium = materials.find(|(_, material)| material.dielectric.is_some());
-    match (medium, config.shading.model) {
-        (Some((name, _)), ShadingModel::Seed) => {
-            let path = FieldPath::default().key("materials").key(name);
-            Err(Fault::new(
-                path.key("dielectric"),
-                "the shading model `seed` has no refraction",
-                "expected a material without it",
-            )
-            .with_help("remove `model: seed` from `shading`"))
-        }
-        _ => Ok(()),
+/// Checks that the shading model knows what the materials do.
+fn check_materials(config: &Config) -> Result<(), Fault> {
+    let model = config.shading.model;
+    let is_seed = model == ShadingModel::Seed;
+    let is_path = model == ShadingModel::Path;
+    for (name, material) in &config.materials {
+        let (key, what, help) = if is_seed && material.dielectric.is_some() {
+            ("dielectric", "refraction", NOT_SEED)
+        } else if is_seed && material.emits() {
+            ("emission", "surfaces that emit light", NOT_SEED)
+        } else if is_seed && !material.two_sided {
+            ("two_sided", "sides", NOT_SEED)
+        } else if !is_path && material.roughness > 0.0 {
+            ("roughness", "rough media and metals", PATH)
+        } else {
+            continue;
+        };
+        let path = FieldPath::default().key("materials").key(name).key(key);
+        let message = format!("the shading model `{}` has no {what}", keyword_name(&model));
+        return Err(Fault::new(path, message, "expected a material without it").with_help(help));
     }
+    Ok(())
 }
+
+const NOT_SEED: &str = "remove `model: seed` from `shading`";
+const PATH: &str = "trace paths by `shading: { model: path }`";
 
 fn material_ids(
     config: &Config,

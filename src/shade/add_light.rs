@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use super::arriving_light::ArrivingLight;
 use super::model::Model;
 use super::paths::PathWave;
-use crate::light::Light;
 use crate::scene::Scene;
 use crate::simd::{InstructionSet, N_LANES, SimdKernel, Vector, VectorColumn, set_lane};
 use crate::trace::{PointLanes, Points};
@@ -28,7 +28,10 @@ impl<M: Model> SimdKernel for AddAmbient<'_, M> {
             for at in group.lanes() {
                 let color = self.points.colors(set, at);
                 let reflected = self.model.ambient(material, ambient, color);
-                self.radiance.store(at.first, reflected);
+                let lanes = set.mask(self.points.scattering_sides(set, at, material));
+                let none = set.splat_vector(Vec3::ZERO);
+                self.radiance
+                    .store(at.first, Vector::select(lanes, reflected, none));
             }
         }
     }
@@ -47,7 +50,7 @@ pub enum Eyes<'a> {
 pub(super) struct AddLight<'a, M> {
     pub(super) model: M,
     pub(super) scene: &'a Scene,
-    pub(super) light: &'a Light,
+    pub(super) arriving: &'a ArrivingLight,
     pub(super) eyes: Eyes<'a>,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
@@ -69,7 +72,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                     continue;
                 }
                 let point = self.points.shading(set, at);
-                let light = self.light.illuminate(point.position);
+                let light = self.arriving.load(set, at.first);
                 let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
                 let to_viewer = self.model.to_viewer(&point, eye, direction);
                 let reflected = self.model.reflected(material, &point, &light, to_viewer);

@@ -1,9 +1,9 @@
 //! Surface points → shadow rays toward one light, in lanes.
 
+use super::arriving_light::ArrivingLight;
 use super::model::Model;
 use super::paths::PathWave;
 use crate::accel::ShadowStream;
-use crate::light::Light;
 use crate::scene::Scene;
 use crate::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
 use crate::trace::{PointLanes, Points};
@@ -40,7 +40,7 @@ impl ShadowWave {
 pub(super) struct CastShadows<'a, M> {
     pub(super) model: M,
     pub(super) scene: &'a Scene,
-    pub(super) light: &'a Light,
+    pub(super) arriving: &'a ArrivingLight,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
     pub(super) shadows: &'a mut ShadowWave,
@@ -52,23 +52,25 @@ impl<M: Model> SimdKernel for CastShadows<'_, M> {
     #[inline(always)]
     fn run<I: InstructionSet>(mut self, set: I) {
         for group in self.points.groups() {
-            if !self.scene.material(group.material).is_lit() {
+            let material = self.scene.material(group.material);
+            if !self.model.is_lit(material) {
                 continue;
             }
             for at in group.lanes() {
-                self.cast(set, at);
+                let lanes = at.bits() & self.points.scattering_sides(set, at, material);
+                self.cast(set, at, lanes);
             }
         }
     }
 }
 
 impl<M: Model> CastShadows<'_, M> {
-    /// Collects the shadow rays of eight points.
+    /// Collects the shadow rays of these lanes.
     #[inline(always)]
-    fn cast<I: InstructionSet>(&mut self, set: I, at: PointLanes) {
+    fn cast<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
         let point = self.points.shading(set, at);
-        let light = self.light.illuminate(point.position);
-        let mut lanes = self.model.may_arrive(&point, &light).bits() & at.bits();
+        let light = self.arriving.load(set, at.first);
+        let mut lanes = self.model.may_arrive(&point, &light).bits() & lanes;
         let mask = set.mask(lanes);
         let origin = self.model.origin(&point, light.direction);
         let shadows = &mut *self.shadows;

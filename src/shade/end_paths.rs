@@ -1,8 +1,8 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
 use super::fresnel::{Split, mirrored_share, split_at};
-use super::media::Media;
-use super::model::Model;
+use super::interfaces::Interfaces;
+use super::model::{Bounce, Model};
 use super::path::is_worth_tracing;
 use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
@@ -13,7 +13,8 @@ use crate::simd::{
 };
 use crate::trace::{PointLanes, Points};
 
-/// Adds the radiance of points to their paths, and collects the reflected rays.
+/// Adds the radiance of points to their paths, and collects the reflected rays, unless the
+/// model scatters them.
 pub(super) struct EndPoints<'a, M> {
     pub(super) model: M,
     pub(super) scene: &'a Scene,
@@ -32,7 +33,8 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(mut self, set: I) {
-        let may_bounce = self.wave.depth < u32::from(self.scene.shading.max_depth);
+        let may_bounce = M::BOUNCE == Bounce::Mirrored
+            && self.wave.depth < u32::from(self.scene.shading.max_depth);
         for group in self.points.groups() {
             let material = self.scene.material(group.material);
             let reflects = may_bounce && material.mirrors();
@@ -42,6 +44,7 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
                     ended &= self.lit[at.first / N_LANES];
                 }
                 self.add(set, at, ended);
+                ended &= self.points.scattering_sides(set, at, material);
                 match material.dielectric {
                     None if reflects => self.reflect(set, material, at, ended),
                     Some(_) if may_bounce => self.split(set, group.material, at, ended),
@@ -57,7 +60,9 @@ impl<M: Model> EndPoints<'_, M> {
     #[inline(always)]
     fn add<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
         let radiance = self.radiance.load(set, at.first);
-        let (slots, weights) = self.wave.of_rays(set, self.points.rays(at));
+        let (slots, weights) =
+            self.wave
+                .of_rays(set, self.points.rays(at), self.scene.splits_paths());
         add(self.colors, radiance.times(weights), &slots, lanes);
     }
 
@@ -79,7 +84,8 @@ impl<M: Model> EndPoints<'_, M> {
             direction,
             factor: mirrored_share(material, &point, arriving),
             rays: self.points.rays(at),
-            kind: RayKind::Reflection,
+            kinds: [RayKind::Reflection; N_LANES],
+            densities: [f32::INFINITY; N_LANES],
             media: None,
         };
         self.next.bounce(set, &reflected, self.wave, lanes);
@@ -102,7 +108,7 @@ impl<M: Model> EndPoints<'_, M> {
             eta,
             visible,
             behind,
-        } = self.interfaces(material, rays, point.side.signs());
+        } = Interfaces::met(self.scene, self.wave, material, rays, point.side.signs());
         let Split {
             reflectance,
             refracted,
@@ -122,32 +128,13 @@ impl<M: Model> EndPoints<'_, M> {
                     z: factor,
                 },
                 rays,
-                kind,
+                kinds: [kind; N_LANES],
+                densities: [f32::INFINITY; N_LANES],
                 media,
             };
             let lanes = lanes & self.worth(rays, factor.to_array());
             self.next.bounce(set, &continued, self.wave, lanes);
         }
-    }
-
-    /// The surfaces of a medium that eight rays met; `flipped` are those that they met
-    /// from inside.
-    #[inline(always)]
-    fn interfaces(&self, material: MaterialId, rays: &[u32; N_LANES], flipped: u8) -> Interfaces {
-        let mut interfaces = Interfaces {
-            eta: [1.0; N_LANES],
-            visible: 0,
-            behind: [Media::default(); N_LANES],
-        };
-        for (lane, &ray) in rays.iter().enumerate() {
-            let media = self.wave.branches[ray as usize].media;
-            let enters = flipped >> lane & 1 == 0;
-            let interface = media.cross(material, enters, &self.scene.materials);
-            interfaces.eta[lane] = interface.eta;
-            interfaces.visible |= u8::from(interface.is_visible) << lane;
-            interfaces.behind[lane] = interface.behind;
-        }
-        interfaces
     }
 
     /// The lanes whose rays would still have enough weight after a factor.
@@ -160,15 +147,6 @@ impl<M: Model> EndPoints<'_, M> {
         }
         lanes
     }
-}
-
-/// The surfaces of a medium that eight rays met.
-struct Interfaces {
-    /// The indices of refraction before the surfaces over those behind them.
-    eta: [f32; N_LANES],
-    /// The lanes where the medium that counts changes.
-    visible: u8,
-    behind: [Media; N_LANES],
 }
 
 /// Adds the background to the paths whose rays hit nothing.
@@ -198,7 +176,7 @@ impl SimdKernel for AddBackground<'_> {
                 );
             }
             let radiance = self.scene.background.color(set.load_vector(&directions));
-            let (slots, weights) = self.wave.of_rays(set, &rays);
+            let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());
             let lanes = u8::MAX >> (N_LANES - missed.len());
             add(self.colors, radiance.times(weights), &slots, lanes);
         }

@@ -15,16 +15,24 @@ pub(super) fn mirrored_share<R: Real>(
     direction: Vector<R>,
 ) -> Vector<R> {
     let zero = direction.x.splat(0.0);
-    let Some(Conductor { index, extinction }) = material.conductor else {
+    let Some(conductor) = &material.conductor else {
         return Vector::splat(zero, Vec3::splat(material.reflection));
     };
     let cos = (-direction.dot(point.normal))
         .max(zero)
         .min(zero.splat(1.0));
+    metal(conductor, cos)
+}
+
+/// The reflectance of a metal in vacuum, by the cosine of the angle of incidence, from 0
+/// to 1.
+#[inline(always)]
+pub(super) fn metal<R: Real>(conductor: &Conductor, cos: R) -> Vector<R> {
+    let Conductor { index, extinction } = *conductor;
     Vector {
-        x: conductor(cos, index.x, extinction.x),
-        y: conductor(cos, index.y, extinction.y),
-        z: conductor(cos, index.z, extinction.z),
+        x: reflectance(cos, index.x, extinction.x),
+        y: reflectance(cos, index.y, extinction.y),
+        z: reflectance(cos, index.z, extinction.z),
     }
 }
 
@@ -34,7 +42,7 @@ pub(super) fn mirrored_share<R: Real>(
 /// Fresnel's equations with a complex index: Born and Wolf, "Principles of Optics", 14.2,
 /// in the form of Lagarde, "Memo on Fresnel Equations", 2013.
 #[inline(always)]
-fn conductor<R: Real>(cos: R, index: f32, extinction: f32) -> R {
+fn reflectance<R: Real>(cos: R, index: f32, extinction: f32) -> R {
     let (zero, half) = (cos.splat(0.0), cos.splat(0.5));
     let (index2, extinction2) = (index * index, extinction * extinction);
     let cos2 = cos * cos;
@@ -175,7 +183,7 @@ mod tests {
                 let bent = times(index2, before);
                 let parallel = power(minus(bent, behind)) / power(plus(bent, behind));
                 let expected = 0.5 * (perpendicular + parallel);
-                let found = f64::from(conductor(cos as f32, n as f32, k as f32));
+                let found = f64::from(reflectance(cos as f32, n as f32, k as f32));
                 assert!(
                     (found - expected).abs() < 2e-5,
                     "{n} {k} {cos}: {found} {expected}"

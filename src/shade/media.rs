@@ -66,6 +66,11 @@ impl Media {
         Vec3::new(r, g, b)
     }
 
+    /// The index of refraction of the medium that counts.
+    pub(super) fn index(self, all: &[Material]) -> f32 {
+        self.counting(all).map_or(1.0, |(_, medium)| medium.index)
+    }
+
     /// The medium that counts.
     fn counting(self, all: &[Material]) -> Option<(MaterialId, &Dielectric)> {
         let media = self.0.into_iter().flatten();

@@ -12,41 +12,57 @@
 mod blinn_phong;
 mod fresnel;
 mod media;
-mod model;
-mod seed;
-mod standard;
 mod path;
 mod paths;
+mod numbers;
+mod model;
+mod bsdf;
+mod seed;
+mod standard;
+mod path_tracing;
+mod occlusion;
+mod models;
+mod emission;
+mod interfaces;
+mod arriving_light;
 mod cast_shadows;
 mod add_light;
 mod end_paths;
+mod scatter;
 mod wave;
 
 use glam::Vec3;
 
 use crate::accel::ShadowRay;
-use crate::config::ShadingModel;
 use crate::cost::RayKind;
-use crate::geometry::Ray;
-use crate::light::{Illumination, Light};
+use crate::geometry::{Ray, Seen};
+use crate::light::Illumination;
+use crate::material::Material;
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::simd::{Simd, Vector};
 use crate::trace::{ShadingPoint, SurfacePoint};
+use bsdf::{Boundary, Bsdf, Leaving, Scatters, by_kind};
+use emission::{Arrival, emitted};
 use fresnel::{mirrored_share, split_at};
-use model::Model;
-use seed::Seed;
-use standard::Standard;
+use model::{Bounce, Model};
+use models::by_model;
+use numbers::PointNumbers;
+use path_tracing::survival;
+use scatter::scattered_kind;
 
 pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;
+pub use numbers::{SampleId, SampleIds};
 pub use path::PathRay;
 pub use paths::PathWave;
-pub use wave::WaveShader;
+pub use wave::{PathStarts, WaveShader};
 
 /// Shades the points that rays hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Shader<'a> {
     scene: &'a Scene,
+    sampler: Sampler,
 }
 
 /// Light from one source that may reach a point.
@@ -54,41 +70,84 @@ pub struct Shader<'a> {
 pub struct LightSample {
     /// The illumination if the shadow ray is unoccluded.
     pub light: Illumination<f32>,
+    /// The index of the light: those of the scene file come first, then surfaces that
+    /// emit light.
+    pub index: u32,
     /// From the point to the light.
     pub shadow: ShadowRay,
 }
 
 impl<'a> Shader<'a> {
-    /// Creates a shader of the scene.
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene }
+    /// Creates a shader of the scene, whose samples have these numbers.
+    pub fn new(scene: &'a Scene, sampler: Sampler) -> Self {
+        Self { scene, sampler }
     }
 
     /// Creates a shader of waves, by this instruction set.
     pub fn of_waves(&self, simd: Simd) -> WaveShader<'a> {
-        WaveShader::new(self.scene, simd)
+        WaveShader::new(self.scene, self.sampler, simd)
     }
 
-    /// Returns the lights that may reach the point, in the order of the scene file.
-    pub fn light_samples(&self, point: &SurfacePoint) -> impl Iterator<Item = LightSample> {
-        self.indexed_light_samples(point).map(|(_, sample)| sample)
-    }
-
-    /// [`light_samples`](Self::light_samples) with the indices of the lights in the
-    /// scene file.
-    pub fn indexed_light_samples(
+    /// Returns the lights that may reach the point, hit by a ray of a path, in the order
+    /// of the scene file.
+    pub fn light_samples(
         &self,
+        path: &PathRay,
         point: &SurfacePoint,
-    ) -> impl Iterator<Item = (u32, LightSample)> {
-        let is_lit = self.scene.material(point.material).is_lit();
-        let lights = if is_lit { &self.scene.lights[..] } else { &[] };
-        (0..).zip(lights).filter_map(|(index, light)| {
-            let sample = match self.scene.shading.model {
-                ShadingModel::BlinnPhong => light_sample(Standard, light, point),
-                ShadingModel::Seed => light_sample(Seed, light, point),
-            };
-            Some((index, sample?))
+    ) -> impl Iterator<Item = LightSample> + use<'a> {
+        let (shader, path, point) = (*self, *path, *point);
+        (0..self.n_light_samples(&path, &point)).filter_map(move |i| {
+            by_model!(shader.scene, |model| shader
+                .light_sample(model, i, &path, &point))
         })
+    }
+
+    /// Number of light samples at a point.
+    fn n_light_samples(&self, path: &PathRay, point: &SurfacePoint) -> usize {
+        let material = self.scene.material(point.material);
+        if !scatters(material, point) {
+            return 0;
+        }
+        let max_depth = self.scene.shading.max_depth.into();
+        let lights = &self.scene.lights;
+        by_model!(self.scene, |model| if model.is_lit(material) {
+            model.n_light_samples(lights, path.depth, max_depth)
+        } else {
+            0
+        })
+    }
+
+    /// Light sample `i` at a point; `None` if it cannot arrive.
+    fn light_sample<M: Model>(
+        &self,
+        model: M,
+        i: usize,
+        path: &PathRay,
+        point: &SurfacePoint,
+    ) -> Option<LightSample> {
+        let at = point.shading();
+        let lights = &self.scene.lights;
+        let numbers = self.numbers(path).light(i);
+        let (light, index) = lights.illuminate(i, [at.position, at.normal], &numbers);
+        let direction = light.direction;
+        model.may_arrive(&at, &light).then(|| LightSample {
+            light,
+            index: index as u32,
+            shadow: ShadowRay {
+                ray: departing(model, &at, direction),
+                t_max: model.end(&light),
+                ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
+            },
+        })
+    }
+
+    /// The random numbers of the point that a ray hits.
+    fn numbers(&self, path: &PathRay) -> PointNumbers<u32> {
+        PointNumbers {
+            sampler: self.sampler,
+            id: path.id,
+            depth: path.depth,
+        }
     }
 
     /// Returns the radiance that `point`, hit by a ray of a path from `eye`, adds to the
@@ -102,10 +161,8 @@ impl<'a> Shader<'a> {
         lights: impl Iterator<Item = Illumination<f32>>,
         next: &mut Vec<PathRay>,
     ) -> Vec3 {
-        match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.shade_by(Standard, eye, path, point, lights, next),
-            ShadingModel::Seed => self.shade_by(Seed, eye, path, point, lights, next),
-        }
+        by_model!(self.scene, |model| self
+            .shade_by(model, eye, path, point, lights, next))
     }
 
     /// [`shade`](Self::shade) by a model.
@@ -121,7 +178,14 @@ impl<'a> Shader<'a> {
         let material = self.scene.material(point.material);
         let (at, direction) = (point.shading(), path.ray.direction.into());
         let to_viewer = model.to_viewer(&at, eye.into(), direction);
-        let mut color = model.ambient(material, self.scene.shading.ambient, at.color);
+        let scatters = scatters(material, point);
+        let mut color = Vector::from(Vec3::ZERO);
+        if scatters {
+            color = model.ambient(material, self.scene.shading.ambient, at.color);
+        }
+        if material.emits() {
+            color = color + self.emission::<M>(path, point);
+        }
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
             is_lit = true;
@@ -131,10 +195,83 @@ impl<'a> Shader<'a> {
             return Vec3::ZERO;
         }
         let arriving = self.weakened(path, point.distance);
-        if path.depth < u32::from(self.scene.shading.max_depth) {
-            self.continue_path(model, &arriving, point, next);
+        if scatters && path.depth < u32::from(self.scene.shading.max_depth) {
+            match M::BOUNCE {
+                Bounce::None => {}
+                Bounce::Mirrored => self.continue_path(model, &arriving, point, next),
+                Bounce::Scattered => next.extend(self.scattered(model, &arriving, point)),
+            }
         }
         arriving.weight * Vec3::from(color)
+    }
+
+    /// The light that the point emits toward the ray, weighted.
+    fn emission<M: Model>(&self, path: &PathRay, point: &SurfacePoint) -> Vector<f32> {
+        let at = point.shading();
+        let emitted = emitted(self.scene.material(point.material), at.side);
+        let primitive = &self.scene.primitives[point.primitive as usize];
+        let emitter = self.scene.lights.emitter(point.material, primitive.kind());
+        let Some(emitter) = emitter.filter(|_| M::BOUNCE == Bounce::Scattered) else {
+            return emitted * 1.0;
+        };
+        let direction = Vector::from(path.ray.direction);
+        let arrival = Arrival {
+            from: path.ray.origin.into(),
+            density: path.density,
+            seen: Seen {
+                direction,
+                distance: point.distance,
+                cos: -at.outward(at.geometric_normal).dot(direction),
+            },
+            shape: primitive.parameters(),
+        };
+        emitted * emission::weight(emitter, &arrival)
+    }
+
+    /// The ray that continues a path in a direction chosen at random.
+    fn scattered(
+        &self,
+        model: impl Model,
+        path: &PathRay,
+        point: &SurfacePoint,
+    ) -> Option<PathRay> {
+        let material = self.scene.material(point.material);
+        if !material.scatters() {
+            return None;
+        }
+        let interface = material.dielectric.is_some().then(|| {
+            let enters = !point.is_flipped;
+            path.media
+                .cross(point.material, enters, &self.scene.materials)
+        });
+        let boundary = Boundary {
+            eta: interface.map_or(1.0, |of| of.eta),
+            is_visible: interface.is_none_or(|of| of.is_visible),
+        };
+        let at = Leaving::new(point.shading(), -Vector::from(path.ray.direction));
+        let numbers = self.numbers(path);
+        let [lobe, roulette] = numbers.lobe();
+        let direction = numbers.direction();
+        let scattered = by_kind!(Bsdf::of(material), |of| of
+            .sample(&at, &boundary, direction, lobe));
+        let media = match interface {
+            Some(interface) if scattered.is_refracted => interface.behind,
+            _ => path.media,
+        };
+        let weight = path.weight * Vec3::from(scattered.factor);
+        let index = media.index(&self.scene.materials);
+        let probability = survival(weight, index, path.depth);
+        if roulette >= probability {
+            return None;
+        }
+        let kind = scattered_kind(scattered.is_refracted, scattered.is_diffuse);
+        let ray = departing(model, &at.point, scattered.direction);
+        let share = Vec3::from(scattered.factor * (1.0 / probability));
+        Some(PathRay {
+            media,
+            density: scattered.density,
+            ..path.continued(kind, ray, share)
+        })
     }
 
     /// The ray with the weight that is left after a distance.
@@ -198,20 +335,7 @@ fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) 
     }
 }
 
-/// The light from one source at a point; `None` if it cannot arrive.
-fn light_sample<M: Model>(model: M, light: &Light, point: &SurfacePoint) -> Option<LightSample> {
-    let at = point.shading();
-    let light = light.illuminate(at.position);
-    let direction = light.direction;
-    model.may_arrive(&at, &light).then(|| LightSample {
-        light,
-        shadow: ShadowRay {
-            ray: Ray {
-                origin: model.origin(&at, direction).into(),
-                direction: direction.into(),
-            },
-            t_max: model.end(&light),
-            ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
-        },
-    })
+/// Whether a point is on a side of its surface that reflects or refracts light.
+fn scatters(material: &Material, point: &SurfacePoint) -> bool {
+    material.two_sided || !point.is_flipped
 }

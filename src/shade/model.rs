@@ -4,8 +4,20 @@ use glam::Vec3;
 
 use crate::light::Illumination;
 use crate::material::Material;
+use crate::scene::Lights;
 use crate::simd::{Real, Vector};
 use crate::trace::ShadingPoint;
+
+/// How paths go on from a point.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Bounce {
+    /// Not at all.
+    None,
+    /// As reflected and refracted rays.
+    Mirrored,
+    /// In a direction chosen at random.
+    Scattered,
+}
 
 /// A model of how surfaces reflect light. All formulas are for one point or for one
 /// per lane, all of which have the same material.
@@ -14,6 +26,19 @@ pub(super) trait Model: Copy {
     const IGNORES_OWN_OBJECT: bool;
     /// Whether a point that no light reaches is black and ends its path.
     const NEEDS_LIGHT: bool;
+    /// How paths go on.
+    const BOUNCE: Bounce;
+
+    /// Whether light samples contribute to what surfaces of a material reflect.
+    fn is_lit(self, material: &Material) -> bool {
+        material.is_lit()
+    }
+
+    /// Number of light samples at a point after this number of bounces, of at most
+    /// `max_depth`.
+    fn n_light_samples(self, lights: &Lights, _depth: u32, _max_depth: u32) -> usize {
+        lights.n_samples()
+    }
 
     /// Whether the light may arrive: not if the surface itself is in its way.
     fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask;

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::media::Media;
+use super::numbers::SampleId;
 use crate::cost::RayKind;
 use crate::geometry::Ray;
 
@@ -19,17 +20,24 @@ pub struct PathRay {
     pub(super) weight: Vec3,
     /// The media that it is in.
     pub(super) media: Media,
+    /// The density with which its direction was chosen, per steradian; infinite if it
+    /// was the only one.
+    pub(super) density: f32,
+    /// The sample that the path is.
+    pub(super) id: SampleId<u32>,
 }
 
 impl PathRay {
-    /// A camera ray.
-    pub fn from_camera(ray: Ray) -> Self {
+    /// The camera ray of a sample.
+    pub fn from_camera(ray: Ray, id: SampleId<u32>) -> Self {
         Self {
             ray,
             kind: RayKind::Camera,
             depth: 0,
             weight: Vec3::ONE,
             media: Media::default(),
+            density: f32::INFINITY,
+            id,
         }
     }
 
@@ -40,7 +48,7 @@ impl PathRay {
             kind,
             depth: self.depth + 1,
             weight: self.weight * share,
-            media: self.media,
+            ..*self
         }
     }
 

@@ -23,18 +23,21 @@ pub struct PathWave {
     slots: Vec<u32>,
     /// The share of the radiance that each ray meets which reaches the camera.
     pub(super) weights: VectorColumn,
-    /// What only paths through media have; else empty.
+    /// What only paths through media and paths of path tracing have; else empty.
     pub(super) branches: Vec<Branch>,
     /// The number of bounces so far.
     pub depth: u32,
 }
 
-/// A ray of a path that may be split.
+/// A ray of a path that may be split, or scattered.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Branch {
     /// The media that the ray is in.
     pub(super) media: Media,
     pub(super) kind: RayKind,
+    /// The density with which its direction was chosen, per steradian; infinite if it
+    /// was the only one.
+    pub(super) density: f32,
     /// Its place among the rays of its wave: twice that of the ray that it continues,
     /// and one more if it is refracted.
     place: u32,
@@ -48,8 +51,10 @@ pub(super) struct Continued<'a, L> {
     pub(super) factor: Vector<L>,
     /// The rays that they continue.
     pub(super) rays: &'a [u32; N_LANES],
-    pub(super) kind: RayKind,
-    /// The media that they are in, unless they are those of the rays before.
+    pub(super) kinds: [RayKind; N_LANES],
+    /// The densities with which their directions were chosen.
+    pub(super) densities: [f32; N_LANES],
+    /// The media that refracted rays are in; all other rays stay in those before.
     pub(super) media: Option<&'a [Media; N_LANES]>,
 }
 
@@ -61,11 +66,12 @@ impl PathWave {
         self.depth = depth;
     }
 
-    /// Lets all paths start in the vacuum, in a scene whose media may split them.
+    /// Lets all paths start in the vacuum, in a scene where they have branches.
     pub fn start_in_vacuum(&mut self) {
         let camera = |place| Branch {
             media: Media::default(),
             kind: RayKind::Camera,
+            density: f32::INFINITY,
             place,
         };
         self.branches.clear();
@@ -173,7 +179,8 @@ impl PathWave {
             direction,
             factor,
             rays,
-            kind,
+            kinds,
+            densities,
             media,
         } = *continued;
         self.rays.push_lanes(origin, direction, set.mask(lanes));
@@ -188,9 +195,13 @@ impl PathWave {
             self.weights.set(next, weight);
             if let Some(before) = wave.branches.get(ray) {
                 self.branches.push(Branch {
-                    media: media.map_or(before.media, |media| media[lane]),
-                    kind,
-                    place: 2 * ray as u32 + u32::from(kind == RayKind::Refraction),
+                    media: match media {
+                        Some(media) if kinds[lane] == RayKind::Refraction => media[lane],
+                        _ => before.media,
+                    },
+                    kind: kinds[lane],
+                    density: densities[lane],
+                    place: 2 * ray as u32 + u32::from(kinds[lane] == RayKind::Refraction),
                 });
             }
             next += 1;
@@ -204,13 +215,14 @@ impl PathWave {
         &self,
         set: I,
         rays: &[u32; N_LANES],
+        may_be_split: bool,
     ) -> ([u32; N_LANES], Vector<I::Lanes>) {
         let (mut slots, mut weights) = ([0; N_LANES], [[0.0; N_LANES]; 3]);
         for lane in 0..N_LANES {
-            slots[lane] = if self.branches.is_empty() {
-                self.slots[rays[lane] as usize]
-            } else {
+            slots[lane] = if may_be_split {
                 rays[lane]
+            } else {
+                self.slots[rays[lane] as usize]
             };
             set_lane(&mut weights, lane, self.weights.get(rays[lane] as usize));
         }

@@ -10,7 +10,7 @@
 use glam::Vec3;
 
 use super::blinn_phong::{Reflected, reflected};
-use super::model::Model;
+use super::model::{Bounce, Model};
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::simd::{Real, Vector};
@@ -26,6 +26,7 @@ pub(super) struct Seed;
 impl Model for Seed {
     const IGNORES_OWN_OBJECT: bool = true;
     const NEEDS_LIGHT: bool = true;
+    const BOUNCE: Bounce = Bounce::Mirrored;
 
     #[inline(always)]
     fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, _: &Illumination<R>) -> R::Mask {

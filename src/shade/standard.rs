@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::blinn_phong::{Reflected, reflected};
-use super::model::Model;
+use super::model::{Bounce, Model};
 use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
@@ -21,6 +21,7 @@ pub(super) struct Standard;
 impl Model for Standard {
     const IGNORES_OWN_OBJECT: bool = false;
     const NEEDS_LIGHT: bool = false;
+    const BOUNCE: Bounce = Bounce::Mirrored;
 
     /// Not from behind the surface, and not from a light that is off.
     #[inline(always)]

@@ -1,17 +1,33 @@
 //! The shading of a wave of surface points, in lanes.
 
+use std::marker::PhantomData;
+
 use super::add_light::{AddAmbient, AddLight, Eyes};
+use super::arriving_light::{ArrivingLight, SampleLights};
+use super::bsdf::{Bsdf, by_kind};
 use super::cast_shadows::{CastShadows, ShadowWave};
+use super::emission::AddEmission;
 use super::end_paths::{AddBackground, EndPoints};
 use super::model::Model;
+use super::models::by_model;
+use super::numbers::{SampleIds, WaveNumbers};
 use super::paths::PathWave;
-use super::seed::Seed;
-use super::standard::Standard;
+use super::scatter::ScatterPaths;
 use crate::accel::Hit;
 use crate::config::ShadingModel;
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::simd::{N_LANES, Simd, VectorColumn};
 use crate::trace::Points;
+
+/// Where the paths of a wave start.
+#[derive(Debug, Clone, Copy)]
+pub struct PathStarts<'a> {
+    /// The origins of the camera rays.
+    pub eyes: Eyes<'a>,
+    /// The samples; empty in a scene that needs no random numbers.
+    pub ids: &'a SampleIds,
+}
 
 /// Shades waves of points. For each light in turn, [`cast`](Self::cast) collects the
 /// shadow rays of all points, so that rays toward one light are neighbors, and
@@ -20,9 +36,12 @@ use crate::trace::Points;
 #[derive(Debug)]
 pub struct WaveShader<'a> {
     scene: &'a Scene,
+    sampler: Sampler,
     simd: Simd,
     /// The shadow rays toward the current light.
     pub shadows: ShadowWave,
+    /// The light of those rays, by point.
+    arriving: ArrivingLight,
     /// The radiance of each point.
     radiance: VectorColumn,
     /// The points that the current light reaches: a bit each, a byte for eight.
@@ -45,11 +64,13 @@ struct SplitPaths {
 
 impl<'a> WaveShader<'a> {
     /// Shades the points of a scene with an instruction set.
-    pub fn new(scene: &'a Scene, simd: Simd) -> Self {
+    pub(super) fn new(scene: &'a Scene, sampler: Sampler, simd: Simd) -> Self {
         Self {
             scene,
+            sampler,
             simd,
             shadows: ShadowWave::default(),
+            arriving: ArrivingLight::default(),
             radiance: VectorColumn::default(),
             reached: Vec::new(),
             lit: Vec::new(),
@@ -57,61 +78,83 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Whether media may split paths.
-    pub fn splits_paths(&self) -> bool {
-        self.scene.has_media()
+    /// Whether rays need more than an origin and a direction.
+    pub fn has_branches(&self) -> bool {
+        self.scene.has_branches()
     }
 
-    /// Number of lights.
-    pub fn n_lights(&self) -> usize {
-        self.scene.lights.len()
+    /// Whether [`PathStarts::ids`] are needed.
+    pub fn is_random(&self) -> bool {
+        self.scene.is_random()
+    }
+
+    /// Number of light samples at the points of a wave after this number of bounces.
+    pub fn n_light_samples(&self, depth: u32) -> usize {
+        let max_depth = self.scene.shading.max_depth.into();
+        let lights = &self.scene.lights;
+        by_model!(self.scene, |model| model
+            .n_light_samples(lights, depth, max_depth))
     }
 
     /// Begins a wave of these points.
-    pub fn begin(&mut self, points: &Points) {
+    pub fn begin(&mut self, wave: &PathWave, points: &Points) {
         self.radiance.grow(points.end());
+        self.arriving.grow(points.end());
         self.lit.clear();
         self.lit.resize(points.end() / N_LANES, 0);
-        match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.add_ambient(Standard, points),
-            ShadingModel::Seed => self.add_ambient(Seed, points),
-        }
+        by_model!(self.scene, |model| self.begin_by(model, wave, points));
     }
 
-    fn add_ambient(&mut self, model: impl Model, points: &Points) {
+    fn begin_by<M: Model>(&mut self, model: M, wave: &PathWave, points: &Points) {
         self.simd.run(AddAmbient {
             model,
             scene: self.scene,
             points,
             radiance: &mut self.radiance,
         });
-    }
-
-    /// Collects the shadow rays of all points toward light number `light`.
-    pub fn cast(&mut self, light: usize, wave: &PathWave, points: &Points) {
-        self.shadows.clear();
-        match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.cast_by(Standard, light, wave, points),
-            ShadingModel::Seed => self.cast_by(Seed, light, wave, points),
+        if self.scene.has_emission() {
+            self.simd.run(AddEmission {
+                model: PhantomData::<M>,
+                scene: self.scene,
+                wave,
+                points,
+                radiance: &mut self.radiance,
+            });
         }
     }
 
-    fn cast_by(&mut self, model: impl Model, light: usize, wave: &PathWave, points: &Points) {
-        self.simd.run(CastShadows {
+    /// Collects the shadow rays of all points for light sample `sample`.
+    pub fn cast(&mut self, sample: usize, starts: PathStarts, wave: &PathWave, points: &Points) {
+        self.shadows.clear();
+        self.simd.run(SampleLights {
+            scene: self.scene,
+            sample,
+            numbers: self.numbers(starts),
+            wave,
+            points,
+            arriving: &mut self.arriving,
+        });
+        by_model!(self.scene, |model| self.simd.run(CastShadows {
             model,
             scene: self.scene,
-            light: &self.scene.lights[light],
+            arriving: &self.arriving,
             wave,
             points,
             shadows: &mut self.shadows,
-        });
+        }));
+    }
+
+    fn numbers<'b>(&self, starts: PathStarts<'b>) -> WaveNumbers<'b> {
+        WaveNumbers {
+            sampler: self.sampler,
+            ids: starts.ids,
+        }
     }
 
     /// Adds the light whose shadow rays were collected, as far as it is not occluded.
     pub fn add_light(
         &mut self,
-        light: usize,
-        eyes: Eyes,
+        starts: PathStarts,
         wave: &PathWave,
         points: &Points,
         occluded: &[bool],
@@ -125,30 +168,16 @@ impl<'a> WaveShader<'a> {
         for (lit, reached) in self.lit.iter_mut().zip(&self.reached) {
             *lit |= reached;
         }
-        match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.add_light_by(Standard, light, eyes, wave, points),
-            ShadingModel::Seed => self.add_light_by(Seed, light, eyes, wave, points),
-        }
-    }
-
-    fn add_light_by(
-        &mut self,
-        model: impl Model,
-        light: usize,
-        eyes: Eyes,
-        wave: &PathWave,
-        points: &Points,
-    ) {
-        self.simd.run(AddLight {
+        by_model!(self.scene, |model| self.simd.run(AddLight {
             model,
             scene: self.scene,
-            light: &self.scene.lights[light],
-            eyes,
+            arriving: &self.arriving,
+            eyes: starts.eyes,
             wave,
             points,
             reached: &self.reached,
             radiance: &mut self.radiance,
-        });
+        }));
     }
 
     /// Weakens the light of rays by the media on the way to their hits.
@@ -160,21 +189,22 @@ impl<'a> WaveShader<'a> {
     /// to `colors`, by slot. Overwrites `next` with the rays that continue the paths.
     pub(crate) fn end(
         &mut self,
+        starts: PathStarts,
         wave: &PathWave,
         points: &Points,
         next: &mut PathWave,
         colors: &mut VectorColumn,
     ) {
-        if !self.scene.has_media() {
+        if !self.scene.splits_paths() {
             next.restart(wave.depth + 1);
-            return self.end_paths(wave, points, next, colors);
+            return self.end_paths(starts, wave, points, next, colors);
         }
         // Several rays of a path add to its color: in an order that depends on the path
         // alone, not on the other paths of the wave.
         let mut split = std::mem::take(&mut self.split);
         split.added.reset(wave.rays.len());
         split.unsorted.restart(wave.depth + 1);
-        self.end_paths(wave, points, &mut split.unsorted, &mut split.added);
+        self.end_paths(starts, wave, points, &mut split.unsorted, &mut split.added);
         for (ray, &slot) in wave.slots().iter().enumerate() {
             colors.add(slot as usize, split.added.get(ray));
         }
@@ -185,6 +215,7 @@ impl<'a> WaveShader<'a> {
 
     fn end_paths(
         &self,
+        starts: PathStarts,
         wave: &PathWave,
         points: &Points,
         next: &mut PathWave,
@@ -196,21 +227,7 @@ impl<'a> WaveShader<'a> {
             wave,
             colors,
         });
-        match self.scene.shading.model {
-            ShadingModel::BlinnPhong => self.end_by(Standard, wave, points, next, colors),
-            ShadingModel::Seed => self.end_by(Seed, wave, points, next, colors),
-        }
-    }
-
-    fn end_by(
-        &self,
-        model: impl Model,
-        wave: &PathWave,
-        points: &Points,
-        next: &mut PathWave,
-        colors: &mut VectorColumn,
-    ) {
-        self.simd.run(EndPoints {
+        by_model!(self.scene, |model| self.simd.run(EndPoints {
             model,
             scene: self.scene,
             points,
@@ -219,6 +236,31 @@ impl<'a> WaveShader<'a> {
             wave,
             next,
             colors,
-        });
+        }));
+        if self.scene.shading.model == ShadingModel::Path {
+            self.scatter(starts, wave, points, next);
+        }
+    }
+
+    /// Collects the scattered rays of points.
+    fn scatter(&self, starts: PathStarts, wave: &PathWave, points: &Points, next: &mut PathWave) {
+        if wave.depth >= u32::from(self.scene.shading.max_depth) {
+            return;
+        }
+        for &group in points.groups() {
+            let material = self.scene.material(group.material);
+            if !material.scatters() {
+                continue;
+            }
+            by_kind!(Bsdf::of(material), |scatter| self.simd.run(ScatterPaths {
+                scene: self.scene,
+                scatter,
+                group,
+                numbers: self.numbers(starts),
+                points,
+                wave,
+                next,
+            }));
+        }
     }
 }

@@ -3,9 +3,24 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use super::column::gathered;
 use super::lanes::{InstructionSet, Lanes, N_LANES};
 use super::real::{Double, Integer, Mask, Real};
 use super::wide::Sixteen;
+
+/// The values of an expression at the lanes. Loops would do the same, but the compiler's
+/// time grows faster than their number, and `array::map` is not always inlined.
+macro_rules! eight {
+    (|$i:ident| $value:expr) => {
+        eight!(@ $i $value; 0 1 2 3 4 5 6 7)
+    };
+    (@ $i:ident $value:expr; $($lane:literal)*) => {
+        [$({
+            let $i = $lane;
+            $value
+        }),*]
+    };
+}
 
 /// The set that needs no instructions beyond the target's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,21 +124,14 @@ impl Not for BitMask {
 
 impl F32x8 {
     #[inline(always)]
-    fn zip(mut self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
-        // A loop: `array::map` and `from_fn` are not always inlined.
-        for (a, b) in self.0.iter_mut().zip(other.0) {
-            *a = op(*a, b);
-        }
-        self
+    fn zip(self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
+        Self(eight!(|i| op(self.0[i], other.0[i])))
     }
 
     #[inline(always)]
     fn compare(self, other: Self, op: impl Fn(&f32, &f32) -> bool) -> BitMask {
-        let mut bits = 0;
-        for i in 0..N_LANES {
-            bits |= u8::from(op(&self.0[i], &other.0[i])) << i;
-        }
-        BitMask(bits)
+        let [a, b, c, d, e, f, g, h] = eight!(|i| u8::from(op(&self.0[i], &other.0[i])) << i);
+        BitMask((a | b | c | d) | (e | f | g | h))
     }
 }
 
@@ -179,13 +187,11 @@ impl Real for F32x8 {
 
     #[inline(always)]
     fn select(mask: BitMask, this: Self, other: Self) -> Self {
-        let mut selected = other;
-        for i in 0..N_LANES {
-            if mask.0 >> i & 1 != 0 {
-                selected.0[i] = this.0[i];
-            }
-        }
-        selected
+        Self(eight!(|i| if mask.0 >> i & 1 != 0 {
+            this.0[i]
+        } else {
+            other.0[i]
+        }))
     }
 
     #[inline(always)]
@@ -195,29 +201,17 @@ impl Real for F32x8 {
 
     #[inline(always)]
     fn to_integer(self) -> U32x8 {
-        let mut integers = [0; N_LANES];
-        for (integer, number) in integers.iter_mut().zip(self.0) {
-            *integer = Real::to_integer(number);
-        }
-        U32x8(integers)
+        U32x8(eight!(|i| Real::to_integer(self.0[i])))
     }
 
     #[inline(always)]
     fn to_double(self) -> F64x8 {
-        let mut doubles = [0.0; N_LANES];
-        for (double, number) in doubles.iter_mut().zip(self.0) {
-            *double = number.into();
-        }
-        F64x8(doubles)
+        F64x8(eight!(|i| self.0[i].into()))
     }
 
     #[inline(always)]
     fn from_integer(integers: U32x8) -> Self {
-        let mut numbers = [0.0; N_LANES];
-        for (number, integer) in numbers.iter_mut().zip(integers.0) {
-            *number = Real::from_integer(integer);
-        }
-        Self(numbers)
+        Self(eight!(|i| Real::from_integer(integers.0[i])))
     }
 
     #[inline(always)]
@@ -227,11 +221,22 @@ impl Real for F32x8 {
 
     #[inline(always)]
     fn from_double(doubles: F64x8) -> Self {
-        let mut numbers = [0.0; N_LANES];
-        for (number, double) in numbers.iter_mut().zip(doubles.0) {
-            *number = double as f32;
+        Self(eight!(|i| doubles.0[i] as f32))
+    }
+
+    #[inline(always)]
+    fn lane(self, i: usize) -> f32 {
+        self.to_array()[i % N_LANES]
+    }
+
+    #[inline(always)]
+    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N] {
+        let columns = gathered(self.to_array(), rows);
+        let mut gathered = [self; N];
+        for i in 0..N {
+            gathered[i] = Self(columns[i]);
         }
-        Self(numbers)
+        gathered
     }
 }
 
@@ -284,11 +289,8 @@ pub(crate) struct U32x8([u32; N_LANES]);
 
 impl U32x8 {
     #[inline(always)]
-    fn zip(mut self, other: Self, op: impl Fn(u32, u32) -> u32) -> Self {
-        for (a, b) in self.0.iter_mut().zip(other.0) {
-            *a = op(*a, b);
-        }
-        self
+    fn zip(self, other: Self, op: impl Fn(u32, u32) -> u32) -> Self {
+        Self(eight!(|i| op(self.0[i], other.0[i])))
     }
 }
 
@@ -345,22 +347,16 @@ impl Double for F64x8 {
     }
 
     #[inline(always)]
-    fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
-        for double in &mut self.0 {
-            *double = f(*double);
-        }
-        self
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self(eight!(|i| f(self.0[i])))
     }
 }
 
 impl Mul for F64x8 {
     type Output = Self;
     #[inline(always)]
-    fn mul(mut self, other: Self) -> Self {
-        for (a, b) in self.0.iter_mut().zip(other.0) {
-            *a *= b;
-        }
-        self
+    fn mul(self, other: Self) -> Self {
+        Self(eight!(|i| self.0[i] * other.0[i]))
     }
 }
 

@@ -64,6 +64,10 @@ pub trait Real:
     fn from_integer_bits(bits: Self::Integer) -> Self;
     /// The nearest number.
     fn from_double(double: Self::Double) -> Self;
+    /// Number `i`.
+    fn lane(self, i: usize) -> f32;
+    /// The rows whose indices are `self`, as columns.
+    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N];
 }
 
 /// One boolean per number.
@@ -210,6 +214,16 @@ impl Real for f32 {
     #[inline(always)]
     fn from_double(double: f64) -> f32 {
         double as f32
+    }
+
+    #[inline(always)]
+    fn lane(self, _: usize) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [f32; N] {
+        rows[self as usize]
     }
 }
 

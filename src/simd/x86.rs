@@ -10,6 +10,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::column::gathered;
 use super::lanes::{InstructionSet, Lanes, N_LANES};
 use super::real::Real;
 use super::registers::Registers;
@@ -217,6 +218,21 @@ impl<R: Registers> Real for Ymm<R> {
         // SAFETY: `set` proves AVX2.
         let lanes = unsafe { _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low)) };
         Self(lanes, set)
+    }
+
+    #[inline(always)]
+    fn lane(self, i: usize) -> f32 {
+        self.to_array()[i % N_LANES]
+    }
+
+    #[inline(always)]
+    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N] {
+        let columns = gathered(self.to_array(), rows);
+        let mut gathered = [self; N];
+        for i in 0..N {
+            gathered[i] = InstructionSet::load(self.1, &columns[i]);
+        }
+        gathered
     }
 }
 

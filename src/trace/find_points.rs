@@ -1,9 +1,10 @@
 //! Hits → surface points, in lanes.
 
+use super::parameters::parameters;
 use super::points::{PointGroup, PointLanes, Points};
 use super::surface_point::{on_side_of, side};
 use crate::accel::Hit;
-use crate::geometry::{N_PARAMETERS, RayStream};
+use crate::geometry::RayStream;
 use crate::scene::{AttributeKind, Scene, interpolated_normal};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
@@ -46,7 +47,7 @@ impl FindPoints<'_> {
         let hits = self.hits(at);
         let direction = set.load_vector(&hits.directions);
         let near = set.load_vector(&hits.origins) + direction * set.load(&hits.t);
-        let parameters = self.parameters(set, &hits.primitives);
+        let parameters = parameters(set, self.scene, &hits.primitives);
         let (position, outward) = match group.shape {
             Some(shape) => shape.project_onto(&parameters, near),
             None => self.project_placed(set, &hits.primitives, near),
@@ -71,6 +72,7 @@ impl FindPoints<'_> {
         let points = &mut *self.points;
         *lanes_mut(&mut points.distance, at.first) = hits.t;
         *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
+        *lanes_mut(&mut points.primitives, at.first) = hits.primitives;
         let objects = lanes_mut(&mut points.objects, at.first);
         for (object, &primitive) in objects.iter_mut().zip(&hits.primitives) {
             *object = self.scene.primitives[primitive as usize].object;
@@ -101,27 +103,6 @@ impl FindPoints<'_> {
             set_lane(&mut hits.directions, lane, ray.direction);
         }
         hits
-    }
-
-    /// The parameters of eight primitives.
-    #[inline(always)]
-    fn parameters<I: InstructionSet>(
-        &self,
-        set: I,
-        primitives: &[u32; N_LANES],
-    ) -> [I::Lanes; N_PARAMETERS] {
-        let mut columns = [[0.0; N_LANES]; N_PARAMETERS];
-        for lane in 0..N_LANES {
-            let parameters = self.scene.primitives[primitives[lane] as usize].parameters();
-            for i in 0..N_PARAMETERS {
-                columns[i][lane] = parameters[i];
-            }
-        }
-        let mut parameters = [set.splat(0.0); N_PARAMETERS];
-        for i in 0..N_PARAMETERS {
-            parameters[i] = set.load(&columns[i]);
-        }
-        parameters
     }
 
     /// The nearest points and normals of primitives under a transform, one by one.

@@ -4,6 +4,7 @@
 //! a stream's hits, computed in lanes, with the formulas of a single point.
 
 mod surface_point;
+mod parameters;
 mod points;
 mod find_points;
 
@@ -114,6 +115,7 @@ impl<'a> Tracer<'a> {
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,
+            primitive: hit.primitive,
             is_flipped: side < 0.0,
         }
     }

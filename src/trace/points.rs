@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 
+use super::parameters::parameters;
 use super::surface_point::ShadingPoint;
 use crate::accel::Hit;
-use crate::geometry::ShapeKind;
+use crate::geometry::{N_PARAMETERS, ShapeKind};
+use crate::material::Material;
 use crate::scene::{AttributeKind, MaterialId, ObjectId, Scene, SurfaceClass};
-use crate::simd::{InstructionSet, N_LANES, Vector, VectorColumn, grow, lanes};
+use crate::simd::{InstructionSet, Lanes, N_LANES, Vector, VectorColumn, grow, lanes};
 
 /// The surface points that rays have hit, as a structure of arrays.
 ///
@@ -31,6 +33,8 @@ pub struct Points {
     pub(super) side: Vec<f32>,
     pub(super) distance: Vec<f32>,
     pub(super) materials: Vec<MaterialId>,
+    /// The primitive of each point.
+    pub(super) primitives: Vec<u32>,
     /// The object of each point.
     pub(super) objects: Vec<ObjectId>,
     /// The group of each ray, while points are grouped.
@@ -46,7 +50,7 @@ const NO_POINT: u32 = u32::MAX;
 #[derive(Debug, Clone, Copy)]
 pub struct PointGroup {
     /// The kind of their shapes; `None` for shapes under a transform.
-    pub(super) shape: Option<ShapeKind>,
+    pub shape: Option<ShapeKind>,
     pub(super) attributes: AttributeKind,
     /// Their material.
     pub material: MaterialId,
@@ -165,6 +169,7 @@ impl Points {
     fn grow(&mut self, n_points: usize) {
         grow(&mut self.rays, n_points);
         grow(&mut self.objects, n_points);
+        grow(&mut self.primitives, n_points);
         grow(&mut self.materials, n_points);
         grow(&mut self.distance, n_points);
         grow(&mut self.side, n_points);
@@ -242,6 +247,37 @@ impl Points {
     #[inline(always)]
     pub fn color(&self, point: usize) -> Vec3 {
         self.color.get(point)
+    }
+
+    /// The lanes whose points are on a side of the surface that scatters light.
+    #[inline(always)]
+    pub(crate) fn scattering_sides<I: InstructionSet>(
+        &self,
+        set: I,
+        at: PointLanes,
+        material: &Material,
+    ) -> u8 {
+        if material.two_sided {
+            return u8::MAX;
+        }
+        !set.load(lanes(&self.side, at.first)).signs()
+    }
+
+    /// The parameters of the shapes at eight points, unless they have a transform.
+    #[inline(always)]
+    pub(crate) fn parameters<I: InstructionSet>(
+        &self,
+        set: I,
+        scene: &Scene,
+        at: PointLanes,
+    ) -> [I::Lanes; N_PARAMETERS] {
+        parameters(set, scene, lanes(&self.primitives, at.first))
+    }
+
+    /// The distances of the points along their rays, with room for whole lanes.
+    #[inline(always)]
+    pub(crate) fn distances(&self) -> &[f32] {
+        &self.distance
     }
 
     /// The rays that hit eight points.

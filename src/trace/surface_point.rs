@@ -23,6 +23,8 @@ pub struct SurfacePoint {
     pub object: ObjectId,
     /// Its material.
     pub material: MaterialId,
+    /// The primitive that was hit.
+    pub primitive: u32,
     /// Whether both normals are opposite to the surface's own, because the ray came
     /// from its other side.
     pub is_flipped: bool,

@@ -26,13 +26,14 @@ use raycost::simd::Simd;
 use raycost::yaml::Source;
 
 /// The names of the counters, as arrays and totals have them; all but the last add up.
-pub const COUNTERS: [&str; 7] = [
+pub const COUNTERS: [&str; 8] = [
     "node_visits",
     "primitive_tests",
     "rays",
     "shadow_rays",
     "reflection_rays",
     "refraction_rays",
+    "diffuse_rays",
     "depth",
 ];
 

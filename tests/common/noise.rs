@@ -52,7 +52,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
                 let cost = Cost {
                     node_visits: count(),
                     primitive_tests: count(),
-                    rays: [film.n_samples.into(), count(), count(), count()],
+                    rays: [film.n_samples.into(), count(), count(), count(), count()],
                     depth: count(),
                 };
                 counters.add(pixel, &cost);

@@ -17,6 +17,8 @@ pub struct RandomScene {
     pub seed: u64,
     /// Whether some objects are of glass and water.
     pub has_media: bool,
+    /// Whether some surfaces emit light.
+    pub has_lamps: bool,
     pub reflections: [f32; 3],
     pub specular: f32,
     /// For each light, whether it is a point light.
@@ -37,6 +39,7 @@ impl RandomScene {
             max_depth,
             seed,
             has_media,
+            has_lamps,
             reflections: [floor, ball, cloud],
             specular,
             lights,
@@ -45,10 +48,30 @@ impl RandomScene {
             sampling,
         } = self;
         // Some of the cloud's spheres overlap.
-        let (media, of_cloud) = if *has_media && *model != "seed" {
-            (MEDIA, "[cloud, glass, water, gold]")
+        let (media, of_cloud) = match *model {
+            "seed" => ("", "cloud"),
+            "path" if *has_media => (ROUGH_MEDIA, "[cloud, glass, water, gold, lamp]"),
+            _ if *has_media => (MEDIA, "[cloud, glass, water, gold]"),
+            _ => ("", "cloud"),
+        };
+        let (lamp, lamps) = match *model {
+            "seed" => ("ball", ""),
+            _ if *has_lamps => ("lamp", LAMPS),
+            _ => ("ball", ""),
+        };
+        let emission = if *model == "seed" {
+            ""
         } else {
-            ("", "cloud")
+            ", emission: [3, 2, 1]"
+        };
+        let ambient = match *model {
+            "path" => ", light_sampling: each",
+            "path_by_power" | "ambient_occlusion" => "",
+            _ => ", ambient: 0.1",
+        };
+        let model = match *model {
+            "path_by_power" => "path",
+            other => other,
         };
         let mut text = format!(
             "
@@ -56,20 +79,21 @@ image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: 
 camera: {{ {camera} }}
 background:
   gradient: {{ bottom: 0.2, top: [0.3, 0.5, 0.9] }}
-shading: {{ model: {model}, max_depth: {max_depth}, ambient: 0.1 }}
+shading: {{ model: {model}, max_depth: {max_depth}{ambient} }}
 acceleration: {acceleration}
 materials:
   floor: {{ color: {{ checker: {{ even: 1, odd: 0.1, size: 0.5, axes: xz }} }}, reflection: {floor} }}
   ball: {{ color: [0.9, 0.2, 0.1], specular: {specular}, reflection: {ball} }}
   cloud: {{ color: 0.6, specular: 0.3, exponent: 7.5, reflection: {cloud} }}
+  lamp: {{ color: 0.2{emission} }}
 {media}objects:
   - plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}
     material: floor
   - sphere: {{ center: [0, 0, 0], radius: 0.9 }}
     material: ball
   - box: {{ min: [1, -1, -1], max: [2, 0.5, 0] }}
-    material: ball
-  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
+    material: {lamp}
+{lamps}  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
     material: {of_cloud}
 lights:"
         );
@@ -88,6 +112,25 @@ lights:"
         parse(&text)
     }
 }
+
+/// Surfaces that emit light.
+const LAMPS: &str = "  - rectangle: { corner: [-2, 3, -1], edges: [[1, 0, 0], [0, 0.2, 1]] }
+    material: lamp
+  - disk: { center: [2, 2, 2], normal: [-1, -1, 0], radius: 0.5 }
+    material: lamp
+  - triangle: { vertices: [[-2, 0, 1], [-2, 1, 1], [-2.5, 0, 2]] }
+    material: lamp
+  - sphere: { center: [-1.5, 1, 0.5], radius: 0.3 }
+    material: lamp
+    transform: [{ scale: [1, 2, 1] }]
+";
+
+/// Materials of media and metals whose surfaces may be rough.
+const ROUGH_MEDIA: &str =
+    "  glass: { dielectric: { index: 1.5, absorption: [0.1, 0.9, 3], priority: 1 }, roughness: 0.4 }
+  water: { dielectric: { index: 1.33 } }
+  gold: { conductor: gold, roughness: 0.3, two_sided: false }
+";
 
 /// Materials of media.
 const MEDIA: &str =
@@ -117,12 +160,16 @@ pub const CAMERAS: [&str; 4] = [
 prop_compose! {
     /// A random scene with a small image.
     pub fn scenes()(
-        model in prop_oneof![Just("blinn_phong"), Just("seed")],
+        model in prop_oneof![
+            2 => Just("blinn_phong"), 1 => Just("seed"), 1 => Just("ambient_occlusion"),
+            2 => Just("path"), 1 => Just("path_by_power"),
+        ],
         size in [1_u32..40, 1_u32..40],
         samples in 1_u32..=9,
         max_depth in 0_u32..6,
         seed in 0_u64..1000,
         has_media in any::<bool>(),
+        has_lamps in any::<bool>(),
         reflections in [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
             .prop_map(|shares| shares.map(|share| if share < 0.3 { 0.0 } else { share })),
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
@@ -132,7 +179,7 @@ prop_compose! {
         sampling in prop::sample::select(&SAMPLING[..]),
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, has_media, reflections, specular, lights, acceleration, camera, sampling,
+            model, size, samples, max_depth, seed, has_media, has_lamps, reflections, specular, lights, acceleration, camera, sampling,
         }
     }
 }

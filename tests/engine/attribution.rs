@@ -15,13 +15,6 @@ const SCENES: [&str; 5] = [
     "trellis",
 ];
 
-const KINDS: [RayKind; 4] = [
-    RayKind::Camera,
-    RayKind::Shadow,
-    RayKind::Reflection,
-    RayKind::Refraction,
-];
-
 /// A small picture of a scene of `configs/`.
 fn small(name: &str, samples: u32, cost: CostMode) -> Config {
     let mut config = with_cost(config(name), cost);
@@ -55,7 +48,7 @@ fn costs_of_objects_and_materials_sum_to_the_film() {
                 assert_eq!(work.node_visits, film.totals.node_visits, "{name}");
                 assert_eq!(work.primitive_tests, film.totals.primitive_tests);
                 assert_eq!(work.time_ps, 0);
-                for kind in KINDS {
+                for kind in RayKind::ALL {
                     let rays = accounts.iter().map(|a| a.of_kind(charge, kind).rays);
                     assert_eq!(rays.sum::<u64>(), film.totals.rays_of(kind), "{name}");
                 }

@@ -46,13 +46,14 @@ fn brute_force_tests_every_primitive_with_every_ray() {
 fn the_sums_over_the_pixels_are_the_totals() {
     let film = film(&parse(SCENE), 2);
     let totals = film.totals;
-    let [camera, shadow, reflection, refraction] = totals.rays;
+    let [camera, shadow, reflection, refraction, diffuse] = totals.rays;
     assert_eq!(sum(&film, Counter::NodeVisits), totals.node_visits);
     assert_eq!(sum(&film, Counter::PrimitiveTests), totals.primitive_tests);
     assert_eq!(total(&rays(&film)), totals.n_rays());
     assert_eq!(sum(&film, Counter::ShadowRays), shadow);
     assert_eq!(sum(&film, Counter::ReflectionRays), reflection);
     assert_eq!(sum(&film, Counter::RefractionRays), refraction);
+    assert_eq!(sum(&film, Counter::DiffuseRays), diffuse);
     assert_eq!(camera, 60 * 45 * 3);
     let deepest = counts(&film, Counter::Depth).into_iter().max().unwrap();
     assert_eq!(u64::from(deepest), totals.depth);

@@ -14,6 +14,7 @@ mod media;
 mod attribution;
 mod meshes;
 mod observe;
+mod path_tracing;
 mod radiance;
 mod repeats;
 mod rounding;

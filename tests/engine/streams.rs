@@ -43,6 +43,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             max_depth: 2,
             seed: 3,
             has_media: true,
+            has_lamps: false,
             reflections: [0.3, 0.5, 0.0],
             specular: 0.5,
             lights: vec![true, false],

@@ -180,7 +180,7 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
     let total = |name: &str| totals[name].as_u64().unwrap_or_else(|| panic!("{name}"));
     let frame = DataSet::read(&out.join("frame.vti"));
     let sum = |name: &str| frame.array(name).u32s().map(u64::from).sum::<u64>();
-    for counter in &COUNTERS[..6] {
+    for counter in &COUNTERS[..7] {
         assert_eq!(total(counter), sum(counter), "{counter}");
     }
     assert_eq!(
@@ -192,6 +192,7 @@ fn the_summary_agrees_with_the_files_and_with_itself() {
         "shadow_rays",
         "reflection_rays",
         "refraction_rays",
+        "diffuse_rays",
     ];
     assert_eq!(total("rays"), kinds.map(total).iter().sum::<u64>());
     assert_eq!(total("camera_rays"), 40 * 30 * 3);

@@ -27,11 +27,12 @@ const VIEW_ANGLE: f32 = 30.0;
 const HEADS: [f32; 2] = [0.03, 0.012];
 /// The kinds of rays in the order of their numbers, in a palette for
 /// color-blind readers (Okabe and Ito, 2008).
-const KINDS: [(&str, [f32; 3]); 4] = [
+const KINDS: [(&str, [f32; 3]); 5] = [
     ("camera", [0.0, 0.45, 0.70]),
     ("shadow", [0.90, 0.62, 0.0]),
     ("reflection", [0.84, 0.37, 0.0]),
     ("refraction", [0.0, 0.62, 0.45]),
+    ("diffuse", [0.34, 0.71, 0.91]),
 ];
 
 /// Returns the state for these rays.

@@ -36,10 +36,11 @@ pub fn expected_tiles(cost: CostMode) -> DataSet {
         arrays.extend([
             u64s("node_visits", |tile| tile << 34),
             u64s("primitive_tests", |_| 0),
-            u64s("rays", |_| 10),
+            u64s("rays", |_| 15),
             u64s("shadow_rays", |_| 2),
             u64s("reflection_rays", |_| 3),
             u64s("refraction_rays", |_| 4),
+            u64s("diffuse_rays", |_| 5),
             u64s("depth", |tile| tile),
         ]);
     }
@@ -141,6 +142,7 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         ("shadow_rays", counter(Counter::ShadowRays)),
         ("reflection_rays", counter(Counter::ReflectionRays)),
         ("refraction_rays", counter(Counter::RefractionRays)),
+        ("diffuse_rays", counter(Counter::DiffuseRays)),
         ("depth", counter(Counter::Depth)),
         ("tile", Field::Tile(|number, _| number)),
         ("thread", Field::Tile(|_, tile| tile.thread)),

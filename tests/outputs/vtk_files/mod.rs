@@ -188,7 +188,7 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
         is_interrupted: false,
         counted: Cost {
             node_visits: u64::from(number) << 34,
-            rays: [1, 2, 3, 4],
+            rays: [1, 2, 3, 4, 5],
             depth: number.into(),
             ..Cost::default()
         },

@@ -1,0 +1,196 @@
+//! Flat rectangles and parallelograms.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::sampled::{Sampled, Seen, SurfaceSample};
+use super::surface::{parameters_of, vector};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
+use crate::simd::{Real, Vector};
+use crate::yaml;
+
+/// The points `corner + a * edges[0] + b * edges[1]` with `a` and `b` from 0 to 1: a
+/// rectangle, or a parallelogram if the edges are not perpendicular.
+///
+/// ```
+/// # use raycost::geometry::Rectangle;
+/// let wall: Rectangle = raycost::yaml::from_str("
+/// { corner: [-1, 0, 2], edges: [[2, 0, 0], [0, 1, 0]] }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RectangleKeys")]
+pub struct Rectangle {
+    corner: Vec3,
+    /// Not parallel. The outward normal is along their cross product.
+    edges: [Vec3; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RectangleKeys {
+    #[serde(deserialize_with = "yaml::point")]
+    corner: Vec3,
+    edges: Edges,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "two edges: [[x, y, z], [x, y, z]]")]
+struct Edges(
+    #[serde(deserialize_with = "yaml::point")] Vec3,
+    #[serde(deserialize_with = "yaml::point")] Vec3,
+);
+
+impl TryFrom<RectangleKeys> for Rectangle {
+    type Error = &'static str;
+
+    fn try_from(RectangleKeys { corner, edges }: RectangleKeys) -> Result<Self, Self::Error> {
+        let Edges(u, v) = edges;
+        let sine = u.normalize_or_zero().cross(v.normalize_or_zero()).length();
+        if sine < 1e-6 {
+            return Err("cannot be without area, expected two edges that are not parallel");
+        }
+        Ok(Self::new(corner, u, v))
+    }
+}
+
+impl Rectangle {
+    /// The rectangle with these edges at a corner, which must not be parallel.
+    pub fn new(corner: Vec3, u: Vec3, v: Vec3) -> Self {
+        Self {
+            corner,
+            edges: [u, v],
+        }
+    }
+
+    /// The corners in order.
+    fn corners(&self) -> [Vec3; 4] {
+        let [u, v] = self.edges;
+        let corner = self.corner;
+        [corner, corner + u, corner + u + v, corner + v]
+    }
+}
+
+impl Intersectable for Rectangle {
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let [u, v] = self.edges;
+        let (normal, area) = normal_and_area(u.into(), v.into());
+        let normal = normal.into();
+        let plane = Plane {
+            point: self.corner,
+            normal,
+        };
+        let t = plane.intersect(ray, t_max)?;
+        // The coordinates along the edges, times the area.
+        let from_corner = ray.at(t) - self.corner;
+        let along_u = from_corner.cross(v).dot(normal);
+        let along_v = u.cross(from_corner).dot(normal);
+        let is_inside = [along_u, along_v]
+            .into_iter()
+            .all(|along| (0.0..=area).contains(&along));
+        is_inside.then_some(t)
+    }
+
+    fn bounds(&self) -> Aabb {
+        Aabb::of_points(self.corners())
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        let corner = transform.world_point(self.corner);
+        let edge = |edge: Vec3| transform.world_point(self.corner + edge) - corner;
+        let [u, v] = self.edges;
+        Some(Self::new(corner, edge(u), edge(v)))
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        Some(Patch::Polygon(self.corners().into()))
+    }
+}
+
+impl Project for Rectangle {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        let [u, v] = self.edges;
+        parameters_of(&[self.corner, u, v])
+    }
+
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        let corner = vector(parameters, 0);
+        let (normal, _) = normal_and_area(vector(parameters, 3), vector(parameters, 6));
+        (near - normal * (near - corner).dot(normal), normal)
+    }
+}
+
+impl Sampled for Rectangle {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        normal_and_area(vector(parameters, 3), vector(parameters, 6)).1
+    }
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        [a, b]: [R; 2],
+    ) -> SurfaceSample<R> {
+        let (u, v) = (vector(parameters, 3), vector(parameters, 6));
+        let (normal, area) = normal_and_area(u, v);
+        Seen::new(vector(parameters, 0) + u * a + v * b, normal, from).by_area(area)
+    }
+
+    #[inline(always)]
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
+        let (_, area) = normal_and_area(vector(parameters, 3), vector(parameters, 6));
+        seen.density_by_area(area)
+    }
+}
+
+/// The unit normal and the area of a parallelogram with these edges.
+#[inline(always)]
+fn normal_and_area<R: Real>(u: Vector<R>, v: Vector<R>) -> (Vector<R>, R) {
+    let (length_u, length_v) = (u.length(), v.length());
+    let cross = (u / length_u).cross(v / length_v);
+    let sine = cross.length();
+    (cross / sine, length_u * length_v * sine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rectangle_ends_at_its_edges() {
+        let rectangle = Rectangle::new(Vec3::new(-1.0, 0.0, 2.0), 2.0 * Vec3::X, Vec3::Y);
+        let at = |x: f32, y: f32| {
+            let ray = Ray {
+                origin: Vec3::new(x, y, 0.0),
+                direction: Vec3::Z,
+            };
+            rectangle.intersect(&ray, 9.0)
+        };
+        assert_eq!(at(-0.99, 0.01), Some(2.0));
+        assert_eq!(at(0.99, 0.99), Some(2.0));
+        for (x, y) in [(-1.01, 0.5), (1.01, 0.5), (0.0, -0.01), (0.0, 1.01)] {
+            assert_eq!(at(x, y), None);
+        }
+        let (point, normal) = rectangle.project(Vec3::new(0.2, 0.4, 2.01));
+        assert_eq!((point, normal), (Vec3::new(0.2, 0.4, 2.0), Vec3::Z));
+    }
+
+    #[test]
+    fn parallel_edges_are_refused() {
+        let read = |text: &str| yaml::from_str::<Rectangle>(text).is_ok();
+        assert!(read("{ corner: [0, 0, 0], edges: [[1, 0, 0], [1, 1, 0]] }"));
+        assert!(!read(
+            "{ corner: [0, 0, 0], edges: [[1, 0, 0], [-2, 0, 0]] }"
+        ));
+        assert!(!read(
+            "{ corner: [0, 0, 0], edges: [[1, 0, 0], [0, 0, 0]] }"
+        ));
+    }
+}

@@ -1,0 +1,118 @@
+//! The choice of one of many things with given probabilities.
+
+use crate::simd::Real;
+
+/// Chooses indices with probabilities proportional to weights, in constant time.
+///
+/// Walker, "An Efficient Method for Generating Discrete Random Variables with General
+/// Distributions", ACM TOMS 3(3), 1977, built as by Vose, 1991.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AliasTable {
+    /// For each index: the share of its bin that is its own, and the index that has the
+    /// rest.
+    bins: Vec<[f32; 2]>,
+    probabilities: Vec<[f32; 1]>,
+}
+
+/// Most indices of a table: from there on, they are not exact as `f32`.
+pub const MAX_BINS: usize = 1 << 24;
+
+impl AliasTable {
+    /// A table of these weights, at most [`MAX_BINS`]; `None` unless their sum is greater
+    /// than 0 and finite.
+    pub fn new(weights: &[f64]) -> Option<Self> {
+        let sum: f64 = weights.iter().sum();
+        if !(sum > 0.0 && sum.is_finite()) || weights.len() > MAX_BINS {
+            return None;
+        }
+        let probability = |weight: &f64| weight / sum;
+        // In units of a bin.
+        let mut left: Vec<f64> = weights
+            .iter()
+            .map(|weight| probability(weight) * weights.len() as f64)
+            .collect();
+        let mut bins: Vec<[f32; 2]> = (0..weights.len()).map(|i| [1.0, i as f32]).collect();
+        let (mut small, mut large): (Vec<usize>, Vec<usize>) =
+            (0..weights.len()).partition(|&i| left[i] < 1.0);
+        while let (Some(&to), Some(from)) = (large.last(), small.pop()) {
+            bins[from] = [left[from] as f32, to as f32];
+            left[to] -= 1.0 - left[from];
+            if left[to] < 1.0 {
+                large.pop();
+                small.push(to);
+            }
+        }
+        Some(Self {
+            bins,
+            probabilities: weights
+                .iter()
+                .map(|weight| [probability(weight) as f32])
+                .collect(),
+        })
+    }
+
+    /// The index that a number in [0, 1) chooses, or of one per lane, as a whole number.
+    #[inline(always)]
+    pub fn choose<R: Real>(&self, number: R) -> R {
+        if let [_] = self.bins[..] {
+            return number.splat(0.0);
+        }
+        let scaled = number * number.splat(self.bins.len() as f32);
+        let bin = scaled
+            .floor()
+            .min(number.splat(self.bins.len() as f32 - 1.0));
+        let [own_share, other] = bin.gather(&self.bins);
+        R::select((scaled - bin).lt(own_share), bin, other)
+    }
+
+    /// The probability of an index, or of one per lane.
+    #[inline(always)]
+    pub fn probability<R: Real>(&self, index: R) -> R {
+        let [probability] = index.gather(&self.probabilities);
+        probability
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn shares_of_choices_are_the_weights(
+            weights in prop::collection::vec(prop_oneof![Just(0.0), 0.01_f64..10.0], 1..40)
+        ) {
+            let sum: f64 = weights.iter().sum();
+            let Some(table) = AliasTable::new(&weights) else {
+                prop_assert!(sum == 0.0);
+                return Ok(());
+            };
+            let n = 1 << 16;
+            let mut counts = vec![0; weights.len()];
+            for i in 0..n {
+                counts[table.choose((i as f32 + 0.5) / n as f32) as usize] += 1;
+            }
+            for (i, (count, weight)) in counts.into_iter().zip(&weights).enumerate() {
+                let expected = weight / sum;
+                let found = f64::from(count) / f64::from(n);
+                prop_assert!((found - expected).abs() < 2e-3, "{}: {} {}", i, found, expected);
+                let probability = f64::from(table.probability(i as f32));
+                prop_assert!((probability - expected).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn weights_without_a_sum_are_refused() {
+        assert_eq!(AliasTable::new(&[]), None);
+        assert_eq!(AliasTable::new(&[0.0, 0.0]), None);
+        assert_eq!(AliasTable::new(&[1.0, f64::INFINITY]), None);
+        let one = AliasTable::new(&[3.0]).unwrap();
+        assert_eq!(
+            [0.0, 0.999_f32].map(|number| one.choose(number)),
+            [0.0, 0.0]
+        );
+    }
+}

@@ -1,0 +1,109 @@
+//! Surfaces that emit light.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use super::primitive::MaterialId;
+use crate::geometry::{N_PARAMETERS, Seen, ShapeKind};
+use crate::light::Illumination;
+use crate::material::Material;
+use crate::sampling::AliasTable;
+use crate::simd::{Real, Vector};
+
+/// All shapes of one kind and of one material that emits light, as one light: each point
+/// of their surfaces is chosen with the same probability.
+#[derive(Debug, Clone)]
+pub struct Emitter {
+    /// The material.
+    pub material: MaterialId,
+    /// The kind of the shapes.
+    pub kind: ShapeKind,
+    radiance: glam::Vec3,
+    is_two_sided: bool,
+    shapes: Vec<[f32; N_PARAMETERS]>,
+    /// The shapes by area.
+    by_area: AliasTable,
+    /// The sum of the areas.
+    area: f32,
+}
+
+impl Emitter {
+    /// The light of shapes of a material; `None` if they cannot be sampled: because they
+    /// have no finite area, or are too many.
+    pub(super) fn new(
+        id: MaterialId,
+        material: &Material,
+        kind: ShapeKind,
+        shapes: Vec<[f32; N_PARAMETERS]>,
+    ) -> Option<Self> {
+        let area = |shape: &[f32; N_PARAMETERS]| f64::from(kind.area(shape));
+        let areas: Vec<f64> = shapes.iter().map(area).collect();
+        Some(Self {
+            material: id,
+            kind,
+            radiance: material.emission,
+            is_two_sided: material.two_sided,
+            by_area: AliasTable::new(&areas)?,
+            area: areas.iter().sum::<f64>() as f32,
+            shapes,
+        })
+    }
+
+    /// The light that arrives at `point` from a point of a shape, unless it is occluded;
+    /// a number in [0, 1) chooses the shape, two more its point.
+    #[inline(always)]
+    pub(super) fn illuminate<R: Real>(
+        &self,
+        point: Vector<R>,
+        which: R,
+        numbers: [R; 2],
+    ) -> Illumination<R> {
+        let shape = self.by_area.choose(which).gather(&self.shapes);
+        let sample = self.kind.sample(&shape, point, numbers);
+        let density = sample.density * self.share(&shape);
+        let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
+        let weight = density.splat(FRAC_1_PI) / density.max(least);
+        let is_front = zero.lt(sample.seen.cos);
+        let weight = if self.is_two_sided {
+            weight
+        } else {
+            R::select(is_front, weight, zero)
+        };
+        Illumination {
+            direction: sample.seen.direction,
+            // A ray that ended at the surface itself would often hit it.
+            distance: sample.seen.distance * zero.splat(1.0 - 1e-4),
+            radiance: Vector::splat(zero, self.radiance) * weight,
+            density,
+        }
+    }
+
+    /// The density with which a direction to one of the shapes is chosen at the point
+    /// `from`.
+    #[inline(always)]
+    pub fn density<R: Real>(
+        &self,
+        shape: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        seen: &Seen<R>,
+    ) -> R {
+        self.kind.density(shape, from, seen) * self.share(shape)
+    }
+
+    /// The probability of a shape.
+    #[inline(always)]
+    fn share<R: Real>(&self, shape: &[R; N_PARAMETERS]) -> R {
+        let area = self.kind.area(shape);
+        area / area.splat(self.area)
+    }
+
+    /// The emitted power.
+    pub(super) fn power(&self) -> f64 {
+        let sides = if self.is_two_sided { 2.0 } else { 1.0 };
+        sides * f64::from(PI * self.area * luminance(self.radiance))
+    }
+}
+
+/// The luminance of linear light with the primaries of sRGB (ITU-R BT.709).
+pub(super) fn luminance(color: glam::Vec3) -> f32 {
+    color.dot(glam::Vec3::new(0.2126, 0.7152, 0.0722))
+}

@@ -1,0 +1,270 @@
+//! The lights of a scene: those of its `lights` section, then the surfaces that emit
+//! light.
+
+use super::emitter::{Emitter, luminance};
+use super::primitive::{MaterialId, Primitive};
+use crate::config::LightSampling;
+use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
+use crate::light::{Illumination, Light};
+use crate::material::Material;
+use crate::sampling::{AliasTable, disk};
+use crate::simd::{Mask, Real, Vector};
+
+/// See the file's documentation.
+#[derive(Debug, Clone, Default)]
+pub struct Lights {
+    sources: Vec<LightSource>,
+    /// The sources by power, unless each is sampled.
+    by_power: Option<AliasTable>,
+    /// The index of the source of each material and kind of shape.
+    emitters: Vec<Option<u32>>,
+}
+
+#[derive(Debug, Clone)]
+enum LightSource {
+    Light(Light),
+    Emitter(Box<Emitter>),
+    /// The space around a point, up to a distance.
+    Surroundings(f32),
+}
+
+/// The random numbers that choose the light at a point.
+#[derive(Debug, Clone, Copy)]
+pub struct LightNumbers<R> {
+    /// Chooses one of the lights.
+    pub source: R,
+    /// Chooses one of the shapes of a light.
+    pub shape: R,
+    /// Choose the point of a shape.
+    pub point: [R; 2],
+}
+
+impl<R: Real> LightNumbers<R> {
+    /// No numbers, for lights without choice.
+    #[inline(always)]
+    pub fn none(like: R) -> Self {
+        let zero = like.splat(0.0);
+        Self {
+            source: zero,
+            shape: zero,
+            point: [zero; 2],
+        }
+    }
+}
+
+impl Lights {
+    /// The space around each point, up to a distance, as the only light.
+    pub(super) fn surroundings(distance: f32) -> Self {
+        Self {
+            sources: vec![LightSource::Surroundings(distance)],
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn new(
+        lights: &[Light],
+        materials: &[Material],
+        primitives: &[Primitive],
+        sampling: LightSampling,
+    ) -> Self {
+        let mut sources: Vec<LightSource> =
+            lights.iter().copied().map(LightSource::Light).collect();
+        let n_kinds = ShapeKind::ALL.len();
+        let mut emitters = vec![None; materials.len() * n_kinds];
+        for (key, shapes) in emitting_shapes(materials, primitives) {
+            let (material, kind) = (key / n_kinds, ShapeKind::ALL[key % n_kinds]);
+            let id = MaterialId(material as u32);
+            if let Some(emitter) = Emitter::new(id, &materials[material], kind, shapes) {
+                emitters[key] = Some(sources.len() as u32);
+                sources.push(LightSource::Emitter(Box::new(emitter)));
+            }
+        }
+        let by_power = match sampling {
+            LightSampling::Each => None,
+            LightSampling::Power => {
+                let bounds = bounds(primitives);
+                let powers: Vec<f64> = sources.iter().map(|of| of.power(&bounds)).collect();
+                AliasTable::new(&powers)
+            }
+        };
+        Self {
+            sources,
+            by_power,
+            emitters,
+        }
+    }
+
+    /// Number of lights that are sampled at each point.
+    pub fn n_samples(&self) -> usize {
+        match self.by_power {
+            Some(_) => 1,
+            None => self.sources.len(),
+        }
+    }
+
+    /// Whether the choice of light at a point needs random numbers.
+    pub fn are_random(&self) -> bool {
+        let is_plain = |source: &LightSource| matches!(source, LightSource::Light(_));
+        self.by_power.is_some() || !self.sources.iter().all(is_plain)
+    }
+
+    /// The light of sample `i` that arrives at a point with a normal, unless it is occluded, and the
+    /// index of the light.
+    #[inline(always)]
+    pub fn illuminate<R: Real>(
+        &self,
+        i: usize,
+        at: [Vector<R>; 2],
+        numbers: &LightNumbers<R>,
+    ) -> (Illumination<R>, R) {
+        let one = numbers.source.splat(1.0);
+        let (source, probability) = match &self.by_power {
+            None => (one.splat(i as f32), one),
+            Some(by_power) => {
+                let source = by_power.choose(numbers.source);
+                (source, by_power.probability(source))
+            }
+        };
+        let light = self.of_sources(source, at, numbers);
+        let light = Illumination {
+            radiance: light.radiance / probability,
+            density: light.density * probability,
+            ..light
+        };
+        (light, source)
+    }
+
+    /// The light of these sources.
+    #[inline(always)]
+    fn of_sources<R: Real>(
+        &self,
+        sources: R,
+        at: [Vector<R>; 2],
+        numbers: &LightNumbers<R>,
+    ) -> Illumination<R> {
+        let (zero, [point, _]) = (sources.splat(0.0), at);
+        let mut light = Illumination {
+            direction: point,
+            distance: zero,
+            radiance: point,
+            density: zero,
+        };
+        let mut left = zero.equals(zero);
+        while left.bits() != 0 {
+            let next = sources.lane(left.bits().trailing_zeros() as usize);
+            let is_next = sources.equals(sources.splat(next));
+            let found = self.sources[next as usize].illuminate(at, numbers);
+            light = Illumination {
+                direction: Vector::select(is_next, found.direction, light.direction),
+                distance: R::select(is_next, found.distance, light.distance),
+                radiance: Vector::select(is_next, found.radiance, light.radiance),
+                density: R::select(is_next, found.density, light.density),
+            };
+            left = left & !is_next;
+        }
+        light
+    }
+
+    /// The light that shapes of this material and kind are, and the probability of its
+    /// choice; `None` if they are not sampled.
+    #[inline]
+    pub fn emitter(
+        &self,
+        material: MaterialId,
+        kind: Option<ShapeKind>,
+    ) -> Option<(&Emitter, f32)> {
+        let key = material.0 as usize * ShapeKind::ALL.len() + kind? as usize;
+        let index = (*self.emitters.get(key)?)?;
+        let LightSource::Emitter(emitter) = &self.sources[index as usize] else {
+            return None;
+        };
+        let by_power = self.by_power.as_ref();
+        let probability = by_power.map_or(1.0, |by_power| by_power.probability(index as f32));
+        Some((emitter, probability))
+    }
+}
+
+impl LightSource {
+    #[inline(always)]
+    fn illuminate<R: Real>(
+        &self,
+        [point, normal]: [Vector<R>; 2],
+        numbers: &LightNumbers<R>,
+    ) -> Illumination<R> {
+        match self {
+            Self::Surroundings(distance) => surroundings(normal, *distance, numbers.point),
+            Self::Light(light) => light.illuminate(point),
+            Self::Emitter(emitter) => emitter.illuminate(point, numbers.shape, numbers.point),
+        }
+    }
+
+    /// The power, of a light without surface that which a sphere around the scene gets.
+    fn power(&self, scene: &Aabb) -> f64 {
+        let light = match self {
+            Self::Surroundings(_) => return 0.0,
+            Self::Emitter(emitter) => return emitter.power(),
+            Self::Light(light) => light,
+        };
+        let center = scene.center();
+        let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
+        let radiance = match light.position() {
+            // At this distance, whatever the falloff.
+            Some(position) => {
+                let point = position + radius * glam::Vec3::Y;
+                4.0 * luminance(light.illuminate(point.into()).radiance.into())
+            }
+            None => luminance(light.illuminate(center.into()).radiance.into()),
+        };
+        let pi = std::f64::consts::PI;
+        pi * pi * f64::from(radius).powi(2) * f64::from(radiance)
+    }
+}
+
+/// White light of radiance 1 from the directions around a normal, in proportion to their
+/// cosine, and as far as nothing is nearer than a distance.
+#[inline(always)]
+fn surroundings<R: Real>(normal: Vector<R>, distance: f32, numbers: [R; 2]) -> Illumination<R> {
+    let [x, y] = disk(numbers);
+    let (zero, one) = (x.splat(0.0), x.splat(1.0));
+    let z = (one - x * x - y * y).max(zero).sqrt();
+    Illumination {
+        direction: normal.around([x, y, z]).normalize(),
+        distance: x.splat(distance),
+        radiance: Vector::splat(x, glam::Vec3::ONE),
+        density: z * x.splat(std::f32::consts::FRAC_1_PI),
+    }
+}
+
+/// The shapes that emit light, by material and kind: its key is
+/// `material * n_kinds + kind`.
+fn emitting_shapes(
+    materials: &[Material],
+    primitives: &[Primitive],
+) -> std::collections::BTreeMap<usize, Vec<[f32; N_PARAMETERS]>> {
+    let mut shapes = std::collections::BTreeMap::<_, Vec<_>>::new();
+    if !materials.iter().any(Material::emits) {
+        return shapes;
+    }
+    for primitive in primitives {
+        let material = primitive.material.0 as usize;
+        if let Some(kind) = primitive.kind()
+            && materials[material].emits()
+        {
+            let key = material * ShapeKind::ALL.len() + kind as usize;
+            shapes.entry(key).or_default().push(primitive.parameters());
+        }
+    }
+    shapes
+}
+
+/// The bounds of all primitives that have some.
+fn bounds(primitives: &[Primitive]) -> Aabb {
+    let bounded = primitives
+        .iter()
+        .filter(|primitive| !primitive.is_unbounded());
+    let union = bounded.map(Primitive::bounds).reduce(Aabb::union);
+    union.unwrap_or(Aabb {
+        min: glam::Vec3::ZERO,
+        max: glam::Vec3::ZERO,
+    })
+}

@@ -1,0 +1,209 @@
+//! Rough surfaces of microscopic facets, by the distribution GGX.
+//!
+//! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007.
+//! All directions are in the space of the surface, whose normal is z, and point away from
+//! the surface.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use crate::sampling::disk;
+use crate::simd::{Real, Vector};
+
+/// The facets of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ggx {
+    /// The width of the distribution, greater than 0.
+    pub(super) alpha: f32,
+}
+
+/// Reflection toward a direction.
+pub(super) struct Facets<R> {
+    /// The cosine of the angle between a direction and the facets that reflect it.
+    pub(super) cos: R,
+    /// The reflected light of white light of radiance 1 from a steradian, times pi, if the
+    /// facets reflect all.
+    pub(super) value: R,
+    /// The density of the direction among those that [`Ggx::facet`] leads to.
+    pub(super) density: R,
+}
+
+impl Ggx {
+    /// The facets of a surface of this roughness, from 0 to 1, which looks evenly spaced:
+    /// Burley, "Physically Based Shading at Disney", SIGGRAPH 2012; `None` for a smooth
+    /// one.
+    pub(super) fn of_roughness(roughness: f32) -> Option<Self> {
+        let alpha = roughness * roughness;
+        // Narrower distributions exceed the range of numbers.
+        (alpha >= 1e-4).then_some(Self { alpha })
+    }
+
+    /// Reflection between two directions above the surface.
+    #[inline(always)]
+    pub(super) fn reflection<R: Real>(
+        self,
+        to_viewer: Vector<R>,
+        to_light: Vector<R>,
+    ) -> Facets<R> {
+        let (zero, one, least) = (
+            to_viewer.z.splat(0.0),
+            to_viewer.z.splat(1.0),
+            to_viewer.z.splat(1e-6),
+        );
+        let facet = (to_viewer + to_light).normalize();
+        let cos = to_viewer.dot(facet).max(zero).min(one);
+        let [viewer_z, light_z] = [to_viewer.z.max(least), to_light.z.max(least)];
+        let distribution = self.distribution(facet);
+        let [of_viewer, of_light] = [self.lambda(viewer_z), self.lambda(light_z)];
+        let common = distribution / (one.splat(4.0) * viewer_z);
+        Facets {
+            cos,
+            value: one.splat(PI) * common / (one + of_viewer + of_light),
+            density: common / (one + of_viewer),
+        }
+    }
+
+    /// A facet that is visible from a direction, by its normal; two numbers choose it.
+    ///
+    /// Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018.
+    #[inline(always)]
+    pub(super) fn facet<R: Real>(self, to_viewer: Vector<R>, numbers: [R; 2]) -> Vector<R> {
+        let (zero, one, half) = (
+            to_viewer.z.splat(0.0),
+            to_viewer.z.splat(1.0),
+            to_viewer.z.splat(0.5),
+        );
+        let alpha = one.splat(self.alpha);
+        let stretched = Vector {
+            x: alpha * to_viewer.x,
+            y: alpha * to_viewer.y,
+            z: to_viewer.z.max(one.splat(1e-6)),
+        }
+        .normalize();
+        let [x, y] = disk(numbers);
+        let height = (one - x * x).max(zero).sqrt();
+        let share = half * (one + stretched.z);
+        let y = (one - share) * height + share * y;
+        let z = (one - x * x - y * y).max(zero).sqrt();
+        // Perpendicular to the normal: the lower half of the disk is hidden.
+        let across2 = stretched.x * stretched.x + stretched.y * stretched.y;
+        let across = across2.max(one.splat(1e-20)).sqrt();
+        let is_steep = across2.lt(one.splat(1e-12));
+        let first = Vector {
+            x: R::select(is_steep, one, -stretched.y / across),
+            y: R::select(is_steep, zero, stretched.x / across),
+            z: zero,
+        };
+        let second = stretched.cross(first);
+        let hemisphere = first * x + second * y + stretched * z;
+        Vector {
+            x: alpha * hemisphere.x,
+            y: alpha * hemisphere.y,
+            z: hemisphere.z.max(one.splat(1e-6)),
+        }
+        .normalize()
+    }
+
+    /// The fraction of light that facets behind the first ones let pass, from a visible
+    /// facet toward `to_light`.
+    #[inline(always)]
+    pub(super) fn visibility<R: Real>(self, to_viewer: Vector<R>, to_light: Vector<R>) -> R {
+        let one = to_viewer.z.splat(1.0);
+        let of_viewer = self.lambda(to_viewer.z.abs().max(one.splat(1e-6)));
+        let of_light = self.lambda(to_light.z.abs().max(one.splat(1e-6)));
+        (one + of_viewer) / (one + of_viewer + of_light)
+    }
+
+    /// The density of normals of facets, per steradian.
+    #[inline(always)]
+    fn distribution<R: Real>(self, facet: Vector<R>) -> R {
+        let alpha2 = facet.z.splat(self.alpha * self.alpha);
+        // sin² by x and y: without cancellation near the normal.
+        let sin2 = facet.x * facet.x + facet.y * facet.y;
+        let root = sin2 + facet.z * facet.z * alpha2;
+        alpha2 * alpha2.splat(FRAC_1_PI) / (root * root)
+    }
+
+    /// Smith's auxiliary function of the cosine of a direction's angle.
+    #[inline(always)]
+    fn lambda<R: Real>(self, cos: R) -> R {
+        let (one, half) = (cos.splat(1.0), cos.splat(0.5));
+        let cos2 = cos * cos;
+        let tan2 = (one - cos2).max(cos.splat(0.0)) / cos2;
+        half * ((one + one.splat(self.alpha * self.alpha) * tan2).sqrt() - one)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: u32 = 256;
+
+    fn grid() -> impl Iterator<Item = [f32; 2]> {
+        (0..N * N).map(|i| [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32))
+    }
+
+    fn direction(cos: f32, turn: f32) -> Vector<f32> {
+        let sin = (1.0 - cos * cos).sqrt();
+        let angle = turn * std::f32::consts::TAU;
+        Vector {
+            x: sin * angle.cos(),
+            y: sin * angle.sin(),
+            z: cos,
+        }
+    }
+
+    #[test]
+    fn the_facets_seen_from_above_cover_the_surface() {
+        for alpha in [0.1, 0.4, 1.0] {
+            let ggx = Ggx { alpha };
+            // The integral of the projected facets over the hemisphere, in cos² of the
+            // angle to resolve the peak.
+            let sum: f64 = grid()
+                .map(|[u, v]| {
+                    let t = u * u;
+                    let facet = direction(1.0 - t, v);
+                    f64::from(ggx.distribution(facet) * facet.z * 2.0 * u)
+                })
+                .sum();
+            let integral = sum * std::f64::consts::TAU / f64::from(N * N);
+            assert!((integral - 1.0).abs() < 2e-3, "{alpha}: {integral}");
+        }
+    }
+
+    #[test]
+    fn samples_have_the_mean_of_quadrature() {
+        for alpha in [0.2, 0.5, 1.0] {
+            for cos in [0.1, 0.5, 0.95] {
+                let ggx = Ggx { alpha };
+                let viewer = direction(cos, 0.1);
+                let by_samples: f64 = grid()
+                    .map(|numbers| {
+                        let facet = ggx.facet(viewer, numbers);
+                        let light = facet * (2.0 * viewer.dot(facet)) - viewer;
+                        if light.z <= 0.0 {
+                            return 0.0;
+                        }
+                        let Facets { value, density, .. } = ggx.reflection(viewer, light);
+                        let weight = value / (PI * density);
+                        assert!((weight / ggx.visibility(viewer, light) - 1.0).abs() < 1e-3);
+                        f64::from(weight * (1.0 + light.x))
+                    })
+                    .sum::<f64>()
+                    / f64::from(N * N);
+                let by_quadrature: f64 = grid()
+                    .map(|[u, v]| {
+                        let light = direction(u, v);
+                        f64::from(ggx.reflection(viewer, light).value * (1.0 + light.x))
+                    })
+                    .sum::<f64>()
+                    * 2.0
+                    / f64::from(N * N);
+                assert!(
+                    (by_samples / by_quadrature - 1.0).abs() < 0.01,
+                    "{alpha} {cos}: {by_samples} {by_quadrature}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! How surfaces scatter light in path tracing: for each kind of material one file with
+//! its formulas, for one point or for lanes of points of one material.
+
+mod ggx;
+mod lobes;
+mod medium;
+mod metal;
+
+use crate::material::Material;
+use crate::simd::{Real, Vector};
+use crate::trace::ShadingPoint;
+use lobes::Lobes;
+use medium::Medium;
+use metal::Metal;
+
+/// How the surfaces of a material scatter light.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Bsdf {
+    /// Of a material that is neither of the others.
+    Lobes(Lobes),
+    Metal(Metal),
+    Medium(Medium),
+}
+
+/// The formulas of one kind of [`Bsdf`].
+pub(super) trait Scatters: Copy {
+    /// Whether light samples contribute.
+    fn is_lit(&self) -> bool;
+
+    /// Scattering from a direction on the viewer's side of the surface; only of what
+    /// light samples contribute to.
+    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R>;
+
+    /// Chooses a direction: two numbers in [0, 1) choose it, a third one chooses among the
+    /// ways in which the surface scatters. `boundary` is read for media alone.
+    fn sample<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        boundary: &Boundary<R>,
+        numbers: [R; 2],
+        lobe: R,
+    ) -> Scattered<R>;
+}
+
+/// Calls the function with what a [`Bsdf`] holds: one copy of the code for each kind.
+macro_rules! by_kind {
+    ($bsdf:expr, |$kind:ident| $call:expr) => {
+        match $bsdf {
+            $crate::shade::bsdf::Bsdf::Lobes($kind) => $call,
+            $crate::shade::bsdf::Bsdf::Metal($kind) => $call,
+            $crate::shade::bsdf::Bsdf::Medium($kind) => $call,
+        }
+    };
+}
+pub(super) use by_kind;
+
+/// A point that light leaves toward a viewer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leaving<R> {
+    pub(super) point: ShadingPoint<R>,
+    /// The unit vector to the viewer.
+    pub(super) to_viewer: Vector<R>,
+    /// The x and y axes of the surface's space, whose z axis is the shading normal.
+    axes: [Vector<R>; 2],
+}
+
+/// Scattering from one direction to the viewer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scattering<R> {
+    /// The light that arrives at the viewer, of white light of radiance 1 from a
+    /// steradian, times pi.
+    pub(super) value: Vector<R>,
+    /// The density with which [`Bsdf::sample`] chooses the direction, per steradian.
+    pub(super) density: R,
+}
+
+/// A direction from which light is scattered to the viewer, chosen at random.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scattered<R: Real> {
+    /// The unit vector to the light.
+    pub(super) direction: Vector<R>,
+    /// The share of the light from there, over the density of the choice; zero ends the
+    /// path.
+    pub(super) factor: Vector<R>,
+    /// The density of the choice; infinite if no light sample can have the direction.
+    pub(super) density: R,
+    /// Whether it is refracted.
+    pub(super) is_refracted: R::Mask,
+    /// Whether it is scattered diffusely.
+    pub(super) is_diffuse: R::Mask,
+}
+
+/// The surface of a medium, as a ray meets it, or as each lane's does.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Boundary<R: Real> {
+    /// The index of refraction before the surface over that behind it.
+    pub(super) eta: R,
+    /// Whether the medium that counts changes.
+    pub(super) is_visible: R::Mask,
+}
+
+impl Bsdf {
+    /// The scattering of surfaces of this material.
+    #[inline]
+    pub(super) fn of(material: &Material) -> Self {
+        if material.dielectric.is_some() {
+            Self::Medium(Medium::new(material.roughness))
+        } else if let Some(conductor) = &material.conductor {
+            Self::Metal(Metal::new(conductor, material.roughness))
+        } else {
+            Self::Lobes(Lobes::new(material))
+        }
+    }
+}
+
+impl<R: Real> Leaving<R> {
+    #[inline(always)]
+    pub(super) fn new(point: ShadingPoint<R>, to_viewer: Vector<R>) -> Self {
+        Self {
+            point,
+            to_viewer,
+            axes: point.normal.orthonormal_pair(),
+        }
+    }
+
+    /// A direction in the space of the surface.
+    #[inline(always)]
+    fn in_surface(&self, direction: Vector<R>) -> Vector<R> {
+        let [u, v] = self.axes;
+        Vector {
+            x: direction.dot(u),
+            y: direction.dot(v),
+            z: direction.dot(self.point.normal),
+        }
+    }
+
+    /// A direction of the space of the surface in world space.
+    #[inline(always)]
+    fn in_world(&self, Vector { x, y, z }: Vector<R>) -> Vector<R> {
+        let [u, v] = self.axes;
+        (u * x + v * y + self.point.normal * z).normalize()
+    }
+
+    /// Light reflected from a direction with this scattering; none from behind.
+    #[inline(always)]
+    fn reflected(&self, direction: Vector<R>, scattering: Scattering<R>) -> Scattered<R> {
+        let Scattering { value, density } = scattering;
+        let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
+        let is_in_front = self.point.is_faced_by(direction) & least.lt(density);
+        let over_density = density.splat(std::f32::consts::FRAC_1_PI) / density.max(least);
+        Scattered {
+            direction,
+            factor: value * R::select(is_in_front, over_density, zero),
+            density,
+            is_refracted: density.lt(zero),
+            is_diffuse: density.lt(zero),
+        }
+    }
+}
+
+impl<R: Real> Scattering<R> {
+    #[inline(always)]
+    fn none(like: R) -> Self {
+        let zero = like.splat(0.0);
+        Self {
+            value: Vector::splat(zero, glam::Vec3::ZERO),
+            density: zero,
+        }
+    }
+
+    /// The sum, of which each part is chosen with a probability that its density has.
+    #[inline(always)]
+    fn with(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            density: self.density + other.density,
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The light that surfaces emit toward the rays that hit them.
+
+use glam::Vec3;
+
+use super::model::{Bounce, Model};
+use super::path_tracing::power_heuristic;
+use super::paths::PathWave;
+use crate::geometry::{N_PARAMETERS, Seen};
+use crate::material::Material;
+use crate::scene::{Emitter, Scene};
+use crate::simd::{
+    InstructionSet, N_LANES, Real, SimdKernel, Vector, VectorColumn, lanes, set_lane,
+};
+use crate::trace::{PointGroup, PointLanes, Points};
+
+/// A ray that has hit a surface that emits light, or one per lane.
+pub(super) struct Arrival<R> {
+    /// The origin of the ray.
+    pub(super) from: Vector<R>,
+    /// The density with which its direction was chosen.
+    pub(super) density: R,
+    pub(super) seen: Seen<R>,
+    pub(super) shape: [R; N_PARAMETERS],
+}
+
+/// The radiance that a material emits to a side: its own if that is 1, the other if -1.
+#[inline(always)]
+pub(super) fn emitted<R: Real>(material: &Material, side: R) -> Vector<R> {
+    let radiance = Vector::splat(side, material.emission);
+    if material.two_sided {
+        return radiance;
+    }
+    let none = Vector::splat(side, Vec3::ZERO);
+    Vector::select(side.splat(0.0).lt(side), radiance, none)
+}
+
+/// The weight of the emitted light that a ray has found, beside that of light samples,
+/// which choose the emitter with a probability.
+#[inline(always)]
+pub(super) fn weight<R: Real>((emitter, probability): (&Emitter, f32), arrival: &Arrival<R>) -> R {
+    let Arrival {
+        from,
+        density,
+        seen,
+        shape,
+    } = arrival;
+    let of_light = emitter.density(shape, *from, seen) * density.splat(probability);
+    power_heuristic(*density, of_light)
+}
+
+/// Adds the light that surfaces emit to the radiance of points.
+pub(super) struct AddEmission<'a, M> {
+    pub(super) model: std::marker::PhantomData<M>,
+    pub(super) scene: &'a Scene,
+    pub(super) wave: &'a PathWave,
+    pub(super) points: &'a Points,
+    pub(super) radiance: &'a mut VectorColumn,
+}
+
+impl<M: Model> SimdKernel for AddEmission<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for group in self.points.groups() {
+            let material = self.scene.material(group.material);
+            if !material.emits() {
+                continue;
+            }
+            for at in group.lanes() {
+                let before = self.radiance.load(set, at.first);
+                let emitted = emitted(material, self.points.shading(set, at).side);
+                let weighted = emitted * self.weight(set, group, at);
+                self.radiance.store(at.first, before + weighted);
+            }
+        }
+    }
+}
+
+impl<M: Model> AddEmission<'_, M> {
+    #[inline(always)]
+    fn weight<I: InstructionSet>(&self, set: I, group: &PointGroup, at: PointLanes) -> I::Lanes {
+        let emitter = self.scene.lights.emitter(group.material, group.shape);
+        let Some(emitter) = emitter.filter(|_| M::BOUNCE == Bounce::Scattered) else {
+            return set.splat(1.0);
+        };
+        let (mut from, mut density) = ([[0.0; N_LANES]; 3], [0.0; N_LANES]);
+        for (lane, &ray) in self.points.rays(at).iter().enumerate() {
+            set_lane(&mut from, lane, self.wave.rays.get(ray as usize).origin);
+            density[lane] = self.wave.branches[ray as usize].density;
+        }
+        let point = self.points.shading(set, at);
+        let direction = self.points.directions(set, at);
+        let arrival = Arrival {
+            from: set.load_vector(&from),
+            density: set.load(&density),
+            seen: Seen {
+                direction,
+                distance: set.load(lanes(self.points.distances(), at.first)),
+                cos: -point.outward(point.geometric_normal).dot(direction),
+            },
+            shape: self.points.parameters(set, self.scene, at),
+        };
+        weight(emitter, &arrival)
+    }
+}

@@ -1,0 +1,113 @@
+//! Path tracing: light samples at each point, and one direction to go on.
+//!
+//! Kajiya, "The Rendering Equation", SIGGRAPH 1986. Light that both a light sample and a
+//! scattered ray may find is weighted by the power heuristic: Veach and Guibas, "Optimally
+//! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995.
+
+use glam::Vec3;
+
+use super::bsdf::{Bsdf, Leaving, Scattering, Scatters, by_kind};
+use super::model::{Bounce, Model};
+use crate::geometry::leaving;
+use crate::light::Illumination;
+use crate::material::Material;
+use crate::scene::Lights;
+use crate::simd::{Real, Vector};
+use crate::trace::ShadingPoint;
+
+/// See the file's documentation.
+#[derive(Clone, Copy)]
+pub(super) struct PathTracing;
+
+impl Model for PathTracing {
+    const IGNORES_OWN_OBJECT: bool = false;
+    const NEEDS_LIGHT: bool = false;
+    const BOUNCE: Bounce = Bounce::Scattered;
+
+    fn is_lit(self, material: &Material) -> bool {
+        by_kind!(Bsdf::of(material), |of| of.is_lit())
+    }
+
+    /// None where the scattered ray is not traced.
+    fn n_light_samples(self, lights: &Lights, depth: u32, max_depth: u32) -> usize {
+        if depth < max_depth {
+            lights.n_samples()
+        } else {
+            0
+        }
+    }
+
+    #[inline(always)]
+    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
+        let zero = point.side.splat(0.0);
+        let is_on = zero.lt(light.radiance.max_element());
+        point.is_faced_by(light.direction) & is_on
+    }
+
+    #[inline(always)]
+    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
+        leaving(point.position, point.geometric_normal, direction)
+    }
+
+    #[inline(always)]
+    fn end<R: Real>(self, light: &Illumination<R>) -> R {
+        light.distance
+    }
+
+    #[inline(always)]
+    fn to_viewer<R: Real>(
+        self,
+        _: &ShadingPoint<R>,
+        _: Vector<R>,
+        direction: Vector<R>,
+    ) -> Vector<R> {
+        -direction
+    }
+
+    #[inline(always)]
+    fn ambient<R: Real>(self, _: &Material, _: Vec3, color: Vector<R>) -> Vector<R> {
+        Vector::splat(color.x, Vec3::ZERO)
+    }
+
+    #[inline(always)]
+    fn reflected<R: Real>(
+        self,
+        material: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+        to_viewer: Vector<R>,
+    ) -> Vector<R> {
+        let at = Leaving::new(*point, to_viewer);
+        let Scattering { value, density } =
+            by_kind!(Bsdf::of(material), |of| of.evaluate(&at, light.direction));
+        let weight = power_heuristic(light.density, density);
+        value.times(light.radiance) * weight
+    }
+}
+
+/// The weight of a sample whose direction one method chooses with density `own`, while
+/// another one might have chosen it with density `other`, by the power heuristic. An
+/// infinite density is that of a method without alternative.
+#[inline(always)]
+pub(super) fn power_heuristic<R: Real>(own: R, other: R) -> R {
+    let one = own.splat(1.0);
+    let ratio = other / own;
+    one / (one + ratio * ratio)
+}
+
+/// The probability with which a path goes on after `depth` bounces, if a ray of it would
+/// carry this share of the light to the camera from a medium with this index of
+/// refraction.
+///
+/// Russian roulette: Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH
+/// 1990. The spread of light at the surfaces of media does not count.
+#[inline(always)]
+pub(super) fn survival(weight: Vec3, index: f32, depth: u32) -> f32 {
+    if depth < ROULETTE_DEPTH {
+        return 1.0;
+    }
+    (weight.max_element() * index * index).min(1.0)
+}
+
+/// Bounces after which paths may end early.
+const ROULETTE_DEPTH: u32 = 3;

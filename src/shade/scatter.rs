@@ -1,0 +1,146 @@
+//! Surface points → the rays of paths that go on in a direction chosen at random, in
+//! lanes.
+
+use super::bsdf::{Boundary, Leaving, Scattered, Scatters};
+use super::interfaces::Interfaces;
+use super::media::Media;
+use super::numbers::WaveNumbers;
+use super::path_tracing::survival;
+use super::paths::{Continued, PathWave};
+use crate::cost::RayKind;
+use crate::geometry::leaving;
+use crate::scene::Scene;
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel, lane_of, to_arrays};
+use crate::trace::{PointGroup, PointLanes, Points};
+
+/// Collects the scattered rays of the points of a group.
+pub(super) struct ScatterPaths<'a, S> {
+    pub(super) scene: &'a Scene,
+    /// How the points of the group scatter light.
+    pub(super) scatter: S,
+    pub(super) group: PointGroup,
+    pub(super) numbers: WaveNumbers<'a>,
+    pub(super) points: &'a Points,
+    pub(super) wave: &'a PathWave,
+    pub(super) next: &'a mut PathWave,
+}
+
+impl<S: Scatters> SimdKernel for ScatterPaths<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(mut self, set: I) {
+        let material = self.scene.material(self.group.material);
+        for at in self.group.lanes() {
+            let lanes = at.bits() & self.points.scattering_sides(set, at, material);
+            self.scatter(set, at, lanes);
+        }
+    }
+}
+
+impl<S: Scatters> ScatterPaths<'_, S> {
+    /// Collects the scattered rays of these lanes.
+    #[inline(always)]
+    fn scatter<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
+        let material = self.group.material;
+        let point = self.points.shading(set, at);
+        let rays = self.points.rays(at);
+        let is_medium = self.scene.material(material).dielectric.is_some();
+        let interfaces = is_medium.then(|| {
+            let flipped = point.side.signs();
+            Interfaces::met(self.scene, self.wave, material, rays, flipped)
+        });
+        let boundary = match &interfaces {
+            None => Boundary {
+                eta: set.splat(1.0),
+                is_visible: set.mask(u8::MAX),
+            },
+            Some(Interfaces { eta, visible, .. }) => Boundary {
+                eta: set.load(eta),
+                is_visible: set.mask(*visible),
+            },
+        };
+        let at_point = Leaving::new(point, -self.points.directions(set, at));
+        let numbers = self.numbers.of_rays(set, self.wave, rays);
+        let [lobe, roulette] = numbers.lobe();
+        let scattered = self
+            .scatter
+            .sample(&at_point, &boundary, numbers.direction(), lobe);
+        let refracted = scattered.is_refracted.bits();
+        let behind = interfaces.as_ref().map(|of| &of.behind);
+        let Survivors { lanes: alive, over } =
+            self.survivors(rays, &scattered, refracted, behind, roulette);
+        let direction = scattered.direction;
+        let continued = Continued {
+            origin: leaving(point.position, point.geometric_normal, direction),
+            direction,
+            factor: scattered.factor * set.load(&over),
+            rays,
+            kinds: kinds(refracted, scattered.is_diffuse.bits()),
+            densities: scattered.density.to_array(),
+            media: behind,
+        };
+        self.next.bounce(set, &continued, self.wave, lanes & alive);
+    }
+
+    /// The lanes whose paths go on.
+    #[inline(always)]
+    fn survivors<L: Lanes>(
+        &self,
+        rays: &[u32; N_LANES],
+        scattered: &Scattered<L>,
+        refracted: u8,
+        behind: Option<&[Media; N_LANES]>,
+        roulette: L,
+    ) -> Survivors {
+        let (factors, roulette) = (to_arrays(scattered.factor), roulette.to_array());
+        let mut survivors = Survivors {
+            lanes: 0,
+            over: [1.0; N_LANES],
+        };
+        for (lane, &ray) in rays.iter().enumerate() {
+            let ray = ray as usize;
+            let weight = self.wave.weights.get(ray) * lane_of(&factors, lane);
+            let media = match behind {
+                Some(behind) if refracted >> lane & 1 != 0 => behind[lane],
+                _ => self.wave.branches[ray].media,
+            };
+            let index = media.index(&self.scene.materials);
+            let probability = survival(weight, index, self.wave.depth);
+            if roulette[lane] < probability {
+                survivors.lanes |= 1 << lane;
+                survivors.over[lane] = 1.0 / probability;
+            }
+        }
+        survivors
+    }
+}
+
+/// Paths that go on.
+struct Survivors {
+    lanes: u8,
+    /// The reciprocals of the probabilities that they did.
+    over: [f32; N_LANES],
+}
+
+/// The kinds of rays by bits of lanes.
+#[inline(always)]
+fn kinds(refracted: u8, diffuse: u8) -> [RayKind; N_LANES] {
+    let mut kinds = [RayKind::Reflection; N_LANES];
+    for (lane, kind) in kinds.iter_mut().enumerate() {
+        *kind = scattered_kind(refracted >> lane & 1 != 0, diffuse >> lane & 1 != 0);
+    }
+    kinds
+}
+
+/// The kind of a scattered ray.
+#[inline(always)]
+pub(super) fn scattered_kind(is_refracted: bool, is_diffuse: bool) -> RayKind {
+    if is_refracted {
+        RayKind::Refraction
+    } else if is_diffuse {
+        RayKind::Diffuse
+    } else {
+        RayKind::Reflection
+    }
+}

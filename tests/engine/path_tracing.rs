@@ -1,0 +1,252 @@
+//! Path tracing, area lights and ambient occlusion, against formulas.
+
+use glam::Vec3;
+use raycost::config::OptionalOutput;
+
+use crate::common::{film, parse};
+
+/// The radiance of each pixel, row by row.
+fn radiance(text: &str) -> Vec<Vec3> {
+    let mut config = parse(text);
+    config.output.add(OptionalOutput::Radiance);
+    let film = film(&config, 2);
+    film.values(|strip| &strip.radiance).collect()
+}
+
+fn mean(radiance: &[Vec3]) -> Vec3 {
+    radiance.iter().sum::<Vec3>() / radiance.len() as f32
+}
+
+/// A camera above the origin that sees a small part of what is there.
+const DOWN: &str = "image: { width: 4, height: 4, samples_per_pixel: 1024, sampler: sobol }
+camera: { orthographic: { eye: [0, 0, 1], target: [0, 0, 0], height: 0.001 } }
+cost: counters
+";
+
+#[test]
+fn a_convex_body_that_absorbs_nothing_is_invisible_in_a_white_furnace() {
+    for material in [
+        "{ color: 1 }",
+        "{ color: 1, reflection: 1 }",
+        "{ color: 1, diffuse: 0.3, reflection: 0.7 }",
+        "{ dielectric: { index: 1.5 } }",
+    ] {
+        let radiance = radiance(&format!(
+            "image: {{ width: 24, height: 24, samples_per_pixel: 64, sampler: sobol }}
+camera: {{ look_at: {{ eye: [0, 0, 4], target: [0, 0, 0], fov_y_deg: 30 }} }}
+shading: {{ model: path, max_depth: 100 }}
+cost: counters
+background: 1
+materials: {{ white: {material} }}
+lights: []
+objects: [{{ sphere: {{ center: [0, 0, 0], radius: 1 }}, material: white }}]
+"
+        ));
+        let mean = mean(&radiance);
+        assert!(
+            (mean - 1.0).abs().max_element() < 1e-3,
+            "{material}: {mean}"
+        );
+    }
+}
+
+#[test]
+fn a_rough_mirror_loses_the_light_between_its_facets() {
+    // At roughness 1 and seen from above, the integral of the facets has a closed form;
+    // narrow facets lose next to nothing.
+    for (roughness, expected, tolerance) in [
+        (0.1, 1.0, 1e-3),
+        (0.2, 0.997, 3e-3),
+        (1.0, 1.0 - 2.0_f32.ln(), 1e-3),
+    ] {
+        let radiance = radiance(&format!(
+            "{DOWN}shading: {{ model: path }}
+background: 1
+materials:
+  mirror: {{ conductor: {{ index: 0, extinction: 1 }}, roughness: {roughness} }}
+lights: []
+objects: [{{ plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}, material: mirror }}]
+"
+        ));
+        let found = mean(&radiance).x;
+        assert!((found - expected).abs() < tolerance, "{roughness}: {found}");
+    }
+}
+
+/// The radiance of a floor of albedo 0.5 below an object that emits light of radiance 3.
+fn below_lamp(model: &str, lamp: &str) -> f32 {
+    let radiance = radiance(&format!(
+        "{DOWN}shading: {{ {model}, max_depth: 1 }}
+materials:
+  floor: {{ color: 0.5 }}
+  lamp: {{ emission: 3 }}
+lights: []
+objects:
+  - plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}
+    material: floor
+  - {{ {lamp}, material: lamp }}
+"
+    ));
+    mean(&radiance).x
+}
+
+/// The fraction of the hemisphere, weighted by the cosine, that a rectangle takes at a
+/// height above a corner: Howell, "A Catalog of Radiation Heat Transfer Configuration
+/// Factors", B-3.
+fn above_corner(a: f32, b: f32, height: f32) -> f32 {
+    let (a, b) = (a / height, b / height);
+    let (of_a, of_b) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+    let sum = a / of_a * (b / of_a).atan() + b / of_b * (a / of_b).atan();
+    sum / std::f32::consts::TAU
+}
+
+#[test]
+fn irradiance_is_that_of_the_closed_forms() {
+    let quarters = [(1.0, 2.0), (1.0, 0.5), (0.4, 2.0), (0.4, 0.5)];
+    let rectangle: f32 = quarters.map(|(a, b)| above_corner(a, b, 2.0)).iter().sum();
+    let sphere = (0.5_f32 / 3.0).powi(2);
+    // Howell, B-13, for a disk that faces the floor.
+    let disk = 1.0 / (1.0 + 2.0_f32.powi(2));
+    let triangle = above_corner(1.0, 1.0, 2.0);
+    for model in [
+        "model: path",
+        "model: path, light_sampling: each",
+        "model: blinn_phong, ambient: 0",
+    ] {
+        for (lamp, expected) in [
+            (
+                "rectangle: { corner: [-0.4, -0.5, 2], edges: [[1.4, 0, 0], [0, 2.5, 0]] }",
+                rectangle,
+            ),
+            ("sphere: { center: [0, 0, 3], radius: 0.5 }", sphere),
+            (
+                "disk: { center: [0, 0, 2], normal: [0, 0, 1], radius: 1 }",
+                disk,
+            ),
+            ("box: { min: [0, 0, 2], max: [1, 1, 3] }", triangle),
+        ] {
+            let found = below_lamp(model, lamp) / (0.5 * 3.0);
+            assert!(
+                (found / expected - 1.0).abs() < 0.01,
+                "{model} {lamp}: {found}, expected {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_sphere_above_the_floor_occludes_its_share_of_the_sky() {
+    for (keys, expected) in [
+        ("", 1.0 - (0.5_f32 / 3.0).powi(2)),
+        ("occlusion_distance: 2.6, ", 1.0 - (0.5_f32 / 3.0).powi(2)),
+        ("occlusion_distance: 2.4, ", 1.0),
+    ] {
+        let radiance = radiance(&format!(
+            "{DOWN}shading: {{ {keys}model: ambient_occlusion }}
+materials: {{ floor: {{ color: 1 }} }}
+lights: []
+objects:
+  - plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}
+    material: floor
+  - sphere: {{ center: [0, 0, 3], radius: 0.5 }}
+    material: floor
+"
+        ));
+        let found = mean(&radiance).x;
+        // Short rays reach a part of the sphere.
+        let tolerance = if keys.contains("2.6") { 0.025 } else { 1e-3 };
+        assert!(
+            (found - expected).abs() < tolerance,
+            "{keys}{found} {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_penumbra_is_as_wide_as_geometry_says() {
+    // A lamp 2 wide at a height of 4, and the edge of a wall at a height of 1: the shadow
+    // fades from x = -1/3 to x = 1/3, of which the wall hides the left half.
+    let radiance = radiance(
+        "image: { width: 100, height: 1, samples_per_pixel: 1024, sampler: sobol }
+camera: { orthographic: { eye: [0.25, 0, 2], target: [0.25, 0, 0], up: [0, 1, 0], height: 0.005 } }
+shading: { model: path, max_depth: 1 }
+cost: counters
+materials:
+  floor: { color: 1 }
+  black: { color: 0 }
+  lamp: { emission: 1 }
+lights: []
+objects:
+  - plane: { point: [0, 0, 0], normal: [0, 0, 1] }
+    material: floor
+  - rectangle: { corner: [-9, -9, 1], edges: [[9, 0, 0], [0, 18, 0]] }
+    material: black
+  - rectangle: { corner: [-1, -0.01, 4], edges: [[2, 0, 0], [0, 0.02, 0]] }
+    material: lamp
+",
+    );
+    let lit = radiance[99].x;
+    let at = |x: f32| radiance[(100.0 * (2.0 * x)) as usize].x / lit;
+    assert!((at(0.003) - 0.5).abs() < 0.03, "{}", at(0.003));
+    assert!(
+        at(0.30) < 0.99 && at(0.345) > 0.99,
+        "{} {}",
+        at(0.30),
+        at(0.345)
+    );
+}
+
+#[test]
+fn surfaces_of_one_side_are_black_from_behind() {
+    let seen = |material: &str, normal: &str| {
+        let radiance = radiance(&format!(
+            "{DOWN}shading: {{ model: path }}
+background: 1
+materials: {{ m: {{ {material} }} }}
+lights: []
+objects: [{{ plane: {{ point: [0, 0, 0], normal: {normal} }}, material: m }}]
+"
+        ));
+        mean(&radiance).x
+    };
+    let (front, back) = ("[0, 0, 1]", "[0, 0, -1]");
+    assert_eq!(seen("emission: 2", front), 2.0);
+    assert_eq!(seen("emission: 2", back), 2.0);
+    assert_eq!(seen("emission: 2, two_sided: false", front), 2.0);
+    assert_eq!(seen("emission: 2, two_sided: false", back), 0.0);
+    assert!((seen("color: 0.5, two_sided: false", front) - 0.5).abs() < 1e-5);
+    assert_eq!(seen("color: 0.5, two_sided: false", back), 0.0);
+}
+
+#[test]
+fn russian_roulette_and_choosing_one_light_keep_the_mean() {
+    let box_of = |keys: &str| {
+        mean(&radiance(&format!(
+            "image: {{ width: 16, height: 16, samples_per_pixel: 256, sampler: sobol }}
+camera: {{ look_at: {{ eye: [0, 0, 2.9], target: [0, 0, 0], fov_y_deg: 60 }} }}
+shading: {{ model: path, {keys} }}
+cost: counters
+materials:
+  wall: {{ color: [0.8, 0.7, 0.6] }}
+  lamp: {{ emission: [4, 5, 6] }}
+  other: {{ emission: [9, 1, 1] }}
+lights: [point: {{ position: [1, 1, 1], falloff: inverse_square }}]
+objects:
+  - box: {{ min: [-3, -3, -3], max: [3, 3, 3] }}
+    material: wall
+  - sphere: {{ center: [-1, 1, 0], radius: 0.4 }}
+    material: lamp
+  - disk: {{ center: [1, -1, 0], normal: [0, 1, 0.3], radius: 0.5 }}
+    material: other
+"
+        )))
+    };
+    let each = box_of("light_sampling: each, max_depth: 40");
+    let by_power = box_of("light_sampling: power, max_depth: 40");
+    assert!(
+        (each / by_power - 1.0).abs().max_element() < 0.015,
+        "{each} {by_power}"
+    );
+    let direct = box_of("max_depth: 1");
+    assert!(each.x > 1.4 * direct.x, "{each} {direct}");
+}
