@@ -1,0 +1,106 @@
+"""Scenes of raycost as scenes of Mitsuba 3: what tests/mitsuba/compare.py and benches need."""
+
+import math
+
+import mitsuba as mi
+
+
+def scene(config, width, height, max_depth):
+    """The dictionary of a scene, whose path integrator has as many bounces as raycost's."""
+    materials = {name: bsdf(keys) for name, keys in config["materials"].items()}
+    result = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": max_depth + 1, "rr_depth": 5},
+        "sensor": sensor(config["camera"]["look_at"], width, height),
+    }
+    for i, light in enumerate(config["lights"]):
+        result[f"light{i}"] = light_source(light)
+    for i, thing in enumerate(config["objects"]):
+        keys = config["materials"][thing["material"]]
+        result[f"object{i}"] = shape(thing) | {"bsdf": materials[thing["material"]]}
+        if "emission" in keys:
+            result[f"object{i}"]["emitter"] = {"type": "area", "radiance": rgb(keys["emission"])}
+    if "background" in config:
+        result["sky"] = {"type": "constant", "radiance": rgb(config["background"])}
+    return result
+
+
+def rgb(color):
+    return {"type": "rgb", "value": color if isinstance(color, list) else [color] * 3}
+
+
+def sensor(keys, width, height):
+    return {
+        "type": "perspective",
+        "fov": keys["fov_y_deg"],
+        "fov_axis": "y",
+        "to_world": mi.ScalarTransform4f().look_at(keys["eye"], keys["target"], [0, 1, 0]),
+        "film": {
+            "type": "hdrfilm",
+            "width": width,
+            "height": height,
+            "rfilter": {"type": "box"},
+            "component_format": "float32",
+        },
+        "sampler": {"type": "independent"},
+    }
+
+
+def bsdf(keys):
+    roughness = keys.get("roughness", 0)
+    rough = {"distribution": "ggx", "alpha": roughness**2} if roughness else {}
+    kind = "rough" if roughness else ""
+    if "dielectric" in keys:
+        return {"type": f"{kind}dielectric", "int_ior": keys["dielectric"]["index"], "ext_ior": 1.0} | rough
+    if "conductor" in keys:
+        metal = keys["conductor"]
+        optical = {"eta": rgb(metal["index"]), "k": rgb(metal["extinction"])}
+        return {"type": f"{kind}conductor"} | optical | rough
+    diffuse = {"type": "diffuse", "reflectance": rgb(keys.get("color", [0, 0, 0]))}
+    return {"type": "twosided", "bsdf": diffuse}
+
+
+def light_source(light):
+    ((kind, keys),) = light.items()
+    assert kind == "point" and keys["falloff"] == "inverse_square"
+    # A white surface that faces the light has its intensity as radiance.
+    intensity = [math.pi * keys.get("intensity", 1) * channel for channel in keys.get("color", [1, 1, 1])]
+    return {"type": "point", "position": keys["position"], "intensity": rgb(intensity)}
+
+
+def shape(thing):
+    world = transform(thing.get("transform", []))
+    if keys := thing.get("sphere"):
+        return {"type": "sphere", "center": keys["center"], "radius": keys["radius"]}
+    if keys := thing.get("rectangle"):
+        corner, (u, v) = keys["corner"], keys["edges"]
+        normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+        columns = [
+            [x / 2 for x in u],
+            [x / 2 for x in v],
+            normal,
+            [c + (a + b) / 2 for c, a, b in zip(corner, u, v)],
+        ]
+        rows = [[column[i] for column in columns] for i in range(3)] + [[0, 0, 0, 1]]
+        return {"type": "rectangle", "to_world": world @ mi.ScalarTransform4f(rows)}
+    if keys := thing.get("box"):
+        low, high = keys["min"], keys["max"]
+        center = [(a + b) / 2 for a, b in zip(low, high)]
+        half = [(b - a) / 2 for a, b in zip(low, high)]
+        return {
+            "type": "cube",
+            "to_world": world @ mi.ScalarTransform4f().translate(center) @ mi.ScalarTransform4f().scale(half),
+        }
+    raise ValueError(f"no translation of {thing}")
+
+
+def transform(steps):
+    world = mi.ScalarTransform4f()
+    for step in steps:
+        ((kind, keys),) = step.items()
+        if kind == "translate":
+            moved = mi.ScalarTransform4f().translate(keys)
+        else:
+            moved = mi.ScalarTransform4f().rotate(keys["axis"], keys["angle_deg"])
+        world = moved @ world
+    return world
