@@ -79,7 +79,7 @@ impl AttributionRule {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct AttributedCost {
     /// Indexed by [`AttributionRule`], then by [`RayKind`].
-    pub(super) work: [[Work; 4]; 2],
+    pub(super) work: [[Work; RayKind::ALL.len()]; 2],
 }
 
 impl AttributedCost {

@@ -20,7 +20,8 @@ pub(super) struct Tallies {
 }
 
 /// Rows per object or material.
-const N_ROWS: usize = 8;
+const N_ROWS: usize = AttributionRule::ALL.len() * N_KINDS;
+const N_KINDS: usize = RayKind::ALL.len();
 
 impl Tallies {
     pub(super) fn new(scene: &Scene, nodes: Option<&[BvhNode]>, outputs: &Outputs) -> Self {
@@ -63,7 +64,9 @@ fn accounts(tally: Tally<5>) -> Vec<AttributedCost> {
     };
     let rows = tally.into_rows(work);
     let account = |rows: &[Work]| AttributedCost {
-        work: std::array::from_fn(|charge| std::array::from_fn(|kind| rows[4 * charge + kind])),
+        work: std::array::from_fn(|charge| {
+            std::array::from_fn(|kind| rows[N_KINDS * charge + kind])
+        }),
     };
     rows.chunks_exact(N_ROWS).map(account).collect()
 }
@@ -177,7 +180,7 @@ impl ObjectTallies<'_> {
             },
         ];
         for (counter, id) in self.accounts.iter_mut().zip(to) {
-            let row = N_ROWS as u32 * id + 4 * charge as u32 + ray.kind as u32;
+            let row = N_ROWS as u32 * id + N_KINDS as u32 * charge as u32 + ray.kind as u32;
             counter.add(row, work);
         }
     }

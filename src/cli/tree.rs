@@ -136,6 +136,14 @@ impl<'a> Trees<'a> {
         }
     }
 
+    /// The light with this index.
+    fn light(&self, index: u32) -> String {
+        match self.traced.scene.lights.emitting_material(index) {
+            Some(material) => format!("lamp of {}", self.material(material.0)),
+            None => format!("light {index}"),
+        }
+    }
+
     /// The name of what the ray hit.
     fn meets(&self, ray: &TracedRay) -> String {
         let met = ray.hit.map(|hit| {
@@ -145,7 +153,7 @@ impl<'a> Trees<'a> {
         });
         let light = ray
             .light
-            .map_or("a light".to_owned(), |light| format!("light {light}"));
+            .map_or("a light".to_owned(), |light| self.light(light));
         match (ray.kind, met) {
             (RayKind::Shadow, None) => light,
             (RayKind::Shadow, Some((object, _))) => format!("{object}, before {light}"),

@@ -94,6 +94,20 @@ impl Lights {
         }
     }
 
+    /// Number of lights.
+    pub fn n_sources(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// The material whose surfaces are the light with this index; `None` for one of the
+    /// `lights` section.
+    pub fn emitting_material(&self, index: u32) -> Option<MaterialId> {
+        match &self.sources[index as usize] {
+            LightSource::Emitter(emitter) => Some(emitter.material),
+            LightSource::Light(_) | LightSource::Surroundings(_) => None,
+        }
+    }
+
     /// Number of lights that are sampled at each point.
     pub fn n_samples(&self) -> usize {
         match self.by_power {

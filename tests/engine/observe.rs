@@ -88,8 +88,8 @@ proptest! {
 
     #[test]
     fn trees_of_random_scenes_match_their_pixels(scene in scenes()) {
-        let n_lights = scene.lights.len() as u32;
         let config = scene.config();
+        let n_lights = scene_of(&config).lights.n_sources() as u32;
         observed(&config, |tree, pixel, film| {
             assert_is_pixel(tree, pixel, film, config.shading.model);
             assert_is_tree(tree, n_lights);
