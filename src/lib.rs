@@ -52,6 +52,7 @@ pub mod sampling;
 #[doc(hidden)]
 pub mod statistics;
 pub mod color;
+pub mod picture;
 pub mod geometry;
 #[doc(hidden)]
 pub mod import;

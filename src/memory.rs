@@ -61,7 +61,9 @@ impl Memory {
         Self {
             film: 0,
             // The geometries as read, and their attributes in world space.
-            scene: n_primitives as u64 * per_primitive as u64 + 2 * geometries.n_bytes(),
+            scene: n_primitives as u64 * per_primitive as u64
+                + 2 * geometries.n_bytes()
+                + geometries.picture_bytes(),
             n_primitives,
             repeats: config.repeats,
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use raycost::config::Config;
 use raycost::diff::{Diff, Side};
-use raycost::import::{MAX_BYTES_PER_BYTE, read_mesh, read_spheres};
+use raycost::import::{MAX_BYTES_PER_BYTE, read_mesh, read_picture, read_spheres};
 use raycost::memory::Memory;
 use raycost::results::{self, FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
@@ -53,7 +53,7 @@ fn build(text: &str) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-/// Meshes and tables of spheres; the first byte picks the format.
+/// Meshes, tables of spheres and pictures; the first byte picks the format.
 pub fn geometry(input: &[u8]) {
     let Some((format, bytes)) = input.split_first() else {
         return;
@@ -74,6 +74,11 @@ pub fn geometry(input: &[u8]) {
             let path = folder.write("a.csv", bytes);
             if let Ok(spheres) = read_spheres(&path, Some(1.0)) {
                 assert!(spheres.n_bytes() <= most, "{} of {most}", spheres.n_bytes());
+            }
+        }
+        b'i' => {
+            if let Ok(found) = read_picture(&folder.write("a.png", bytes), None, AVAILABLE) {
+                assert!(found.picture.n_bytes() <= AVAILABLE);
             }
         }
         _ => {}

@@ -30,6 +30,8 @@ struct Start {
     sample: u32,
     light: Option<u32>,
     bounce: u32,
+    /// The length of the path before it.
+    length: f32,
     ray: Ray,
     t_max: f32,
 }
@@ -108,6 +110,7 @@ impl<'a> Observer<'a> {
                 sample,
                 light: None,
                 bounce: path.depth,
+                length: path.length,
                 ray: path.ray,
                 t_max: f32::INFINITY,
             };
@@ -130,7 +133,8 @@ impl<'a> Observer<'a> {
     fn trace(&self, start: Start, tree: &mut RayTree) -> (u32, Option<SurfacePoint>) {
         let tracer = &self.view.tracer;
         let ray = start.ray;
-        let (cost, time_ns, hit) = self.timed(|cost| tracer.trace(&ray, start.kind, cost));
+        let (cost, time_ns, hit) =
+            self.timed(|cost| tracer.trace_after(start.length, &ray, start.kind, cost));
         let record = |steps: &mut Vec<TraversalStep>| tracer.record(&ray, steps);
         (self.add(start, cost, time_ns, record, tree), hit)
     }
@@ -147,6 +151,7 @@ impl<'a> Observer<'a> {
             sample: from.sample,
             light: Some(sample.index),
             bounce: from.bounce,
+            length: 0.0,
             ray: shadow.ray,
             t_max: shadow.t_max,
         };

@@ -8,6 +8,7 @@ mod basis;
 mod lens;
 mod sphere_axes;
 mod image_plane;
+mod cone;
 mod look_at;
 mod orthographic;
 mod panorama;
@@ -15,6 +16,7 @@ mod window;
 
 use serde::Deserialize;
 
+pub use cone::RayCone;
 pub use image_plane::{ImagePlane, Projection};
 pub use lens::Lens;
 pub use sphere_axes::SphereAxes;

@@ -10,6 +10,8 @@ mod levels;
 mod srgb;
 mod tone_curve;
 
+use std::sync::LazyLock;
+
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
@@ -27,7 +29,7 @@ pub struct Development {
 }
 
 /// The function from linear light to the numbers of a picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Transfer {
     /// That of sRGB displays (IEC 61966-2-1)
@@ -97,6 +99,40 @@ impl Development {
         let level = |channel: f32| (65_535.0 * encoded(channel.clamp(0.0, 1.0))).round() as u16;
         light.to_array().map(level)
     }
+}
+
+impl Transfer {
+    /// The linear light of all numbers of 8 bits.
+    #[inline(always)]
+    pub fn light_of_bytes(self) -> &'static [f32; 256] {
+        match self {
+            Self::Srgb => &LIGHT_OF_SRGB,
+            Self::Linear => &LIGHT_OF_LINEAR,
+        }
+    }
+
+    /// The nearest numbers of 8 bits of linear light, which is clamped to 0..1.
+    pub fn bytes(self, light: Vec3) -> [u8; 3] {
+        match self {
+            Self::Srgb => srgb::levels().of_color(light),
+            Self::Linear => linear8(light),
+        }
+    }
+
+    /// The linear light of a number from 0 to 1, or of a greater one in the same manner.
+    pub fn light(self, number: f32) -> f32 {
+        match self {
+            Self::Srgb => srgb::decoded(number.into()) as f32,
+            Self::Linear => number,
+        }
+    }
+}
+
+static LIGHT_OF_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| light_of_bytes(Transfer::Srgb));
+static LIGHT_OF_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| light_of_bytes(Transfer::Linear));
+
+fn light_of_bytes(transfer: Transfer) -> [f32; 256] {
+    std::array::from_fn(|number| transfer.light(number as f32 / 255.0))
 }
 
 #[inline(always)]

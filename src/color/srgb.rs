@@ -14,7 +14,7 @@ pub(super) fn encoded(light: f64) -> f64 {
 }
 
 /// Returns the linear light of an sRGB number, both from 0 to 1.
-fn decoded(number: f64) -> f64 {
+pub(super) fn decoded(number: f64) -> f64 {
     if number <= 0.040_45 {
         number / 12.92
     } else {

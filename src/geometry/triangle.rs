@@ -40,17 +40,23 @@ impl Triangle {
 /// are those of a point on an edge.
 #[inline(always)]
 pub fn barycentrics<R: Real>(triangle: &[R; N_PARAMETERS], point: Vector<R>) -> [R; 3] {
-    let (a, b, c) = (
-        vector(triangle, 0),
-        vector(triangle, 3),
-        vector(triangle, 6),
-    );
+    let [a, b, c] = corners(triangle);
     let normal = (b - a).cross(c - a);
     let u = area(b, c, point, normal);
     let v = area(c, a, point, normal);
     let w = area(a, b, point, normal);
     let sum = u + v + w;
     [u / sum, v / sum, w / sum]
+}
+
+/// The vertices of a triangle with these parameters, or of one per lane.
+#[inline(always)]
+pub fn corners<R: Real>(triangle: &[R; N_PARAMETERS]) -> [Vector<R>; 3] {
+    [
+        vector(triangle, 0),
+        vector(triangle, 3),
+        vector(triangle, 6),
+    ]
 }
 
 /// The area of the triangle of a point and two vertices, in a unit of its own; 0 if

@@ -5,6 +5,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use crate::yaml::{Fault, FieldPath};
+
 /// A fault in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileFault {
@@ -60,6 +62,12 @@ impl FileFault {
     pub(super) fn in_file(mut self, path: &Path) -> Self {
         self.file = path.display().to_string();
         self
+    }
+
+    /// The fault of the scene file's value at `path`, which names the file.
+    pub fn at_value(&self, path: &FieldPath) -> Fault {
+        let expected = format!("expected {}", self.expected);
+        Fault::new(path.clone(), self.message(), expected)
     }
 
     /// File, position and problem in one line.

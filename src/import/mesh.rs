@@ -1,6 +1,6 @@
 //! Triangle meshes.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{FileFault, Result};
 use crate::geometry::Triangle;
@@ -13,17 +13,43 @@ pub struct Mesh {
     /// Three indices of `vertices` each, counter-clockwise as seen from
     /// outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The normals at the corners, if the file has any.
-    pub normals: Option<Normals>,
+    /// The normals at the corners, if the file has any: directions, finite, of any
+    /// length.
+    pub normals: Option<CornerValues<Vec3>>,
+    /// The texture coordinates at the corners, if the file has them for all triangles:
+    /// finite; (0, 0) is the lower left corner of a picture, (1, 1) the upper right one.
+    pub uvs: Option<CornerValues<Vec2>>,
 }
 
-/// A normal for each corner of each triangle of a mesh.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Normals {
-    /// Directions, finite, of any length.
-    pub vectors: Vec<Vec3>,
-    /// Three indices of `vectors` for each triangle of the mesh.
+/// A value for each corner of each triangle of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CornerValues<T> {
+    /// Values, each for one corner or for several.
+    pub values: Vec<T>,
+    /// Three indices of `values` for each triangle of the mesh.
     pub triangles: Vec<[u32; 3]>,
+}
+
+impl<T> Default for CornerValues<T> {
+    fn default() -> Self {
+        Self {
+            values: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+}
+
+impl<T: Copy> CornerValues<T> {
+    /// The values at the corners of triangle `i`.
+    #[inline]
+    pub fn of(&self, i: usize) -> [T; 3] {
+        self.triangles[i].map(|corner| self.values[corner as usize])
+    }
+
+    /// Their memory in bytes.
+    fn n_bytes(&self) -> u64 {
+        (size_of_val(&self.values[..]) + size_of_val(&self.triangles[..])) as u64
+    }
 }
 
 impl Mesh {
@@ -36,30 +62,27 @@ impl Mesh {
 
     /// Its memory in bytes.
     pub fn n_bytes(&self) -> u64 {
-        let of_arrays = |vectors: &[Vec3], triangles: &[[u32; 3]]| {
-            (size_of_val(vectors) + size_of_val(triangles)) as u64
-        };
-        let normals = self.normals.as_ref();
-        of_arrays(&self.vertices, &self.triangles)
-            + normals.map_or(0, |normals| of_arrays(&normals.vectors, &normals.triangles))
+        let own = size_of_val(&self.vertices[..]) + size_of_val(&self.triangles[..]);
+        let normals = self.normals.as_ref().map_or(0, CornerValues::n_bytes);
+        own as u64 + normals + self.uvs.as_ref().map_or(0, CornerValues::n_bytes)
     }
 
     /// Normals that vary smoothly over the surface: at each vertex the sum of
     /// its triangles' normals, weighted by their angles there, so that
     /// the triangulation of a face does not show (Thürmer and Wüthrich, "Computing Vertex
     /// Normals from Polygonal Facets", Journal of Graphics Tools 3(1), 1998).
-    pub fn smooth_normals(&self) -> Normals {
-        let mut vectors = vec![Vec3::ZERO; self.vertices.len()];
+    pub fn smooth_normals(&self) -> CornerValues<Vec3> {
+        let mut values = vec![Vec3::ZERO; self.vertices.len()];
         for &indices in &self.triangles {
             let triangle = self.triangle(indices);
             let normal = triangle.normal().unwrap_or_default();
             for (i, vertex) in indices.into_iter().enumerate() {
                 let [a, b, c] = [0, 1, 2].map(|k| triangle.vertices[(i + k) % 3]);
-                vectors[vertex as usize] += angle(b - a, c - a) * normal;
+                values[vertex as usize] += angle(b - a, c - a) * normal;
             }
         }
-        Normals {
-            vectors,
+        CornerValues {
+            values,
             triangles: self.triangles.clone(),
         }
     }
@@ -75,11 +98,11 @@ fn angle(a: Vec3, b: Vec3) -> f32 {
     )
 }
 
-/// Makes a vector of three numbers.
+/// Makes a vector of numbers.
 ///
 /// # Errors
 /// A number that is not finite.
-pub(super) fn finite(numbers: [f32; 3]) -> Result<Vec3> {
+pub(super) fn finite<const N: usize, T: From<[f32; N]>>(numbers: [f32; N]) -> Result<T> {
     let bad = numbers.iter().find(|number| !number.is_finite());
     match bad {
         None => Ok(numbers.into()),

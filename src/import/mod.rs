@@ -9,17 +9,19 @@ mod fault;
 mod lines;
 mod mesh;
 mod obj;
+mod picture;
 mod ply;
 mod spheres;
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::stop;
 
 pub use fault::{FileFault, FileLocation};
-pub use mesh::{Mesh, Normals};
+pub use mesh::{CornerValues, Mesh};
+pub use picture::{PictureFile, read_picture};
 pub use spheres::Spheres;
 
 /// The result of a reader.
@@ -32,6 +34,12 @@ type GeometryFileReader = BufReader<Stoppable>;
 #[derive(Debug)]
 struct Stoppable(File);
 
+impl Seek for Stoppable {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
 impl Read for Stoppable {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         stop::check().map_err(io::Error::other)?;
@@ -42,8 +50,9 @@ impl Read for Stoppable {
 /// Upper bound of the memory of a reader, in bytes per byte of its file. Each
 /// corner of a polygon adds a triangle, and takes two bytes in a text file and one
 /// in a binary file. A triangle takes twelve bytes; a growing vector takes up to
-/// three times as much.
-pub const MAX_BYTES_PER_BYTE: u64 = 36;
+/// three times as much, and a grown one twice as much. There is a copy of the triangles
+/// for normals and one for texture coordinates.
+pub const MAX_BYTES_PER_BYTE: u64 = 48;
 
 /// A reader of one format.
 type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;

@@ -1,21 +1,20 @@
-//! Wavefront OBJ: its polygons and their normals.
+//! Wavefront OBJ: its polygons, their normals and their texture coordinates.
 //!
 //! The format is described in appendix B1 of the Advanced Visualizer's manual
 //! (Wavefront, 1992). No crate fits: tobj 4 panics on some indices and reports
 //! no line numbers, obj-rs 0.7 panics on unknown statements, and both allocate
 //! memory for each face.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::fault::cut;
 use super::lines::Lines;
-use super::mesh::{Mesh, Normals, count, fan, finite};
+use super::mesh::{CornerValues, Mesh, count, fan, finite};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 
-/// Statements that are ignored: other elements, texture coordinates, groups,
-/// materials and display attributes.
+/// Statements that are ignored: other elements, groups, materials and display
+/// attributes.
 const IGNORED: &[&str] = &[
-    "vt",
     "vp",
     "p",
     "l",
@@ -57,10 +56,13 @@ pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
 #[derive(Default)]
 struct Reader {
     mesh: Mesh,
-    normals: Normals,
-    /// Vertices and normals of one face's corners.
+    normals: CornerValues<Vec3>,
+    /// Those of the triangles of all faces, as long as all faces have them.
+    uvs: CornerValues<Vec2>,
+    /// Vertices, normals and texture coordinates of one face's corners.
     face: Vec<u32>,
     face_normals: Vec<u32>,
+    face_uvs: Vec<u32>,
 }
 
 impl Reader {
@@ -78,12 +80,16 @@ impl Reader {
                 weight_or_color(words)?;
             }
             "vn" => {
-                count(self.normals.vectors.len() + 1)?;
-                self.normals.vectors.push(vector(&mut words)?);
+                count(self.normals.values.len() + 1)?;
+                self.normals.values.push(vector(&mut words)?);
                 if let Some(word) = words.next() {
                     let problem = format!("`{}` follows a normal", cut(word));
                     return Err(FileFault::new(problem, "three coordinates alone"));
                 }
+            }
+            "vt" => {
+                count(self.uvs.values.len() + 1)?;
+                self.uvs.values.push(texture_coordinates(words)?);
             }
             "f" | "fo" => return self.face(words),
             _ if IGNORED.contains(&keyword) => {}
@@ -95,6 +101,7 @@ impl Reader {
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<()> {
         self.face.clear();
         self.face_normals.clear();
+        self.face_uvs.clear();
         for word in words {
             let mut indices = word.split('/');
             let mut next = || indices.next().unwrap_or_default();
@@ -106,8 +113,13 @@ impl Reader {
             self.face
                 .push(index(vertex, "vertex", self.mesh.vertices.len())?);
             if !normal.is_empty() {
-                let n = self.normals.vectors.len();
+                let n = self.normals.values.len();
                 self.face_normals.push(index(normal, "normal", n)?);
+            }
+            // Some programs number texture coordinates that they do not write.
+            if !texture.is_empty() && !self.uvs.values.is_empty() {
+                let n = self.uvs.values.len();
+                self.face_uvs.push(index(texture, "texture coordinate", n)?);
             }
         }
         let (n, n_normals) = (self.face.len(), self.face_normals.len());
@@ -123,22 +135,33 @@ impl Reader {
             let problem = format!("{n_normals} of {n} corners have a normal");
             return Err(FileFault::new(problem, "normals at all corners or at none"));
         }
+        let all_before = self.uvs.triangles.len() == self.mesh.triangles.len();
+        if all_before && self.face_uvs.len() == n {
+            self.uvs.triangles.extend(fan(&self.face_uvs));
+        }
         self.mesh.triangles.extend(fan(&self.face));
         Ok(())
     }
 
+    fn finish(mut self) -> Mesh {
+        if self.uvs.triangles.len() == self.mesh.triangles.len() {
+            self.mesh.uvs = Some(std::mem::take(&mut self.uvs));
+        }
+        self.finish_normals()
+    }
+
     /// Returns the mesh. If some triangles have normals, the others get their
     /// geometric normal.
-    fn finish(mut self) -> Mesh {
-        let Normals { vectors, triangles } = &mut self.normals;
+    fn finish_normals(mut self) -> Mesh {
+        let CornerValues { values, triangles } = &mut self.normals;
         if triangles.is_empty() {
             return self.mesh;
         }
         triangles.resize(self.mesh.triangles.len(), MISSING);
         for (normals, vertices) in triangles.iter_mut().zip(&self.mesh.triangles) {
             if *normals == MISSING {
-                *normals = [vectors.len() as u32; 3];
-                vectors.push(self.mesh.triangle(*vertices).normal().unwrap_or_default());
+                *normals = [values.len() as u32; 3];
+                values.push(self.mesh.triangle(*vertices).normal().unwrap_or_default());
             }
         }
         self.mesh.normals = Some(self.normals);
@@ -162,6 +185,30 @@ fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<()> {
     Ok(())
 }
 
+/// Parses one to three numbers: the first two are the texture coordinates, the second one
+/// 0 if it is missing.
+fn texture_coordinates<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec2> {
+    let mut numbers = [0.0; 3];
+    let mut n = 0;
+    for word in words {
+        let place = numbers.get_mut(n).ok_or_else(|| {
+            let problem = format!("`{}` follows a texture coordinate", cut(word));
+            FileFault::new(problem, "one to three numbers")
+        })?;
+        *place = number(word)?;
+        n += 1;
+    }
+    if n == 0 {
+        return Err(FileFault::new("no texture coordinate", "two: u and v"));
+    }
+    finite([numbers[0], numbers[1]])
+}
+
+fn number(word: &str) -> Result<f32> {
+    word.parse()
+        .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a coordinate"))
+}
+
 /// Parses the first three words as numbers.
 fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
     let mut numbers = [0.0; 3];
@@ -169,9 +216,7 @@ fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
         let word = words
             .next()
             .ok_or_else(|| FileFault::new(format!("{i} coordinates"), "three: x, y and z"))?;
-        *number = word
-            .parse()
-            .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a coordinate"))?;
+        *number = self::number(word)?;
     }
     finite(numbers)
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::texture_point::TexturePoint;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -65,7 +66,8 @@ pub enum Rounding {
 
 impl Checker {
     #[inline(always)]
-    pub(super) fn color_at<R: Real>(&self, point: Vector<R>) -> Vector<R> {
+    pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
+        let point = point.position;
         let zero = point.x.splat(0.0);
         let [on_x, on_y, on_z] = self.axes.alternating();
         let x = if on_x { self.cell(point.x) } else { zero };
@@ -116,7 +118,8 @@ mod tests {
             axes,
             rounding,
         };
-        checker.color_at(Vector::from(point)) == Vec3::ONE.into()
+        let point = TexturePoint::new(point.into(), Vec3::Y.into());
+        checker.color_at(&point) == Vec3::ONE.into()
     }
 
     #[test]

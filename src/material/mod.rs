@@ -3,6 +3,9 @@
 mod checker;
 mod conductor;
 mod dielectric;
+mod image;
+mod normal_map;
+mod texture_point;
 mod texture;
 
 use glam::Vec3;
@@ -11,8 +14,12 @@ use serde::{Deserialize, Deserializer};
 pub use checker::{Axes, Rounding};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
+pub use image::{Mapping, Planar, Spherical};
+pub use normal_map::NormalMap;
 pub use texture::*;
+pub use texture_point::TexturePoint;
 
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// One of the scene file's `materials`, for the Blinn-Phong model.
@@ -20,12 +27,13 @@ use crate::yaml;
 /// ```
 /// # use raycost::material::Material;
 /// let mirror: Material = raycost::yaml::from_str("
-/// color: \"#c0c8d0\"   # or [r, g, b], one gray, { checker: … }
+/// color: \"#c0c8d0\"   # or [r, g, b], one gray, { checker: … }, { image: … }
 /// ambient: 1          # fraction of the ambient light, 0 to 1
 /// diffuse: 0.4        # 0 to 1
 /// specular: 0.6       # 0 to 1
 /// exponent: 80        # size of the highlight: larger is sharper
 /// reflection: 0.5     # fraction of the mirrored ray, 0 to 1
+/// normal_map: { image: { file: dents.png, mapping: planar } }   # bumps and dents
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -60,6 +68,8 @@ pub struct Material {
     /// Whether both sides reflect and emit light, or only the outer one: the side of the
     /// shape's own normal. Both by default.
     pub two_sided: bool,
+    /// The bumps and dents of the surface, if it has any.
+    pub normal_map: Option<NormalMap>,
 }
 
 impl Material {
@@ -76,6 +86,45 @@ impl Material {
     /// Whether it reflects or refracts anything.
     pub fn scatters(&self) -> bool {
         self.is_lit() || self.mirrors() || self.dielectric.is_some()
+    }
+
+    /// Its pictures, each with the keys that lead to it.
+    pub fn images(&self) -> impl Iterator<Item = (&'static [&'static str], &ImageTexture)> {
+        let color = self.color.image();
+        let normals = self.normal_map.as_ref().map(|map| &map.image);
+        let color = color.map(|image| (&["color", "image"][..], image));
+        let normals = normals.map(|image| (&["normal_map", "image"][..], image));
+        color.into_iter().chain(normals)
+    }
+
+    /// Its pictures.
+    pub fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
+        let normals = self.normal_map.as_mut().map(|map| &mut map.image);
+        self.color.image_mut().into_iter().chain(normals)
+    }
+
+    /// The normal for the shading of a point, a unit vector on the side of the geometric
+    /// one.
+    #[inline(always)]
+    pub fn normal_at<R: Real>(
+        &self,
+        point: &TexturePoint<R>,
+        geometric_normal: Vector<R>,
+    ) -> Vector<R> {
+        match &self.normal_map {
+            None => point.normal,
+            Some(map) => map.normal_at(point, geometric_normal),
+        }
+    }
+
+    /// Whether it has a picture.
+    pub fn has_images(&self) -> bool {
+        self.images().next().is_some()
+    }
+
+    /// Whether it has a picture that lies on a surface by its texture coordinates.
+    pub fn needs_uvs(&self) -> bool {
+        self.images().any(|(_, image)| image.mapping == Mapping::Uv)
     }
 
     /// Whether it reflects light that arrives directly from a light.
@@ -107,6 +156,8 @@ struct MaterialKeys {
     dielectric: Option<Dielectric>,
     #[serde(default)]
     conductor: Option<Conductor>,
+    #[serde(default)]
+    normal_map: Option<NormalMap>,
     #[serde(default, deserialize_with = "fraction")]
     roughness: Option<f32>,
     #[serde(default, deserialize_with = "yaml::radiance")]
@@ -161,6 +212,7 @@ impl TryFrom<MaterialKeys> for Material {
             roughness: keys.roughness.unwrap_or(0.0),
             emission: keys.emission,
             two_sided: keys.two_sided,
+            normal_map: keys.normal_map,
         })
     }
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::texture_point::TexturePoint;
 use crate::simd::{Real, Vector};
 use crate::yaml::ColorOr;
 
@@ -12,8 +13,8 @@ macro_rules! textures {
     ($($(#[$doc:meta])* $kind:ident($file:ident::$texture:ident),)*) => {
         $(pub use super::$file::$texture;)*
 
-        /// A color for each point of world space.
-        #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+        /// A color for each point of a surface.
+        #[derive(Debug, Clone, PartialEq, Deserialize)]
         #[serde(from = "ColorOr<TexturePattern>")]
         pub enum Texture {
             /// The same everywhere.
@@ -38,11 +39,11 @@ macro_rules! textures {
         }
 
         impl Texture {
-            /// The color at a point in world space.
+            /// The color at a point.
             #[inline(always)]
-            pub fn color_at<R: Real>(&self, point: Vector<R>) -> Vector<R> {
+            pub fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
                 match self {
-                    Self::Color(color) => Vector::splat(point.x, *color),
+                    Self::Color(color) => Vector::splat(point.position.x, *color),
                     $(Self::$kind(pattern) => pattern.color_at(point),)*
                 }
             }
@@ -53,4 +54,24 @@ macro_rules! textures {
 textures! {
     /// Two colors in a checkerboard.
     Checker(checker::Checker),
+    /// A picture from a file.
+    Image(image::ImageTexture),
+}
+
+impl Texture {
+    /// Its picture, if it has one.
+    pub fn image(&self) -> Option<&ImageTexture> {
+        match self {
+            Self::Image(image) => Some(image),
+            _ => None,
+        }
+    }
+
+    /// Its picture, if it has one.
+    pub fn image_mut(&mut self) -> Option<&mut ImageTexture> {
+        match self {
+            Self::Image(image) => Some(image),
+            _ => None,
+        }
+    }
 }

@@ -178,6 +178,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         if self.shader.has_branches() {
             self.wave.start_in_vacuum();
         }
+        if self.shader.measures_paths() {
+            self.wave.measure();
+        }
         if self.view.eye().is_none() {
             self.eyes.resize(n_slots, Vec3::ZERO);
             for (ray, &slot) in self.wave.rays.iter().zip(self.wave.slots()) {
@@ -197,7 +200,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         } = self;
         let probe = ByPixel::new(&mut self.probe, wave.pixels());
         tracer.nearest_stream(&wave.rays, hits, probe);
-        tracer.surface_points(&wave.rays, hits, points);
+        tracer.surface_points(wave.lengths(), &wave.rays, hits, points);
     }
 
     /// Stores the surfaces that the camera rays of one of `n_samples` samples hit.

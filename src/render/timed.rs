@@ -261,7 +261,7 @@ fn radiance<P: Probe>(
         n_traced += 1;
         path = next;
         probe.bounce(path.depth);
-        met = tracer.trace(&path.ray, path.kind, probe);
+        met = tracer.trace_after(path.length, &path.ray, path.kind, probe);
     }
 }
 

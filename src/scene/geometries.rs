@@ -1,15 +1,20 @@
-//! The geometries of all objects, with the contents of their files.
+//! The geometries of all objects and the pictures of all materials, with the contents of
+//! their files.
 
 use std::path::Path;
 
+use super::pictures::Pictures;
 use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
 use crate::geometry::Shape;
-use crate::import::{self, FileFault, Mesh, Spheres};
+use crate::import::{self, Mesh, Spheres};
 use crate::yaml::{Fault, FieldPath};
 
-/// The geometries of the objects of a config.
+/// The geometries of the objects of a config, and the pictures of its materials.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Geometries(pub(super) Vec<ObjectGeometry>);
+pub struct Geometries {
+    pub(super) objects: Vec<ObjectGeometry>,
+    pub(super) pictures: Pictures,
+}
 
 /// The geometry of one object.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,16 +25,30 @@ pub(super) enum ObjectGeometry {
     Spheres(Spheres),
 }
 
+impl ObjectGeometry {
+    /// Whether all of it has texture coordinates.
+    pub(super) fn has_uvs(&self) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.uvs.is_some(),
+            Self::Shape(_) | Self::Generator(_) | Self::Spheres(_) => false,
+        }
+    }
+}
+
 impl Geometries {
-    /// Reads the geometries of a config. Paths of files are relative to `folder`.
+    /// Reads the geometries and the pictures of a config. Paths of files are relative to `folder`.
     /// Takes at most `available` bytes of memory.
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
     pub fn read(config: &Config, folder: &Path, available: u64) -> Result<Self, Fault> {
-        let mut found = Self(Vec::with_capacity(config.objects.len()));
+        let mut found = Self {
+            objects: Vec::with_capacity(config.objects.len()),
+            pictures: Pictures::read(config, folder, available)?,
+        };
+        let available = available.saturating_sub(found.pictures.n_bytes());
         for (index, object) in config.objects.iter().enumerate() {
-            found.0.push(match &object.geometry {
+            found.objects.push(match &object.geometry {
                 Geometry::Shape(shape) => ObjectGeometry::Shape(shape.clone()),
                 Geometry::Generator(generator) => ObjectGeometry::Generator(generator.clone()),
                 Geometry::File(file) => {
@@ -37,7 +56,7 @@ impl Geometries {
                     let path = path.key(file.to_string()).key("file");
                     let available = available.saturating_sub(found.n_bytes());
                     check_size(&folder.join(file.file()), available, &path)
-                        .and_then(|()| read(file, folder).map_err(|fault| at(&path, &fault)))?
+                        .and_then(|()| read(file, folder).map_err(|fault| fault.at_value(&path)))?
                 }
             });
         }
@@ -52,23 +71,28 @@ impl Geometries {
             ObjectGeometry::Mesh(mesh) => mesh.triangles.len(),
             ObjectGeometry::Spheres(spheres) => spheres.spheres.len(),
         };
-        self.0.iter().map(of_object).sum()
+        self.objects.iter().map(of_object).sum()
     }
 
-    /// Bytes of memory that the contents of the files take.
+    /// Bytes of memory that the pictures take.
+    pub fn picture_bytes(&self) -> u64 {
+        self.pictures.n_bytes()
+    }
+
+    /// Bytes of memory that the contents of the files take, without the pictures.
     pub fn n_bytes(&self) -> u64 {
         let of_object = |geometry: &ObjectGeometry| match geometry {
             ObjectGeometry::Shape(_) | ObjectGeometry::Generator(_) => 0,
             ObjectGeometry::Mesh(mesh) => mesh.n_bytes(),
             ObjectGeometry::Spheres(spheres) => spheres.n_bytes(),
         };
-        self.0.iter().map(of_object).sum()
+        self.objects.iter().map(of_object).sum()
     }
 }
 
 /// Makes sure that the file fits into memory, whatever it contains.
 fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault> {
-    let n_bytes = import::n_bytes(file).map_err(|fault| at(path, &fault))?;
+    let n_bytes = import::n_bytes(file).map_err(|fault| fault.at_value(path))?;
     let needed = n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE);
     if needed <= available {
         return Ok(());
@@ -97,17 +121,11 @@ fn read_mesh(file: &MeshFile, path: &Path) -> import::Result<Mesh> {
     let mut mesh = import::read_mesh(path)?;
     match file.normals {
         MeshNormals::File => {}
-        MeshNormals::Smooth => mesh.normals = Some(mesh.smooth_normals()),
+        MeshNormals::Smooth => {
+            mesh.normals = None;
+            mesh.normals = Some(mesh.smooth_normals());
+        }
         MeshNormals::Flat => mesh.normals = None,
     }
     Ok(mesh)
-}
-
-/// The file's fault as a fault of the scene file's value at `path`.
-fn at(path: &FieldPath, fault: &FileFault) -> Fault {
-    Fault::new(
-        path.clone(),
-        fault.message(),
-        format!("expected {}", fault.expected),
-    )
 }

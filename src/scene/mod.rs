@@ -5,6 +5,7 @@
 //! undefined material, a transform without an inverse.
 
 mod primitive;
+mod pictures;
 mod geometries;
 mod attributes;
 mod surface_class;
@@ -14,18 +15,18 @@ mod lights;
 
 use glam::Vec3;
 
-use crate::camera::ImagePlane;
+use crate::camera::{ImagePlane, RayCone};
 use crate::color::Development;
 use crate::config::{
     Background, Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel,
 };
-use crate::material::Material;
+use crate::material::{Material, TexturePoint};
 use crate::simd::Vector;
 use crate::text::{did_you_mean, keyword_name};
 use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
-pub use attributes::{AttributeKind, interpolated_normal};
+pub use attributes::{AttributeKind, interpolated_normal, with_uv};
 use placement::Placement;
 
 pub use emitter::Emitter;
@@ -39,6 +40,8 @@ pub use surface_class::SurfaceClass;
 pub struct Scene {
     /// The positions of the pixels.
     pub image_plane: ImagePlane,
+    /// The part of the scene that a camera ray stands for, if a material has a picture.
+    pub cone: Option<RayCone>,
     /// The color of rays that hit nothing.
     pub background: Background,
     /// How surfaces are shaded.
@@ -86,10 +89,13 @@ impl Scene {
         }
         check_materials(config)?;
         config.image.check_sampling()?;
+        let plane = config
+            .camera
+            .image_plane(config.image.width, config.image.height);
+        let has_images = config.materials.values().any(Material::has_images);
         let mut scene = Self {
-            image_plane: config
-                .camera
-                .image_plane(config.image.width, config.image.height),
+            image_plane: plane,
+            cone: has_images.then(|| plane.ray_cone(config.image.samples_per_pixel)),
             background: config.background,
             shading: config.shading,
             development: config.film.development(config.shading.model),
@@ -105,11 +111,17 @@ impl Scene {
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
         };
-        for (index, (object, geometry)) in config.objects.iter().zip(geometries.0).enumerate() {
+        for material in &mut scene.materials {
+            geometries.pictures.give_to(material);
+        }
+        let objects = config.objects.iter().zip(geometries.objects);
+        for (index, (object, geometry)) in objects.enumerate() {
             let path = FieldPath::default().key("objects").index(index);
             let materials = material_ids(config, object, &path)?;
+            let needs_uvs = pictures::needs_uvs(config, index, &materials, geometry.has_uvs())?;
             let first = scene.primitives.len() as u32;
-            let placement = Placement::new(object, ObjectId(index as u32), &materials, &path)?;
+            let id = ObjectId(index as u32);
+            let placement = Placement::new(object, id, &materials, needs_uvs, &path)?;
             let attributes =
                 placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
             let kind = attributes.kind();
@@ -167,12 +179,10 @@ impl Scene {
 
     /// The color of a primitive at one of its points: its own if it has one, else
     /// that of its material.
-    pub fn color(&self, primitive: u32, point: Vec3) -> Vec3 {
+    pub fn color(&self, primitive: u32, point: &TexturePoint<f32>) -> Vec3 {
         let material = self.primitives[primitive as usize].material;
-        self.own_color(primitive).unwrap_or_else(|| {
-            let color = &self.material(material).color;
-            color.color_at(Vector::from(point)).into()
-        })
+        self.own_color(primitive)
+            .unwrap_or_else(|| self.material(material).color.color_at(point).into())
     }
 
     /// The primitive's own color, if it has one.
@@ -189,9 +199,31 @@ impl Scene {
     #[inline]
     pub fn vertex_normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
         match self.attributes(primitive) {
-            (Attributes::Normals(normals), i) => Some(normals.of(i)),
+            (Attributes::Corners(corners), i) => Some(corners.normals.as_ref()?.of(i)),
             _ => None,
         }
+    }
+
+    /// The texture coordinates at the vertices of the primitive, a triangle, if it has
+    /// any and its material needs them.
+    #[inline]
+    pub fn vertex_uvs(&self, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Corners(corners), i) => {
+                let uvs = corners.uvs.as_ref()?.of(i);
+                Some(uvs.map(|uv| uv.to_array()))
+            }
+            _ => None,
+        }
+    }
+
+    /// A point of a primitive with its texture coordinates, if it has any.
+    pub fn with_uv(&self, primitive: u32, point: TexturePoint<f32>) -> TexturePoint<f32> {
+        let Some(uvs) = self.vertex_uvs(primitive) else {
+            return point;
+        };
+        let triangle = self.primitives[primitive as usize].parameters();
+        with_uv(point, &triangle, uvs)
     }
 
     /// The shading normal of a primitive at one of its points, of unit length, on

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::attributes::{Attributes, VertexNormals};
+use super::attributes::{Attributes, CornerAttributes};
 use super::geometries::ObjectGeometry;
 use super::primitive::{MaterialId, ObjectId, Primitive};
 use crate::config::Object;
 use crate::geometry::{Shape, Transform};
-use crate::import::{Mesh, Spheres};
+use crate::import::{CornerValues, Mesh, Spheres};
 use crate::stop;
 use crate::yaml::{Fault, FieldPath};
 
@@ -17,6 +17,8 @@ pub(super) struct Placement<'a> {
     id: ObjectId,
     /// At least one.
     materials: &'a [MaterialId],
+    /// Whether one of them needs texture coordinates.
+    needs_uvs: bool,
     transform: Option<Transform>,
     path: &'a FieldPath,
 }
@@ -30,6 +32,7 @@ impl<'a> Placement<'a> {
         object: &'a Object,
         id: ObjectId,
         materials: &'a [MaterialId],
+        needs_uvs: bool,
         path: &'a FieldPath,
     ) -> Result<Self, Fault> {
         let transform = match object.transform.as_slice() {
@@ -40,6 +43,7 @@ impl<'a> Placement<'a> {
             object,
             id,
             materials,
+            needs_uvs,
             transform,
             path,
         })
@@ -87,19 +91,20 @@ impl<'a> Placement<'a> {
         n_degenerate: &mut u64,
     ) -> Result<Attributes, Fault> {
         let n_before = primitives.len();
-        let normals = mesh.normals.take();
-        let mut triangles = Vec::with_capacity(normals.as_ref().map_or(0, |n| n.triangles.len()));
-        for (i, &indices) in mesh.triangles.iter().enumerate() {
+        let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
+        let mut kept = Vec::with_capacity(mesh.triangles.len());
+        for &indices in &mesh.triangles {
             let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0);
             if !primitive.is_in_range() {
                 return Err(out_of_range(self.object, self.path));
             }
-            if is_degenerate(&primitive) {
+            let is_kept = !is_degenerate(&primitive);
+            kept.push(is_kept);
+            if is_kept {
+                primitives.push(primitive);
+            } else {
                 *n_degenerate += 1;
-                continue;
             }
-            primitives.push(primitive);
-            triangles.extend(normals.as_ref().map(|normals| normals.triangles[i]));
         }
         if primitives.len() == n_before {
             let path = self.path.clone().key("mesh").key("file");
@@ -107,9 +112,15 @@ impl<'a> Placement<'a> {
             let expected = "expected corners that are not on one line";
             return Err(Fault::new(path, message, expected));
         }
-        Ok(normals.map_or(Attributes::None, |normals| {
-            let vectors = self.world_normals(normals.vectors);
-            Attributes::Normals(VertexNormals { vectors, triangles })
+        Ok(Attributes::Corners(CornerAttributes {
+            normals: normals.map(|normals| CornerValues {
+                values: self.world_normals(normals.values),
+                triangles: only(normals.triangles, &kept),
+            }),
+            uvs: uvs.filter(|_| self.needs_uvs).map(|uvs| CornerValues {
+                triangles: only(uvs.triangles, &kept),
+                ..uvs
+            }),
         }))
     }
 
@@ -143,6 +154,13 @@ impl<'a> Placement<'a> {
         let material = self.materials[material];
         Primitive::new(shape, self.transform.as_ref(), self.id, material)
     }
+}
+
+/// Those of the triangles that are kept.
+fn only(mut triangles: Vec<[u32; 3]>, kept: &[bool]) -> Vec<[u32; 3]> {
+    let mut kept = kept.iter();
+    triangles.retain(|_| kept.next().copied().unwrap_or(false));
+    triangles
 }
 
 /// Whether the primitive is a triangle without an area.

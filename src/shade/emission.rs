@@ -8,9 +8,7 @@ use super::paths::PathWave;
 use crate::geometry::{N_PARAMETERS, Seen};
 use crate::material::Material;
 use crate::scene::{Emitter, Scene};
-use crate::simd::{
-    InstructionSet, N_LANES, Real, SimdKernel, Vector, VectorColumn, lanes, set_lane,
-};
+use crate::simd::{InstructionSet, N_LANES, Real, SimdKernel, Vector, VectorColumn, set_lane};
 use crate::trace::{PointGroup, PointLanes, Points};
 
 /// A ray that has hit a surface that emits light, or one per lane.
@@ -96,7 +94,7 @@ impl<M: Model> AddEmission<'_, M> {
             density: set.load(&density),
             seen: Seen {
                 direction,
-                distance: set.load(lanes(self.points.distances(), at.first)),
+                distance: set.load(self.points.distances(at)),
                 cos: -point.outward(point.geometric_normal).dot(direction),
             },
             shape: self.points.parameters(set, self.scene, at),

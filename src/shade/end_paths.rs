@@ -86,6 +86,7 @@ impl<M: Model> EndPoints<'_, M> {
             rays: self.points.rays(at),
             kinds: [RayKind::Reflection; N_LANES],
             densities: [f32::INFINITY; N_LANES],
+            distances: self.points.distances(at),
             media: None,
         };
         self.next.bounce(set, &reflected, self.wave, lanes);
@@ -130,6 +131,7 @@ impl<M: Model> EndPoints<'_, M> {
                 rays,
                 kinds: [kind; N_LANES],
                 densities: [f32::INFINITY; N_LANES],
+                distances: self.points.distances(at),
                 media,
             };
             let lanes = lanes & self.worth(rays, factor.to_array());

@@ -274,11 +274,12 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The ray with the weight that is left after a distance.
+    /// The ray after a distance: with the weight that is left, and its path as long.
     fn weakened(&self, path: &PathRay, distance: f32) -> PathRay {
         let transmittance = path.media.transmittance(distance, &self.scene.materials);
         PathRay {
             weight: path.weight * transmittance,
+            length: path.length + distance,
             ..*path
         }
     }

@@ -16,6 +16,8 @@ pub struct PathRay {
     pub kind: RayKind,
     /// The number of bounces before it.
     pub depth: u32,
+    /// The length of the path before it, in world units.
+    pub length: f32,
     /// The share of the radiance that it meets which reaches the camera.
     pub(super) weight: Vec3,
     /// The media that it is in.
@@ -34,6 +36,7 @@ impl PathRay {
             ray,
             kind: RayKind::Camera,
             depth: 0,
+            length: 0.0,
             weight: Vec3::ONE,
             media: Media::default(),
             density: f32::INFINITY,
@@ -47,6 +50,7 @@ impl PathRay {
             ray,
             kind,
             depth: self.depth + 1,
+            length: self.length,
             weight: self.weight * share,
             ..*self
         }

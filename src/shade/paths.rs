@@ -23,6 +23,8 @@ pub struct PathWave {
     slots: Vec<u32>,
     /// The share of the radiance that each ray meets which reaches the camera.
     pub(super) weights: VectorColumn,
+    /// The length of each path before its ray, in a scene with pictures; else empty.
+    lengths: Vec<f32>,
     /// What only paths through media and paths of path tracing have; else empty.
     pub(super) branches: Vec<Branch>,
     /// The number of bounces so far.
@@ -51,6 +53,8 @@ pub(super) struct Continued<'a, L> {
     pub(super) factor: Vector<L>,
     /// The rays that they continue.
     pub(super) rays: &'a [u32; N_LANES],
+    /// The distances of the points from which they start, along the rays before.
+    pub(super) distances: &'a [f32; N_LANES],
     pub(super) kinds: [RayKind; N_LANES],
     /// The densities with which their directions were chosen.
     pub(super) densities: [f32; N_LANES],
@@ -63,7 +67,19 @@ impl PathWave {
     pub fn restart(&mut self, depth: u32) {
         self.rays.clear();
         self.branches.clear();
+        self.lengths.clear();
         self.depth = depth;
+    }
+
+    /// Begins to add up the lengths of all paths, which start at the camera.
+    pub fn measure(&mut self) {
+        self.lengths.clear();
+        self.lengths.resize(self.rays.len(), 0.0);
+    }
+
+    /// The length of each path before its ray, if they are [measured](Self::measure).
+    pub fn lengths(&self) -> &[f32] {
+        &self.lengths
     }
 
     /// Lets all paths start in the vacuum, in a scene where they have branches.
@@ -118,6 +134,7 @@ impl PathWave {
             sorted.slots[to] = self.slots[from];
             sorted.weights.set(to, self.weights.get(from));
             sorted.branches.push(self.branches[from]);
+            sorted.lengths.extend(self.lengths.get(from));
         }
     }
 
@@ -181,6 +198,7 @@ impl PathWave {
             rays,
             kinds,
             densities,
+            distances,
             media,
         } = *continued;
         self.rays.push_lanes(origin, direction, set.mask(lanes));
@@ -193,6 +211,9 @@ impl PathWave {
             self.slots[next] = wave.slots[ray];
             let weight = wave.weights.get(ray) * lane_of(&factors, lane);
             self.weights.set(next, weight);
+            if let Some(before) = wave.lengths.get(ray) {
+                self.lengths.push(before + distances[lane]);
+            }
             if let Some(before) = wave.branches.get(ray) {
                 self.branches.push(Branch {
                     media: match media {

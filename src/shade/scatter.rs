@@ -76,6 +76,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             direction,
             factor: scattered.factor * set.load(&over),
             rays,
+            distances: self.points.distances(at),
             kinds: kinds(refracted, scattered.is_diffuse.bits()),
             densities: scattered.density.to_array(),
             media: behind,

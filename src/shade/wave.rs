@@ -83,6 +83,11 @@ impl<'a> WaveShader<'a> {
         self.scene.has_branches()
     }
 
+    /// Whether pictures need the lengths of paths.
+    pub fn measures_paths(&self) -> bool {
+        self.scene.cone.is_some()
+    }
+
     /// Whether [`PathStarts::ids`] are needed.
     pub fn is_random(&self) -> bool {
         self.scene.is_random()

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::real::{Mask, Real};
+use super::real::{LookupTable, Mask, Real};
 use super::vector::Vector;
 use super::wide::{Sixteen, Wide};
 
@@ -81,6 +81,22 @@ pub(crate) trait Lanes: Real {
     /// Moves the lanes of `mask` to the front, in their order. The lanes behind
     /// them have no meaning.
     fn compress(self, mask: Self::Mask) -> Self;
+}
+
+/// What a table has at eight points.
+#[inline(always)]
+pub(super) fn looked_up<T: LookupTable>(
+    table: &T,
+    [x, y, z]: [[f32; N_LANES]; 3],
+) -> [[f32; N_LANES]; 4] {
+    let mut found = [[0.0; N_LANES]; 4];
+    for lane in 0..N_LANES {
+        let values = table.values_at([x[lane], y[lane], z[lane]]);
+        for (column, value) in found.iter_mut().zip(values) {
+            column[lane] = value;
+        }
+    }
+    found
 }
 
 impl<L: Lanes> Wide for L {

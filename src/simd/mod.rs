@@ -39,8 +39,8 @@ use avx512::Avx512;
 pub(crate) use column::{VectorColumn, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays};
 pub(crate) use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
-pub use real::{Double, Integer, Mask, Real};
-pub use turns::{cos_sin, cos_sin_of_eighths};
+pub use real::{Double, Integer, LookupTable, Mask, Real};
+pub use turns::{cos_sin, cos_sin_of_eighths, turns_of};
 pub use vector::Vector;
 pub(crate) use wide::{Arithmetic, Wide};
 

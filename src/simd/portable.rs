@@ -4,8 +4,8 @@
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::column::gathered;
-use super::lanes::{InstructionSet, Lanes, N_LANES};
-use super::real::{Double, Integer, Mask, Real};
+use super::lanes::{InstructionSet, Lanes, N_LANES, looked_up};
+use super::real::{Double, Integer, LookupTable, Mask, Real};
 use super::wide::Sixteen;
 
 /// The values of an expression at the lanes. Loops would do the same, but the compiler's
@@ -237,6 +237,12 @@ impl Real for F32x8 {
             gathered[i] = Self(columns[i]);
         }
         gathered
+    }
+
+    #[inline(always)]
+    fn look_up<T: LookupTable>(table: &T, [x, y, z]: [Self; 3]) -> [Self; 4] {
+        let [a, b, c, d] = looked_up(table, [x.0, y.0, z.0]);
+        [Self(a), Self(b), Self(c), Self(d)]
     }
 }
 

@@ -68,6 +68,14 @@ pub trait Real:
     fn lane(self, i: usize) -> f32;
     /// The rows whose indices are `self`, as columns.
     fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N];
+    /// What a table has at a point, for each number; looked up one by one.
+    fn look_up<T: LookupTable>(table: &T, at: [Self; 3]) -> [Self; 4];
+}
+
+/// A function of points that is not a formula over lanes, such as a picture.
+pub trait LookupTable {
+    /// Its values at a point.
+    fn values_at(&self, at: [f32; 3]) -> [f32; 4];
 }
 
 /// One boolean per number.
@@ -224,6 +232,11 @@ impl Real for f32 {
     #[inline(always)]
     fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [f32; N] {
         rows[self as usize]
+    }
+
+    #[inline(always)]
+    fn look_up<T: LookupTable>(table: &T, at: [f32; 3]) -> [f32; 4] {
+        table.values_at(at)
     }
 }
 

@@ -1,4 +1,5 @@
-//! Sines and cosines of angles in turns, with the same bits for one number and for lanes.
+//! Angles in turns, their sines and cosines, with the same bits for one number and for
+//! lanes.
 
 use std::f32::consts::{FRAC_PI_4, TAU};
 
@@ -24,6 +25,33 @@ pub fn cos_sin<R: Real>(turns: R) -> [R; 2] {
 #[inline(always)]
 pub fn cos_sin_of_eighths<R: Real>(eighths: R) -> [R; 2] {
     polynomials(eighths * eighths.splat(FRAC_PI_4))
+}
+
+/// The angle of a vector (x, y) in turns, counterclockwise from the x axis, from -1/2 to
+/// 1/2, within 1e-7; 0 without a length.
+#[inline(always)]
+pub fn turns_of<R: Real>([x, y]: [R; 2]) -> R {
+    let (zero, one) = (x.splat(0.0), x.splat(1.0));
+    let (width, height) = (x.abs(), y.abs());
+    let (least, most) = (width.min(height), width.max(height));
+    let slope = R::select(zero.lt(most), least / most, zero);
+    // Above the tangent of a sixteenth of a turn, the rest above an eighth.
+    let is_wide = x.splat(0.414_213_57).lt(slope);
+    let rest = R::select(is_wide, (slope - one) / (slope + one), slope);
+    let turns = arc_tangent(rest) * x.splat(1.0 / TAU);
+    let turns = R::select(is_wide, turns + x.splat(0.125), turns);
+    let turns = R::select(width.lt(height), x.splat(0.25) - turns, turns);
+    let turns = R::select(x.lt(zero), x.splat(0.5) - turns, turns);
+    turns.flip_sign_by(y)
+}
+
+/// The angle in radians with this tangent, of magnitude up to 0.42: a polynomial of
+/// Moshier's Cephes library.
+#[inline(always)]
+fn arc_tangent<R: Real>(x: R) -> R {
+    let square = x * x;
+    let higher = parabola(square, [8.053_745e-2, -0.138_776_86, 0.199_777_1]);
+    (higher * square - x.splat(0.333_329_5)) * square * x + x
 }
 
 /// The cosine and the sine of an angle in radians, from -pi/4 to pi/4: the polynomials of
@@ -70,5 +98,20 @@ mod tests {
             [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]]
         );
         assert_eq!(cos_sin_of_eighths(-0.5_f32), cos_sin(-0.0625));
+    }
+
+    #[test]
+    fn angles_are_those_of_double_precision() {
+        for i in -50_000_i32..=50_000 {
+            let radians = f64::from(i) * 1e-5 * std::f64::consts::TAU;
+            for length in [1e-20, 1.0, 3e15] {
+                let vector = [length * radians.cos(), length * radians.sin()].map(|x| x as f32);
+                let [x, y] = vector.map(f64::from);
+                let (found, expected) = (turns_of(vector), y.atan2(x) / std::f64::consts::TAU);
+                assert!((f64::from(found) - expected).abs() < 1e-7, "{i}: {found}");
+            }
+        }
+        let axes = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 0.0]];
+        assert_eq!(axes.map(turns_of::<f32>), [0.0, 0.25, 0.5, -0.25, 0.0]);
     }
 }

@@ -11,8 +11,8 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::column::gathered;
-use super::lanes::{InstructionSet, Lanes, N_LANES};
-use super::real::Real;
+use super::lanes::{InstructionSet, Lanes, N_LANES, looked_up};
+use super::real::{LookupTable, Real};
 use super::registers::Registers;
 use super::wide::Sixteen;
 use super::x86_wide::{YmmDoubles, YmmIntegers};
@@ -233,6 +233,14 @@ impl<R: Registers> Real for Ymm<R> {
             gathered[i] = InstructionSet::load(self.1, &columns[i]);
         }
         gathered
+    }
+
+    #[inline(always)]
+    fn look_up<T: LookupTable>(table: &T, [x, y, z]: [Self; 3]) -> [Self; 4] {
+        let set = x.1;
+        let at = [x.to_array(), y.to_array(), z.to_array()];
+        let [a, b, c, d] = &looked_up(table, at);
+        [set.load(a), set.load(b), set.load(c), set.load(d)]
     }
 }
 

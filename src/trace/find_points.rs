@@ -2,10 +2,11 @@
 
 use super::parameters::parameters;
 use super::points::{PointGroup, PointLanes, Points};
-use super::surface_point::{on_side_of, side};
+use super::surface_point::{on_side_of, side, width};
 use crate::accel::Hit;
 use crate::geometry::RayStream;
-use crate::scene::{AttributeKind, Scene, interpolated_normal};
+use crate::material::TexturePoint;
+use crate::scene::{AttributeKind, Scene, interpolated_normal, with_uv};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
 };
@@ -13,6 +14,8 @@ use crate::simd::{
 /// Computes the points of grouped hits.
 pub(super) struct FindPoints<'a> {
     pub(super) scene: &'a Scene,
+    /// The lengths of the paths before the rays, in a scene with a cone.
+    pub(super) lengths: &'a [f32],
     pub(super) rays: &'a RayStream,
     pub(super) hits: &'a [Option<Hit>],
     pub(super) points: &'a mut Points,
@@ -54,20 +57,27 @@ impl FindPoints<'_> {
         };
         let side = side(outward, direction);
         let geometric_normal = outward.flip_sign_by(side);
-        let normal = match group.attributes {
-            AttributeKind::Normals => {
-                let normals = self.vertex_normals(set, &hits.primitives);
-                let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
-                on_side_of(geometric_normal, normal)
-            }
-            AttributeKind::None | AttributeKind::Colors => geometric_normal,
+        let normal = if group.attributes.has_normals() {
+            let normals = self.vertex_normals(set, &hits.primitives);
+            let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
+            on_side_of(geometric_normal, normal)
+        } else {
+            geometric_normal
         };
+        let mut at_point = TexturePoint::new(position, normal);
+        if group.attributes.has_uvs() {
+            let uvs = self.vertex_uvs(set, &hits.primitives);
+            at_point = with_uv(at_point, &parameters, uvs);
+        }
+        if let Some(cone) = self.scene.cone {
+            let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
+            at_point.width = width(cone, distance, geometric_normal, direction);
+        }
+        let material = self.scene.material(group.material);
+        let normal = material.normal_at(&at_point, geometric_normal);
         let color = match group.attributes {
             AttributeKind::Colors => self.own_colors(set, &hits.primitives),
-            AttributeKind::None | AttributeKind::Normals => {
-                let material = self.scene.material(group.material);
-                material.color.color_at(position)
-            }
+            _ => material.color.color_at(&at_point),
         };
         let points = &mut *self.points;
         *lanes_mut(&mut points.distance, at.first) = hits.t;
@@ -105,6 +115,16 @@ impl FindPoints<'_> {
         hits
     }
 
+    /// The lengths of the paths before eight rays.
+    #[inline(always)]
+    fn lengths(&self, at: PointLanes) -> [f32; N_LANES] {
+        let mut lengths = [0.0; N_LANES];
+        for (length, &ray) in lengths.iter_mut().zip(self.points.rays(at)) {
+            *length = self.lengths[ray as usize];
+        }
+        lengths
+    }
+
     /// The nearest points and normals of primitives under a transform, one by one.
     #[inline(always)]
     fn project_placed<I: InstructionSet>(
@@ -140,6 +160,27 @@ impl FindPoints<'_> {
         }
         let [a, b, c] = &columns;
         [set.load_vector(a), set.load_vector(b), set.load_vector(c)]
+    }
+
+    /// The texture coordinates at the vertices of eight triangles.
+    #[inline(always)]
+    fn vertex_uvs<I: InstructionSet>(
+        &self,
+        set: I,
+        primitives: &[u32; N_LANES],
+    ) -> [[I::Lanes; 2]; 3] {
+        let mut columns = [[[0.0; N_LANES]; 2]; 3];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let uvs = self.scene.vertex_uvs(primitive).unwrap_or_default();
+            for (column, [u, v]) in columns.iter_mut().zip(uvs) {
+                (column[0][lane], column[1][lane]) = (u, v);
+            }
+        }
+        let mut uvs = [[set.splat(0.0); 2]; 3];
+        for (uv, [u, v]) in uvs.iter_mut().zip(&columns) {
+            *uv = [set.load(u), set.load(v)];
+        }
+        uvs
     }
 
     /// The own colors of eight primitives.

@@ -11,12 +11,13 @@ mod find_points;
 use crate::accel::{Accel, Hit, ShadowRay, ShadowStream, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use crate::geometry::{Ray, RayStream};
+use crate::material::TexturePoint;
 use crate::scene::Scene;
 use crate::simd::{Simd, Vector};
 use find_points::FindPoints;
 pub use points::{PointGroup, PointLanes, Points};
 pub use surface_point::{ShadingPoint, SurfacePoint};
-use surface_point::{on_side_of, side};
+use surface_point::{on_side_of, side, width};
 
 /// Traces rays through a scene and reports their counters to a probe.
 #[derive(Debug, Clone, Copy)]
@@ -31,11 +32,23 @@ impl<'a> Tracer<'a> {
         Self { scene, accel }
     }
 
-    /// The nearest surface point on the ray, whose direction is a unit vector.
+    /// The nearest surface point on a camera ray, whose direction is a unit vector.
     pub fn trace<P: Probe>(&self, ray: &Ray, kind: RayKind, probe: &mut P) -> Option<SurfacePoint> {
+        self.trace_after(0.0, ray, kind, probe)
+    }
+
+    /// The nearest surface point on a ray, whose direction is a unit vector, after a path
+    /// of this length from the camera.
+    pub fn trace_after<P: Probe>(
+        &self,
+        length: f32,
+        ray: &Ray,
+        kind: RayKind,
+        probe: &mut P,
+    ) -> Option<SurfacePoint> {
         probe.ray(kind);
         let hit = self.accel.nearest(ray, probe)?;
-        Some(self.surface_point(ray, hit))
+        Some(self.surface_point(length, ray, hit))
     }
 
     /// Whether the shadow ray is occluded.
@@ -86,19 +99,27 @@ impl<'a> Tracer<'a> {
         self.accel.simd()
     }
 
-    /// Overwrites `points` with the surface points of the hits of these rays.
-    pub fn surface_points(&self, rays: &RayStream, hits: &[Option<Hit>], points: &mut Points) {
+    /// Overwrites `points` with the surface points of the hits of these rays. `lengths`
+    /// are those of the paths before them, in a scene with a [`cone`](Scene::cone).
+    pub fn surface_points(
+        &self,
+        lengths: &[f32],
+        rays: &RayStream,
+        hits: &[Option<Hit>],
+        points: &mut Points,
+    ) {
         points.group(self.scene, hits);
         self.simd().run(FindPoints {
             scene: self.scene,
+            lengths,
             rays,
             hits,
             points,
         });
     }
 
-    /// The surface point of a hit.
-    pub fn surface_point(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
+    /// The surface point of a hit, after a path of this length.
+    fn surface_point(&self, length: f32, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
         let outward = Vector::from(outward);
@@ -107,11 +128,18 @@ impl<'a> Tracer<'a> {
         let normal = self
             .scene
             .shading_normal(hit.primitive, position, geometric_normal);
+        let normal = on_side_of(geometric_normal, normal);
+        let mut at = TexturePoint::new(position.into(), normal);
+        if let Some(cone) = self.scene.cone {
+            at = self.scene.with_uv(hit.primitive, at);
+            at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());
+        }
+        let material = self.scene.material(primitive.material);
         SurfacePoint {
             position,
-            normal: on_side_of(geometric_normal, normal).into(),
+            normal: material.normal_at(&at, geometric_normal).into(),
             geometric_normal: geometric_normal.into(),
-            color: self.scene.color(hit.primitive, position),
+            color: self.scene.color(hit.primitive, &at),
             distance: hit.t,
             object: primitive.object,
             material: primitive.material,

@@ -274,10 +274,10 @@ impl Points {
         parameters(set, scene, lanes(&self.primitives, at.first))
     }
 
-    /// The distances of the points along their rays, with room for whole lanes.
+    /// The distances of eight points along their rays.
     #[inline(always)]
-    pub(crate) fn distances(&self) -> &[f32] {
-        &self.distance
+    pub(crate) fn distances(&self, at: PointLanes) -> &[f32; N_LANES] {
+        lanes(&self.distance, at.first)
     }
 
     /// The rays that hit eight points.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::camera::RayCone;
 use crate::scene::{MaterialId, ObjectId};
 use crate::simd::{Mask, Real, Vector};
 
@@ -99,6 +100,18 @@ impl<R: Real> ShadingPoint<R> {
         let by_geometry = direction.reflect(self.geometric_normal).normalize();
         Vector::select(leaves, mirrored, by_geometry)
     }
+}
+
+/// The width of the part of a surface that a ray stands for, at a distance from the
+/// camera along the path.
+#[inline(always)]
+pub(super) fn width<R: Real>(
+    cone: RayCone,
+    distance: R,
+    geometric_normal: Vector<R>,
+    direction: Vector<R>,
+) -> R {
+    cone.width_at(distance) / geometric_normal.dot(direction).abs()
 }
 
 /// The side from which rays in `direction` hit surfaces with this outward normal: -1

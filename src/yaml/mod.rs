@@ -24,6 +24,6 @@ pub use field_path::{FieldPath, Step};
 pub use name::{MAX_NAME, name};
 pub use number::{
     Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
-    positive_range, range, scale, seed, vector, whole,
+    positive_range, range, scale, seed, size, vector, whole,
 };
 pub use source::{Source, from_str};

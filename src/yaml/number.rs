@@ -108,6 +108,12 @@ where
     }
 }
 
+/// Reads a width and a height: `[width, height]`, or one number for both.
+pub fn size<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
+    let expected = "a size [width, height], or one number for both";
+    d.deserialize_any(Splat(NumberList(POSITIVE, expected)))
+}
+
 /// Reads a point: `[x, y, z]`.
 pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_seq(NumberList(COORDINATE, "a point [x, y, z]"))

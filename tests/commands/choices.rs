@@ -11,7 +11,8 @@ use raycost::config::{
 use raycost::cost::Metric;
 use raycost::import::read_mesh;
 use raycost::light::Light;
-use raycost::material::Texture;
+use raycost::material::{Mapping, Texture};
+use raycost::picture::{TexelFilter, Wrap};
 use raycost::vtk::Codec;
 use raycost::yaml::from_str;
 use serde::de::DeserializeOwned;
@@ -46,6 +47,10 @@ fn the_scene_reference_lists_every_key_and_keyword() {
         choices::<Light>("zzz: {}"),
         choices::<Object>("zzz: {}"),
         choices::<Texture>("zzz: {} # of a color"),
+        choices::<Mapping>("zzz"),
+        choices::<Mapping>("{ zzz: {} }"),
+        choices::<Wrap>("zzz"),
+        choices::<TexelFilter>("zzz"),
         choices::<Outputs>("[zzz]"),
         choices::<PixelPattern>("zzz"),
         choices::<PixelFilter>("zzz"),

@@ -19,6 +19,10 @@ pub struct RandomScene {
     pub has_media: bool,
     /// Whether some surfaces emit light.
     pub has_lamps: bool,
+    /// The colors of the floor, the cloud and a roof with texture coordinates.
+    pub colors: [&'static str; 3],
+    /// More keys of their materials.
+    pub bumps: [&'static str; 3],
     pub reflections: [f32; 3],
     pub specular: f32,
     /// For each light, whether it is a point light.
@@ -40,6 +44,8 @@ impl RandomScene {
             seed,
             has_media,
             has_lamps,
+            colors: [floor_color, cloud_color, roof_color],
+            bumps: [floor_bumps, cloud_bumps, roof_bumps],
             reflections: [floor, ball, cloud],
             specular,
             lights,
@@ -82,9 +88,10 @@ background:
 shading: {{ model: {model}, max_depth: {max_depth}{ambient} }}
 acceleration: {acceleration}
 materials:
-  floor: {{ color: {{ checker: {{ even: 1, odd: 0.1, size: 0.5, axes: xz }} }}, reflection: {floor} }}
+  floor: {{ color: {floor_color}, reflection: {floor}{floor_bumps} }}
   ball: {{ color: [0.9, 0.2, 0.1], specular: {specular}, reflection: {ball} }}
-  cloud: {{ color: 0.6, specular: 0.3, exponent: 7.5, reflection: {cloud} }}
+  roof: {{ color: {roof_color}{roof_bumps} }}
+  cloud: {{ color: {cloud_color}, specular: 0.3, exponent: 7.5, reflection: {cloud}{cloud_bumps} }}
   lamp: {{ color: 0.2{emission} }}
 {media}objects:
   - plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}
@@ -93,6 +100,8 @@ materials:
     material: ball
   - box: {{ min: [1, -1, -1], max: [2, 0.5, 0] }}
     material: {lamp}
+  - mesh: {{ file: ../tests/files/tile.obj }}
+    material: roof
 {lamps}  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
     material: {of_cloud}
 lights:"
@@ -139,6 +148,45 @@ const MEDIA: &str =
   gold: { conductor: gold, specular: 0.1 }
 ";
 
+/// The color of a floor without a picture.
+pub const CHECKER: &str = "{ checker: { even: 1, odd: 0.1, size: 0.5, axes: xz } }";
+
+/// Colors for the floor.
+const FLOOR_COLORS: [&str; 3] = [
+    CHECKER,
+    "{ image: { file: pictures/planks.png, mapping: planar, size: [2, 1.5] } }",
+    "{ image: { file: pictures/planks.png, mapping: planar, filter: nearest, wrap: mirror } }",
+];
+
+/// Colors for the cloud.
+const CLOUD_COLORS: [&str; 3] = [
+    "0.6",
+    "{ image: { file: pictures/planks.png, mapping: triplanar, size: 0.3, transfer: linear } }",
+    "{ image: { file: pictures/globe.png, mapping: { spherical: { center: [0, 3, 0] } } } }",
+];
+
+/// Colors for a mesh with texture coordinates.
+const ROOF_COLORS: [&str; 2] = [
+    "0.8",
+    "{ image: { file: pictures/spot.png, wrap: clamp, size: [1.3, 2] } }",
+];
+
+/// Normals for the floor, the cloud and the mesh.
+const BUMPS: [[&str; 2]; 3] = [
+    [
+        "",
+        ", normal_map: { image: { file: pictures/plank_normals.png, mapping: planar, size: 2 } }",
+    ],
+    [
+        "",
+        ", normal_map: { image: { file: pictures/plank_normals.png, mapping: triplanar } }",
+    ],
+    [
+        "",
+        ", normal_map: { image: { file: pictures/plank_normals.png }, strength: 3 }",
+    ],
+];
+
 /// More keys of the image.
 const SAMPLING: [&str; 5] = [
     "",
@@ -170,6 +218,12 @@ prop_compose! {
         seed in 0_u64..1000,
         has_media in any::<bool>(),
         has_lamps in any::<bool>(),
+        floor_color in prop::sample::select(&FLOOR_COLORS[..]),
+        cloud_color in prop::sample::select(&CLOUD_COLORS[..]),
+        roof_color in prop::sample::select(&ROOF_COLORS[..]),
+        floor_bumps in prop::sample::select(&BUMPS[0][..]),
+        cloud_bumps in prop::sample::select(&BUMPS[1][..]),
+        roof_bumps in prop::sample::select(&BUMPS[2][..]),
         reflections in [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
             .prop_map(|shares| shares.map(|share| if share < 0.3 { 0.0 } else { share })),
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
@@ -179,7 +233,9 @@ prop_compose! {
         sampling in prop::sample::select(&SAMPLING[..]),
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, has_media, has_lamps, reflections, specular, lights, acceleration, camera, sampling,
+            model, size, samples, max_depth, seed, has_media, has_lamps,
+            colors: [floor_color, cloud_color, roof_color],
+            bumps: [floor_bumps, cloud_bumps, roof_bumps], reflections, specular, lights, acceleration, camera, sampling,
         }
     }
 }

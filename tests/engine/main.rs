@@ -15,6 +15,7 @@ mod attribution;
 mod meshes;
 mod observe;
 mod path_tracing;
+mod pictures;
 mod radiance;
 mod repeats;
 mod rounding;

@@ -1,6 +1,6 @@
 //! Streams of rays have the hits and the counters of single rays.
 
-use crate::common::scenes::{CAMERAS, RandomScene, scenes};
+use crate::common::scenes::{CAMERAS, CHECKER, RandomScene, scenes};
 use crate::common::{film, film_on, lasting, with_cost};
 use proptest::prelude::*;
 use raycost::config::CostMode;
@@ -44,6 +44,8 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             seed: 3,
             has_media: true,
             has_lamps: false,
+            colors: [CHECKER, "0.6", "0.8"],
+            bumps: [""; 3],
             reflections: [0.3, 0.5, 0.0],
             specular: 0.5,
             lights: vec![true, false],

@@ -15,7 +15,26 @@ pub(super) struct MeshHeader {
     pub(super) n_vertices: u32,
     /// Whether vertices have normals.
     pub(super) has_normals: bool,
+    /// The names of the texture coordinates of vertices, if they have any.
+    pub(super) uvs: Option<UvNames>,
 }
+
+/// The names of the properties that are texture coordinates.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum UvNames {
+    /// `u` and `v`.
+    Uv,
+    /// `s` and `t`.
+    St,
+    /// `texture_u` and `texture_v`.
+    TextureUv,
+}
+
+const UV_NAMES: [(UvNames, [&str; 2]); 3] = [
+    (UvNames::Uv, ["u", "v"]),
+    (UvNames::St, ["s", "t"]),
+    (UvNames::TextureUv, ["texture_u", "texture_v"]),
+];
 
 impl MeshHeader {
     /// Checks that a header defines vertices and faces, each element and property
@@ -37,10 +56,13 @@ impl MeshHeader {
             expect_scalar(vertex, "ny")?;
             expect_scalar(vertex, "nz")?;
         }
+        let mut uvs = UV_NAMES.into_iter();
+        let uvs = uvs.find(|(_, names)| names.iter().all(|name| is_scalar(vertex, name)));
         expect_list(find(header, "face")?)?;
         Ok(Self {
             n_vertices: count(vertex.count)?,
             has_normals,
+            uvs: uvs.map(|(names, _)| names),
         })
     }
 }
@@ -84,14 +106,19 @@ fn find<'a>(header: &'a PlyHeader, name: &str) -> Result<&'a ElementDef> {
 }
 
 fn expect_scalar(vertex: &ElementDef, name: &str) -> Result<()> {
-    let property = vertex.get_property(name);
-    match property.map(|property| &property.property_type) {
-        Some(PropertyType::Scalar(_)) => Ok(()),
-        _ => Err(FileFault::new(
-            format!("element `vertex` has no number `{name}`"),
-            format!("`property float {name}` in the header"),
-        )),
+    if is_scalar(vertex, name) {
+        return Ok(());
     }
+    Err(FileFault::new(
+        format!("element `vertex` has no number `{name}`"),
+        format!("`property float {name}` in the header"),
+    ))
+}
+
+fn is_scalar(vertex: &ElementDef, name: &str) -> bool {
+    let property = vertex.get_property(name);
+    let kind = property.map(|property| &property.property_type);
+    matches!(kind, Some(PropertyType::Scalar(_)))
 }
 
 fn expect_list(face: &ElementDef) -> Result<()> {

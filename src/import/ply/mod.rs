@@ -9,14 +9,15 @@ mod cursor;
 mod header;
 mod rows;
 
+use glam::{Vec2, Vec3};
 use serde::Deserialize;
 use serde::de::MapAccess;
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 
-use super::mesh::{Mesh, Normals, fan, finite};
+use super::mesh::{CornerValues, Mesh, fan, finite};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use cursor::{Cursor, Position};
-use header::MeshHeader;
+use header::{MeshHeader, UvNames};
 use rows::Rows;
 
 pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
@@ -64,6 +65,29 @@ struct Vertex {
     ny: f32,
     #[serde(default)]
     nz: f32,
+    // Programs disagree on the names of texture coordinates.
+    #[serde(default)]
+    u: f32,
+    #[serde(default)]
+    v: f32,
+    #[serde(default)]
+    s: f32,
+    #[serde(default)]
+    t: f32,
+    #[serde(default)]
+    texture_u: f32,
+    #[serde(default)]
+    texture_v: f32,
+}
+
+impl Vertex {
+    fn uv(&self, names: UvNames) -> [f32; 2] {
+        match names {
+            UvNames::Uv => [self.u, self.v],
+            UvNames::St => [self.s, self.t],
+            UvNames::TextureUv => [self.texture_u, self.texture_v],
+        }
+    }
 }
 
 /// A row of a `face` element.
@@ -81,7 +105,8 @@ struct Skipped {}
 struct Body {
     header: MeshHeader,
     mesh: Mesh,
-    normals: Vec<glam::Vec3>,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
     /// The corners of one face.
     face: Vec<u32>,
 }
@@ -92,6 +117,7 @@ impl Body {
             header,
             mesh: Mesh::default(),
             normals: Vec::new(),
+            uvs: Vec::new(),
             face: Vec::new(),
         }
     }
@@ -123,6 +149,9 @@ impl Body {
         if self.header.has_normals {
             self.normals.push(finite([row.nx, row.ny, row.nz])?);
         }
+        if let Some(names) = self.header.uvs {
+            self.uvs.push(finite(row.uv(names))?);
+        }
         Ok(())
     }
 
@@ -146,8 +175,14 @@ impl Body {
 
     fn mesh(mut self) -> Mesh {
         if self.header.has_normals {
-            self.mesh.normals = Some(Normals {
-                vectors: self.normals,
+            self.mesh.normals = Some(CornerValues {
+                values: self.normals,
+                triangles: self.mesh.triangles.clone(),
+            });
+        }
+        if self.header.uvs.is_some() {
+            self.mesh.uvs = Some(CornerValues {
+                values: self.uvs,
                 triangles: self.mesh.triangles.clone(),
             });
         }

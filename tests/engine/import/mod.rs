@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use raycost::import::{FileFault, Mesh, Normals, read_mesh, read_spheres};
+use raycost::import::{CornerValues, FileFault, Mesh, read_mesh, read_spheres};
 use write::{Encoding, obj, ply};
 
 /// Writes `bytes` to a file of this name, which `read` reads.
@@ -41,25 +41,31 @@ fn vector() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-1e6_f32..1e6).prop_map(Vec3::from)
 }
 
-/// A mesh, with normals at its vertices or with none.
+/// A mesh, with normals and texture coordinates at its vertices or with none.
 fn mesh() -> impl Strategy<Value = Mesh> {
     (
-        prop::collection::vec((vector(), vector()), 3..20),
-        any::<bool>(),
+        prop::collection::vec((vector(), (vector(), vector())), 3..20),
+        any::<[bool; 2]>(),
     )
-        .prop_flat_map(|(points, has_normals)| {
+        .prop_flat_map(|(points, [has_normals, has_uvs])| {
             let index = 0..points.len() as u32;
             let triangles = prop::collection::vec(prop::array::uniform3(index), 1..30);
             triangles.prop_map(move |triangles| {
-                let (vertices, vectors) = points.iter().copied().unzip();
-                let normals = has_normals.then(|| Normals {
-                    vectors,
+                let (vertices, (normals, uvs)): (_, (_, Vec<Vec3>)) =
+                    points.iter().copied().unzip();
+                let normals = has_normals.then(|| CornerValues {
+                    values: normals,
+                    triangles: triangles.clone(),
+                });
+                let uvs = has_uvs.then(|| CornerValues {
+                    values: uvs.iter().map(|uv| uv.truncate()).collect(),
                     triangles: triangles.clone(),
                 });
                 Mesh {
                     vertices,
                     triangles,
                     normals,
+                    uvs,
                 }
             })
         })
@@ -105,8 +111,8 @@ proptest! {
 fn tetrahedron() -> Mesh {
     let vertices = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    let normals = Normals {
-        vectors: vertices
+    let normals = CornerValues {
+        values: vertices
             .iter()
             .map(|vertex| vertex - Vec3::splat(0.25))
             .collect(),
@@ -116,6 +122,7 @@ fn tetrahedron() -> Mesh {
         vertices,
         triangles,
         normals: Some(normals),
+        uvs: None,
     }
 }
 
@@ -162,8 +169,7 @@ fn polygons_are_cut_into_triangles() {
 fn a_face_without_normals_keeps_its_own_among_others() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1 3 2\n";
     let normals = mesh_of("a.obj", text.as_bytes()).unwrap().normals.unwrap();
-    let of_triangle =
-        |i: usize| normals.triangles[i].map(|normal| normals.vectors[normal as usize]);
+    let of_triangle = |i: usize| normals.triangles[i].map(|normal| normals.values[normal as usize]);
     assert_eq!(of_triangle(0), [Vec3::Z; 3]);
     assert_eq!(of_triangle(1), [Vec3::X; 3]);
     assert_eq!(of_triangle(2), [-Vec3::Z; 3]);

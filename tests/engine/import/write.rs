@@ -9,17 +9,26 @@ pub fn obj(mesh: &Mesh) -> Vec<u8> {
     for v in &mesh.vertices {
         text += &format!("v {:e}   {} {} 0.5 0.5 0.5\r\n", v.x, v.y, v.z);
     }
+    let uvs = mesh.uvs.as_ref();
+    for uv in uvs.iter().flat_map(|uvs| &uvs.values) {
+        text += &format!("vt {} {} 0\n", uv.x, uv.y);
+    }
     for (i, [a, b, c]) in mesh.triangles.iter().map(|t| t.map(|i| i + 1)).enumerate() {
+        // Without texture coordinates in the file, their numbers have no meaning.
+        let [q, r, s] = match uvs {
+            None => ["", "1", "2"].map(str::to_owned),
+            Some(uvs) => uvs.triangles[i].map(|uv| (uv + 1).to_string()),
+        };
         match &mesh.normals {
-            None => text += &format!("f {a} \\\n {b}/1 {c}/2/\n"),
+            None => text += &format!("f {a}/{q} \\\n {b}/{r} {c}/{s}/\n"),
             Some(normals) => {
                 if i == 0 {
                     let line = |n: &Vec3| format!("vn {} {} {}\n", n.x, n.y, n.z);
-                    text.extend(normals.vectors.iter().map(line));
+                    text.extend(normals.values.iter().map(line));
                 }
-                let n = normals.vectors.len() as i64;
-                let [p, q, r] = normals.triangles[i].map(|normal| i64::from(normal) - n);
-                text += &format!("f {a}//{p} {b}/1/{q} {c}//{r} # behind\n");
+                let n = normals.values.len() as i64;
+                let [k, l, m] = normals.triangles[i].map(|normal| i64::from(normal) - n);
+                text += &format!("f {a}/{q}/{k} {b}/{r}/{l} {c}/{s}/{m} # behind\n");
             }
         }
     }
@@ -76,6 +85,11 @@ impl Encoding {
 /// With properties and an element that are no mesh's, and its faces first.
 pub fn ply(mesh: &Mesh, encoding: Encoding) -> Vec<u8> {
     let normals = mesh.normals.as_ref();
+    let uvs = mesh.uvs.as_ref();
+    let of_uvs = match uvs {
+        Some(_) => "property float s\nproperty double t\n",
+        None => "",
+    };
     let (n_vertices, n_faces) = (mesh.vertices.len(), mesh.triangles.len());
     let of_normals = match normals {
         Some(_) => "property float nx\nproperty float ny\nproperty float nz\n",
@@ -86,7 +100,7 @@ pub fn ply(mesh: &Mesh, encoding: Encoding) -> Vec<u8> {
          property uchar quality\nproperty list uchar int vertex_index\n\
          element camera 1\nproperty list uchar float view\nelement vertex {n_vertices}\n\
          property double x\nproperty float y\nproperty uchar red\nproperty float z\n\
-         {of_normals}end_header\n",
+         {of_normals}{of_uvs}end_header\n",
         encoding.name()
     );
     let mut out = header.into_bytes();
@@ -104,8 +118,12 @@ pub fn ply(mesh: &Mesh, encoding: Encoding) -> Vec<u8> {
         row.extend(
             normals
                 .iter()
-                .flat_map(|normals| normals.vectors[i].to_array().map(Number::F32)),
+                .flat_map(|normals| normals.values[i].to_array().map(Number::F32)),
         );
+        if let Some(uvs) = uvs {
+            let [s, t] = uvs.values[i].to_array();
+            row.extend([Number::F32(s), Number::F64(t.into())]);
+        }
         encoding.row(&row, &mut out);
     }
     out
