@@ -12,6 +12,7 @@ use crate::common::kept::kept;
 use crate::common::{assert_success, config, in_repository, parse, raycost, with_cost};
 use raycost::attribution::{Hierarchy, Visits};
 use raycost::config::{BvhLimits, Config, CostMode};
+use raycost::cost::RayKind;
 use raycost::geometry::Shape;
 use raycost::output::{write_nodes, write_surface};
 use raycost::scene::Scene;
@@ -298,7 +299,7 @@ fn check_sums(cost: &str, time: &str) {
     let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
     let totals = &summary["cost"]["totals"];
     // Two objects and nothing, four materials and nothing.
-    assert_eq!(rows.len(), (3 + 5) * 2 * 5);
+    assert_eq!(rows.len(), (3 + 5) * 2 * (1 + RayKind::ALL.len()));
     for kind in ["object", "material"] {
         for charge in ["primary", "hit"] {
             let group = |ray_kind: &str| {
@@ -318,7 +319,7 @@ fn check_sums(cost: &str, time: &str) {
             // The table has whole nanoseconds.
             let rounding = 0.5 * group("all").len() as f64 + 1e-6 * time_ns;
             assert!((sum("all", time) - time_ns).abs() <= rounding);
-            for ray_kind in ["camera", "shadow", "reflection", "refraction"] {
+            for ray_kind in ["camera", "shadow", "reflection", "refraction", "diffuse"] {
                 let rays = totals[format!("{ray_kind}_rays")].as_f64().unwrap();
                 assert_eq!(sum(ray_kind, "rays"), rays);
             }

@@ -112,7 +112,7 @@ fn a_table_longer_than_its_scene_is_refused() {
         fs::write(&path, format!("{head}\n{}{last}", rows.repeat(n))).unwrap();
         let error = results.objects().unwrap_err().to_string();
         assert!(
-            error.contains("objects.csv is longer than the 100 rows"),
+            error.contains("objects.csv is longer than the 120 rows"),
             "{error}"
         );
     }
@@ -169,7 +169,7 @@ fn no_name_becomes_a_formula_and_each_is_read_back() {
     let found: Vec<&str> = table
         .rows
         .iter()
-        .step_by(10)
+        .step_by(12)
         .map(|row| row[2].as_str())
         .collect();
     assert_eq!(&found[..names.len()], names);
