@@ -38,12 +38,12 @@ impl CheckArguments {
     /// The first fault of the scene.
     pub(super) fn find_fault(&self) -> Result<(), Diagnostic> {
         let Input {
-            source,
+            document,
             config,
             geometries,
         } = self.scene.load()?;
         let scene = Scene::new(&config, geometries);
-        scene.map(|_| ()).map_err(|fault| source.point_at(fault))
+        scene.map(|_| ()).map_err(|fault| document.point_at(fault))
     }
 }
 
@@ -56,12 +56,12 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         return verified(&arguments.scene.scene);
     }
     let Input {
-        source,
+        document,
         config,
         geometries,
     } = arguments.scene.load()?;
     let memory = Memory::of(&config, &geometries);
-    let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
+    let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     let report = report(&arguments.scene, &config, &scene, &memory);
     Ok(text::print(&report)?)
 }

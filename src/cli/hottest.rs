@@ -36,9 +36,13 @@ pub(super) fn lines(film: &Film) -> String {
         .collect()
 }
 
-/// The command that traces the most expensive pixel; `None` if nothing was measured.
+/// The command that traces the most expensive pixel; `None` if nothing was measured, or
+/// if the scene was read from standard input.
 pub(super) fn trace_command(scene: &SceneArguments, film: &Film) -> Option<String> {
     let Hottest { pixel, .. } = by_time(film).or_else(|| by_count(film))?;
+    if scene.is_standard_input() {
+        return None;
+    }
     let (x, y) = pixel.place;
     let scene_word = shell_word(&scene.scene);
     let flags = scene.flags_of_the_picture().concat();

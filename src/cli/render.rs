@@ -52,7 +52,7 @@ pub(super) struct RenderArguments {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
-    if arguments.while_input_is_open {
+    if arguments.while_input_is_open && !arguments.scene.is_standard_input() {
         std::thread::spawn(|| {
             let _ = io::copy(&mut io::stdin(), &mut io::sink());
             stop::request();

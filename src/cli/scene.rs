@@ -15,13 +15,21 @@ use crate::scene::Geometries;
 use crate::session::Input;
 use crate::text::{Diagnostic, keyword_name};
 use crate::vtk::Codec;
-use crate::yaml::{self, Fault, Source};
+use crate::yaml::{self, Document, Fault, Source};
+
+/// The name of standard input as a scene.
+const STANDARD_INPUT: &str = "-";
 
 /// The scene file and the settings that override the file's.
 #[derive(Debug, clap::Args)]
 pub(super) struct SceneArguments {
-    /// The scene's YAML file
+    /// The scene's YAML file; `-` for standard input
     pub(super) scene: PathBuf,
+
+    /// Set a value of the scene, such as `camera.look_at.fov_y_deg=30` or
+    /// 'objects[0].sphere.radius=0.5'; can be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
 
     /// Folder to write to [default: out/<the scene file's name>]
     #[arg(long, value_name = "DIR")]
@@ -111,8 +119,8 @@ impl SceneArguments {
         &self,
         needed: impl Fn(&Config, &Geometries) -> Memory,
     ) -> Result<Input, Diagnostic> {
-        let source = Source::read(&self.scene)?;
-        let mut config: Config = source.parse()?;
+        let document = self.document()?;
+        let mut config: Config = document.parse()?;
         let image = &mut config.image;
         image.width = self.width.unwrap_or(image.width);
         image.height = self.height.unwrap_or(image.height);
@@ -126,10 +134,10 @@ impl SceneArguments {
         if let Some(count) = self.count {
             config
                 .set_count(count)
-                .map_err(|fault| source.point_at(fault))?;
+                .map_err(|fault| document.point_at(fault))?;
         }
         config.cost = self.cost().unwrap_or(config.cost);
-        self.set_repeats(&mut config, &source)?;
+        self.set_repeats(&mut config, &document)?;
         let tiles = &mut config.tiles;
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
@@ -140,12 +148,31 @@ impl SceneArguments {
             .for_each(|&requested| config.output.add(requested));
         config.check_output().map_err(|(requested, fault)| {
             if by_file.has(requested) {
-                source.point_at(fault)
+                document.point_at(fault)
             } else {
                 fault.without_place()
             }
         })?;
-        Input::read(source, config, needed)
+        Input::read(document, config, needed)
+    }
+
+    /// Whether the scene is read from standard input.
+    pub(super) fn is_standard_input(&self) -> bool {
+        self.scene == Path::new(STANDARD_INPUT)
+    }
+
+    /// The scene with its settings.
+    fn document(&self) -> Result<Document, Diagnostic> {
+        let source = if self.is_standard_input() {
+            Source::read_standard_input()?
+        } else {
+            Source::read(&self.scene)?
+        };
+        let mut document = Document::new(source, Config::MERGING)?;
+        for setting in &self.set {
+            document.set(setting)?;
+        }
+        Ok(document)
     }
 
     /// Refuses `--also`, for a command that writes only its own files.
@@ -173,7 +200,7 @@ impl SceneArguments {
     }
 
     /// Sets the config's repeats to those of the command line, if given.
-    fn set_repeats(&self, config: &mut Config, source: &Source) -> Result<(), Diagnostic> {
+    fn set_repeats(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
         let of_file = config.repeats;
         config.repeats = self.repeats.unwrap_or(of_file);
         // A command line that disables times also disables the file's repeats.
@@ -185,11 +212,11 @@ impl SceneArguments {
         };
         let message = "`--repeats` requires times, and none are measured";
         match (self.repeats, self.cost()) {
-            (None, _) => Err(source.point_at(fault)),
+            (None, _) => Err(document.point_at(fault)),
             (Some(_), Some(_)) => {
                 Err(Diagnostic::new(message).with_help("use `--cost time`, or omit `--repeats`"))
             }
-            (Some(_), None) => Err(source.point_at(
+            (Some(_), None) => Err(document.point_at(
                 Fault::new(
                     yaml::FieldPath::default().key("cost"),
                     message,
@@ -218,7 +245,9 @@ impl SceneArguments {
             flag("count", number(self.count)),
             flag("out", self.out.as_deref().map(shell_word)),
         ];
-        flags.into_iter().flatten().collect()
+        let set = self.set.iter().map(Path::new).map(shell_word);
+        let set = set.map(|setting| format!(" --set {setting}"));
+        flags.into_iter().flatten().chain(set).collect()
     }
 
     /// The folder to write to.
@@ -231,6 +260,9 @@ impl SceneArguments {
 
     /// The scene's name: the file's stem.
     pub(super) fn name(&self) -> String {
+        if self.is_standard_input() {
+            return "stdin".to_owned();
+        }
         let stem = self.scene.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }

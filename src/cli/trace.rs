@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         None => Memory::of_scene(config, geometries),
     };
     let Input {
-        source,
+        document,
         config,
         geometries,
     } = arguments.scene.load_for(needed)?;
@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         rectangle.check(&image)?;
     }
     let meter = Meter::new(config.cost);
-    let mut scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
+    let mut scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let report = |part| bar.advance(part);
     let accel = pool.install(|| Accel::build(&scene.primitives, config.acceleration, report));
     bar.clear();
-    let accel = accel.map_err(|error| source.point_at(memory::too_large(error)))?;
+    let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
     let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;
 
     // The cloud is a small picture of the scene, sharp without a lens; the traced rays

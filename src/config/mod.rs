@@ -1,6 +1,6 @@
 //! The scene file as serde types: text → [`Config`].
 //!
-//! [`Source::parse`](crate::yaml::Source::parse) returns every section with its
+//! [`Document::parse`](crate::yaml::Document::parse) returns every section with its
 //! defaults and checks the range of each value. [`scene`](crate::scene) resolves
 //! references between sections, such as the names of materials.
 
@@ -17,6 +17,8 @@ mod outputs;
 mod repeats;
 mod shading;
 mod tiling;
+
+use std::path::PathBuf;
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -40,7 +42,7 @@ use crate::light::Light;
 use crate::material::Material;
 pub use crate::sampling::{PixelFilter, PixelPattern};
 use crate::vtk::Codec;
-use crate::yaml::{Fault, FieldPath};
+use crate::yaml::{Fault, FieldPath, Merging};
 
 /// A whole scene file.
 ///
@@ -63,6 +65,9 @@ use crate::yaml::{Fault, FieldPath};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "sections such as `image: { … }`")]
 pub struct Config {
+    /// The files whose sections are part of the scene, relative to the file's folder.
+    #[serde(default)]
+    pub include: Vec<PathBuf>,
     /// Size and sampling of the picture.
     pub image: Image,
     /// The camera.
@@ -103,6 +108,12 @@ pub struct Config {
 }
 
 impl Config {
+    /// The sections to which each file of a scene adds.
+    pub const MERGING: Merging = Merging {
+        maps: &["materials"],
+        lists: &["lights", "objects"],
+    };
+
     /// What the film has to keep for the pictures and outputs that are requested.
     pub(crate) fn extra_arrays(&self) -> ExtraArrays {
         let has_exr = self.output.has(OptionalOutput::Exr);

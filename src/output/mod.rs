@@ -130,6 +130,8 @@ pub fn files() -> impl Iterator<Item = &'static OutputFile> {
 pub struct RenderingView<'a> {
     /// The path of the scene file as the user typed it.
     pub scene_file: &'a str,
+    /// The values that the command line set.
+    pub settings: Vec<String>,
     /// The scene's name: the file's stem.
     pub name: &'a str,
     /// The settings of the scene file, as changed by the command line.

@@ -33,6 +33,7 @@ fn of(job: &Job) -> Summary {
         scene: SceneSection {
             name: rendering.name.to_owned(),
             file: rendering.scene_file.to_owned(),
+            set: rendering.settings.clone(),
         },
         image: (&config.image).into(),
         film: FilmSection::new(&config.film, config.shading.model),

@@ -7,7 +7,7 @@ use super::pictures::Pictures;
 use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
 use crate::geometry::Shape;
 use crate::import::{self, Mesh, Spheres};
-use crate::yaml::{Fault, FieldPath};
+use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,15 +36,20 @@ impl ObjectGeometry {
 }
 
 impl Geometries {
-    /// Reads the geometries and the pictures of a config. Paths of files are relative to `folder`.
+    /// Reads the geometries and the pictures of a config. Paths of files are relative to
+    /// their `folders`.
     /// Takes at most `available` bytes of memory.
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
-    pub fn read(config: &Config, folder: &Path, available: u64) -> Result<Self, Fault> {
+    pub fn read<F: Folders + ?Sized>(
+        config: &Config,
+        folders: &F,
+        available: u64,
+    ) -> Result<Self, Fault> {
         let mut found = Self {
             objects: Vec::with_capacity(config.objects.len()),
-            pictures: Pictures::read(config, folder, available)?,
+            pictures: Pictures::read(config, folders, available)?,
         };
         let available = available.saturating_sub(found.pictures.n_bytes());
         for (index, object) in config.objects.iter().enumerate() {
@@ -54,6 +59,7 @@ impl Geometries {
                 Geometry::File(file) => {
                     let path = FieldPath::default().key("objects").index(index);
                     let path = path.key(file.to_string()).key("file");
+                    let folder = folders.folder_of(&path);
                     let available = available.saturating_sub(found.n_bytes());
                     check_size(&folder.join(file.file()), available, &path)
                         .and_then(|()| read(file, folder).map_err(|fault| fault.at_value(&path)))?

@@ -111,8 +111,8 @@ impl Scene {
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
         };
-        for material in &mut scene.materials {
-            geometries.pictures.give_to(material);
+        for (name, material) in config.materials.keys().zip(&mut scene.materials) {
+            geometries.pictures.give_to(name, material);
         }
         let objects = config.objects.iter().zip(geometries.objects);
         for (index, (object, geometry)) in objects.enumerate() {

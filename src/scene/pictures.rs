@@ -1,58 +1,70 @@
 //! The pictures that materials name.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::primitive::MaterialId;
 use crate::color::Transfer;
 use crate::config::{Config, Geometry, GeometryFile};
 use crate::import::{PictureFile, read_picture};
-use crate::material::{ImageTexture, Material};
-use crate::yaml::{Fault, FieldPath};
+use crate::material::Material;
+use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The pictures of a config, each of which was read once.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Pictures(HashMap<PictureSource, PictureFile>);
+pub(super) struct Pictures {
+    read: HashMap<PictureSource, PictureFile>,
+    /// Those of each material, by its name.
+    of_materials: HashMap<String, Vec<PictureSource>>,
+}
 
 /// What makes a picture: a file, and what its numbers are taken for.
 type PictureSource = (PathBuf, Option<Transfer>);
 
 impl Pictures {
-    /// Reads the pictures of all materials; `folder` and `available` are those of
+    /// Reads the pictures of all materials; `folders` and `available` are those of
     /// [`Geometries::read`](super::Geometries::read).
-    pub(super) fn read(config: &Config, folder: &Path, available: u64) -> Result<Self, Fault> {
+    pub(super) fn read<F: Folders + ?Sized>(
+        config: &Config,
+        folders: &F,
+        available: u64,
+    ) -> Result<Self, Fault> {
         let mut found = Self::default();
         for (name, material) in &config.materials {
             for (keys, image) in material.images() {
-                if found.0.contains_key(&source(image)) {
-                    continue;
+                let path = FieldPath::default().key("materials").key(name);
+                let path = keys
+                    .iter()
+                    .fold(path, |path, key| path.key(*key))
+                    .key("file");
+                let file = folders.folder_of(&path).join(&image.file);
+                let source = (file, image.transfer);
+                if !found.read.contains_key(&source) {
+                    let available = available.saturating_sub(found.n_bytes());
+                    let picture = read_picture(&source.0, image.transfer, available);
+                    let picture = picture.map_err(|fault| fault.at_value(&path))?;
+                    found.read.insert(source.clone(), picture);
                 }
-                let available = available.saturating_sub(found.n_bytes());
-                let picture = read_picture(&folder.join(&image.file), image.transfer, available);
-                let picture = picture.map_err(|fault| {
-                    let path = FieldPath::default().key("materials").key(name);
-                    let path = keys.iter().fold(path, |path, key| path.key(*key));
-                    fault.at_value(&path.key("file"))
-                })?;
-                found.0.insert(source(image), picture);
+                let of_material = found.of_materials.entry(name.clone()).or_default();
+                of_material.push(source);
             }
         }
         Ok(found)
     }
 
-    /// Gives a material its pictures.
-    pub(super) fn give_to(&self, material: &mut Material) {
-        for image in material.images_mut() {
-            if let Some(found) = self.0.get(&source(image)) {
-                image.picture = Arc::clone(&found.picture);
-            }
+    /// Gives the material of this name its pictures.
+    pub(super) fn give_to(&self, name: &str, material: &mut Material) {
+        let sources = self.of_materials.get(name).into_iter().flatten();
+        for (image, source) in material.images_mut().zip(sources) {
+            image.picture = Arc::clone(&self.read[source].picture);
         }
     }
 
     /// Their memory in bytes.
     pub(super) fn n_bytes(&self) -> u64 {
-        self.0.values().map(|found| found.picture.n_bytes()).sum()
+        let pictures = self.read.values();
+        pictures.map(|found| found.picture.n_bytes()).sum()
     }
 }
 
@@ -83,8 +95,4 @@ pub(super) fn needs_uvs(
     let expected = "expected a mesh with texture coordinates";
     Err(Fault::new(path.key("material"), message, expected)
         .with_help("give the picture a `mapping`: `planar`, `spherical` or `triplanar`"))
-}
-
-fn source(image: &ImageTexture) -> PictureSource {
-    (image.file.clone(), image.transfer)
 }

@@ -5,13 +5,13 @@ use crate::config::Config;
 use crate::memory;
 use crate::scene::Geometries;
 use crate::text::Diagnostic;
-use crate::yaml::Source;
+use crate::yaml::Document;
 
 /// A scene's text, its config, and the geometries of the files that it names.
 #[derive(Debug)]
 pub struct Input {
-    /// The scene file.
-    pub source: Source,
+    /// The scene file, with the files that it includes.
+    pub document: Document,
     /// Its settings, which may have been changed.
     pub config: Config,
     /// The geometries.
@@ -25,25 +25,25 @@ impl Input {
     /// # Errors
     /// The first mistake in the scene.
     pub(crate) fn read(
-        source: Source,
+        document: Document,
         config: Config,
         needed: impl Fn(&Config, &Geometries) -> Memory,
     ) -> Result<Self, Diagnostic> {
-        let point_at = |fault| source.point_at(fault);
+        let point_at = |fault| document.point_at(fault);
         config.check_sizes().map_err(point_at)?;
         config.check_repeats().map_err(point_at)?;
         config
             .check_output()
-            .map_err(|(_, fault)| source.point_at(fault))?;
+            .map_err(|(_, fault)| document.point_at(fault))?;
         let available = memory::available();
-        let geometries = Geometries::read(&config, source.folder(), available).map_err(point_at)?;
+        let geometries = Geometries::read(&config, &document, available).map_err(point_at)?;
         // The geometries are part of the need, but were not yet allocated when
         // `available` was measured.
         needed(&config, &geometries)
             .check(available)
             .map_err(point_at)?;
         Ok(Self {
-            source,
+            document,
             config,
             geometries,
         })

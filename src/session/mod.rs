@@ -26,7 +26,7 @@ use crate::render::{N_RENDERINGS, TilePlan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
 use crate::summary::Threads;
-use crate::yaml::Source;
+use crate::yaml::{Document, Source};
 
 #[doc(inline)]
 pub use crate::folder::{WriteError, Written};
@@ -48,7 +48,7 @@ pub use rendering::Rendering;
 /// A checked scene that can be rendered.
 #[derive(Debug)]
 pub struct Session {
-    source: Source,
+    document: Document,
     name: String,
     config: Config,
     scene: Scene,
@@ -79,10 +79,10 @@ impl Session {
         change: impl FnOnce(&mut Config),
     ) -> Result<Self, Diagnostic> {
         let stages = Stages::default();
-        let source = Source::read(path.as_ref())?;
-        let mut config: Config = source.parse()?;
+        let document = Document::new(Source::read(path.as_ref())?, Config::MERGING)?;
+        let mut config: Config = document.parse()?;
         change(&mut config);
-        Self::new(Input::read(source, config, Memory::of)?, stages)
+        Self::new(Input::read(document, config, Memory::of)?, stages)
     }
 
     /// Checks a scene that a program describes: any value that serializes to the
@@ -97,9 +97,9 @@ impl Session {
         let cannot = |error| Diagnostic::new(format!("cannot serialize the scene: {error}"));
         // JSON is YAML.
         let text = serde_json::to_string_pretty(scene).map_err(cannot)?;
-        let source = Source::new(name, text);
-        let config = source.parse()?;
-        Self::new(Input::read(source, config, Memory::of)?, stages)
+        let document = Document::new(Source::new(name, text), Config::MERGING)?;
+        let config = document.parse()?;
+        Self::new(Input::read(document, config, Memory::of)?, stages)
     }
 
     /// Places a scene that was read. `stages` are those of the first rendering.
@@ -108,15 +108,15 @@ impl Session {
     /// The first value that contradicts others.
     pub(crate) fn new(input: Input, stages: Stages) -> Result<Self, Diagnostic> {
         let Input {
-            source,
+            document,
             config,
             geometries,
         } = input;
-        let scene = Scene::new(&config, geometries).map_err(|fault| source.point_at(fault))?;
-        let name = Path::new(source.name()).file_stem().unwrap_or_default();
+        let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
+        let name = Path::new(document.name()).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
-            source,
+            document,
             config,
             scene,
             index: OnceLock::new(),
@@ -235,7 +235,7 @@ impl Session {
         let report = |fraction| options.report(Event::Built { fraction });
         let accel = Accel::build(primitives, self.config.acceleration, report);
         options.report(Event::End);
-        let accel = accel.map_err(|error| self.source.point_at(memory::too_large(error)))?;
+        let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
         stages.end("build");
         // A build that was stopped is not whole.
         stop::check()?;
@@ -243,9 +243,14 @@ impl Session {
         Ok(accel)
     }
 
+    /// The values that the command line set.
+    fn settings(&self) -> Vec<String> {
+        self.document.settings().map(str::to_owned).collect()
+    }
+
     /// The scene file as the user typed it.
     fn scene_file(&self) -> &str {
-        self.source.name()
+        self.document.name()
     }
 }
 

@@ -96,6 +96,7 @@ impl Rendering<'_> {
         let measured = &self.measured;
         output::RenderingView {
             scene_file: self.session.scene_file(),
+            settings: self.session.settings(),
             name: self.session.name(),
             config: self.session.config(),
             scene: self.session.scene(),

@@ -17,6 +17,9 @@ pub struct SceneSection {
     pub name: String,
     /// The path as the user typed it.
     pub file: String,
+    /// The values that the command line set, such as `image.seed=7`; left out if none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
 }
 
 /// Size and sampling of the picture.

@@ -10,7 +10,7 @@ use super::terminal::{one_line, visible};
 
 /// Most characters shown of a message and of the label beside the caret: a
 /// value in the text may have any length.
-const MAX_MESSAGE: usize = 200;
+const MAX_MESSAGE: usize = 240;
 /// Most characters underlined.
 const MAX_UNDERLINED: usize = 60;
 

@@ -68,6 +68,14 @@ impl Fault {
         self
     }
 
+    /// The same fault in a text with `n_bytes` more before it.
+    pub(super) fn moved(mut self, n_bytes: usize) -> Self {
+        if let Spot::Bytes(bytes) = &mut self.spot {
+            *bytes = bytes.start + n_bytes..bytes.end + n_bytes;
+        }
+        self
+    }
+
     /// Converts to a diagnostic without an excerpt, for a mistake outside of any
     /// text, such as on the command line.
     pub fn without_place(self) -> Diagnostic {

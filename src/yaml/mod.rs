@@ -15,10 +15,16 @@ mod syntax;
 mod expansion;
 mod walk;
 mod position;
+mod tree;
+mod setting;
 mod translate;
 mod source;
+mod origins;
+mod include;
+mod document;
 
 pub use color::{ColorOr, color, hex_color, radiance};
+pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
 pub use name::{MAX_NAME, name};
@@ -26,4 +32,5 @@ pub use number::{
     Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
     positive_range, range, scale, seed, size, vector, whole,
 };
+pub use origins::Merging;
 pub use source::{Source, from_str};

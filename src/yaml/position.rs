@@ -20,6 +20,34 @@ pub(super) struct Location {
 }
 
 impl Location {
+    /// The position of a step of a path that is no value of its own.
+    pub fn of_step(step: Range<usize>) -> Self {
+        Self {
+            is_exact: true,
+            is_empty: false,
+            key: Some(step),
+            value: 0..0,
+        }
+    }
+
+    /// The same position in a text with `n_bytes` more before it.
+    pub fn moved(self, n_bytes: usize) -> Self {
+        let moved = |bytes: Range<usize>| bytes.start + n_bytes..bytes.end + n_bytes;
+        Self {
+            key: self.key.map(moved),
+            value: moved(self.value),
+            ..self
+        }
+    }
+
+    /// The same value under this key.
+    pub fn with_key(self, key: Range<usize>) -> Self {
+        Self {
+            key: Some(key),
+            ..self
+        }
+    }
+
     /// Returns the bytes of the value, or of its key if the value has none.
     pub fn value(self) -> Range<usize> {
         if self.value.is_empty() {

@@ -1,20 +1,22 @@
 //! The text of a scene file.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::string::FromUtf8Error;
 
 use serde::de::DeserializeOwned;
 
 use super::fault::{Fault, Spot};
+use super::field_path::FieldPath;
 use super::position::{self, Location};
+use super::setting::{LocatedText, SettingText};
 use super::translate;
 use crate::host::{advice, available_memory};
 use crate::text::Diagnostic;
 
 /// Longest scene file that is read, in bytes.
-const MAX_BYTES: u64 = 64 << 20;
+pub(super) const MAX_BYTES: u64 = 64 << 20;
 /// Most bytes of memory that the parsers need for each byte of the text:
 /// `[[],[],…` has an event in every second byte.
 const MEMORY_PER_BYTE: u64 = 80;
@@ -27,6 +29,8 @@ const WORTH_A_CHECK: u64 = 1 << 20;
 pub struct Source {
     name: String,
     text: String,
+    /// The path and the value of the text if it is a setting of the command line.
+    setting: Option<SettingText>,
 }
 
 impl Source {
@@ -37,7 +41,34 @@ impl Source {
         if text.contains('\r') {
             text = text.replace("\r\n", "\n").replace('\r', "\n");
         }
-        Self { name, text }
+        let setting = None;
+        Self {
+            name,
+            text,
+            setting,
+        }
+    }
+
+    /// A setting of the command line, such as `image.seed=7`.
+    ///
+    /// # Errors
+    /// Its path or its value is not valid.
+    pub(super) fn setting(text: &str) -> Result<Self, Diagnostic> {
+        let mut source = Self::new("--set", text);
+        let setting = SettingText::parse(&source.text);
+        source.setting = Some(setting.map_err(|fault| source.point_at(fault))?);
+        Ok(source)
+    }
+
+    /// Reads standard input to its end.
+    ///
+    /// # Errors
+    /// As those of a file.
+    pub fn read_standard_input() -> Result<Self, Diagnostic> {
+        Self::read_from("stdin", |bytes| {
+            let input = std::io::stdin().lock();
+            input.take(MAX_BYTES + 1).read_to_end(bytes)
+        })
     }
 
     /// Reads the file at `path`.
@@ -46,15 +77,22 @@ impl Source {
     /// The file cannot be read, is longer than 64 MiB or than the free memory
     /// allows, or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
-        let name = path.display().to_string();
+        Self::read_from(&path.display().to_string(), |bytes| {
+            File::open(path)?.take(MAX_BYTES + 1).read_to_end(bytes)
+        })
+    }
+
+    /// Fills a source with this name by a function that reads bytes.
+    fn read_from(
+        name: &str,
+        read: impl FnOnce(&mut Vec<u8>) -> io::Result<usize>,
+    ) -> Result<Self, Diagnostic> {
         let mut bytes = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
-            .map_err(|error| {
-                let remedy = "give the path of a YAML file, such as configs/seed_sphere.yaml";
-                Diagnostic::new(format!("cannot read the scene `{name}`: {error}"))
-                    .with_help(advice(&error).unwrap_or(remedy))
-            })?;
+        read(&mut bytes).map_err(|error| {
+            let remedy = "give the path of a YAML file, such as configs/seed_sphere.yaml";
+            Diagnostic::new(format!("cannot read the scene `{name}`: {error}"))
+                .with_help(advice(&error).unwrap_or(remedy))
+        })?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(
                 Diagnostic::new(format!("the scene `{name}` is longer than 64 MiB"))
@@ -69,10 +107,10 @@ impl Source {
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self::new(
-                &name,
+                name,
                 text.strip_prefix('\u{feff}').unwrap_or(&text),
             )),
-            Err(error) => Err(not_utf8(&name, &error)),
+            Err(error) => Err(not_utf8(name, &error)),
         }
     }
 
@@ -82,18 +120,40 @@ impl Source {
     /// The first mistake found: a syntax error, a duplicate key, then what
     /// `T`'s `Deserialize` rejects.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
-        position::check(&self.text).map_err(|fault| self.point_at(fault))?;
-        let mut track = serde_path_to_error::Track::new();
-        let yaml = serde_yaml::Deserializer::from_str(&self.text);
-        let tracked = serde_path_to_error::Deserializer::new(yaml, &mut track);
-        // An enum is a mapping with one key instead of a YAML tag.
-        serde_yaml::with::singleton_map_recursive::deserialize(tracked)
-            .map_err(|error| self.point_at(translate::fault(&self.text, &track.path(), &error)))
+        self.check()?;
+        deserialize(&self.text)
+            .map_err(|(path, error)| self.point_at(translate::fault(&self.located(), path, &error)))
+    }
+
+    /// Checks what the deserializer does not check.
+    ///
+    /// # Errors
+    /// The first mistake.
+    pub(super) fn check(&self) -> Result<(), Diagnostic> {
+        position::check(&self.text).map_err(|fault| self.point_at(fault))
+    }
+
+    /// Locates the value at `path`, or its nearest ancestor in the text.
+    pub(super) fn locate(&self, path: &FieldPath) -> Option<Location> {
+        self.located().locate(path)
+    }
+
+    /// The text for messages about it.
+    pub(super) fn located(&self) -> LocatedText<'_> {
+        LocatedText {
+            text: &self.text,
+            setting: self.setting.as_ref(),
+        }
+    }
+
+    /// The path and the value if the source is a setting.
+    pub(super) fn as_setting(&self) -> Option<&SettingText> {
+        self.setting.as_ref()
     }
 
     /// Converts the fault to a diagnostic that shows its line.
     pub fn point_at(&self, fault: Fault) -> Diagnostic {
-        let location_of = |path| position::locate(&self.text, path);
+        let location_of = |path| self.locate(path);
         let span = match &fault.spot {
             Spot::Value(path) => location_of(path).map(Location::value),
             Spot::Key(path) => location_of(path).map(Location::key),
@@ -120,6 +180,18 @@ impl Source {
     }
 }
 
+/// Deserializes a text; an error comes with the path of its value.
+pub(super) fn deserialize<T: DeserializeOwned>(
+    text: &str,
+) -> Result<T, (FieldPath, serde_yaml::Error)> {
+    let mut track = serde_path_to_error::Track::new();
+    let yaml = serde_yaml::Deserializer::from_str(text);
+    let tracked = serde_path_to_error::Deserializer::new(yaml, &mut track);
+    // An enum is a mapping with one key instead of a YAML tag.
+    serde_yaml::with::singleton_map_recursive::deserialize(tracked)
+        .map_err(|error| (translate::path_of(&track.path()), error))
+}
+
 /// Points at the first byte that is not UTF-8.
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let at = error.utf8_error().valid_up_to();
@@ -127,8 +199,13 @@ fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let fault = Fault::of_bytes(at..at, message, "not a UTF-8 character");
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     // Not through `new`, which may shift the byte.
-    let name = name.to_owned();
-    Source { name, text }.point_at(fault.with_help("save the scene as UTF-8"))
+    let (name, setting) = (name.to_owned(), None);
+    let source = Source {
+        name,
+        text,
+        setting,
+    };
+    source.point_at(fault.with_help("save the scene as UTF-8"))
 }
 
 /// Deserializes a `T` from `text`, as [`Source::parse`] does.

@@ -10,17 +10,13 @@ use serde_path_to_error::Segment;
 
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
-use super::position::{self, Location};
+use super::position::Location;
+use super::setting::LocatedText;
 use super::syntax;
 use crate::text::{did_you_mean, number_meant};
 
-/// Converts an error that serde_yaml found in `text`.
-pub(super) fn fault(
-    text: &str,
-    path: &serde_path_to_error::Path,
-    error: &serde_yaml::Error,
-) -> Fault {
-    let path = path_of(path);
+/// Converts an error that serde_yaml found at a path of `text`.
+pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Error) -> Fault {
     let message = message_of(error);
     let (problem, expected) = message.rsplit_once(", expected ").unwrap_or((&message, ""));
     let between = |start: &str| problem.strip_prefix(start)?.strip_suffix('`');
@@ -49,8 +45,13 @@ pub(super) fn fault(
             "begins here",
         )
         .with_help("write some of the values in full, or use a generator such as `sphere_cloud`"),
-        _ => syntax::of_libyaml(text, error),
+        _ => syntax::of_libyaml(text.text, error),
     }
+}
+
+/// Whether the error is that of a key that does not exist.
+pub(super) fn is_unknown_key(error: &serde_yaml::Error) -> bool {
+    message_of(error).starts_with("unknown field `")
 }
 
 /// Returns serde_yaml's message without the path before it and the position
@@ -88,9 +89,9 @@ fn unknown_key(path: FieldPath, word: &str, expected: &str) -> Fault {
 }
 
 /// A variant is a string, or the only key of a mapping.
-fn unknown_choice(text: &str, path: FieldPath, word: &str, expected: &str) -> Fault {
+fn unknown_choice(text: &LocatedText, path: FieldPath, word: &str, expected: &str) -> Fault {
     let is_key = path.0.last() == Some(&Step::Key(word.to_owned()))
-        && location_of(text, &path).is_none_or(|location| location.written(text) != word);
+        && location_of(text, &path).is_none_or(|location| location.written(text.text) != word);
     let label = format!("expected {}", listed(expected));
     let fault = if is_key {
         Fault::of_key(path, format!("unknown key `{word}`"), label)
@@ -102,7 +103,7 @@ fn unknown_choice(text: &str, path: FieldPath, word: &str, expected: &str) -> Fa
     Fault { help, ..fault }
 }
 
-fn missing_key(text: &str, path: FieldPath, word: &str) -> Fault {
+fn missing_key(text: &LocatedText, path: FieldPath, word: &str) -> Fault {
     let help = if location_of(text, &path).is_some_and(|location| location.is_empty) {
         format!("add `{word}: …` below it, indented deeper")
     } else {
@@ -113,12 +114,12 @@ fn missing_key(text: &str, path: FieldPath, word: &str) -> Fault {
 }
 
 /// A value of the wrong type or out of its range.
-fn invalid(text: &str, path: FieldPath, problem: &str, expected: &str) -> Fault {
+fn invalid(text: &LocatedText, path: FieldPath, problem: &str, expected: &str) -> Fault {
     let subject = subject(&path);
     let location = location_of(text, &path);
     let written = location
         .as_ref()
-        .map_or("", |location| location.written(text));
+        .map_or("", |location| location.written(text.text));
     if expected == "newtype variant" {
         let message = format!("{subject} cannot be the word `{written}` alone");
         return Fault::new(path, message, format!("expected `{written}: …`"));
@@ -137,7 +138,8 @@ fn invalid(text: &str, path: FieldPath, problem: &str, expected: &str) -> Fault 
         format!("expected {}", description(expected)),
     );
     let is_type = problem.starts_with("invalid type");
-    let is_comment = |location: &Location| location.is_empty && location.is_before_comment(text);
+    let is_comment =
+        |location: &Location| location.is_empty && location.is_before_comment(text.text);
     let help = match expected {
         _ if expected.contains("color") && location.as_ref().is_some_and(is_comment) => {
             Some("`#` starts a comment: put the color in quotes".to_owned())
@@ -210,8 +212,8 @@ fn description(expected: &str) -> String {
 }
 
 /// Locates exactly the value at `path`; `None` for a value inside an alias.
-fn location_of(text: &str, path: &FieldPath) -> Option<Location> {
-    position::locate(text, path).filter(|location| location.is_exact)
+fn location_of(text: &LocatedText, path: &FieldPath) -> Option<Location> {
+    text.locate(path).filter(|location| location.is_exact)
 }
 
 /// Converts serde's "one of `a`, `b`, `c`" to "`a`, `b` or `c`"; returns any
@@ -238,7 +240,7 @@ fn subject(path: &FieldPath) -> String {
     }
 }
 
-fn path_of(path: &serde_path_to_error::Path) -> FieldPath {
+pub(super) fn path_of(path: &serde_path_to_error::Path) -> FieldPath {
     FieldPath(
         path.iter()
             .filter_map(|segment| match segment {

@@ -10,7 +10,7 @@ use crate::common::{film, in_repository, parse};
 use raycost::config::{Config, CostMode, Repeats};
 use raycost::film::columns;
 use raycost::study::StudyPlan;
-use raycost::yaml::Source;
+use raycost::yaml::{Document, Source};
 
 /// The README and all pages of the book, by their paths in the repository.
 pub fn pages() -> Vec<(String, String)> {
@@ -88,6 +88,15 @@ fn with_sections(sections: &Mapping) -> String {
     serde_yaml::to_string(&whole).unwrap()
 }
 
+/// The config of a scene that would lie in `configs`.
+fn in_configs(text: &str) -> Config {
+    let path = in_repository("configs/of_the_book.yaml");
+    let source = Source::new(path.display().to_string(), text);
+    let document = Document::new(source, Config::MERGING);
+    let config = document.and_then(|document| document.parse());
+    config.unwrap_or_else(|error| panic!("{error}"))
+}
+
 #[test]
 fn every_scene_and_study_parses_and_its_files_are_read() {
     let folder = in_repository("configs/studies");
@@ -101,7 +110,7 @@ fn every_scene_and_study_parses_and_its_files_are_read() {
                 plan.unwrap_or_else(|error| panic!("{path}: {error}"));
                 continue;
             }
-            let mut config = parse(&with_sections(&sections));
+            let mut config = in_configs(&with_sections(&sections));
             (config.image.width, config.image.height) = (64, 48);
             assert!(film(&config, 1).n_hits() > 100, "{path}:\n{block}");
         }

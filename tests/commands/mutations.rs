@@ -1,6 +1,7 @@
 //! Damaged scene files give a scene or an error, never a panic.
 
 use std::ops::Range;
+use std::path::Path;
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -157,7 +158,7 @@ const MEMORY: u64 = 64 << 20;
 fn check(source: &Source) -> Result<(), Diagnostic> {
     let config: Config = source.parse()?;
     let check = || {
-        let geometries = Geometries::read(&config, "configs".as_ref(), MEMORY)?;
+        let geometries = Geometries::read(&config, Path::new("configs"), MEMORY)?;
         Memory::of(&config, &geometries).check(MEMORY)?;
         Scene::new(&config, geometries).map(drop)
     };

@@ -1,0 +1,53 @@
+//! The texts from which the values of a scene come.
+
+use std::collections::HashMap;
+
+use super::field_path::{FieldPath, Step};
+
+/// The sections that several files of a scene may have: their entries are put together.
+#[derive(Debug, Clone, Copy)]
+pub struct Merging {
+    /// Mappings, whose entries have different names.
+    pub maps: &'static [&'static str],
+    /// Lists.
+    pub lists: &'static [&'static str],
+}
+
+/// The place of a value in its own text.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct ValuePlace {
+    /// The index of the text among those of the scene.
+    pub(super) source: usize,
+    /// The path of the value in that text.
+    pub(super) path: FieldPath,
+}
+
+/// The places of the values of a scene, by their paths in the scene. A value that is not
+/// listed has the place of the nearest value above it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Origins(HashMap<Vec<Step>, ValuePlace>);
+
+impl Origins {
+    /// Sets the place of the value at `path` and of all below it.
+    pub(super) fn replace(&mut self, path: &FieldPath, place: ValuePlace) {
+        self.0.retain(|known, _| !known.starts_with(&path.0));
+        self.insert(path.clone(), place);
+    }
+
+    /// Sets the place of the value at `path` and of those below it that have none.
+    pub(super) fn insert(&mut self, path: FieldPath, place: ValuePlace) {
+        self.0.insert(path.0, place);
+    }
+
+    /// The place of the value at `path`; of the first text's root if none is known.
+    pub(super) fn of(&self, path: &FieldPath) -> ValuePlace {
+        let (above, place) = (0..=path.0.len())
+            .rev()
+            .find_map(|n| Some((n, self.0.get(&path.0[..n])?)))
+            .map_or((0, ValuePlace::default()), |(n, place)| (n, place.clone()));
+        let below = path.0[above..].iter().cloned();
+        let ValuePlace { source, mut path } = place;
+        path.0.extend(below);
+        ValuePlace { source, path }
+    }
+}
