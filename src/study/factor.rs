@@ -2,10 +2,12 @@
 //! a level type in `factor_level.rs` if none of those there fits.
 
 use serde::Deserialize;
-use serde::de::MapAccess;
+use serde::de::value::StringDeserializer;
+use serde::de::{Deserializer, IntoDeserializer, MapAccess};
+use serde_json::Value;
 
 use super::factor_level::{
-    BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, keyword, max_depth,
+    BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, keyword, max_depth, setting,
 };
 use crate::config::{CostMode, MAX_SAMPLES, MAX_SHAPES, Structure, TileOrder, Tiling};
 use crate::vtk::Codec;
@@ -14,13 +16,13 @@ use crate::vtk::Codec;
 /// `Variant "name": type of a level in YAML => function that makes a [`FactorLevel`]`.
 macro_rules! factors {
     ($($(#[$doc:meta])* $factor:ident $name:literal: $level:ty => $to_level:expr;)+) => {
-        /// Something that a study varies through flags of `raycost render`.
+        /// Something that a study varies through a flag of `raycost render`.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-        pub enum Factor {
+        pub enum FlagFactor {
             $($(#[$doc])* #[serde(rename = $name)] $factor,)+
         }
 
-        impl Factor {
+        impl FlagFactor {
             /// The names of all factors.
             pub const NAMES: &[&str] = &[$($name),+];
 
@@ -32,7 +34,7 @@ macro_rules! factors {
             }
 
             /// Reads the value of this factor's key: at least one level.
-            pub(super) fn next_levels<'de, A: MapAccess<'de>>(
+            fn next_levels<'de, A: MapAccess<'de>>(
                 self,
                 map: &mut A,
                 form: FactorForm,
@@ -66,6 +68,49 @@ factors! {
     Cost "cost": CostMode => |cost| keyword("cost", cost);
     /// The codec of the arrays in VTK files.
     Compress "compress": Codec => |codec| keyword("compress", codec);
+}
+
+/// Something that a study varies.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Factor {
+    /// A flag of `raycost render`.
+    Flag(FlagFactor),
+    /// The value at a path of the scene, such as `camera.look_at.fov_y_deg`.
+    Setting(String),
+}
+
+impl Factor {
+    /// The name in study files and results.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Flag(flag) => flag.name(),
+            Self::Setting(path) => path,
+        }
+    }
+
+    /// Reads the value of this factor's key: at least one level.
+    pub(super) fn next_levels<'de, A: MapAccess<'de>>(
+        &self,
+        map: &mut A,
+        form: FactorForm,
+    ) -> Result<Vec<FactorLevel>, A::Error> {
+        match self {
+            Self::Flag(flag) => flag.next_levels(map, form),
+            Self::Setting(path) => next_levels::<Value, A>(map, form, |value| setting(path, value)),
+        }
+    }
+}
+
+/// A name with a `.` or a `[` is the path of a value.
+impl<'de> Deserialize<'de> for Factor {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(d)?;
+        if name.contains(['.', '[']) {
+            return Ok(Self::Setting(name));
+        }
+        let name: StringDeserializer<D::Error> = name.into_deserializer();
+        FlagFactor::deserialize(name).map(Self::Flag)
+    }
 }
 
 fn next_levels<'de, T: Deserialize<'de>, A: MapAccess<'de>>(

@@ -52,6 +52,19 @@ pub(super) fn max_depth(depth: u8) -> FactorLevel {
     }
 }
 
+/// The level `--set=path=value`: a number or a text in the results, and JSON if the value
+/// is a list or a mapping.
+pub(super) fn setting(path: &str, value: Value) -> FactorLevel {
+    let json = value.to_string();
+    FactorLevel {
+        flags: vec![format!("--set={path}={json}")],
+        value: match value {
+            Value::Number(_) | Value::String(_) => value,
+            _ => json.into(),
+        },
+    }
+}
+
 /// A number from 1 to `MAX`.
 pub(super) struct BoundedCount<const MAX: u64>(u64);
 

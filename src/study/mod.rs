@@ -22,7 +22,7 @@ mod roofline_point;
 mod plot;
 
 pub use cost_law::{CostLaw, CostSample, PowerLaw};
-pub use factor::Factor;
+pub use factor::{Factor, FlagFactor};
 pub use factor_level::FactorLevel;
 pub use limits_file::LimitsFile;
 pub use plan::{Case, PlannedRun, QuickPlan, StudyPlan, Vary};

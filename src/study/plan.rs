@@ -137,7 +137,7 @@ impl StudyPlan {
         });
         let cross = |points: Vec<StudyPoint>, (factor, levels): &(Factor, Vec<FactorLevel>)| {
             let with_levels = |point: &StudyPoint| {
-                let points = levels.iter().map(|level| point.with(*factor, level));
+                let points = levels.iter().map(|level| point.with(factor, level));
                 points.collect::<Vec<_>>()
             };
             points.iter().flat_map(with_levels).collect()
@@ -167,7 +167,7 @@ impl Case {
     /// The point with all levels of the case.
     fn of(&self, point: &StudyPoint) -> StudyPoint {
         let with =
-            |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(*factor, level);
+            |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(factor, level);
         self.0.iter().fold(point.clone(), with)
     }
 }
@@ -206,7 +206,8 @@ impl<'de> Visitor<'de> for FactorsVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
         let mut factors = Vec::new();
         while let Some(factor) = map.next_key::<Factor>()? {
-            factors.push((factor, factor.next_levels(&mut map, self.0)?));
+            let levels = factor.next_levels(&mut map, self.0)?;
+            factors.push((factor, levels));
         }
         Ok(factors)
     }

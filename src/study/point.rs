@@ -30,7 +30,7 @@ impl StudyPoint {
     }
 
     /// The point with a level of one more factor.
-    pub(super) fn with(&self, factor: Factor, level: &FactorLevel) -> Self {
+    pub(super) fn with(&self, factor: &Factor, level: &FactorLevel) -> Self {
         let mut point = self.clone();
         point.flags.extend(level.flags.iter().cloned());
         point

@@ -70,8 +70,9 @@ pub fn statistics_rows(
 pub fn write_csv(rows: &[StatisticsRow], out: &mut impl Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
     if let Some(row) = rows.first() {
-        let factors = row.point.keys().map(String::as_str);
-        table.write_record(factors.chain(columns(row).map(|(name, _)| name)))?;
+        let factors = row.point.keys().map(|name| text_cell(name));
+        let columns = columns(row).map(|(name, _)| name.into());
+        table.write_record(factors.chain(columns).map(|name| name.into_owned()))?;
     }
     for row in rows {
         let factors = row.point.values().map(text);

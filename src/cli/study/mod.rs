@@ -117,7 +117,11 @@ impl Study {
         let study = Self {
             points: plan.points(),
             plan,
-            folder: source.folder().to_owned(),
+            // A scene is never that of standard input, whose name is `-`.
+            folder: match source.folder() {
+                none if none == Path::new("") => PathBuf::from("."),
+                folder => folder.to_owned(),
+            },
             out,
         };
         for point in &study.points {

@@ -32,7 +32,8 @@ pub(super) fn write_tables(
             continue;
         };
         fits.extend(fits_of(plot, &figure));
-        let name = format!("plot-{}-{}-over-{}", number + 1, plot.y.join("-"), plot.x);
+        let x = plot.x.replace(['/', '\\', ':', '"'], "-");
+        let name = format!("plot-{}-{}-over-{x}", number + 1, plot.y.join("-"));
         write_figure(&figure, out, &name)?;
     }
     let mut all = json!({ "title": plan.title, "made_by": made_by, "fits": fits, "rows": rows });

@@ -55,6 +55,30 @@ fn stderr_of(output: &Output) -> String {
 }
 
 #[test]
+fn any_value_of_the_scene_is_a_factor() {
+    let vary = "{ camera.look_at.fov_y_deg: [20, 40], 'objects[1].plane.normal': [[0, 1, 0]] }";
+    let study = STUDY.replace("{ tile_size: [4, 8], max_depth: [0, 3] }", vary);
+    let folder = folder(&study.replace("x: tile_size", "x: camera.look_at.fov_y_deg"));
+    assert_success(&run(folder.path(), &["--quick"]));
+    let points: Vec<Value> = lines(folder.path())[1..]
+        .iter()
+        .map(|run| run["point"].clone())
+        .collect();
+    for fov in [20, 40] {
+        let point = serde_json::json!({
+            "scene": "scene",
+            "camera.look_at.fov_y_deg": fov,
+            "objects[1].plane.normal": "[0,1,0]",
+        });
+        assert!(points.contains(&point), "{points:?}");
+    }
+    let table = fs::read_to_string(folder.path().join("out/statistics.csv")).unwrap();
+    assert!(table.starts_with("scene,camera.look_at.fov_y_deg,objects[1].plane.normal,metric"));
+    let plot = "out/plot-1-render_wall_ms-over-camera.look_at.fov_y_deg.svg";
+    assert!(folder.path().join(plot).exists());
+}
+
+#[test]
 fn every_point_is_measured_in_every_round() {
     let folder = folder(STUDY);
     assert_success(&run(folder.path(), &[]));

@@ -45,6 +45,15 @@ fn mistakes_are_reported_before_the_first_run() {
             "title: x\nscenes: [scene.yaml]\nvary: { threads: [0] }",
             "`vary.threads[0]` cannot be `0`",
         ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { camera.lookat.fov_y_deg: [20] }",
+            "did you mean `look_at`?",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { camera.look_at.fov_y_deg: [20, 200] }",
+            "`camera.look_at.fov_y_deg` cannot be `200`",
+        ),
+        ("title: x\nscenes: ['-']", "cannot read the scene `./-`"),
         ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
         ("title: x\nscenes: [none.yaml]", "cannot read the scene"),
         (

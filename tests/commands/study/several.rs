@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use raycost::study::{Factor, StudyPlan};
+use raycost::study::{FlagFactor, StudyPlan};
 use raycost::yaml::Source;
 use serde_json::Value;
 
@@ -86,7 +86,7 @@ fn a_mistake_in_one_of_several_studies_stops_all() {
 #[test]
 fn the_page_on_studies_lists_all_factors() {
     let page = fs::read_to_string(in_repository("docs/study.md")).unwrap();
-    for name in Factor::NAMES {
+    for name in FlagFactor::NAMES {
         assert!(page.contains(&format!("`{name}`")), "{name} is missing");
     }
 }
