@@ -1,15 +1,43 @@
 //! Sets the variables `RAYCOST_…` that the crate reads by `env!` and `option_env!` to describe the build:
-//! compiler, profile, flags and commit.
+//! compiler, profile, flags and commit. Collects the doc comments that `raycost schema`
+//! shows.
+
+#[path = "build/doc_comments.rs"]
+mod doc_comments;
 
 use std::env;
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 /// Everything that the binary is built from. Cargo runs this script again only if one of
 /// these files or the commit changes.
-const SOURCES: [&str; 5] = ["src", "paraview", "Cargo.toml", "Cargo.lock", "build.rs"];
+const SOURCES: [&str; 6] = [
+    "src",
+    "paraview",
+    "Cargo.toml",
+    "Cargo.lock",
+    "build.rs",
+    "build",
+];
+
+/// The folders whose doc comments describe the keys of scene files.
+const DOCUMENTED: [&str; 9] = [
+    "src/config",
+    "src/camera",
+    "src/color",
+    "src/geometry",
+    "src/light",
+    "src/material",
+    "src/sampling",
+    "src/study",
+    "src/vtk/codec",
+];
 
 fn main() {
+    let out = env::var("OUT_DIR").expect("cargo sets it");
+    let comments = doc_comments::collect(&DOCUMENTED.map(Path::new));
+    fs::write(Path::new(&out).join("doc_comments.tsv"), comments).expect("a file in OUT_DIR");
     let compiler = env::var("RUSTC").ok();
     let version = compiler.and_then(|rustc| output_of(&rustc, &["--version"]));
     set_variable("COMPILER", &version.unwrap_or_default());

@@ -92,6 +92,10 @@ pub mod view;
 pub mod diff;
 #[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
+pub mod schema;
+#[doc(hidden)]
+pub mod starter;
 pub mod session;
 #[doc(hidden)]
 pub mod cli;

@@ -58,16 +58,23 @@ enum Focus {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a lens such as { radius: 0.05 }")]
 struct LensFields {
+    /// The radius of the lens in world units; 0 is a pinhole.
     #[serde(default, deserialize_with = "radius")]
     radius: Option<f32>,
+    /// In place of the radius: the focal length divided by the diameter.
     #[serde(default, deserialize_with = "f_number")]
     f_number: Option<f32>,
+    /// The distance of the plane in focus from the eye, in world units.
     #[serde(default, deserialize_with = "distance")]
     focus_distance: Option<f32>,
+    /// In place of the distance: a point of the plane in focus; the target if neither is
+    /// given.
     #[serde(default, deserialize_with = "point")]
     focus_point: Option<Vec3>,
+    /// The corners of the aperture, 3 to 32; 0 for a circle, as if not given.
     #[serde(default, deserialize_with = "blades")]
     blades: u32,
+    /// The turn of the aperture in degrees, counterclockwise; at 0 a corner is on top.
     #[serde(default, deserialize_with = "yaml::coordinate")]
     rotation_deg: f32,
 }

@@ -29,17 +29,22 @@ pub struct LookAt {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LookAtKeys {
+    /// The center of projection.
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
+    /// The point in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
     target: Vec3,
+    /// The direction that is up in the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
+    /// The angle of view from the bottom to the top of the picture, in degrees.
     #[serde(deserialize_with = "fov_deg", default)]
     fov_y_deg: Option<f32>,
-    /// Of a lens for frames of 36 x 24 mm.
+    /// In place of the angle: the focal length in millimeters, for frames of 36 x 24 mm.
     #[serde(deserialize_with = "focal_length_mm", default)]
     focal_length_mm: Option<f32>,
+    /// A thin lens; a pinhole if not given.
     #[serde(default)]
     lens: Option<LensKeys>,
 }

@@ -27,10 +27,13 @@ pub struct Orthographic {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OrthographicKeys {
+    /// A point of the plane behind which it sees nothing, in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
+    /// Another point in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
     target: Vec3,
+    /// The direction that is up in the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
     /// World-space height of the image.

@@ -28,10 +28,13 @@ pub struct Panorama {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PanoramaKeys {
+    /// The point from which it sees.
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
+    /// A point on the middle column of the picture.
     #[serde(deserialize_with = "yaml::point")]
     target: Vec3,
+    /// The direction of the top row of the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
 }

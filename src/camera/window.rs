@@ -37,14 +37,19 @@ pub enum WindowSamples {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WindowKeys {
+    /// The center of projection.
     #[serde(deserialize_with = "yaml::point")]
     eye: Vec3,
+    /// The left and the right edge of the window.
     #[serde(deserialize_with = "yaml::range")]
     x: [f32; 2],
+    /// The bottom and the top edge.
     #[serde(deserialize_with = "yaml::range")]
     y: [f32; 2],
+    /// The plane of the window.
     #[serde(deserialize_with = "yaml::coordinate")]
     z: f32,
+    /// Where samples are in the cells of the window.
     #[serde(default)]
     samples: WindowSamples,
 }

@@ -6,11 +6,13 @@ mod completions;
 mod diff;
 mod failure;
 mod hottest;
+mod new;
 mod progress;
 mod rectangle;
 mod render;
 mod run_summary;
 mod scene;
+mod schema;
 mod study;
 mod timing_quality;
 mod trace;
@@ -35,7 +37,7 @@ use crate::text::{self, Diagnostic, one_line};
 /// and VTK files with ParaView states that show both.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, subcommand_required = true)]
-#[command(after_help = "Start with:\n  raycost render configs/seed_sphere.yaml")]
+#[command(after_help = "Start with:\n  raycost new scene.yaml\n  raycost render scene.yaml")]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -73,6 +75,10 @@ commands! {
     Trace(trace::TraceArguments),
     /// Measure how the cost of scenes depends on the factors that you vary
     Study(study::StudyArguments),
+    /// Write a scene file to begin with
+    New(new::NewArguments),
+    /// Print the JSON Schema of scene files or of studies
+    Schema(schema::SchemaArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

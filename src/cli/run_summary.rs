@@ -21,6 +21,8 @@ pub(super) fn lines(
     let out = scene.out();
     let trace = hottest::trace_command(scene, rendering.film);
     let trace = trace.map_or(String::new(), |trace| format!("        {trace}\n"));
+    let keep = scene.command_to_keep();
+    let keep = keep.map_or(String::new(), |command| format!("keep    {command}\n"));
     let files: Vec<String> = written
         .iter()
         .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
@@ -57,7 +59,8 @@ pub(super) fn lines(
          {}\
          wrote   {}: {}\n\
          next    paraview --state={}\n\
-         {trace}",
+         {trace}\
+         {keep}",
         image.width,
         image.height,
         image.samples(),

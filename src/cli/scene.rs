@@ -10,9 +10,11 @@ use crate::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats,
     Structure, TileOrder, Tiling,
 };
+use crate::import;
 use crate::memory::Memory;
 use crate::scene::Geometries;
 use crate::session::Input;
+use crate::starter;
 use crate::text::{Diagnostic, keyword_name};
 use crate::vtk::Codec;
 use crate::yaml::{self, Document, Fault, Source};
@@ -23,7 +25,7 @@ const STANDARD_INPUT: &str = "-";
 /// The scene file and the settings that override the file's.
 #[derive(Debug, clap::Args)]
 pub(super) struct SceneArguments {
-    /// The scene's YAML file; `-` for standard input
+    /// The scene's YAML file; `-` for standard input; or a mesh, for a scene around it
     pub(super) scene: PathBuf,
 
     /// Set a value of the scene, such as `camera.look_at.fov_y_deg=30` or
@@ -161,10 +163,20 @@ impl SceneArguments {
         self.scene == Path::new(STANDARD_INPUT)
     }
 
+    /// The command that writes the scene of a mesh as a file; `None` for another scene.
+    pub(super) fn command_to_keep(&self) -> Option<String> {
+        let mesh = import::is_mesh(&self.scene).then(|| shell_word(&self.scene))?;
+        let stem = self.scene.file_stem().unwrap_or_default();
+        let file = Path::new(stem).with_extension("yaml");
+        Some(format!("raycost new --mesh {mesh} {}", shell_word(&file)))
+    }
+
     /// The scene with its settings.
     fn document(&self) -> Result<Document, Diagnostic> {
         let source = if self.is_standard_input() {
             Source::read_standard_input()?
+        } else if import::is_mesh(&self.scene) {
+            starter::scene_beside(&self.scene)?
         } else {
             Source::read(&self.scene)?
         };

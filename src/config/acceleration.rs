@@ -128,5 +128,6 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BvhSection {
+    /// The effort spent on building the hierarchy.
     quality: Quality,
 }

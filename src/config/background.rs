@@ -26,14 +26,17 @@ pub struct Background {
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Pattern {
+    /// Two colors, linear in the height of the direction.
     Gradient(Gradient),
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "two colors: { bottom: …, top: … }")]
 struct Gradient {
+    /// The color straight down.
     #[serde(deserialize_with = "yaml::color")]
     bottom: Vec3,
+    /// The color straight up.
     #[serde(deserialize_with = "yaml::color")]
     top: Vec3,
 }

@@ -218,5 +218,6 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
+    /// The boxes of the hierarchy and the cost of each; these limit how many.
     bvh: BvhLimits,
 }

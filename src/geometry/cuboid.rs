@@ -24,8 +24,10 @@ pub struct Cuboid {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CuboidKeys {
+    /// The corner with the least coordinates.
     #[serde(deserialize_with = "yaml::point")]
     min: Vec3,
+    /// The corner with the greatest coordinates.
     #[serde(deserialize_with = "yaml::point")]
     max: Vec3,
 }

@@ -60,6 +60,12 @@ type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;
 /// The mesh formats by the extension of their files, in lower case.
 const FORMATS: &[(&str, MeshReader)] = &[("obj", obj::read), ("ply", ply::read)];
 
+/// Whether the file's extension is that of a mesh format.
+pub fn is_mesh(path: &Path) -> bool {
+    let extension = extension(path);
+    FORMATS.iter().any(|(known, _)| *known == extension)
+}
+
 /// Reads a triangle mesh; the file's extension determines the format.
 ///
 /// # Errors

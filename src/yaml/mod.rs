@@ -33,4 +33,5 @@ pub use number::{
     positive_range, range, scale, seed, size, vector, whole,
 };
 pub use origins::Merging;
+pub(crate) use source::refusal;
 pub use source::{Source, from_str};

@@ -192,6 +192,13 @@ pub(super) fn deserialize<T: DeserializeOwned>(
         .map_err(|error| (translate::path_of(&track.path()), error))
 }
 
+/// Why a text is refused as a `T`: the path of the value and the message; `None` if it is
+/// not. The text must be free of the mistakes that [`Source::parse`] checks first.
+pub(crate) fn refusal<T: DeserializeOwned>(text: &str) -> Option<(FieldPath, String)> {
+    let refused = deserialize::<T>(text).err()?;
+    Some((refused.0, translate::message_of(&refused.1)))
+}
+
 /// Points at the first byte that is not UTF-8.
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let at = error.utf8_error().valid_up_to();

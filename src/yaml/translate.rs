@@ -56,7 +56,7 @@ pub(super) fn is_unknown_key(error: &serde_yaml::Error) -> bool {
 
 /// Returns serde_yaml's message without the path before it and the position
 /// after it, which the excerpt shows.
-fn message_of(error: &serde_yaml::Error) -> String {
+pub(super) fn message_of(error: &serde_yaml::Error) -> String {
     let mut message = error.to_string();
     if let Some(place) = error.location() {
         let position = format!(" at line {} column {}", place.line(), place.column());

@@ -63,9 +63,9 @@ fn a_mistake_in_the_scene_ends_with_2_before_anything_is_written() {
         let message = failure(folder.path(), &[command, "bad.yaml"], 2);
         let expected = "\
 error: `objects[0].sphere.radius` cannot be `-1`
-  --> bad.yaml:16:42
+  --> bad.yaml:17:42
    |
-16 |   - sphere: { center: [0, 0, 1], radius: -1 }
+17 |   - sphere: { center: [0, 0, 1], radius: -1 }
    |                                          ^^ expected a number greater than 0 (1e-15 to 1e15)
 ";
         assert_eq!(message, expected);

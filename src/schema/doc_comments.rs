@@ -1,0 +1,39 @@
+//! The doc comments of keys and keywords, which `build.rs` collects from the sources.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// Names with their doc comments by the type that has them; a line each: type, name and
+/// comment, with tabs between them.
+const COLLECTED: &str = include_str!(concat!(env!("OUT_DIR"), "/doc_comments.tsv"));
+
+/// The names of one type and their comments; empty for none.
+type Documented = BTreeMap<&'static str, &'static str>;
+
+static TYPES: LazyLock<Vec<Documented>> = LazyLock::new(|| {
+    let mut types: BTreeMap<&str, Documented> = BTreeMap::new();
+    for line in COLLECTED.lines() {
+        let mut parts = line.splitn(3, '\t');
+        if let (Some(owner), Some(name), Some(doc)) = (parts.next(), parts.next(), parts.next()) {
+            types.entry(owner).or_default().insert(name, doc);
+        }
+    }
+    types.into_values().collect()
+});
+
+/// The doc comment of one of a mapping's keys, or of one of several keywords: that of the
+/// type that has most of them, and fewest others.
+pub(super) fn of(names: &[String], name: &str) -> Option<String> {
+    let share = |documented: &&Documented| {
+        let is_in = |name: &&String| documented.contains_key(name.as_str());
+        let n_common = names.iter().filter(is_in).count();
+        let n_all = names.len() + documented.len() - n_common;
+        let is_documented = documented.get(name).is_some_and(|doc| !doc.is_empty());
+        (1000 * n_common / n_all.max(1), is_documented)
+    };
+    let having = TYPES
+        .iter()
+        .filter(|documented| documented.contains_key(name));
+    let doc = having.max_by_key(share)?.get(name)?;
+    (!doc.is_empty()).then(|| (*doc).to_owned())
+}

@@ -1,0 +1,107 @@
+//! Scenes to begin with: one that shows the sections, and one around a mesh.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use crate::geometry::Aabb;
+use crate::host::available_memory;
+use crate::import::{self, FileFault, Mesh};
+use crate::text::{Diagnostic, one_line};
+use crate::yaml::Source;
+
+/// A commented scene.
+pub const SCENE: &str = include_str!("scene.yaml");
+
+/// The vertical angle of view of scenes around meshes, in degrees.
+const FOV_Y_DEG: f32 = 35.0;
+/// The direction from a mesh to the eye: from the front, a little from the right and from
+/// above.
+const TO_EYE: Vec3 = Vec3::new(0.45, 0.35, 1.0);
+/// Number of triangles from which on a mesh without normals is shaded smoothly: coarser
+/// ones are often of things with edges.
+const SMOOTH_FROM: usize = 1000;
+
+/// The scene of a mesh, as a file that lies beside the mesh.
+///
+/// # Errors
+/// The mesh cannot be read, is damaged, or may need more memory than is free.
+pub fn scene_beside(mesh: &Path) -> Result<Source, Diagnostic> {
+    let name = Path::new(mesh.file_name().unwrap_or_default());
+    let text = scene_of(mesh, name)?;
+    Ok(Source::new(mesh.display().to_string(), text))
+}
+
+/// The text of a scene that shows a mesh, which its scene file finds at `path_in_scene`.
+///
+/// # Errors
+/// Those of [`scene_beside`].
+pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic> {
+    let of_file = |fault: FileFault| {
+        Diagnostic::new(fault.message()).with_help(format!("expected {}", fault.expected))
+    };
+    let n_bytes = import::n_bytes(mesh).map_err(of_file)?;
+    if n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE) > available_memory() {
+        let message = format!("`{}` may need more memory than is free", mesh.display());
+        return Err(Diagnostic::new(message).with_help("use a smaller file"));
+    }
+    let read = import::read_mesh(mesh).map_err(of_file)?;
+    Ok(text_of(&read, path_in_scene))
+}
+
+fn text_of(mesh: &Mesh, file: &Path) -> String {
+    let corners = mesh.triangles.iter().flatten();
+    let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
+    let center = 0.5 * bounds.min + 0.5 * bounds.max;
+    // All of the sphere around the box is in view.
+    let radius = (0.5 * (bounds.max - bounds.min).length()).max(1e-6);
+    let distance = radius / (0.5 * FOV_Y_DEG.to_radians()).sin();
+    let eye = center + distance * TO_EYE.normalize();
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let normals = if mesh.normals.is_none() && mesh.triangles.len() >= SMOOTH_FROM {
+        "smooth"
+    } else {
+        "file"
+    };
+    // JSON is YAML.
+    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+    let name: String = stem.chars().take(200).collect();
+    format!(
+        "\
+# The mesh {title}: the camera sees all of it, with +y up.
+image: {{ width: 800, height: 600, samples_per_pixel: 4 }}
+camera:
+  look_at: {{ eye: {eye}, target: {target}, fov_y_deg: {FOV_Y_DEG} }}
+background: {{ gradient: {{ bottom: [0.9, 0.9, 0.9], top: [0.45, 0.55, 0.7] }} }}
+shading: {{ ambient: 0.06, max_depth: 2 }}
+materials:
+  clay: {{ color: [0.66, 0.55, 0.46], specular: 0.12, exponent: 40 }}
+lights:
+  # The key light from the upper left, and a weak one that fills its shadows.
+  - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.8 }}
+  - directional: {{ direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.2 }}
+objects:
+  - name: {name}
+    # `normals` are those of the file, `smooth` or `flat`.
+    mesh: {{ file: {file}, normals: {normals} }}
+    material: clay
+",
+        title = one_line(&stem),
+        eye = point(eye, radius),
+        target = point(center, radius),
+        name = quoted(&name),
+        file = quoted(&file.to_string_lossy()),
+    )
+}
+
+/// A point with as many digits as its distance from others, `scale`, needs.
+fn point(point: Vec3, scale: f32) -> String {
+    let unit = 10.0_f64.powf(f64::from(scale).log10().floor() - 3.0);
+    let coordinate = |x: f32| {
+        let rounded = (f64::from(x) / unit).round() * unit;
+        // The shortest digits of a 32-bit number.
+        (rounded as f32 + 0.0).to_string()
+    };
+    let [x, y, z] = point.to_array().map(coordinate);
+    format!("[{x}, {y}, {z}]")
+}

@@ -1,0 +1,152 @@
+//! `raycost new` writes scenes that render, and a mesh is a scene.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use crate::common::{assert_success, film, in_repository, parse, raycost};
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    raycost()
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(output: &[u8]) -> String {
+    String::from_utf8(output.to_vec()).unwrap()
+}
+
+#[test]
+fn the_first_scene_renders_and_no_file_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = run(folder.path(), &["new"]);
+    assert_success(&written);
+    assert!(text(&written.stdout).ends_with("next    raycost render scene.yaml\n"));
+    let scene = fs::read_to_string(folder.path().join("scene.yaml")).unwrap();
+    let mut config = parse(&scene);
+    (config.image.width, config.image.height) = (64, 40);
+    let film = film(&config, 1);
+    let objects: std::collections::BTreeSet<i32> = film.values(|strip| &strip.object).collect();
+    assert_eq!(
+        objects.len(),
+        config.objects.len() + 1,
+        "each object and the sky is seen"
+    );
+    let again = run(folder.path(), &["new", "scene.yaml"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("`scene.yaml` exists already"));
+    assert_eq!(
+        fs::read_to_string(folder.path().join("scene.yaml")).unwrap(),
+        scene
+    );
+    let nowhere = run(folder.path(), &["new", "none/scene.yaml"]);
+    assert_eq!(nowhere.status.code(), Some(1), "{nowhere:?}");
+}
+
+#[test]
+fn a_mesh_is_rendered_as_the_scene_that_new_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("meshes")).unwrap();
+    let mesh = folder.path().join("meshes/the cow.obj");
+    fs::copy(in_repository("configs/meshes/spot.obj"), &mesh).unwrap();
+    let size = ["--width", "60", "--height", "45", "--cost", "none"];
+    let rendered = run(
+        folder.path(),
+        &[&["render", "meshes/the cow.obj", "--out", "a"], &size[..]].concat(),
+    );
+    assert_success(&rendered);
+    let last = text(&rendered.stdout);
+    let last = last.trim_end().lines().last().unwrap();
+    assert_eq!(
+        last,
+        "keep    raycost new --mesh 'meshes/the cow.obj' 'the cow.yaml'"
+    );
+    assert_success(&run(
+        folder.path(),
+        &["new", "--mesh", "meshes/the cow.obj", "the cow.yaml"],
+    ));
+    assert_success(&run(
+        folder.path(),
+        &[&["render", "the cow.yaml", "--out", "b"], &size[..]].concat(),
+    ));
+    let picture = |out: &str| {
+        image::open(folder.path().join(out).join("image.png"))
+            .unwrap()
+            .to_rgb8()
+    };
+    assert_eq!(picture("a"), picture("b"));
+    // Beside the mesh, and in a folder that does not contain it.
+    for file in ["meshes/scene.yaml", "other/scene.yaml"] {
+        fs::create_dir_all(folder.path().join(file).parent().unwrap()).unwrap();
+        assert_success(&run(
+            folder.path(),
+            &["new", "--mesh", "meshes/the cow.obj", file],
+        ));
+        assert_success(&run(folder.path(), &["check", file]));
+    }
+    let set = [
+        "check",
+        "meshes/the cow.obj",
+        "--set",
+        "materials.clai.color=1",
+    ];
+    assert!(text(&run(folder.path(), &set).stderr).contains("did you mean `clay`?"));
+}
+
+/// All vertices are in the picture, whatever the size and the place of the mesh.
+#[test]
+fn the_camera_sees_all_of_a_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    for (scale, shift) in [
+        (1.0, [0.0; 3]),
+        (1e-4, [0.5, 0.0, -3.0]),
+        (1e6, [-1e6, 2e6, 5e5]),
+    ] {
+        let mut obj = String::new();
+        for corner in 0..8 {
+            let at = |axis: i32| scale * f64::from(corner >> axis & 1) + shift[axis as usize];
+            obj += &format!("v {} {} {}\n", at(0), at(1), at(2));
+        }
+        obj += "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
+        fs::write(folder.path().join("cube.obj"), obj).unwrap();
+        let source = raycost::starter::scene_beside(&folder.path().join("cube.obj")).unwrap();
+        let name = serde_json::json!(folder.path().join("cube.obj")).to_string();
+        let mut config = parse(&source.text().replace("\"cube.obj\"", &name));
+        (config.image.width, config.image.height) = (80, 60);
+        config.image.samples_per_pixel = 1;
+        let objects: Vec<i32> = film(&config, 1).values(|strip| &strip.object).collect();
+        let border = objects.iter().enumerate().filter(|(i, _)| {
+            let (x, y) = (i % 80, i / 80);
+            x == 0 || y == 0 || x == 79 || y == 59
+        });
+        assert!(border.into_iter().all(|(_, object)| *object < 0), "{scale}");
+        let n_hits = objects.iter().filter(|object| **object >= 0).count();
+        assert!((800..3600).contains(&n_hits), "{scale}: {n_hits}");
+    }
+}
+
+#[test]
+fn a_mesh_that_cannot_be_read_gets_its_message() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.obj"), "v 1 x\n").unwrap();
+    for (mesh, expected) in [
+        ("a.obj", "`a.obj`, line 1: `x` is no number"),
+        ("b.ply", "`b.ply`: cannot read it"),
+    ] {
+        for arguments in [
+            ["render", mesh].as_slice(),
+            &["new", "--mesh", mesh, "x.yaml"],
+        ] {
+            let refused = run(folder.path(), arguments);
+            assert_eq!(refused.status.code(), Some(2));
+            assert!(
+                text(&refused.stderr).contains(expected),
+                "{}",
+                text(&refused.stderr)
+            );
+        }
+    }
+    assert!(!folder.path().join("x.yaml").exists());
+}
