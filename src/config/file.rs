@@ -53,7 +53,7 @@ impl fmt::Display for GeometryFile {
     }
 }
 
-/// A triangle mesh in an OBJ or PLY file.
+/// A triangle mesh in an OBJ, PLY or STL file.
 ///
 /// ```
 /// # use raycost::config::MeshFile;

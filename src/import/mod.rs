@@ -12,6 +12,7 @@ mod obj;
 mod picture;
 mod ply;
 mod spheres;
+mod stl;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -40,6 +41,13 @@ impl Seek for Stoppable {
     }
 }
 
+impl Stoppable {
+    /// The length of the file in bytes.
+    fn length(&self) -> io::Result<u64> {
+        self.0.metadata().map(|metadata| metadata.len())
+    }
+}
+
 impl Read for Stoppable {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         stop::check().map_err(io::Error::other)?;
@@ -58,7 +66,8 @@ pub const MAX_BYTES_PER_BYTE: u64 = 48;
 type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;
 
 /// The mesh formats by the extension of their files, in lower case.
-const FORMATS: &[(&str, MeshReader)] = &[("obj", obj::read), ("ply", ply::read)];
+const FORMATS: &[(&str, MeshReader)] =
+    &[("obj", obj::read), ("ply", ply::read), ("stl", stl::read)];
 
 /// Whether the file's extension is that of a mesh format.
 pub fn is_mesh(path: &Path) -> bool {
@@ -124,6 +133,14 @@ fn extension(path: &Path) -> String {
     extension.to_string_lossy().to_lowercase()
 }
 
+/// "a, b or c"
+fn listed(words: &[String]) -> String {
+    match words.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => words.concat(),
+    }
+}
+
 fn unknown_format(extension: &str) -> FileFault {
     let known: Vec<String> = FORMATS
         .iter()
@@ -133,8 +150,5 @@ fn unknown_format(extension: &str) -> FileFault {
         "" => "its name has no extension".to_owned(),
         _ => format!("unknown mesh format `.{extension}`"),
     };
-    FileFault::new(
-        problem,
-        format!("a file that ends in {}", known.join(" or ")),
-    )
+    FileFault::new(problem, format!("a file that ends in {}", listed(&known)))
 }

@@ -210,7 +210,7 @@ fn number(word: &str) -> Result<f32> {
 }
 
 /// Parses the first three words as numbers.
-fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
+pub(super) fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
     let mut numbers = [0.0; 3];
     for (i, number) in numbers.iter_mut().enumerate() {
         let word = words

@@ -58,7 +58,17 @@ impl MeshHeader {
         }
         let mut uvs = UV_NAMES.into_iter();
         let uvs = uvs.find(|(_, names)| names.iter().all(|name| is_scalar(vertex, name)));
-        expect_list(find(header, "face")?)?;
+        let [faces, strips] = ["face", "tristrips"].map(|name| header.get_element(name));
+        match (faces, strips) {
+            (Some(faces), _) => expect_list(faces)?,
+            (None, Some(_)) => {}
+            (None, None) => {
+                find(header, "face")?;
+            }
+        }
+        if let Some(strips) = strips {
+            expect_list(strips)?;
+        }
         Ok(Self {
             n_vertices: count(vertex.count)?,
             has_normals,
@@ -122,6 +132,7 @@ fn is_scalar(vertex: &ElementDef, name: &str) -> bool {
 }
 
 fn expect_list(face: &ElementDef) -> Result<()> {
+    let name = &face.name;
     let is_whole = |kind: &ScalarType| !matches!(kind, ScalarType::F32 | ScalarType::F64);
     let lists = FACE_LISTS.map(|name| face.get_property(name));
     let mut lists = lists.iter().flatten().map(|list| &list.property_type);
@@ -134,7 +145,7 @@ fn expect_list(face: &ElementDef) -> Result<()> {
             None,
         ) if is_whole(count_type) && is_whole(data_type) => Ok(()),
         _ => Err(FileFault::new(
-            "element `face` has no list of vertices",
+            format!("element `{name}` has no list of vertices"),
             "`property list uchar int vertex_indices` in the header",
         )),
     }

@@ -1,4 +1,4 @@
-//! The Stanford polygon format: `vertex` and `face` elements, as text or
+//! The Stanford polygon format: `vertex` and `face` elements, or `tristrips`, as text or
 //! binary.
 //!
 //! serde-ply decodes the encodings. It reports no position of an error, accepts
@@ -90,7 +90,7 @@ impl Vertex {
     }
 }
 
-/// A row of a `face` element.
+/// A row of a `face` or `tristrips` element.
 #[derive(Deserialize)]
 struct Face {
     #[serde(alias = "vertex_index")]
@@ -139,6 +139,9 @@ impl Body {
             "face" => {
                 elements.next_value_seed(Rows::new(|row| self.face(&row), n_rows, &mut fault))
             }
+            "tristrips" => {
+                elements.next_value_seed(Rows::new(|row| self.strips(&row), n_rows, &mut fault))
+            }
             _ => elements.next_value_seed(Rows::new(|_: Skipped| Ok(()), n_rows, &mut fault)),
         };
         read.map_err(|error| fault.unwrap_or_else(|| of_row(&error, element)))
@@ -159,17 +162,35 @@ impl Body {
         let n = self.header.n_vertices;
         self.face.clear();
         for &index in &row.vertex_indices {
-            let vertex = u32::try_from(index).ok().filter(|vertex| *vertex < n);
-            self.face.push(vertex.ok_or_else(|| {
-                let problem = format!("there is no vertex {index}");
-                FileFault::new(problem, format!("one of the {n} vertices, from 0"))
-            })?);
+            self.face.push(vertex(index, n)?);
         }
         if self.face.len() < 3 {
             let problem = format!("a face has {} corners", self.face.len());
             return Err(FileFault::new(problem, "at least 3"));
         }
         self.mesh.triangles.extend(fan(&self.face));
+        Ok(())
+    }
+
+    /// Adds the triangles of strips, each of which ends at an index of -1. Each vertex from
+    /// the third on makes a triangle with the two before it; every other one is turned, so
+    /// that all have the same side outside.
+    fn strips(&mut self, row: &Face) -> Result<()> {
+        let n = self.header.n_vertices;
+        for strip in row.vertex_indices.split(|&index| index == -1) {
+            self.face.clear();
+            for &index in strip {
+                self.face.push(vertex(index, n)?);
+            }
+            for (i, corners) in self.face.windows(3).enumerate() {
+                let &[a, b, c] = corners else { continue };
+                // Equal corners move a strip to another place.
+                if a != b && b != c && c != a {
+                    let triangle = if i % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                    self.mesh.triangles.push(triangle);
+                }
+            }
+        }
         Ok(())
     }
 
@@ -188,6 +209,15 @@ impl Body {
         }
         self.mesh
     }
+}
+
+/// The index of one of `n` vertices.
+fn vertex(index: i64, n: u32) -> Result<u32> {
+    let vertex = u32::try_from(index).ok().filter(|vertex| *vertex < n);
+    vertex.ok_or_else(|| {
+        let problem = format!("there is no vertex {index}");
+        FileFault::new(problem, format!("one of the {n} vertices, from 0"))
+    })
 }
 
 /// The fault of a row that serde-ply could not read.

@@ -8,14 +8,14 @@ use super::{mesh_of, message, reading};
 fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
     assert_messages(&[
         (
-            "a.stl",
+            "a.fbx",
             "",
-            ": unknown mesh format `.stl`, expected a file that ends in .obj or .ply",
+            ": unknown mesh format `.fbx`, expected a file that ends in .obj, .ply or .stl",
         ),
         (
             "mesh",
             "",
-            ": its name has no extension, expected a file that ends in .obj or .ply",
+            ": its name has no extension, expected a file that ends in .obj, .ply or .stl",
         ),
         ("a.obj", "", ": no triangle in the file, expected faces"),
         (
@@ -259,4 +259,114 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         let read = reading("a.csv", text.as_bytes(), |path| read_spheres(path, None));
         assert_eq!(message(read), expected, "{text}");
     }
+}
+
+const SOLID: &str = "solid a b\n facet normal 0 0 nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+                     vertex 0 1 0\nendloop\nendfacet\nendsolid a b\n";
+
+#[test]
+fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
+    assert!(mesh_of("a.stl", SOLID.as_bytes()).is_ok());
+    for (old, new, expected) in [
+        (
+            "vertex 1 0 0",
+            "vertex 1 0",
+            ", line 5: 2 coordinates, expected three: x, y and z",
+        ),
+        (
+            "vertex 1 0 0",
+            "vertex 1 0 b",
+            ", line 5: `b` is no number, expected a coordinate",
+        ),
+        (
+            "vertex 1 0 0",
+            "vertex 1 0 inf",
+            ", line 5: a coordinate is inf, expected finite numbers",
+        ),
+        (
+            "vertex 1 0 0",
+            "vertex 1 0 0 0",
+            ", line 5: `0` follows a statement, expected the end of the line",
+        ),
+        (
+            "vertex 1 0 0",
+            "",
+            ", line 7: a facet has 2 corners, expected three lines of `vertex x y z`",
+        ),
+        (
+            "vertex 1 0 0",
+            "endfacet",
+            ", line 5: `endfacet` does not belong here, expected `vertex x y z` or `endloop`",
+        ),
+        (
+            "outer loop",
+            "outer",
+            ", line 3: `nothing` does not belong here, expected `loop`",
+        ),
+        (
+            "0 0 nan",
+            "0 0",
+            ", line 2: `` is no number, expected a normal: three numbers",
+        ),
+        (
+            "endsolid a b",
+            "",
+            ", line 9: the file ends within a solid, expected `endsolid`",
+        ),
+        (
+            "solid a b",
+            "solids",
+            ", line 1: `solids` does not belong here, expected `solid`",
+        ),
+        (
+            "solid a b",
+            "liquid",
+            ": 1869374574 triangles do not fit 109 bytes, expected 93468728784 bytes, or a text that begins with `solid`",
+        ),
+    ] {
+        let text = SOLID.replacen(old, new, 1);
+        assert_eq!(
+            message(mesh_of("a.stl", text.as_bytes())),
+            expected,
+            "{new}"
+        );
+    }
+    let empty = ": the file has 0 bytes, expected 84 bytes and 50 for each triangle, \
+                 or a text that begins with `solid`";
+    assert_eq!(message(mesh_of("a.stl", b"")), empty);
+    let mut lying = vec![b' '; 80];
+    lying.extend(u32::MAX.to_le_bytes());
+    lying.extend([0; 50]);
+    let expected = ": 4294967295 triangles do not fit 134 bytes, expected 214748364834 bytes, \
+                    or a text that begins with `solid`";
+    assert_eq!(message(mesh_of("a.stl", &lying)), expected);
+    lying[80..84].copy_from_slice(&1_u32.to_le_bytes());
+    lying[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
+    let expected = ", triangle 0: a coordinate is NaN, expected finite numbers";
+    assert_eq!(message(mesh_of("a.stl", &lying)), expected);
+}
+
+#[test]
+fn strips_of_ply_become_triangles_of_one_side() {
+    let file = |strips: &str, n: usize| {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+             property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
+             end_header\n0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n{n} {strips}\n"
+        );
+        mesh_of("a.ply", text.as_bytes())
+    };
+    let triangles = |strips: &str, n| file(strips, n).unwrap().triangles;
+    assert_eq!(triangles("0 1 2 3 4", 5), [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
+    assert_eq!(
+        triangles("0 1 2 -1 -1 1 3 2 4 -1", 10),
+        [[0, 1, 2], [1, 3, 2], [2, 3, 4]]
+    );
+    assert_eq!(triangles("0 1 2 2 3 3 4", 7), [[0, 1, 2]]);
+    let expected = ", line 15: there is no vertex 5, expected one of the 5 vertices, from 0";
+    assert_eq!(message(file("0 1 2 5", 4)), expected);
+    assert_eq!(
+        message(file("0 1", 2)),
+        ": no triangle in the file, expected faces"
+    );
 }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use raycost::import::{CornerValues, FileFault, Mesh, read_mesh, read_spheres};
-use write::{Encoding, obj, ply};
+use write::{Encoding, binary_stl, obj, ply, stl};
 
 /// Writes `bytes` to a file of this name, which `read` reads.
 fn reading<T>(name: &str, bytes: &[u8], read: impl Fn(&Path) -> T) -> T {
@@ -89,9 +89,28 @@ proptest! {
     }
 
     #[test]
+    fn an_stl_file_has_the_same_triangles_and_equal_vertices_once(mesh in mesh()) {
+        let corners = |mesh: &Mesh| -> Vec<[Vec3; 3]> {
+            mesh.triangles.iter().map(|&triangle| mesh.triangle(triangle).vertices).collect()
+        };
+        let used: std::collections::HashSet<[u32; 3]> = corners(&mesh)
+            .concat()
+            .into_iter()
+            .map(|vertex| (vertex + 0.0).to_array().map(f32::to_bits))
+            .collect();
+        for bytes in [stl(&mesh), binary_stl(&mesh)] {
+            let read = mesh_of("a.stl", &bytes).unwrap();
+            prop_assert_eq!(corners(&read), corners(&mesh));
+            prop_assert_eq!((read.vertices.len(), &read.normals), (used.len(), &None));
+        }
+    }
+
+    #[test]
     fn damage_never_panics(mesh in mesh(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
         let files = [
             ("a.obj", obj(&mesh)),
+            ("a.stl", stl(&mesh)),
+            ("b.stl", binary_stl(&mesh)),
             ("a.ply", ply(&mesh, Encoding::Text)),
             ("b.ply", ply(&mesh, Encoding::Little)),
             ("c.ply", ply(&mesh, Encoding::Big)),

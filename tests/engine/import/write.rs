@@ -128,3 +128,35 @@ pub fn ply(mesh: &Mesh, encoding: Encoding) -> Vec<u8> {
     }
     out
 }
+
+/// The mesh as binary STL, whose comment begins as a text does.
+pub fn binary_stl(mesh: &Mesh) -> Vec<u8> {
+    let mut out = format!("{:80}", "solid of somebody").into_bytes();
+    out.extend((mesh.triangles.len() as u32).to_le_bytes());
+    for &triangle in &mesh.triangles {
+        let corners = mesh.triangle(triangle).vertices;
+        let numbers = [Vec3::ZERO]
+            .into_iter()
+            .chain(corners)
+            .flat_map(|vector| vector.to_array());
+        out.extend(numbers.flat_map(f32::to_le_bytes));
+        out.extend([7, 7]);
+    }
+    out
+}
+
+/// The mesh as a text in two solids.
+pub fn stl(mesh: &Mesh) -> Vec<u8> {
+    let mut text = String::from("solid\r\n");
+    for (i, &triangle) in mesh.triangles.iter().enumerate() {
+        if i == 1 {
+            text += "endsolid\n\nSOLID another one\n";
+        }
+        text += "  facet normal 0 0 1e0\n    outer loop\n";
+        for v in mesh.triangle(triangle).vertices {
+            text += &format!("      vertex {:e} {} {}\n", v.x, v.y, v.z);
+        }
+        text += "    endloop\n  endfacet\n";
+    }
+    (text + "endsolid").into_bytes()
+}

@@ -1,0 +1,206 @@
+//! STL: triangles without shared vertices, as text or binary.
+//!
+//! The format is that of 3D Systems' StereoLithography Interface Specification (1989). A
+//! binary file begins with 80 bytes of any kind, often `solid` as a text does: what tells
+//! them apart is the length, which the number of triangles determines. Equal vertices
+//! become one, so that normals can be smooth; the normals of the file are those of its
+//! triangles, which follow from the vertices.
+
+use std::collections::HashMap;
+use std::io::{BufRead, Cursor, Read};
+
+use glam::Vec3;
+
+use super::fault::cut;
+use super::lines::Lines;
+use super::mesh::{Mesh, count, finite};
+use super::obj::vector;
+use super::{FileFault, FileLocation, GeometryFileReader, Result};
+
+/// Bytes before the triangles of a binary file: a comment, and their number.
+const HEADER: u64 = 84;
+/// Bytes of a triangle: its normal, three vertices, and two bytes for applications.
+const TRIANGLE: usize = 50;
+
+pub(super) fn read(mut file: GeometryFileReader) -> Result<Mesh> {
+    let length = file.get_ref().length()?;
+    let mut header = Vec::new();
+    file.by_ref().take(HEADER).read_to_end(&mut header)?;
+    let n_triangles = header.last_chunk().map(|bytes| u32::from_le_bytes(*bytes));
+    let length_of = |n: u32| HEADER + TRIANGLE as u64 * u64::from(n);
+    match n_triangles.filter(|_| header.len() as u64 == HEADER) {
+        Some(n) if length_of(n) == length => read_binary(file, n),
+        _ if header.trim_ascii_start().starts_with(b"solid") => {
+            read_text(Lines::new(Cursor::new(header).chain(file)))
+        }
+        Some(n) => {
+            let problem = format!("{n} triangles do not fit {length} bytes");
+            let expected = format!("{} bytes, or a text that begins with `solid`", length_of(n));
+            Err(FileFault::new(problem, expected))
+        }
+        None => Err(FileFault::new(
+            format!("the file has {length} bytes"),
+            "84 bytes and 50 for each triangle, or a text that begins with `solid`",
+        )),
+    }
+}
+
+fn read_binary(mut file: GeometryFileReader, n_triangles: u32) -> Result<Mesh> {
+    let mut soup = Soup::default();
+    let mut bytes = [0; TRIANGLE];
+    for i in 0..n_triangles {
+        let at = |fault: FileFault| fault.at(FileLocation::Element("triangle".into(), i.into()));
+        file.read_exact(&mut bytes)
+            .map_err(|error| at(error.into()))?;
+        let number = |k: usize| {
+            let at = 12 + 4 * k;
+            f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+        };
+        let corner = |k: usize| finite([number(3 * k), number(3 * k + 1), number(3 * k + 2)]);
+        let corners = [corner(0), corner(1), corner(2)];
+        for corner in corners {
+            soup.corner(corner.map_err(at)?)?;
+        }
+        soup.close()?;
+    }
+    Ok(soup.mesh)
+}
+
+/// The statements of a text in the order of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Within {
+    /// Nothing.
+    File,
+    Solid,
+    Facet,
+    Loop,
+    /// A facet whose loop has ended.
+    ClosedFacet,
+}
+
+fn read_text<R: BufRead>(mut lines: Lines<R>) -> Result<Mesh> {
+    let mut soup = Soup::default();
+    let mut within = Within::File;
+    loop {
+        let read = match lines.next()? {
+            Some(line) => soup.statement(&line, within),
+            None if within == Within::File => return Ok(soup.mesh),
+            None => Err(FileFault::new("the file ends within a solid", "`endsolid`")),
+        };
+        within = read.map_err(|fault| fault.at(FileLocation::Line(lines.number())))?;
+    }
+}
+
+/// The triangles so far.
+#[derive(Default)]
+struct Soup {
+    mesh: Mesh,
+    /// The vertices by the bits of their coordinates.
+    known: HashMap<[u32; 3], u32>,
+    /// The corners of the triangle that is read.
+    open: Vec<u32>,
+}
+
+impl Soup {
+    /// Adds a corner to the triangle that is read.
+    fn corner(&mut self, vertex: Vec3) -> Result<()> {
+        // Adding 0 turns -0 into 0.
+        let bits = (vertex + 0.0).to_array().map(f32::to_bits);
+        let next = count(self.mesh.vertices.len())?;
+        let index = *self.known.entry(bits).or_insert(next);
+        if index == next {
+            self.mesh.vertices.push(vertex);
+        }
+        self.open.push(index);
+        Ok(())
+    }
+
+    /// Ends the triangle that is read.
+    fn close(&mut self) -> Result<()> {
+        let Ok(corners) = self.open.as_slice().try_into() else {
+            let problem = format!("a facet has {} corners", self.open.len());
+            return Err(FileFault::new(problem, "three lines of `vertex x y z`"));
+        };
+        self.mesh.triangles.push(corners);
+        self.open.clear();
+        Ok(())
+    }
+
+    /// Parses one line of a text, of the form that the specification shows.
+    fn statement(&mut self, line: &str, within: Within) -> Result<Within> {
+        let mut words = line.split_ascii_whitespace();
+        let Some(keyword) = words.next() else {
+            return Ok(within);
+        };
+        let next = match (within, keyword.to_ascii_lowercase().as_str()) {
+            // A name may follow.
+            (Within::File, "solid") => return Ok(Within::Solid),
+            (Within::Solid, "endsolid") => return Ok(Within::File),
+            (Within::Solid, "facet") => {
+                expect(words.next(), "normal")?;
+                // Its value follows from the vertices.
+                vector_or_nan(&mut words)?;
+                Within::Facet
+            }
+            (Within::Facet, "outer") => {
+                expect(words.next(), "loop")?;
+                Within::Loop
+            }
+            (Within::Loop, "vertex") => {
+                self.corner(vector(&mut words)?)?;
+                Within::Loop
+            }
+            (Within::Loop, "endloop") => {
+                self.close()?;
+                Within::ClosedFacet
+            }
+            (Within::ClosedFacet, "endfacet") => Within::Solid,
+            _ => {
+                let problem = format!("`{}` does not belong here", cut(keyword));
+                return Err(FileFault::new(problem, within.expected()));
+            }
+        };
+        match words.next() {
+            None => Ok(next),
+            Some(word) => {
+                let problem = format!("`{}` follows a statement", cut(word));
+                Err(FileFault::new(problem, "the end of the line"))
+            }
+        }
+    }
+}
+
+impl Within {
+    /// The statements that may come next.
+    fn expected(self) -> &'static str {
+        match self {
+            Self::File => "`solid`",
+            Self::Solid => "`facet normal x y z` or `endsolid`",
+            Self::Facet => "`outer loop`",
+            Self::Loop => "`vertex x y z` or `endloop`",
+            Self::ClosedFacet => "`endfacet`",
+        }
+    }
+}
+
+fn expect(found: Option<&str>, keyword: &str) -> Result<()> {
+    let found = found.unwrap_or("nothing");
+    if found.eq_ignore_ascii_case(keyword) {
+        Ok(())
+    } else {
+        let problem = format!("`{}` does not belong here", cut(found));
+        Err(FileFault::new(problem, format!("`{keyword}`")))
+    }
+}
+
+/// Skips three numbers: the normal of a triangle without area may be none.
+fn vector_or_nan<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<()> {
+    for _ in 0..3 {
+        let word = words.next().unwrap_or_default();
+        if word.parse::<f32>().is_err() {
+            let problem = format!("`{}` is no number", cut(word));
+            return Err(FileFault::new(problem, "a normal: three numbers"));
+        }
+    }
+    Ok(())
+}
