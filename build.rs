@@ -22,13 +22,14 @@ const SOURCES: [&str; 6] = [
 ];
 
 /// The folders whose doc comments describe the keys of scene files.
-const DOCUMENTED: [&str; 9] = [
+const DOCUMENTED: [&str; 10] = [
     "src/config",
     "src/camera",
     "src/color",
     "src/geometry",
     "src/light",
     "src/material",
+    "src/material/image",
     "src/sampling",
     "src/study",
     "src/vtk/codec",

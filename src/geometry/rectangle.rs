@@ -29,8 +29,10 @@ pub struct Rectangle {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RectangleKeys {
+    /// A corner.
     #[serde(deserialize_with = "yaml::point")]
     corner: Vec3,
+    /// The two edges at the corner, which are not parallel.
     edges: Edges,
 }
 

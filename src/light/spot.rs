@@ -32,21 +32,28 @@ pub struct SpotLight {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpotKeys {
+    /// Its position in world space.
     #[serde(deserialize_with = "yaml::point")]
     position: Vec3,
+    /// A point in the middle of the cone.
     #[serde(deserialize_with = "yaml::point")]
     target: Vec3,
+    /// The angle of the cone in degrees, from edge to edge.
     #[serde(deserialize_with = "angle")]
     angle_deg: f32,
+    /// The outer fraction of the angle, in which the light fades, 0 to 1; 0.1 by default.
     #[serde(deserialize_with = "yaml::fraction", default = "soft_edge")]
     soft_edge: f32,
+    /// Its color, each channel at least 0; white by default.
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     color: Vec3,
+    /// A factor on the color, at least 0; 1 by default.
     #[serde(
         deserialize_with = "yaml::non_negative",
         default = "super::default::one"
     )]
     intensity: f32,
+    /// Its falloff with the distance; none by default.
     #[serde(default)]
     falloff: Falloff,
 }

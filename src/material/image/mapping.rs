@@ -35,7 +35,9 @@ pub enum Mapping {
 #[derive(serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum MappingKeys {
+    /// Projected along an axis.
     Planar(Planar),
+    /// Around a center, by longitude and latitude.
     Spherical(Spherical),
 }
 

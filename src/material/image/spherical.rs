@@ -29,10 +29,13 @@ pub struct Spherical {
     expecting = "a sphere such as { center: [0, 1, 0] }"
 )]
 struct SphericalKeys {
+    /// The center in world space.
     #[serde(deserialize_with = "yaml::point")]
     center: Vec3,
+    /// The direction to the top of the picture.
     #[serde(deserialize_with = "yaml::direction")]
     up: Vec3,
+    /// The direction to the middle of the picture, as far as it is perpendicular to `up`.
     #[serde(deserialize_with = "yaml::direction")]
     front: Vec3,
 }
