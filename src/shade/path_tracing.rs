@@ -103,10 +103,11 @@ pub(super) fn power_heuristic<R: Real>(own: R, other: R) -> R {
 /// 1990. The spread of light at the surfaces of media does not count.
 #[inline(always)]
 pub(super) fn survival(weight: Vec3, index: f32, depth: u32) -> f32 {
-    if depth < ROULETTE_DEPTH {
+    let share = weight.max_element() * index * index;
+    if depth < ROULETTE_DEPTH && share > 0.0 {
         return 1.0;
     }
-    (weight.max_element() * index * index).min(1.0)
+    share.min(1.0)
 }
 
 /// Bounces after which paths may end early.

@@ -46,10 +46,13 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         let point = self.points.shading(set, at);
         let rays = self.points.rays(at);
         let is_medium = self.scene.material(material).dielectric.is_some();
-        let interfaces = is_medium.then(|| {
+        let interfaces = if is_medium {
             let flipped = point.side.signs();
-            Interfaces::met(self.scene, self.wave, material, rays, flipped)
-        });
+            let met = Interfaces::met(self.scene, self.wave, material, rays, flipped);
+            Some(met)
+        } else {
+            None
+        };
         let boundary = match &interfaces {
             None => Boundary {
                 eta: set.splat(1.0),

@@ -31,7 +31,8 @@ struct OpenTree {
 }
 
 impl Tree {
-    /// The value of a text that has no mistakes; aliases are replaced by copies.
+    /// The value of a text that has no mistakes; aliases are replaced by copies. That of a
+    /// text with a mistake is empty.
     pub(super) fn of(text: &str) -> Self {
         let mut open: Vec<OpenTree> = Vec::new();
         let mut anchors: HashMap<usize, Self> = HashMap::new();
@@ -61,7 +62,9 @@ impl Tree {
                     None => continue,
                 },
                 Ok(Event::Alias(anchor)) => (anchors.get(&anchor).cloned().unwrap_or_default(), 0),
-                _ => continue,
+                Ok(_) => continue,
+                // The parser would repeat it without end.
+                Err(_) => break,
             };
             if anchor > 0 {
                 anchors.insert(anchor, value.clone());
@@ -189,8 +192,8 @@ größe 5: |
   lines
 \"h.i\": 99999999999999999999
 j:
-  - k: -
-  - \"\\u2028 \\0\"
+  - k: a - b
+  - \"\\u2028\\0\"
 ";
         let mut written = String::new();
         Tree::of(text).write(&mut written);
@@ -202,5 +205,12 @@ j:
         let [text, written] =
             [text, &written].map(|text| text.replace("99999999999999999999", "9"));
         assert_eq!(read(&text).unwrap(), read(&written).unwrap());
+    }
+
+    #[test]
+    fn a_text_with_a_mistake_is_empty() {
+        let mut written = String::new();
+        Tree::of("a: [1\nb: -").write(&mut written);
+        assert_eq!(written, "");
     }
 }

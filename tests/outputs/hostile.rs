@@ -117,7 +117,7 @@ fn a_table_longer_than_its_scene_is_refused() {
         );
     }
     fs::write(&path, &whole).unwrap();
-    assert_eq!(results.objects().unwrap().unwrap().rows.len(), 100);
+    assert_eq!(results.objects().unwrap().unwrap().rows.len(), 120);
 }
 
 #[test]
