@@ -39,19 +39,6 @@ pub struct LightNumbers<R> {
     pub point: [R; 2],
 }
 
-impl<R: Real> LightNumbers<R> {
-    /// No numbers, for lights without choice.
-    #[inline(always)]
-    pub fn none(like: R) -> Self {
-        let zero = like.splat(0.0);
-        Self {
-            source: zero,
-            shape: zero,
-            point: [zero; 2],
-        }
-    }
-}
-
 impl Lights {
     /// The space around each point, up to a distance, as the only light.
     pub(super) fn surroundings(distance: f32) -> Self {
@@ -122,8 +109,18 @@ impl Lights {
         self.by_power.is_some() || !self.sources.iter().all(is_plain)
     }
 
-    /// The light of sample `i` that arrives at a point with a normal, unless it is occluded, and the
-    /// index of the light.
+    /// The light of sample `i`, if it is always the same one and has no surface, so that
+    /// it needs no random numbers.
+    #[inline]
+    pub fn plain(&self, i: usize) -> Option<&Light> {
+        match &self.sources[i] {
+            LightSource::Light(light) if self.by_power.is_none() => Some(light),
+            _ => None,
+        }
+    }
+
+    /// The light of sample `i` that arrives at a point with a normal, unless it is
+    /// occluded, and the index of the light.
     #[inline(always)]
     pub fn illuminate<R: Real>(
         &self,

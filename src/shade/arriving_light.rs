@@ -1,11 +1,12 @@
 //! The light of one light sample at the points of a wave, in lanes.
 
+use super::models::is_lit;
 use super::numbers::WaveNumbers;
 use super::paths::PathWave;
-use crate::light::Illumination;
-use crate::scene::{LightNumbers, Scene};
+use crate::light::{Illumination, Light};
+use crate::scene::Scene;
 use crate::simd::{InstructionSet, Lanes, SimdKernel, VectorColumn, grow, lanes, lanes_mut};
-use crate::trace::{PointGroup, Points};
+use crate::trace::Points;
 
 /// The light that arrives at points unless it is occluded.
 #[derive(Debug, Default)]
@@ -45,7 +46,34 @@ impl ArrivingLight {
     }
 }
 
-/// Computes the light at all points.
+/// Computes the light of a [plain](crate::scene::Lights::plain) light at all points that it
+/// may light.
+pub(super) struct SamplePlainLight<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) light: &'a Light,
+    pub(super) points: &'a Points,
+    pub(super) arriving: &'a mut ArrivingLight,
+}
+
+impl SimdKernel for SamplePlainLight<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for group in self.points.groups() {
+            if !is_lit(self.scene, group.material) {
+                continue;
+            }
+            for at in group.lanes() {
+                let position = self.points.shading(set, at).position;
+                self.arriving
+                    .store(at.first, &self.light.illuminate(position));
+            }
+        }
+    }
+}
+
+/// Computes the light of a sample at all points that it may light.
 pub(super) struct SampleLights<'a> {
     pub(super) scene: &'a Scene,
     /// The number of the light sample.
@@ -62,19 +90,18 @@ impl SimdKernel for SampleLights<'_> {
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
         let lights = &self.scene.lights;
-        for at in self.points.groups().iter().flat_map(PointGroup::lanes) {
-            let point = self.points.shading(set, at);
-            let numbers = if lights.are_random() {
-                let rays = self.points.rays(at);
-                self.numbers
-                    .of_rays(set, self.wave, rays)
-                    .light(self.sample)
-            } else {
-                LightNumbers::none(point.side)
-            };
-            let (light, _) =
-                lights.illuminate(self.sample, [point.position, point.normal], &numbers);
-            self.arriving.store(at.first, &light);
+        for group in self.points.groups() {
+            if !is_lit(self.scene, group.material) {
+                continue;
+            }
+            for at in group.lanes() {
+                let point = self.points.shading(set, at);
+                let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
+                let numbers = numbers.light(self.sample);
+                let at_point = [point.position, point.normal];
+                let (light, _) = lights.illuminate(self.sample, at_point, &numbers);
+                self.arriving.store(at.first, &light);
+            }
         }
     }
 }

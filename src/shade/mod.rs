@@ -94,11 +94,9 @@ impl<'a> Shader<'a> {
         &self,
         path: &PathRay,
         point: &SurfacePoint,
-    ) -> impl Iterator<Item = LightSample> + use<'a> {
-        let (shader, path, point) = (*self, *path, *point);
-        (0..self.n_light_samples(&path, &point)).filter_map(move |i| {
-            by_model!(shader.scene, |model| shader
-                .light_sample(model, i, &path, &point))
+    ) -> impl Iterator<Item = LightSample> {
+        (0..self.n_light_samples(path, point)).filter_map(move |i| {
+            by_model!(self.scene, |model| self.light_sample(model, i, path, point))
         })
     }
 
@@ -127,8 +125,13 @@ impl<'a> Shader<'a> {
     ) -> Option<LightSample> {
         let at = point.shading();
         let lights = &self.scene.lights;
-        let numbers = self.numbers(path).light(i);
-        let (light, index) = lights.illuminate(i, [at.position, at.normal], &numbers);
+        let (light, index) = match lights.plain(i) {
+            Some(light) => (light.illuminate(at.position), i as f32),
+            None => {
+                let numbers = self.numbers(path).light(i);
+                lights.illuminate(i, [at.position, at.normal], &numbers)
+            }
+        };
         let direction = light.direction;
         model.may_arrive(&at, &light).then(|| LightSample {
             light,

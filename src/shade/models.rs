@@ -1,5 +1,8 @@
 //! The shading models by their names in the scene file.
 
+use super::model::Model;
+use crate::scene::{MaterialId, Scene};
+
 /// Calls the function with the model of the scene.
 macro_rules! by_model {
     ($scene:expr, |$model:ident| $call:expr) => {
@@ -24,3 +27,8 @@ macro_rules! by_model {
     };
 }
 pub(super) use by_model;
+
+/// Whether light samples contribute to what surfaces of a material reflect.
+pub(super) fn is_lit(scene: &Scene, material: MaterialId) -> bool {
+    by_model!(scene, |model| model.is_lit(scene.material(material)))
+}

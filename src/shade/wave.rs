@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::add_light::{AddAmbient, AddLight, Eyes};
-use super::arriving_light::{ArrivingLight, SampleLights};
+use super::arriving_light::{ArrivingLight, SampleLights, SamplePlainLight};
 use super::bsdf::{Bsdf, by_kind};
 use super::cast_shadows::{CastShadows, ShadowWave};
 use super::emission::AddEmission;
@@ -131,14 +131,22 @@ impl<'a> WaveShader<'a> {
     /// Collects the shadow rays of all points for light sample `sample`.
     pub fn cast(&mut self, sample: usize, starts: PathStarts, wave: &PathWave, points: &Points) {
         self.shadows.clear();
-        self.simd.run(SampleLights {
-            scene: self.scene,
-            sample,
-            numbers: self.numbers(starts),
-            wave,
-            points,
-            arriving: &mut self.arriving,
-        });
+        match self.scene.lights.plain(sample) {
+            Some(light) => self.simd.run(SamplePlainLight {
+                scene: self.scene,
+                light,
+                points,
+                arriving: &mut self.arriving,
+            }),
+            None => self.simd.run(SampleLights {
+                scene: self.scene,
+                sample,
+                numbers: self.numbers(starts),
+                wave,
+                points,
+                arriving: &mut self.arriving,
+            }),
+        }
         by_model!(self.scene, |model| self.simd.run(CastShadows {
             model,
             scene: self.scene,
