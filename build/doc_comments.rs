@@ -1,6 +1,6 @@
 //! Collects the doc comments of fields and variants from sources.
 //!
-//! The sources are formatted, so that a line tells what it is: a type begins with `struct` or
+//! The sources are formatted, so that a line shows what it is: a type begins with `struct` or
 //! `enum`, a list of kinds with the name of its macro, and both end with `}` in the first
 //! column.
 

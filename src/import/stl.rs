@@ -1,8 +1,8 @@
 //! STL: triangles without shared vertices, as text or binary.
 //!
 //! The format is that of 3D Systems' StereoLithography Interface Specification (1989). A
-//! binary file begins with 80 bytes of any kind, often `solid` as a text does: what tells
-//! them apart is the length, which the number of triangles determines. Equal vertices
+//! binary file begins with 80 bytes of any kind, often `solid` as a text does: what distinguishes
+//! them is the length, which the number of triangles determines. Equal vertices
 //! become one, so that normals can be smooth; the normals of the file are those of its
 //! triangles, which follow from the vertices.
 

@@ -61,14 +61,14 @@ impl AliasTable {
         let bin = scaled
             .floor()
             .min(number.splat(self.bins.len() as f32 - 1.0));
-        let [own_share, other] = bin.gather(&self.bins);
+        let [own_share, other] = R::look_up(&self.bins[..], [bin]);
         R::select((scaled - bin).lt(own_share), bin, other)
     }
 
     /// The probability of an index, or of one per lane.
     #[inline(always)]
     pub fn probability<R: Real>(&self, index: R) -> R {
-        let [probability] = index.gather(&self.probabilities);
+        let [probability] = R::look_up(&self.probabilities[..], [index]);
         probability
     }
 }

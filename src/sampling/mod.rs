@@ -17,4 +17,4 @@ pub use alias::{AliasTable, MAX_BINS};
 pub use filter::{FilterSampler, PixelFilter};
 pub use hash::uniform;
 pub use sampler::{Dimension, PixelPattern, Sampler};
-pub use shapes::{Polygon, disk};
+pub use shapes::{Polygon, disk, hemisphere};

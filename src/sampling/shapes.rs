@@ -1,4 +1,5 @@
-//! Numbers in the unit square → points in shapes of the plane, with uniform density.
+//! Numbers in the unit square → points in shapes of the plane, with uniform density, and
+//! directions.
 
 use crate::simd::{Real, cos_sin, cos_sin_of_eighths};
 
@@ -17,6 +18,15 @@ pub fn disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
         R::select(is_wide, along, across),
         R::select(is_wide, across, along),
     ]
+}
+
+/// A unit vector above the plane of x and y, with a density in proportion to the cosine of
+/// its angle with the z axis, by Malley's method.
+#[inline(always)]
+pub fn hemisphere<R: Real>(numbers: [R; 2]) -> [R; 3] {
+    let [x, y] = disk(numbers);
+    let (zero, one) = (x.splat(0.0), x.splat(1.0));
+    [x, y, (one - x * x - y * y).max(zero).sqrt()]
 }
 
 /// A regular polygon with its corners on the circle of radius 1.

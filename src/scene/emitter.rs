@@ -57,7 +57,7 @@ impl Emitter {
         which: R,
         numbers: [R; 2],
     ) -> Illumination<R> {
-        let shape = self.by_area.choose(which).gather(&self.shapes);
+        let shape = R::look_up(&self.shapes[..], [self.by_area.choose(which)]);
         let sample = self.kind.sample(&shape, point, numbers);
         let density = sample.density * self.share(&shape);
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));

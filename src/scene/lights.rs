@@ -7,7 +7,7 @@ use crate::config::LightSampling;
 use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
 use crate::light::{Illumination, Light};
 use crate::material::Material;
-use crate::sampling::{AliasTable, disk};
+use crate::sampling::{AliasTable, hemisphere};
 use crate::simd::{Mask, Real, Vector};
 
 /// See the file's documentation.
@@ -235,14 +235,12 @@ impl LightSource {
 /// cosine, and as far as nothing is nearer than a distance.
 #[inline(always)]
 fn surroundings<R: Real>(normal: Vector<R>, distance: f32, numbers: [R; 2]) -> Illumination<R> {
-    let [x, y] = disk(numbers);
-    let (zero, one) = (x.splat(0.0), x.splat(1.0));
-    let z = (one - x * x - y * y).max(zero).sqrt();
+    let [x, y, cos] = hemisphere(numbers);
     Illumination {
-        direction: normal.around([x, y, z]).normalize(),
-        distance: x.splat(distance),
-        radiance: Vector::splat(x, glam::Vec3::ONE),
-        density: z * x.splat(std::f32::consts::FRAC_1_PI),
+        direction: normal.around([x, y, cos]).normalize(),
+        distance: cos.splat(distance),
+        radiance: Vector::splat(cos, glam::Vec3::ONE),
+        density: cos * cos.splat(std::f32::consts::FRAC_1_PI),
     }
 }
 

@@ -146,25 +146,30 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Whether any material is a dielectric.
+    pub fn has_media(&self) -> bool {
+        self.has_media
+    }
+
+    /// Whether paths go on in a direction chosen at random.
+    pub fn scatters_paths(&self) -> bool {
+        self.shading.model == ShadingModel::Path
+    }
+
     /// Whether media split paths.
     pub fn splits_paths(&self) -> bool {
-        self.has_media && self.shading.model != ShadingModel::Path
+        self.has_media && !self.scatters_paths()
     }
 
     /// Whether rays need more than an origin and a direction: media, or the density of
     /// their choice.
     pub fn has_branches(&self) -> bool {
-        self.has_media || self.shading.model == ShadingModel::Path
+        self.has_media || self.scatters_paths()
     }
 
     /// Whether points need the random numbers of their samples.
     pub fn is_random(&self) -> bool {
-        self.shading.model == ShadingModel::Path || self.lights.are_random()
-    }
-
-    /// Whether any material emits light.
-    pub fn has_emission(&self) -> bool {
-        self.materials.iter().any(Material::emits)
+        self.scatters_paths() || self.lights.are_random()
     }
 
     /// Number of objects.

@@ -1,12 +1,12 @@
 //! The light of one light sample at the points of a wave, in lanes.
 
-use super::models::is_lit;
+use super::models::lit_groups;
 use super::numbers::WaveNumbers;
 use super::paths::PathWave;
 use crate::light::{Illumination, Light};
 use crate::scene::Scene;
 use crate::simd::{InstructionSet, Lanes, SimdKernel, VectorColumn, grow, lanes, lanes_mut};
-use crate::trace::Points;
+use crate::trace::{PointGroup, Points};
 
 /// The light that arrives at points unless it is occluded.
 #[derive(Debug, Default)]
@@ -60,15 +60,10 @@ impl SimdKernel for SamplePlainLight<'_> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
-        for group in self.points.groups() {
-            if !is_lit(self.scene, group.material) {
-                continue;
-            }
-            for at in group.lanes() {
-                let position = self.points.shading(set, at).position;
-                self.arriving
-                    .store(at.first, &self.light.illuminate(position));
-            }
+        for at in lit_groups(self.scene, self.points).flat_map(PointGroup::lanes) {
+            let position = self.points.shading(set, at).position;
+            let light = self.light.illuminate(position);
+            self.arriving.store(at.first, &light);
         }
     }
 }
@@ -90,18 +85,13 @@ impl SimdKernel for SampleLights<'_> {
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
         let lights = &self.scene.lights;
-        for group in self.points.groups() {
-            if !is_lit(self.scene, group.material) {
-                continue;
-            }
-            for at in group.lanes() {
-                let point = self.points.shading(set, at);
-                let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
-                let numbers = numbers.light(self.sample);
-                let at_point = [point.position, point.normal];
-                let (light, _) = lights.illuminate(self.sample, at_point, &numbers);
-                self.arriving.store(at.first, &light);
-            }
+        for at in lit_groups(self.scene, self.points).flat_map(PointGroup::lanes) {
+            let point = self.points.shading(set, at);
+            let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
+            let numbers = numbers.light(self.sample);
+            let at_point = [point.position, point.normal];
+            let (light, _) = lights.illuminate(self.sample, at_point, &numbers);
+            self.arriving.store(at.first, &light);
         }
     }
 }

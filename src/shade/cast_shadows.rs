@@ -2,6 +2,7 @@
 
 use super::arriving_light::ArrivingLight;
 use super::model::Model;
+use super::models::lit_groups;
 use super::paths::PathWave;
 use crate::accel::ShadowStream;
 use crate::scene::Scene;
@@ -51,11 +52,8 @@ impl<M: Model> SimdKernel for CastShadows<'_, M> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(mut self, set: I) {
-        for group in self.points.groups() {
+        for group in lit_groups(self.scene, self.points) {
             let material = self.scene.material(group.material);
-            if !self.model.is_lit(material) {
-                continue;
-            }
             for at in group.lanes() {
                 let lanes = at.bits() & self.points.scattering_sides(set, at, material);
                 self.cast(set, at, lanes);

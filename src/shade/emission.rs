@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::model::{Bounce, Model};
 use super::path_tracing::power_heuristic;
 use super::paths::PathWave;
 use crate::geometry::{N_PARAMETERS, Seen};
@@ -47,15 +46,14 @@ pub(super) fn weight<R: Real>((emitter, probability): (&Emitter, f32), arrival: 
 }
 
 /// Adds the light that surfaces emit to the radiance of points.
-pub(super) struct AddEmission<'a, M> {
-    pub(super) model: std::marker::PhantomData<M>,
+pub(super) struct AddEmission<'a> {
     pub(super) scene: &'a Scene,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
     pub(super) radiance: &'a mut VectorColumn,
 }
 
-impl<M: Model> SimdKernel for AddEmission<'_, M> {
+impl SimdKernel for AddEmission<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -75,11 +73,11 @@ impl<M: Model> SimdKernel for AddEmission<'_, M> {
     }
 }
 
-impl<M: Model> AddEmission<'_, M> {
+impl AddEmission<'_> {
     #[inline(always)]
     fn weight<I: InstructionSet>(&self, set: I, group: &PointGroup, at: PointLanes) -> I::Lanes {
         let emitter = self.scene.lights.emitter(group.material, group.shape);
-        let Some(emitter) = emitter.filter(|_| M::BOUNCE == Bounce::Scattered) else {
+        let Some(emitter) = emitter.filter(|_| self.scene.scatters_paths()) else {
             return set.splat(1.0);
         };
         let (mut from, mut density) = ([[0.0; N_LANES]; 3], [0.0; N_LANES]);

@@ -187,7 +187,7 @@ impl<'a> Shader<'a> {
             color = model.ambient(material, self.scene.shading.ambient, at.color);
         }
         if material.emits() {
-            color = color + self.emission::<M>(path, point);
+            color = color + self.emission(path, point);
         }
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
@@ -209,13 +209,13 @@ impl<'a> Shader<'a> {
     }
 
     /// The light that the point emits toward the ray, weighted.
-    fn emission<M: Model>(&self, path: &PathRay, point: &SurfacePoint) -> Vector<f32> {
+    fn emission(&self, path: &PathRay, point: &SurfacePoint) -> Vector<f32> {
         let at = point.shading();
         let emitted = emitted(self.scene.material(point.material), at.side);
         let primitive = &self.scene.primitives[point.primitive as usize];
         let emitter = self.scene.lights.emitter(point.material, primitive.kind());
-        let Some(emitter) = emitter.filter(|_| M::BOUNCE == Bounce::Scattered) else {
-            return emitted * 1.0;
+        let Some(emitter) = emitter.filter(|_| self.scene.scatters_paths()) else {
+            return emitted;
         };
         let direction = Vector::from(path.ray.direction);
         let arrival = Arrival {

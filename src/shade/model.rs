@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::scene::Lights;
@@ -23,9 +24,9 @@ pub(super) enum Bounce {
 /// per lane, all of which have the same material.
 pub(super) trait Model: Copy {
     /// Whether a shadow ray ignores the object that it leaves.
-    const IGNORES_OWN_OBJECT: bool;
+    const IGNORES_OWN_OBJECT: bool = false;
     /// Whether a point that no light reaches is black and ends its path.
-    const NEEDS_LIGHT: bool;
+    const NEEDS_LIGHT: bool = false;
     /// How paths go on.
     const BOUNCE: Bounce;
 
@@ -44,21 +45,34 @@ pub(super) trait Model: Copy {
     fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask;
 
     /// The origin of a ray that leaves the point in this direction.
-    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R>;
+    #[inline(always)]
+    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
+        leaving(point.position, point.geometric_normal, direction)
+    }
 
-    /// The parameter at which a shadow ray ends.
-    fn end<R: Real>(self, light: &Illumination<R>) -> R;
+    /// The parameter at which a shadow ray ends: at its light.
+    #[inline(always)]
+    fn end<R: Real>(self, light: &Illumination<R>) -> R {
+        light.distance
+    }
 
-    /// The unit vector to the viewer: of a path from `eye`, by a ray in `direction`.
+    /// The unit vector to the viewer: of a path from `eye`, by a ray in `direction`, to
+    /// whose origin it points.
+    #[inline(always)]
     fn to_viewer<R: Real>(
         self,
-        point: &ShadingPoint<R>,
-        eye: Vector<R>,
+        _point: &ShadingPoint<R>,
+        _eye: Vector<R>,
         direction: Vector<R>,
-    ) -> Vector<R>;
+    ) -> Vector<R> {
+        -direction
+    }
 
-    /// The reflected ambient light.
-    fn ambient<R: Real>(self, material: &Material, ambient: Vec3, color: Vector<R>) -> Vector<R>;
+    /// The reflected ambient light: none.
+    #[inline(always)]
+    fn ambient<R: Real>(self, _material: &Material, _ambient: Vec3, color: Vector<R>) -> Vector<R> {
+        Vector::splat(color.x, Vec3::ZERO)
+    }
 
     /// The light that the point reflects to the viewer.
     fn reflected<R: Real>(

@@ -1,7 +1,8 @@
 //! The shading models by their names in the scene file.
 
 use super::model::Model;
-use crate::scene::{MaterialId, Scene};
+use crate::scene::Scene;
+use crate::trace::{PointGroup, Points};
 
 /// Calls the function with the model of the scene.
 macro_rules! by_model {
@@ -28,7 +29,14 @@ macro_rules! by_model {
 }
 pub(super) use by_model;
 
-/// Whether light samples contribute to what surfaces of a material reflect.
-pub(super) fn is_lit(scene: &Scene, material: MaterialId) -> bool {
-    by_model!(scene, |model| model.is_lit(scene.material(material)))
+/// The groups of points to whose reflection light samples contribute.
+pub(super) fn lit_groups<'a>(
+    scene: &'a Scene,
+    points: &'a Points,
+) -> impl Iterator<Item = &'a PointGroup> {
+    let is_lit = move |group: &&PointGroup| {
+        let material = scene.material(group.material);
+        by_model!(scene, |model| model.is_lit(material))
+    };
+    points.groups().iter().filter(is_lit)
 }

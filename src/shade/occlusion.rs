@@ -5,10 +5,7 @@
 //! of its angle with the normal: the mean is the color times the share of the rays that
 //! hit nothing within a distance. No path goes on.
 
-use glam::Vec3;
-
 use super::model::{Bounce, Model};
-use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::simd::{Real, Vector};
@@ -19,8 +16,6 @@ use crate::trace::ShadingPoint;
 pub(super) struct AmbientOcclusion;
 
 impl Model for AmbientOcclusion {
-    const IGNORES_OWN_OBJECT: bool = false;
-    const NEEDS_LIGHT: bool = false;
     const BOUNCE: Bounce = Bounce::None;
 
     fn is_lit(self, _: &Material) -> bool {
@@ -30,31 +25,6 @@ impl Model for AmbientOcclusion {
     #[inline(always)]
     fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
         point.is_faced_by(light.direction)
-    }
-
-    #[inline(always)]
-    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
-        leaving(point.position, point.geometric_normal, direction)
-    }
-
-    #[inline(always)]
-    fn end<R: Real>(self, light: &Illumination<R>) -> R {
-        light.distance
-    }
-
-    #[inline(always)]
-    fn to_viewer<R: Real>(
-        self,
-        _: &ShadingPoint<R>,
-        _: Vector<R>,
-        direction: Vector<R>,
-    ) -> Vector<R> {
-        -direction
-    }
-
-    #[inline(always)]
-    fn ambient<R: Real>(self, _: &Material, _: Vec3, color: Vector<R>) -> Vector<R> {
-        Vector::splat(color.x, Vec3::ZERO)
     }
 
     #[inline(always)]

@@ -8,7 +8,6 @@ use glam::Vec3;
 
 use super::bsdf::{Bsdf, Leaving, Scattering, Scatters, by_kind};
 use super::model::{Bounce, Model};
-use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::scene::Lights;
@@ -20,8 +19,6 @@ use crate::trace::ShadingPoint;
 pub(super) struct PathTracing;
 
 impl Model for PathTracing {
-    const IGNORES_OWN_OBJECT: bool = false;
-    const NEEDS_LIGHT: bool = false;
     const BOUNCE: Bounce = Bounce::Scattered;
 
     fn is_lit(self, material: &Material) -> bool {
@@ -42,31 +39,6 @@ impl Model for PathTracing {
         let zero = point.side.splat(0.0);
         let is_on = zero.lt(light.radiance.max_element());
         point.is_faced_by(light.direction) & is_on
-    }
-
-    #[inline(always)]
-    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
-        leaving(point.position, point.geometric_normal, direction)
-    }
-
-    #[inline(always)]
-    fn end<R: Real>(self, light: &Illumination<R>) -> R {
-        light.distance
-    }
-
-    #[inline(always)]
-    fn to_viewer<R: Real>(
-        self,
-        _: &ShadingPoint<R>,
-        _: Vector<R>,
-        direction: Vector<R>,
-    ) -> Vector<R> {
-        -direction
-    }
-
-    #[inline(always)]
-    fn ambient<R: Real>(self, _: &Material, _: Vec3, color: Vector<R>) -> Vector<R> {
-        Vector::splat(color.x, Vec3::ZERO)
     }
 
     #[inline(always)]

@@ -8,7 +8,6 @@ use glam::Vec3;
 
 use super::blinn_phong::{Reflected, reflected};
 use super::model::{Bounce, Model};
-use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::simd::{Real, Vector};
@@ -19,8 +18,6 @@ use crate::trace::ShadingPoint;
 pub(super) struct Standard;
 
 impl Model for Standard {
-    const IGNORES_OWN_OBJECT: bool = false;
-    const NEEDS_LIGHT: bool = false;
     const BOUNCE: Bounce = Bounce::Mirrored;
 
     /// Not from behind the surface, and not from a light that is off.
@@ -30,26 +27,6 @@ impl Model for Standard {
         let zero = x.splat(0.0);
         let is_off = x.equals(zero) & y.equals(zero) & z.equals(zero);
         point.is_faced_by(light.direction) & !is_off
-    }
-
-    #[inline(always)]
-    fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
-        leaving(point.position, point.geometric_normal, direction)
-    }
-
-    #[inline(always)]
-    fn end<R: Real>(self, light: &Illumination<R>) -> R {
-        light.distance
-    }
-
-    #[inline(always)]
-    fn to_viewer<R: Real>(
-        self,
-        _: &ShadingPoint<R>,
-        _: Vector<R>,
-        direction: Vector<R>,
-    ) -> Vector<R> {
-        -direction
     }
 
     #[inline(always)]

@@ -1,7 +1,5 @@
 //! The shading of a wave of surface points, in lanes.
 
-use std::marker::PhantomData;
-
 use super::add_light::{AddAmbient, AddLight, Eyes};
 use super::arriving_light::{ArrivingLight, SampleLights, SamplePlainLight};
 use super::bsdf::{Bsdf, by_kind};
@@ -14,7 +12,6 @@ use super::numbers::{SampleIds, WaveNumbers};
 use super::paths::PathWave;
 use super::scatter::ScatterPaths;
 use crate::accel::Hit;
-use crate::config::ShadingModel;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::simd::{N_LANES, Simd, VectorColumn};
@@ -107,25 +104,18 @@ impl<'a> WaveShader<'a> {
         self.arriving.grow(points.end());
         self.lit.clear();
         self.lit.resize(points.end() / N_LANES, 0);
-        by_model!(self.scene, |model| self.begin_by(model, wave, points));
-    }
-
-    fn begin_by<M: Model>(&mut self, model: M, wave: &PathWave, points: &Points) {
-        self.simd.run(AddAmbient {
+        by_model!(self.scene, |model| self.simd.run(AddAmbient {
             model,
             scene: self.scene,
             points,
             radiance: &mut self.radiance,
+        }));
+        self.simd.run(AddEmission {
+            scene: self.scene,
+            wave,
+            points,
+            radiance: &mut self.radiance,
         });
-        if self.scene.has_emission() {
-            self.simd.run(AddEmission {
-                model: PhantomData::<M>,
-                scene: self.scene,
-                wave,
-                points,
-                radiance: &mut self.radiance,
-            });
-        }
     }
 
     /// Collects the shadow rays of all points for light sample `sample`.
@@ -195,7 +185,9 @@ impl<'a> WaveShader<'a> {
 
     /// Weakens the light of rays by the media on the way to their hits.
     pub fn weaken(&self, wave: &mut PathWave, hits: &[Option<Hit>]) {
-        wave.weaken(hits, &self.scene.materials);
+        if self.scene.has_media() {
+            wave.weaken(hits, &self.scene.materials);
+        }
     }
 
     /// Adds the radiance of the points, and the background that the other rays see,
@@ -250,7 +242,7 @@ impl<'a> WaveShader<'a> {
             next,
             colors,
         }));
-        if self.scene.shading.model == ShadingModel::Path {
+        if self.scene.scatters_paths() {
             self.scatter(starts, wave, points, next);
         }
     }

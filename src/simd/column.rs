@@ -123,21 +123,6 @@ pub(crate) fn set_lane([x, y, z]: &mut [[f32; N_LANES]; 3], lane: usize, vector:
     (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
 }
 
-/// The rows with these indices, as columns.
-#[inline(always)]
-pub(super) fn gathered<const N: usize>(
-    indices: [f32; N_LANES],
-    rows: &[[f32; N]],
-) -> [[f32; N_LANES]; N] {
-    let mut columns = [[0.0; N_LANES]; N];
-    for (lane, index) in indices.into_iter().enumerate() {
-        for (column, number) in columns.iter_mut().zip(rows[index as usize]) {
-            column[lane] = number;
-        }
-    }
-    columns
-}
-
 /// The vector in one lane of these coordinates x, y and z.
 #[inline(always)]
 pub(crate) fn lane_of([x, y, z]: &[[f32; N_LANES]; 3], lane: usize) -> Vec3 {

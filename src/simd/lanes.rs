@@ -69,6 +69,8 @@ pub(crate) trait InstructionSet: Copy {
 pub(crate) trait Lanes: Real {
     /// The numbers, lane by lane.
     fn to_array(self) -> [f32; N_LANES];
+    /// Other numbers, lane by lane.
+    fn with_numbers(self, numbers: &[f32; N_LANES]) -> Self;
     /// The sign bits: bit `i` for lane `i`.
     fn signs(self) -> u8;
     /// The bit patterns, lane by lane.
@@ -83,18 +85,29 @@ pub(crate) trait Lanes: Real {
     fn compress(self, mask: Self::Mask) -> Self;
 }
 
-/// What a table has at eight points.
+/// [`Real::look_up`] for lanes.
 #[inline(always)]
-pub(super) fn looked_up<T: LookupTable>(
-    table: &T,
-    [x, y, z]: [[f32; N_LANES]; 3],
-) -> [[f32; N_LANES]; 4] {
-    let mut found = [[0.0; N_LANES]; 4];
-    for lane in 0..N_LANES {
-        let values = table.values_at([x[lane], y[lane], z[lane]]);
-        for (column, value) in found.iter_mut().zip(values) {
+pub(super) fn look_up<L, const N: usize, const M: usize, T>(table: &T, at: [L; N]) -> [L; M]
+where
+    L: Lanes,
+    T: LookupTable<N, M> + ?Sized,
+{
+    const { assert!(N > 0) }
+    let mut points = [[0.0; N]; N_LANES];
+    for i in 0..N {
+        for (point, number) in points.iter_mut().zip(at[i].to_array()) {
+            point[i] = number;
+        }
+    }
+    let mut columns = [[0.0; N_LANES]; M];
+    for (lane, point) in points.into_iter().enumerate() {
+        for (column, value) in columns.iter_mut().zip(table.values_at(point)) {
             column[lane] = value;
         }
+    }
+    let mut found = [at[0]; M];
+    for i in 0..M {
+        found[i] = at[0].with_numbers(&columns[i]);
     }
     found
 }

@@ -3,8 +3,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::column::gathered;
-use super::lanes::{InstructionSet, Lanes, N_LANES, looked_up};
+use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
 use super::real::{Double, Integer, LookupTable, Mask, Real};
 use super::wide::Sixteen;
 
@@ -230,19 +229,11 @@ impl Real for F32x8 {
     }
 
     #[inline(always)]
-    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N] {
-        let columns = gathered(self.to_array(), rows);
-        let mut gathered = [self; N];
-        for i in 0..N {
-            gathered[i] = Self(columns[i]);
-        }
-        gathered
-    }
-
-    #[inline(always)]
-    fn look_up<T: LookupTable>(table: &T, [x, y, z]: [Self; 3]) -> [Self; 4] {
-        let [a, b, c, d] = looked_up(table, [x.0, y.0, z.0]);
-        [Self(a), Self(b), Self(c), Self(d)]
+    fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
+        table: &T,
+        at: [Self; N],
+    ) -> [Self; M] {
+        look_up(table, at)
     }
 }
 
@@ -250,6 +241,11 @@ impl Lanes for F32x8 {
     #[inline(always)]
     fn to_array(self) -> [f32; N_LANES] {
         self.0
+    }
+
+    #[inline(always)]
+    fn with_numbers(self, numbers: &[f32; N_LANES]) -> Self {
+        Self(*numbers)
     }
 
     #[inline(always)]

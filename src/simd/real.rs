@@ -66,16 +66,25 @@ pub trait Real:
     fn from_double(double: Self::Double) -> Self;
     /// Number `i`.
     fn lane(self, i: usize) -> f32;
-    /// The rows whose indices are `self`, as columns.
-    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N];
     /// What a table has at a point, for each number; looked up one by one.
-    fn look_up<T: LookupTable>(table: &T, at: [Self; 3]) -> [Self; 4];
+    fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
+        table: &T,
+        at: [Self; N],
+    ) -> [Self; M];
 }
 
 /// A function of points that is not a formula over lanes, such as a picture.
-pub trait LookupTable {
+pub trait LookupTable<const N: usize, const M: usize> {
     /// Its values at a point.
-    fn values_at(&self, at: [f32; 3]) -> [f32; 4];
+    fn values_at(&self, at: [f32; N]) -> [f32; M];
+}
+
+/// Rows by their index.
+impl<const M: usize> LookupTable<1, M> for [[f32; M]] {
+    #[inline(always)]
+    fn values_at(&self, [index]: [f32; 1]) -> [f32; M] {
+        self[index as usize]
+    }
 }
 
 /// One boolean per number.
@@ -230,12 +239,10 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [f32; N] {
-        rows[self as usize]
-    }
-
-    #[inline(always)]
-    fn look_up<T: LookupTable>(table: &T, at: [f32; 3]) -> [f32; 4] {
+    fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
+        table: &T,
+        at: [f32; N],
+    ) -> [f32; M] {
         table.values_at(at)
     }
 }

@@ -10,8 +10,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::column::gathered;
-use super::lanes::{InstructionSet, Lanes, N_LANES, looked_up};
+use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
 use super::real::{LookupTable, Real};
 use super::registers::Registers;
 use super::wide::Sixteen;
@@ -226,21 +225,11 @@ impl<R: Registers> Real for Ymm<R> {
     }
 
     #[inline(always)]
-    fn gather<const N: usize>(self, rows: &[[f32; N]]) -> [Self; N] {
-        let columns = gathered(self.to_array(), rows);
-        let mut gathered = [self; N];
-        for i in 0..N {
-            gathered[i] = InstructionSet::load(self.1, &columns[i]);
-        }
-        gathered
-    }
-
-    #[inline(always)]
-    fn look_up<T: LookupTable>(table: &T, [x, y, z]: [Self; 3]) -> [Self; 4] {
-        let set = x.1;
-        let at = [x.to_array(), y.to_array(), z.to_array()];
-        let [a, b, c, d] = &looked_up(table, at);
-        [set.load(a), set.load(b), set.load(c), set.load(d)]
+    fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
+        table: &T,
+        at: [Self; N],
+    ) -> [Self; M] {
+        look_up(table, at)
     }
 }
 
@@ -249,6 +238,11 @@ impl<R: Registers> Lanes for Ymm<R> {
     fn to_array(self) -> [f32; N_LANES] {
         // SAFETY: both are eight times 32 bits.
         unsafe { std::mem::transmute(self.0) }
+    }
+
+    #[inline(always)]
+    fn with_numbers(self, numbers: &[f32; N_LANES]) -> Self {
+        InstructionSet::load(self.1, numbers)
     }
 
     #[inline(always)]

@@ -52,7 +52,7 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
 fn text_of(mesh: &Mesh, file: &Path) -> String {
     let corners = mesh.triangles.iter().flatten();
     let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
-    let center = 0.5 * bounds.min + 0.5 * bounds.max;
+    let center = bounds.center();
     // All of the sphere around the box is in view.
     let radius = (0.5 * (bounds.max - bounds.min).length()).max(1e-6);
     let distance = radius / (0.5 * FOV_Y_DEG.to_radians()).sin();

@@ -166,7 +166,7 @@ fn from_tangent_space<R: Real>(
         + normal * (two * b - one)
 }
 
-impl LookupTable for ImageTexture {
+impl LookupTable<3, 4> for ImageTexture {
     #[inline]
     fn values_at(&self, [u, v, footprint]: [f32; 3]) -> [f32; 4] {
         let sampling = Sampling {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::ggx::Ggx;
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use crate::material::Material;
-use crate::sampling::disk;
+use crate::sampling::hemisphere;
 use crate::simd::{Real, Vector};
 
 /// What a surface does with the light: fractions, with a sum of at most 1.
@@ -88,16 +88,13 @@ impl Scatters for Lobes {
         numbers: [R; 2],
         lobe: R,
     ) -> Scattered<R> {
-        let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
+        let zero = lobe.splat(0.0);
         let is_mirror = lobe.lt(zero.splat(self.choice.mirror));
         let is_glossy = lobe.lt(zero.splat(self.choice.mirror + self.choice.glossy));
-        let [x, y] = disk(numbers);
-        let z = (one - x * x - y * y).max(zero).sqrt();
+        let [x, y, z] = hemisphere(numbers);
         let mut direction = at.in_world(Vector { x, y, z });
         if self.glossy > 0.0 {
-            let to_viewer = at.in_surface(at.to_viewer);
-            let facet = at.in_world(self.facets.facet(to_viewer, numbers));
-            let reflected = (-at.to_viewer).reflect(facet).normalize();
+            let reflected = at.mirrored_by(self.facets, numbers);
             direction = Vector::select(is_glossy, reflected, direction);
         }
         let scattered = Scattered {

@@ -61,9 +61,7 @@ impl Scatters for Metal {
                 is_diffuse: zero.lt(zero),
             };
         };
-        let to_viewer = at.in_surface(at.to_viewer);
-        let facet = at.in_world(facets.facet(to_viewer, numbers));
-        let direction = (-at.to_viewer).reflect(facet).normalize();
+        let direction = at.mirrored_by(facets, numbers);
         at.reflected(direction, self.evaluate(at, direction))
     }
 }

@@ -9,6 +9,7 @@ mod metal;
 use crate::material::Material;
 use crate::simd::{Real, Vector};
 use crate::trace::ShadingPoint;
+use ggx::Ggx;
 use lobes::Lobes;
 use medium::Medium;
 use metal::Metal;
@@ -139,6 +140,15 @@ impl<R: Real> Leaving<R> {
     fn in_world(&self, Vector { x, y, z }: Vector<R>) -> Vector<R> {
         let [u, v] = self.axes;
         (u * x + v * y + self.point.normal * z).normalize()
+    }
+
+    /// The direction from which one of the facets that the viewer sees mirrors light; two
+    /// numbers choose the facet.
+    #[inline(always)]
+    fn mirrored_by(&self, facets: Ggx, numbers: [R; 2]) -> Vector<R> {
+        let facet = facets.facet(self.in_surface(self.to_viewer), numbers);
+        let normal = self.in_world(facet);
+        (-self.to_viewer).reflect(normal).normalize()
     }
 
     /// Light reflected from a direction with this scattering; none from behind.
