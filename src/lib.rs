@@ -59,6 +59,7 @@ pub mod import;
 pub mod camera;
 pub mod light;
 pub mod material;
+pub mod background;
 pub mod config;
 pub mod scene;
 pub mod cost;

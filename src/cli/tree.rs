@@ -9,6 +9,7 @@ use crate::attribution::{ObservedPixel, RayTree, TracedRay};
 use crate::config::Config;
 use crate::cost::RayKind;
 use crate::output::Traced;
+use crate::scene::LightOrigin;
 use crate::text::numbers::{count, counted, duration};
 use crate::text::one_line;
 
@@ -138,9 +139,10 @@ impl<'a> Trees<'a> {
 
     /// The light with this index.
     fn light(&self, index: u32) -> String {
-        match self.traced.scene.lights.emitting_material(index) {
-            Some(material) => format!("lamp of {}", self.material(material.0)),
-            None => format!("light {index}"),
+        match self.traced.scene.lights.origin(index) {
+            LightOrigin::Surfaces(material) => format!("lamp of {}", self.material(material.0)),
+            LightOrigin::Background => "background".to_owned(),
+            LightOrigin::Listed => format!("light {index}"),
         }
     }
 

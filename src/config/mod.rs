@@ -6,7 +6,6 @@
 
 mod acceleration;
 mod adaptive;
-mod background;
 mod cost_mode;
 mod file;
 mod film;
@@ -25,7 +24,6 @@ use serde::Deserialize;
 
 pub use acceleration::{Acceleration, Quality, Structure};
 pub use adaptive::{Adaptive, MAX_SAMPLES};
-pub use background::Background;
 pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
 pub use film::FilmSettings;
@@ -37,6 +35,7 @@ pub use repeats::Repeats;
 pub use shading::{LightSampling, Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
 
+use crate::background::Background;
 use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
@@ -72,7 +71,7 @@ pub struct Config {
     pub image: Image,
     /// The camera.
     pub camera: Camera,
-    /// The color of rays that hit nothing; black if not given.
+    /// What rays see that hit nothing; black if not given.
     #[serde(default)]
     pub background: Background,
     /// The shading model and its parameters.

@@ -14,7 +14,7 @@ pub(super) struct MipLevel {
 }
 
 impl MipLevel {
-    fn n_texels(&self) -> usize {
+    pub(super) fn n_texels(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize
     }
 }

@@ -86,9 +86,27 @@ impl Picture {
         let place = [wrap.folded(u), 1.0 - wrap.folded(v)];
         match sampling.filter {
             TexelFilter::Nearest => self.nearest(place),
-            TexelFilter::Bilinear => self.between(self.levels[0], wrap, place),
+            TexelFilter::Bilinear => self.between(self.levels[0], [wrap; 2], place),
             TexelFilter::Trilinear => self.filtered(wrap, place, footprint),
         }
+    }
+
+    /// Red, green, blue and opacity of a picture of all directions at a point: linearly
+    /// between its texels, and around from its right edge to the left one.
+    pub fn around(&self, [u, v]: [f32; 2]) -> [f32; 4] {
+        let wraps = [Wrap::Repeat, Wrap::Clamp];
+        let place = [Wrap::Repeat.folded(u), 1.0 - Wrap::Clamp.folded(v)];
+        self.between(self.levels[0], wraps, place)
+    }
+
+    /// The largest of its copies with at most this number of texels: the numbers of columns
+    /// and rows, and the texels row by row, row 0 on top.
+    pub fn reduced(&self, n_texels: usize) -> ([u32; 2], impl Iterator<Item = [f32; 4]>) {
+        let is_small = |level: &&MipLevel| level.n_texels() <= n_texels;
+        let last = self.levels[self.levels.len() - 1];
+        let level = *self.levels.iter().find(is_small).unwrap_or(&last);
+        let texels = level.first..level.first + level.n_texels();
+        (level.size, texels.map(|i| self.texels.get(i)))
     }
 
     fn nearest(&self, [x, y]: [f32; 2]) -> [f32; 4] {
@@ -98,10 +116,10 @@ impl Picture {
     }
 
     /// The mean of the four nearest texels, weighted by their distance.
-    fn between(&self, level: MipLevel, wrap: Wrap, [x, y]: [f32; 2]) -> [f32; 4] {
+    fn between(&self, level: MipLevel, [wrap_x, wrap_y]: [Wrap; 2], [x, y]: [f32; 2]) -> [f32; 4] {
         let [width, height] = level.size;
-        let ([left, right], across) = wrap.neighbors(x, width);
-        let ([upper, lower], down) = wrap.neighbors(y, height);
+        let ([left, right], across) = wrap_x.neighbors(x, width);
+        let ([upper, lower], down) = wrap_y.neighbors(y, height);
         let texel = |column, row| self.texel(level, column, row);
         let above = mix(texel(left, upper), texel(right, upper), across);
         let below = mix(texel(left, lower), texel(right, lower), across);
@@ -120,12 +138,12 @@ impl Picture {
             let finer = (level as usize).min(last - 1);
             let [fine, coarse] = [self.levels[finer], self.levels[finer + 1]];
             return mix(
-                self.between(fine, wrap, place),
-                self.between(coarse, wrap, place),
+                self.between(fine, [wrap; 2], place),
+                self.between(coarse, [wrap; 2], place),
                 level - finer as f32,
             );
         }
-        self.between(self.levels[0], wrap, place)
+        self.between(self.levels[0], [wrap; 2], place)
     }
 
     #[inline(always)]

@@ -157,7 +157,7 @@ fn a_footprint_between_levels_mixes_them() {
         (0.3, 1, 0.263),
         (2.0, 3, 0.0),
     ] {
-        let level = |i: usize| picture.between(picture.levels[i], Wrap::Repeat, [0.3, 0.4])[0];
+        let level = |i: usize| picture.between(picture.levels[i], [Wrap::Repeat; 2], [0.3, 0.4])[0];
         let [fine, coarse] = [level(finer), level((finer + 1).min(3))];
         let expected = fine + (coarse - fine) * place;
         let [found, ..] = picture.at(sampling, [0.3, 0.6], footprint);

@@ -6,6 +6,7 @@
 //! [`Real`](crate::simd::Real): for one pixel, or for one per lane.
 
 mod alias;
+mod equirectangular;
 mod hash;
 mod sobol;
 mod stratified;
@@ -14,6 +15,7 @@ mod shapes;
 mod filter;
 
 pub use alias::{AliasTable, MAX_BINS};
+pub use equirectangular::EquirectangularDistribution;
 pub use filter::{FilterSampler, PixelFilter};
 pub use hash::uniform;
 pub use sampler::{Dimension, PixelPattern, Sampler};

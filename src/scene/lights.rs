@@ -1,7 +1,8 @@
 //! The lights of a scene: those of its `lights` section, then the surfaces that emit
-//! light.
+//! light, then the picture around it.
 
 use super::emitter::{Emitter, luminance};
+use super::environment::EnvironmentLight;
 use super::primitive::{MaterialId, Primitive};
 use crate::config::LightSampling;
 use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
@@ -18,12 +19,26 @@ pub struct Lights {
     by_power: Option<AliasTable>,
     /// The index of the source of each material and kind of shape.
     emitters: Vec<Option<u32>>,
+    /// The index of the picture around the scene.
+    environment: Option<u32>,
+}
+
+/// Where a light of a scene comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightOrigin {
+    /// The `lights` section, or the model of shading.
+    Listed,
+    /// The surfaces of a material.
+    Surfaces(MaterialId),
+    /// The `background` section.
+    Background,
 }
 
 #[derive(Debug, Clone)]
 enum LightSource {
     Light(Light),
     Emitter(Box<Emitter>),
+    Environment(Box<EnvironmentLight>),
     /// The space around a point, up to a distance.
     Surroundings(f32),
 }
@@ -52,6 +67,7 @@ impl Lights {
         lights: &[Light],
         materials: &[Material],
         primitives: &[Primitive],
+        environment: Option<EnvironmentLight>,
         sampling: LightSampling,
     ) -> Self {
         let mut sources: Vec<LightSource> =
@@ -66,6 +82,10 @@ impl Lights {
                 sources.push(LightSource::Emitter(Box::new(emitter)));
             }
         }
+        let environment = environment.map(|environment| {
+            sources.push(LightSource::Environment(Box::new(environment)));
+            sources.len() as u32 - 1
+        });
         let by_power = match sampling {
             LightSampling::Each => None,
             LightSampling::Power => {
@@ -78,6 +98,7 @@ impl Lights {
             sources,
             by_power,
             emitters,
+            environment,
         }
     }
 
@@ -86,12 +107,12 @@ impl Lights {
         self.sources.len()
     }
 
-    /// The material whose surfaces are the light with this index; `None` for one of the
-    /// `lights` section.
-    pub fn emitting_material(&self, index: u32) -> Option<MaterialId> {
+    /// Where the light with this index comes from.
+    pub fn origin(&self, index: u32) -> LightOrigin {
         match &self.sources[index as usize] {
-            LightSource::Emitter(emitter) => Some(emitter.material),
-            LightSource::Light(_) | LightSource::Surroundings(_) => None,
+            LightSource::Emitter(emitter) => LightOrigin::Surfaces(emitter.material),
+            LightSource::Environment(_) => LightOrigin::Background,
+            LightSource::Light(_) | LightSource::Surroundings(_) => LightOrigin::Listed,
         }
     }
 
@@ -189,9 +210,24 @@ impl Lights {
         let LightSource::Emitter(emitter) = &self.sources[index as usize] else {
             return None;
         };
+        Some((emitter, self.probability(index)))
+    }
+
+    /// The picture around the scene and the probability of its choice; `None` if it is not
+    /// sampled.
+    #[inline]
+    pub fn environment(&self) -> Option<(&EnvironmentLight, f32)> {
+        let index = self.environment?;
+        let LightSource::Environment(environment) = &self.sources[index as usize] else {
+            return None;
+        };
+        Some((environment, self.probability(index)))
+    }
+
+    /// The probability of the choice of a light.
+    fn probability(&self, index: u32) -> f32 {
         let by_power = self.by_power.as_ref();
-        let probability = by_power.map_or(1.0, |by_power| by_power.probability(index as f32));
-        Some((emitter, probability))
+        by_power.map_or(1.0, |by_power| by_power.probability(index as f32))
     }
 }
 
@@ -206,18 +242,20 @@ impl LightSource {
             Self::Surroundings(distance) => surroundings(normal, *distance, numbers.point),
             Self::Light(light) => light.illuminate(point),
             Self::Emitter(emitter) => emitter.illuminate(point, numbers.shape, numbers.point),
+            Self::Environment(environment) => environment.illuminate(numbers.point),
         }
     }
 
     /// The power, of a light without surface that which a sphere around the scene gets.
     fn power(&self, scene: &Aabb) -> f64 {
+        let center = scene.center();
+        let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
         let light = match self {
             Self::Surroundings(_) => return 0.0,
             Self::Emitter(emitter) => return emitter.power(),
+            Self::Environment(environment) => return environment.power(radius),
             Self::Light(light) => light,
         };
-        let center = scene.center();
-        let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
         let radiance = match light.position() {
             // At this distance, whatever the falloff.
             Some(position) => {

@@ -11,15 +11,15 @@ mod attributes;
 mod surface_class;
 mod placement;
 mod emitter;
+mod environment;
 mod lights;
 
 use glam::Vec3;
 
+use crate::background::Background;
 use crate::camera::{ImagePlane, RayCone};
 use crate::color::Development;
-use crate::config::{
-    Background, Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel,
-};
+use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
 use crate::material::{Material, TexturePoint};
 use crate::simd::Vector;
 use crate::text::{did_you_mean, keyword_name};
@@ -30,8 +30,9 @@ pub use attributes::{AttributeKind, interpolated_normal, with_uv};
 use placement::Placement;
 
 pub use emitter::Emitter;
+pub use environment::EnvironmentLight;
 pub use geometries::Geometries;
-pub use lights::{LightNumbers, Lights};
+pub use lights::{LightNumbers, LightOrigin, Lights};
 pub use primitive::{MaterialId, ObjectId, Primitive};
 pub use surface_class::SurfaceClass;
 
@@ -42,7 +43,7 @@ pub struct Scene {
     pub image_plane: ImagePlane,
     /// The part of the scene that a camera ray stands for, if a material has a picture.
     pub cone: Option<RayCone>,
-    /// The color of rays that hit nothing.
+    /// What rays see that hit nothing.
     pub background: Background,
     /// How surfaces are shaded.
     pub shading: Shading,
@@ -96,7 +97,7 @@ impl Scene {
         let mut scene = Self {
             image_plane: plane,
             cone: has_images.then(|| plane.ray_cone(config.image.samples_per_pixel)),
-            background: config.background,
+            background: geometries.pictures.background(config),
             shading: config.shading,
             development: config.film.development(config.shading.model),
             extra_arrays: config.extra_arrays(),
@@ -140,10 +141,19 @@ impl Scene {
                 &config.lights,
                 &scene.materials,
                 &scene.primitives,
+                scene.environment_light(),
                 config.shading.light_sampling,
             ),
         };
         Ok(scene)
+    }
+
+    /// The picture around the scene as a light; `None` unless paths are traced. Other
+    /// backgrounds are so even that scattered rays find their light.
+    fn environment_light(&self) -> Option<EnvironmentLight> {
+        let map = self.background.environment_map();
+        map.filter(|_| self.scatters_paths())
+            .and_then(EnvironmentLight::new)
     }
 
     /// Whether any material is a dielectric.

@@ -1,10 +1,11 @@
-//! The pictures that materials name.
+//! The pictures that materials and the background name.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::primitive::MaterialId;
+use crate::background::Background;
 use crate::color::Transfer;
 use crate::config::{Config, Geometry, GeometryFile};
 use crate::import::{PictureFile, read_picture};
@@ -17,13 +18,14 @@ pub(super) struct Pictures {
     read: HashMap<PictureSource, PictureFile>,
     /// Those of each material, by its name.
     of_materials: HashMap<String, Vec<PictureSource>>,
+    of_background: Option<PictureSource>,
 }
 
 /// What makes a picture: a file, and what its numbers are taken for.
 type PictureSource = (PathBuf, Option<Transfer>);
 
 impl Pictures {
-    /// Reads the pictures of all materials; `folders` and `available` are those of
+    /// Reads all pictures; `folders` and `available` are those of
     /// [`Geometries::read`](super::Geometries::read).
     pub(super) fn read<F: Folders + ?Sized>(
         config: &Config,
@@ -38,19 +40,48 @@ impl Pictures {
                     .iter()
                     .fold(path, |path, key| path.key(*key))
                     .key("file");
-                let file = folders.folder_of(&path).join(&image.file);
-                let source = (file, image.transfer);
-                if !found.read.contains_key(&source) {
-                    let available = available.saturating_sub(found.n_bytes());
-                    let picture = read_picture(&source.0, image.transfer, available);
-                    let picture = picture.map_err(|fault| fault.at_value(&path))?;
-                    found.read.insert(source.clone(), picture);
-                }
+                let file = (image.file.as_path(), image.transfer);
+                let source = found.add(file, &path, folders, available)?;
                 let of_material = found.of_materials.entry(name.clone()).or_default();
                 of_material.push(source);
             }
         }
+        if let Background::EnvironmentMap(map) = &config.background {
+            let path = FieldPath::default().key("background");
+            let path = path.key("environment_map").key("file");
+            let file = (map.file.as_path(), map.transfer);
+            found.of_background = Some(found.add(file, &path, folders, available)?);
+        }
         Ok(found)
+    }
+
+    /// Reads the picture that the value at a path names, unless it was read before.
+    fn add<F: Folders + ?Sized>(
+        &mut self,
+        (file, transfer): (&Path, Option<Transfer>),
+        path: &FieldPath,
+        folders: &F,
+        available: u64,
+    ) -> Result<PictureSource, Fault> {
+        let source = (folders.folder_of(path).join(file), transfer);
+        if !self.read.contains_key(&source) {
+            let available = available.saturating_sub(self.n_bytes());
+            let picture = read_picture(&source.0, transfer, available);
+            let picture = picture.map_err(|fault| fault.at_value(path))?;
+            self.read.insert(source.clone(), picture);
+        }
+        Ok(source)
+    }
+
+    /// The background with its picture.
+    pub(super) fn background(&self, config: &Config) -> Background {
+        let mut background = config.background.clone();
+        if let (Background::EnvironmentMap(map), Some(source)) =
+            (&mut background, &self.of_background)
+        {
+            map.picture = Arc::clone(&self.read[source].picture);
+        }
+        background
     }
 
     /// Gives the material of this name its pictures.

@@ -1,4 +1,5 @@
-//! The light that surfaces emit toward the rays that hit them.
+//! The light that surfaces emit toward the rays that hit them, and the background toward
+//! those that hit nothing.
 
 use glam::Vec3;
 
@@ -43,6 +44,19 @@ pub(super) fn weight<R: Real>((emitter, probability): (&Emitter, f32), arrival: 
     } = arrival;
     let of_light = emitter.density(shape, *from, seen) * density.splat(probability);
     power_heuristic(*density, of_light)
+}
+
+/// The radiance of the background that a ray finds whose direction was chosen with a density,
+/// weighted beside that of light samples.
+#[inline(always)]
+pub(super) fn of_background<R: Real>(scene: &Scene, direction: Vector<R>, density: R) -> Vector<R> {
+    let radiance = scene.background.color(direction);
+    let Some((environment, probability)) = scene.lights.environment() else {
+        return radiance;
+    };
+    let of_light = environment.density(direction) * density.splat(probability);
+    let least = density.splat(f32::MIN_POSITIVE);
+    radiance * power_heuristic(density.max(least), of_light)
 }
 
 /// Adds the light that surfaces emit to the radiance of points.

@@ -1,5 +1,6 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
+use super::emission::of_background;
 use super::fresnel::{Split, mirrored_share, split_at};
 use super::interfaces::Interfaces;
 use super::model::{Bounce, Model};
@@ -170,14 +171,16 @@ impl SimdKernel for AddBackground<'_> {
             let mut rays = [missed[0]; N_LANES];
             rays[..missed.len()].copy_from_slice(missed);
             let mut directions = [[0.0; N_LANES]; 3];
+            let mut densities = [f32::INFINITY; N_LANES];
             for (lane, &ray) in rays.iter().enumerate() {
-                set_lane(
-                    &mut directions,
-                    lane,
-                    self.wave.rays.get(ray as usize).direction,
-                );
+                let ray = ray as usize;
+                set_lane(&mut directions, lane, self.wave.rays.get(ray).direction);
+                if let Some(branch) = self.wave.branches.get(ray) {
+                    densities[lane] = branch.density;
+                }
             }
-            let radiance = self.scene.background.color(set.load_vector(&directions));
+            let direction = set.load_vector(&directions);
+            let radiance = of_background(self.scene, direction, set.load(&densities));
             let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());
             let lanes = u8::MAX >> (N_LANES - missed.len());
             add(self.colors, radiance.times(weights), &slots, lanes);

@@ -326,7 +326,8 @@ impl<'a> Shader<'a> {
     /// Returns the radiance of the background that a ray which hit nothing adds to its
     /// path.
     pub fn miss(&self, path: &PathRay) -> Vec3 {
-        let color = self.scene.background.color(path.ray.direction.into());
+        let direction = path.ray.direction.into();
+        let color = emission::of_background(self.scene, direction, path.density);
         self.weakened(path, f32::INFINITY).weight * Vec3::from(color)
     }
 }

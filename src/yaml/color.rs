@@ -48,7 +48,17 @@ pub enum ColorOr<T> {
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for ColorOr<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(ColorOrVisitor(PhantomData))
+        d.deserialize_any(ColorOrVisitor(CHANNEL, PhantomData))
+    }
+}
+
+/// The same whose color is a radiance: each channel at least 0.
+pub struct RadianceOr<T>(pub ColorOr<T>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for RadianceOr<T> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(ColorOrVisitor(NON_NEGATIVE, PhantomData))
+            .map(Self)
     }
 }
 
@@ -91,7 +101,8 @@ impl<'de> Visitor<'de> for Color {
     }
 }
 
-struct ColorOrVisitor<T>(PhantomData<T>);
+/// The channels of a color, and what else there may be.
+struct ColorOrVisitor<T>(Number, PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
     type Value = ColorOr<T>;
@@ -101,11 +112,11 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ColorOr<T>, A::Error> {
-        Color(CHANNEL).visit_seq(list).map(ColorOr::Color)
+        Color(self.0).visit_seq(list).map(ColorOr::Color)
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<ColorOr<T>, E> {
-        Color(CHANNEL).visit_f64(found).map(ColorOr::Color)
+        Color(self.0).visit_f64(found).map(ColorOr::Color)
     }
 
     fn visit_i64<E: Error>(self, found: i64) -> Result<ColorOr<T>, E> {
@@ -117,7 +128,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
     }
 
     fn visit_str<E: Error>(self, found: &str) -> Result<ColorOr<T>, E> {
-        Color(CHANNEL).visit_str(found).map(ColorOr::Color)
+        Color(self.0).visit_str(found).map(ColorOr::Color)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColorOr<T>, A::Error> {

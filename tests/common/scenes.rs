@@ -31,6 +31,7 @@ pub struct RandomScene {
     pub camera: &'static str,
     /// More keys of the image.
     pub sampling: &'static str,
+    pub background: &'static str,
 }
 
 impl RandomScene {
@@ -52,6 +53,7 @@ impl RandomScene {
             acceleration,
             camera,
             sampling,
+            background,
         } = self;
         // Some of the cloud's spheres overlap.
         let (media, of_cloud) = match *model {
@@ -83,8 +85,7 @@ impl RandomScene {
             "
 image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed}{sampling} }}
 camera: {{ {camera} }}
-background:
-  gradient: {{ bottom: 0.2, top: [0.3, 0.5, 0.9] }}
+background: {{ {background} }}
 shading: {{ model: {model}, max_depth: {max_depth}{ambient} }}
 acceleration: {acceleration}
 materials:
@@ -196,6 +197,12 @@ const SAMPLING: [&str; 5] = [
     ", sampler: sobol, adaptive: { noise: 0.05, min_samples: 2 }",
 ];
 
+/// Backgrounds.
+pub const BACKGROUNDS: [&str; 2] = [
+    "gradient: { bottom: 0.2, top: [0.3, 0.5, 0.9] }",
+    "environment_map: { file: ../tests/files/sky.hdr, rotation_deg: 70, intensity: 0.3 }",
+];
+
 /// Cameras in front of the scene, and one in its middle.
 pub const CAMERAS: [&str; 4] = [
     "look_at: { eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 50 }",
@@ -231,11 +238,13 @@ prop_compose! {
         acceleration in prop_oneof![4 => Just("bvh"), 1 => Just("brute_force")],
         camera in prop::sample::select(&CAMERAS[..]),
         sampling in prop::sample::select(&SAMPLING[..]),
+        background in prop::sample::select(&BACKGROUNDS[..]),
     ) -> RandomScene {
         RandomScene {
             model, size, samples, max_depth, seed, has_media, has_lamps,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps], reflections, specular, lights, acceleration, camera, sampling,
+            background,
         }
     }
 }

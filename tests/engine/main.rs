@@ -9,6 +9,7 @@ mod awkward;
 mod cameras;
 mod counters;
 mod determinism;
+mod environment;
 mod import;
 mod media;
 mod attribution;

@@ -1,6 +1,6 @@
 //! Streams of rays have the hits and the counters of single rays.
 
-use crate::common::scenes::{CAMERAS, CHECKER, RandomScene, scenes};
+use crate::common::scenes::{BACKGROUNDS, CAMERAS, CHECKER, RandomScene, scenes};
 use crate::common::{film, film_on, lasting, with_cost};
 use proptest::prelude::*;
 use raycost::config::CostMode;
@@ -52,6 +52,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             acceleration: "bvh",
             camera: CAMERAS[1],
             sampling: "",
+            background: BACKGROUNDS[0],
         }
         .config();
         if samples > 1000 {

@@ -27,7 +27,11 @@ SAVED_EXPOSURE = 1.0
 
 def scenes():
     for path in sorted((ROOT / "tests" / "mitsuba").glob("*.yaml")):
-        yield path.stem, yaml.safe_load(path.read_text())
+        config = yaml.safe_load(path.read_text())
+        if isinstance(background := config.get("background"), dict):
+            keys = background["environment_map"]
+            keys["file"] = str(path.parent / keys["file"])
+        yield path.stem, config
     yield "cornell_box", yaml.safe_load((ROOT / "configs" / "cornell_box.yaml").read_text())
 
 

@@ -3,6 +3,7 @@
 import math
 
 import mitsuba as mi
+import numpy as np
 
 
 def scene(config, width, height, max_depth):
@@ -21,8 +22,39 @@ def scene(config, width, height, max_depth):
         if "emission" in keys:
             result[f"object{i}"]["emitter"] = {"type": "area", "radiance": rgb(keys["emission"])}
     if "background" in config:
-        result["sky"] = {"type": "constant", "radiance": rgb(config["background"])}
+        result["sky"] = sky(config["background"])
     return result
+
+
+def sky(background):
+    if not isinstance(background, dict):
+        return {"type": "constant", "radiance": rgb(background)}
+    keys = background["environment_map"]
+    # Mitsuba's middle column is at +z, and what is right of it toward -x.
+    angle = 180 + keys.get("rotation_deg", 0)
+    return {
+        "type": "envmap",
+        "bitmap": mi.Bitmap(finer(np.array(mi.Bitmap(keys["file"]).convert(component_format=mi.Struct.Type.Float32)))),
+        "scale": keys.get("intensity", 1),
+        "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], angle),
+    }
+
+
+def finer(picture, factor=64):
+    """The picture with more texels, linear between the centers of its own.
+
+    Mitsuba has the centers of the first and the last row at the poles, which is far off in a small picture.
+    """
+    rows, columns, _ = picture.shape
+    y = np.clip((np.arange(factor * rows) + 0.5) / factor - 0.5, 0, rows - 1)
+    x = (np.arange(factor * columns) + 0.5) / factor - 0.5
+    top, left = np.floor(y).astype(int), np.floor(x).astype(int)
+    down, across = (y - top)[:, None, None], (x - left)[None, :, None]
+    bottom = np.minimum(top + 1, rows - 1)
+    left, right = left % columns, (left + 1) % columns
+    upper = picture[top][:, left] * (1 - across) + picture[top][:, right] * across
+    lower = picture[bottom][:, left] * (1 - across) + picture[bottom][:, right] * across
+    return (upper * (1 - down) + lower * down).astype(np.float32)
 
 
 def rgb(color):

@@ -1,0 +1,81 @@
+//! What rays see that hit nothing: a direction → the radiance from there.
+//!
+//! Each kind of background has one file. To add one, write its file, its `mod` line, and
+//! its arms below.
+
+mod environment_map;
+mod gradient;
+
+use glam::Vec3;
+use serde::Deserialize;
+
+pub use environment_map::EnvironmentMap;
+pub use gradient::Gradient;
+
+use crate::simd::{Real, Vector};
+use crate::yaml::{ColorOr, RadianceOr};
+
+/// The `background` section.
+///
+/// ```
+/// # use raycost::background::Background;
+/// let sky: Background = raycost::yaml::from_str("
+/// gradient: { bottom: [0.9, 0.9, 1], top: [0.3, 0.5, 0.9] }
+/// ").unwrap();
+/// let gray: Background = raycost::yaml::from_str("0.2").unwrap();
+/// # assert_eq!(gray.color(glam::Vec3::Y.into()), glam::Vec3::splat(0.2).into());
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(from = "RadianceOr<BackgroundPattern>")]
+pub enum Background {
+    /// One color, or two.
+    Gradient(Gradient),
+    /// A picture.
+    EnvironmentMap(EnvironmentMap),
+}
+
+/// A background other than one color.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum BackgroundPattern {
+    /// Two colors, linear in the height of the direction.
+    Gradient(Gradient),
+    /// A picture of all that is around the scene.
+    EnvironmentMap(EnvironmentMap),
+}
+
+/// Black.
+impl Default for Background {
+    fn default() -> Self {
+        Self::Gradient(Gradient::of(Vec3::ZERO))
+    }
+}
+
+impl From<RadianceOr<BackgroundPattern>> for Background {
+    fn from(RadianceOr(found): RadianceOr<BackgroundPattern>) -> Self {
+        match found {
+            ColorOr::Color(color) => Self::Gradient(Gradient::of(color)),
+            ColorOr::Other(BackgroundPattern::Gradient(gradient)) => Self::Gradient(gradient),
+            ColorOr::Other(BackgroundPattern::EnvironmentMap(map)) => Self::EnvironmentMap(map),
+        }
+    }
+}
+
+impl Background {
+    /// The radiance from a direction, a unit vector.
+    #[inline(always)]
+    pub fn color<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
+        match self {
+            Self::Gradient(gradient) => gradient.color(direction),
+            Self::EnvironmentMap(map) => map.radiance(direction),
+        }
+    }
+
+    /// Its picture, if it has one.
+    pub fn environment_map(&self) -> Option<&EnvironmentMap> {
+        match self {
+            Self::EnvironmentMap(map) => Some(map),
+            Self::Gradient(_) => None,
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Pictures around scenes, as backgrounds and as lights.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use raycost::config::OptionalOutput;
+use raycost::scene::{LightNumbers, Scene};
+use raycost::simd::Vector;
+
+use crate::common::{film, in_repository, parse, scene_of};
+
+const SPOTS: &str = "tests/files/sky.hdr";
+
+/// A picture of one pixel.
+fn pixel(folder: &Path, gray: u8) -> String {
+    let path = folder.join(format!("{gray}.png"));
+    image::RgbImage::from_pixel(1, 1, image::Rgb([gray; 3]))
+        .save(&path)
+        .unwrap();
+    path.display().to_string()
+}
+
+/// A floor of albedo 1 seen from above, with z upward, below an environment map.
+fn floor(keys: &str, shading: &str, material: &str) -> String {
+    format!(
+        "image: {{ width: 4, height: 4, samples_per_pixel: 1024, sampler: sobol }}
+camera: {{ orthographic: {{ eye: [0, 0, 1], target: [0, 0, 0], height: 0.001 }} }}
+cost: counters
+shading: {{ {shading} }}
+background: {{ environment_map: {{ {keys} }} }}
+materials: {{ floor: {{ {material} }}, lamp: {{ emission: 3 }} }}
+lights: []
+objects: [{{ plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}, material: floor }}]
+"
+    )
+}
+
+/// The mean radiance of all pixels.
+fn seen(text: &str) -> Vec3 {
+    let mut config = parse(text);
+    config.output.add(OptionalOutput::Radiance);
+    let film = film(&config, 2);
+    let radiance: Vec<Vec3> = film.values(|strip| &strip.radiance).collect();
+    radiance.iter().sum::<Vec3>() / radiance.len() as f32
+}
+
+/// The mean of the background over the hemisphere around z, weighted by the cosine.
+fn integral(scene: &Scene) -> Vec3 {
+    const N: u32 = 1000;
+    let mut sum = DVec3::ZERO;
+    for i in 0..N * N {
+        let [u, v] = [i / N, i % N].map(|k| (f64::from(k) + 0.5) / f64::from(N));
+        let (radius, angle) = (u.sqrt(), std::f64::consts::TAU * v);
+        let direction = DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - u).sqrt());
+        let color = scene.background.color(direction.as_vec3().into());
+        sum += Vec3::from(color).as_dvec3();
+    }
+    (sum / f64::from(N * N)).as_vec3()
+}
+
+/// The same by light samples alone.
+fn by_light_samples(scene: &Scene) -> Vec3 {
+    const N: u32 = 500;
+    let at = [Vec3::ZERO, Vec3::Z].map(Vector::from);
+    let mut sum = DVec3::ZERO;
+    for i in 0..N * N {
+        let numbers = LightNumbers {
+            source: 0.0,
+            shape: 0.0,
+            point: [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32),
+        };
+        let (light, _) = scene.lights.illuminate(0, at, &numbers);
+        let cos = light.direction.z.max(0.0);
+        sum += (Vec3::from(light.radiance) * cos).as_dvec3();
+    }
+    (sum / f64::from(N * N)).as_vec3()
+}
+
+#[test]
+fn irradiance_is_the_integral_over_the_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let white = pixel(folder.path(), 255);
+    let spots = in_repository(SPOTS).display().to_string();
+    for keys in [
+        format!("file: {white}"),
+        format!("file: {spots}"),
+        // With the brightest spot above the floor.
+        format!("file: {spots}, rotation_deg: 190, intensity: 0.25"),
+    ] {
+        for shading in [
+            "model: path",
+            "model: path, light_sampling: each",
+            "model: path, max_depth: 1",
+        ] {
+            let text = floor(&keys, shading, "color: 1");
+            let scene = scene_of(&parse(&text));
+            let expected = integral(&scene);
+            for found in [seen(&text), by_light_samples(&scene)] {
+                assert!(
+                    (found / expected - 1.0).abs().max_element() < 0.005,
+                    "{keys} {shading}: {found}, expected {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn mirrors_and_rough_metals_reflect_the_map() {
+    let spots = in_repository(SPOTS).display().to_string();
+    let keys = format!("file: {spots}, rotation_deg: 30");
+    let metal = "conductor: { index: 0, extinction: 1 }";
+    let scene = scene_of(&parse(&floor(&keys, "model: path", metal)));
+    let above = Vec3::from(scene.background.color(Vec3::Z.into()));
+    // The picture is linear between its texels, so that narrow facets keep its mean.
+    for (roughness, tolerance) in [(0.0, 1e-3), (0.1, 0.02)] {
+        let material = format!("{metal}, roughness: {roughness}");
+        let found = seen(&floor(&keys, "model: path", &material));
+        assert!(
+            (found / above - 1.0).abs().max_element() < tolerance,
+            "{roughness}: {found}, expected {above}"
+        );
+    }
+}
+
+#[test]
+fn other_lights_keep_their_share() {
+    let spots = in_repository(SPOTS).display().to_string();
+    let keys = format!("file: {spots}, rotation_deg: 30");
+    let lamp = "  - { sphere: { center: [0, 0, 3], radius: 0.5 }, material: lamp }";
+    let of = |sampling: &str| {
+        let shading = format!("model: path, light_sampling: {sampling}");
+        let text = floor(&keys, &shading, "color: 0.5");
+        seen(
+            &text
+                .replace("objects: [{", "objects:\n  - {")
+                .replace("}]", &format!("}}\n{lamp}")),
+        )
+    };
+    let (each, power) = (of("each"), of("power"));
+    assert!(
+        (each / power - 1.0).abs().max_element() < 0.005,
+        "{each} {power}"
+    );
+}
+
+#[test]
+fn a_black_map_is_no_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let black = pixel(folder.path(), 0);
+    let text = floor(&format!("file: {black}"), "model: path", "color: 1");
+    assert_eq!(scene_of(&parse(&text)).lights.n_sources(), 0);
+    assert_eq!(seen(&text), Vec3::ZERO);
+}
+
+#[test]
+fn only_path_tracing_is_lit_by_the_map() {
+    let spots = in_repository(SPOTS).display().to_string();
+    for model in ["blinn_phong, ambient: 0", "ambient_occlusion", "seed"] {
+        let shading = format!("model: {model}");
+        let text = floor(&format!("file: {spots}"), &shading, "color: 1");
+        let scene = scene_of(&parse(&text.replace(", lamp: { emission: 3 }", "")));
+        let n_sources = usize::from(model == "ambient_occlusion");
+        assert_eq!(scene.lights.n_sources(), n_sources, "{model}");
+        assert!(scene.background.environment_map().is_some());
+    }
+}
