@@ -25,7 +25,7 @@ use crate::yaml;
 ///   transfer: linear    # what its numbers are, or srgb
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a picture such as { file: sky.hdr }")]
 pub struct EnvironmentMap {
     /// The file, relative to the scene file's folder.

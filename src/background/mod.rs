@@ -5,12 +5,16 @@
 
 mod environment_map;
 mod gradient;
+mod sky;
+mod sun;
 
 use glam::Vec3;
 use serde::Deserialize;
 
 pub use environment_map::EnvironmentMap;
 pub use gradient::Gradient;
+pub use sky::Sky;
+pub use sun::Sun;
 
 use crate::simd::{Real, Vector};
 use crate::yaml::{ColorOr, RadianceOr};
@@ -32,6 +36,8 @@ pub enum Background {
     Gradient(Gradient),
     /// A picture.
     EnvironmentMap(EnvironmentMap),
+    /// A clear sky.
+    Sky(Box<Sky>),
 }
 
 /// A background other than one color.
@@ -42,6 +48,8 @@ enum BackgroundPattern {
     Gradient(Gradient),
     /// A picture of all that is around the scene.
     EnvironmentMap(EnvironmentMap),
+    /// A clear sky by day with its sun, and a ground below the horizon.
+    Sky(Box<Sky>),
 }
 
 /// Black.
@@ -57,6 +65,7 @@ impl From<RadianceOr<BackgroundPattern>> for Background {
             ColorOr::Color(color) => Self::Gradient(Gradient::of(color)),
             ColorOr::Other(BackgroundPattern::Gradient(gradient)) => Self::Gradient(gradient),
             ColorOr::Other(BackgroundPattern::EnvironmentMap(map)) => Self::EnvironmentMap(map),
+            ColorOr::Other(BackgroundPattern::Sky(sky)) => Self::Sky(sky),
         }
     }
 }
@@ -65,17 +74,37 @@ impl Background {
     /// The radiance from a direction, a unit vector.
     #[inline(always)]
     pub fn color<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
+        let color = self.without_sun(direction);
+        match self.sun() {
+            None => color,
+            Some(sun) => color + sun.radiance(direction),
+        }
+    }
+
+    /// The same without that of its sun.
+    #[inline(always)]
+    pub fn without_sun<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         match self {
             Self::Gradient(gradient) => gradient.color(direction),
             Self::EnvironmentMap(map) => map.radiance(direction),
+            Self::Sky(sky) => sky.map.radiance(direction),
         }
     }
 
     /// Its picture, if it has one.
     pub fn environment_map(&self) -> Option<&EnvironmentMap> {
         match self {
-            Self::EnvironmentMap(map) => Some(map),
             Self::Gradient(_) => None,
+            Self::EnvironmentMap(map) => Some(map),
+            Self::Sky(sky) => Some(&sky.map),
+        }
+    }
+
+    /// Its sun, if it has one.
+    pub fn sun(&self) -> Option<&Sun> {
+        match self {
+            Self::Sky(sky) => Some(&sky.sun),
+            Self::Gradient(_) | Self::EnvironmentMap(_) => None,
         }
     }
 }

@@ -142,6 +142,7 @@ impl<'a> Trees<'a> {
         match self.traced.scene.lights.origin(index) {
             LightOrigin::Surfaces(material) => format!("lamp of {}", self.material(material.0)),
             LightOrigin::Background => "background".to_owned(),
+            LightOrigin::Sun => "sun".to_owned(),
             LightOrigin::Listed => format!("light {index}"),
         }
     }

@@ -1,9 +1,10 @@
 //! The lights of a scene: those of its `lights` section, then the surfaces that emit
-//! light, then the picture around it.
+//! light, then the picture around it and its sun.
 
 use super::emitter::{Emitter, luminance};
 use super::environment::EnvironmentLight;
 use super::primitive::{MaterialId, Primitive};
+use crate::background::{Background, Sun};
 use crate::config::LightSampling;
 use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
 use crate::light::{Illumination, Light};
@@ -21,6 +22,8 @@ pub struct Lights {
     emitters: Vec<Option<u32>>,
     /// The index of the picture around the scene.
     environment: Option<u32>,
+    /// The index of the sun.
+    sun: Option<u32>,
 }
 
 /// Where a light of a scene comes from.
@@ -30,8 +33,10 @@ pub enum LightOrigin {
     Listed,
     /// The surfaces of a material.
     Surfaces(MaterialId),
-    /// The `background` section.
+    /// The picture of the `background` section.
     Background,
+    /// The sun of the `background` section.
+    Sun,
 }
 
 #[derive(Debug, Clone)]
@@ -39,6 +44,7 @@ enum LightSource {
     Light(Light),
     Emitter(Box<Emitter>),
     Environment(Box<EnvironmentLight>),
+    Sun(Sun),
     /// The space around a point, up to a distance.
     Surroundings(f32),
 }
@@ -67,7 +73,7 @@ impl Lights {
         lights: &[Light],
         materials: &[Material],
         primitives: &[Primitive],
-        environment: Option<EnvironmentLight>,
+        background: Option<&Background>,
         sampling: LightSampling,
     ) -> Self {
         let mut sources: Vec<LightSource> =
@@ -82,8 +88,13 @@ impl Lights {
                 sources.push(LightSource::Emitter(Box::new(emitter)));
             }
         }
-        let environment = environment.map(|environment| {
+        let map = background.and_then(Background::environment_map);
+        let environment = map.and_then(EnvironmentLight::new).map(|environment| {
             sources.push(LightSource::Environment(Box::new(environment)));
+            sources.len() as u32 - 1
+        });
+        let sun = background.and_then(Background::sun).map(|sun| {
+            sources.push(LightSource::Sun(*sun));
             sources.len() as u32 - 1
         });
         let by_power = match sampling {
@@ -99,6 +110,7 @@ impl Lights {
             by_power,
             emitters,
             environment,
+            sun,
         }
     }
 
@@ -112,6 +124,7 @@ impl Lights {
         match &self.sources[index as usize] {
             LightSource::Emitter(emitter) => LightOrigin::Surfaces(emitter.material),
             LightSource::Environment(_) => LightOrigin::Background,
+            LightSource::Sun(_) => LightOrigin::Sun,
             LightSource::Light(_) | LightSource::Surroundings(_) => LightOrigin::Listed,
         }
     }
@@ -224,6 +237,16 @@ impl Lights {
         Some((environment, self.probability(index)))
     }
 
+    /// The sun and the probability of its choice; `None` if it is not sampled.
+    #[inline]
+    pub fn sun(&self) -> Option<(&Sun, f32)> {
+        let index = self.sun?;
+        let LightSource::Sun(sun) = &self.sources[index as usize] else {
+            return None;
+        };
+        Some((sun, self.probability(index)))
+    }
+
     /// The probability of the choice of a light.
     fn probability(&self, index: u32) -> f32 {
         let by_power = self.by_power.as_ref();
@@ -243,6 +266,7 @@ impl LightSource {
             Self::Light(light) => light.illuminate(point),
             Self::Emitter(emitter) => emitter.illuminate(point, numbers.shape, numbers.point),
             Self::Environment(environment) => environment.illuminate(numbers.point),
+            Self::Sun(sun) => sun.illuminate(numbers.point),
         }
     }
 
@@ -250,19 +274,19 @@ impl LightSource {
     fn power(&self, scene: &Aabb) -> f64 {
         let center = scene.center();
         let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
-        let light = match self {
+        let radiance = match self {
             Self::Surroundings(_) => return 0.0,
             Self::Emitter(emitter) => return emitter.power(),
             Self::Environment(environment) => return environment.power(radius),
-            Self::Light(light) => light,
-        };
-        let radiance = match light.position() {
-            // At this distance, whatever the falloff.
-            Some(position) => {
-                let point = position + radius * glam::Vec3::Y;
-                4.0 * luminance(light.illuminate(point.into()).radiance.into())
-            }
-            None => luminance(light.illuminate(center.into()).radiance.into()),
+            Self::Sun(sun) => luminance(sun.of_white()),
+            Self::Light(light) => match light.position() {
+                // At this distance, whatever the falloff.
+                Some(position) => {
+                    let point = position + radius * glam::Vec3::Y;
+                    4.0 * luminance(light.illuminate(point.into()).radiance.into())
+                }
+                None => luminance(light.illuminate(center.into()).radiance.into()),
+            },
         };
         let pi = std::f64::consts::PI;
         pi * pi * f64::from(radius).powi(2) * f64::from(radiance)

@@ -141,19 +141,11 @@ impl Scene {
                 &config.lights,
                 &scene.materials,
                 &scene.primitives,
-                scene.environment_light(),
+                scene.scatters_paths().then_some(&scene.background),
                 config.shading.light_sampling,
             ),
         };
         Ok(scene)
-    }
-
-    /// The picture around the scene as a light; `None` unless paths are traced. Other
-    /// backgrounds are so even that scattered rays find their light.
-    fn environment_light(&self) -> Option<EnvironmentLight> {
-        let map = self.background.environment_map();
-        map.filter(|_| self.scatters_paths())
-            .and_then(EnvironmentLight::new)
     }
 
     /// Whether any material is a dielectric.

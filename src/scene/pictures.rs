@@ -76,10 +76,12 @@ impl Pictures {
     /// The background with its picture.
     pub(super) fn background(&self, config: &Config) -> Background {
         let mut background = config.background.clone();
-        if let (Background::EnvironmentMap(map), Some(source)) =
-            (&mut background, &self.of_background)
-        {
-            map.picture = Arc::clone(&self.read[source].picture);
+        match (&mut background, &self.of_background) {
+            (Background::EnvironmentMap(map), Some(source)) => {
+                map.picture = Arc::clone(&self.read[source].picture);
+            }
+            (Background::Sky(sky), _) => sky.draw(),
+            _ => {}
         }
         background
     }

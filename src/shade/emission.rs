@@ -50,13 +50,19 @@ pub(super) fn weight<R: Real>((emitter, probability): (&Emitter, f32), arrival: 
 /// weighted beside that of light samples.
 #[inline(always)]
 pub(super) fn of_background<R: Real>(scene: &Scene, direction: Vector<R>, density: R) -> Vector<R> {
-    let radiance = scene.background.color(direction);
-    let Some((environment, probability)) = scene.lights.environment() else {
+    let (background, lights) = (&scene.background, &scene.lights);
+    let density = density.max(density.splat(f32::MIN_POSITIVE));
+    let mut radiance = background.without_sun(direction);
+    if let Some((environment, probability)) = lights.environment() {
+        let of_light = environment.density(direction) * density.splat(probability);
+        radiance = radiance * power_heuristic(density, of_light);
+    }
+    let Some(sun) = background.sun() else {
         return radiance;
     };
-    let of_light = environment.density(direction) * density.splat(probability);
-    let least = density.splat(f32::MIN_POSITIVE);
-    radiance * power_heuristic(density.max(least), of_light)
+    let probability = lights.sun().map_or(0.0, |(_, probability)| probability);
+    let of_light = sun.density(direction) * density.splat(probability);
+    radiance + sun.radiance(direction) * power_heuristic(density, of_light)
 }
 
 /// Adds the light that surfaces emit to the radiance of points.

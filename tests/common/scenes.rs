@@ -198,9 +198,10 @@ const SAMPLING: [&str; 5] = [
 ];
 
 /// Backgrounds.
-pub const BACKGROUNDS: [&str; 2] = [
+pub const BACKGROUNDS: [&str; 3] = [
     "gradient: { bottom: 0.2, top: [0.3, 0.5, 0.9] }",
     "environment_map: { file: ../tests/files/sky.hdr, rotation_deg: 70, intensity: 0.3 }",
+    "sky: { sun: { elevation_deg: 25, azimuth_deg: 100 } }",
 ];
 
 /// Cameras in front of the scene, and one in its middle.

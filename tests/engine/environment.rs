@@ -1,4 +1,4 @@
-//! Pictures around scenes, as backgrounds and as lights.
+//! Pictures and skies around scenes, as backgrounds and as lights.
 
 use std::path::Path;
 
@@ -52,7 +52,7 @@ fn integral(scene: &Scene) -> Vec3 {
         let [u, v] = [i / N, i % N].map(|k| (f64::from(k) + 0.5) / f64::from(N));
         let (radius, angle) = (u.sqrt(), std::f64::consts::TAU * v);
         let direction = DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - u).sqrt());
-        let color = scene.background.color(direction.as_vec3().into());
+        let color = scene.background.without_sun(direction.as_vec3().into());
         sum += Vec3::from(color).as_dvec3();
     }
     (sum / f64::from(N * N)).as_vec3()
@@ -142,6 +142,69 @@ fn other_lights_keep_their_share() {
         (each / power - 1.0).abs().max_element() < 0.005,
         "{each} {power}"
     );
+}
+
+#[test]
+fn irradiance_is_that_of_the_sky_and_of_the_sun() {
+    for sun in [
+        "{ elevation_deg: 20, azimuth_deg: 160 }",
+        "{ elevation_deg: 60, azimuth_deg: 0 }",
+    ] {
+        let sky = format!("{{ sky: {{ sun: {sun}, intensity: 0.5 }} }}");
+        for sampling in ["each", "power"] {
+            let shading = format!("model: path, light_sampling: {sampling}");
+            let text = floor("file: sky.hdr", &shading, "color: 1")
+                .replace("{ environment_map: { file: sky.hdr } }", &sky);
+            let scene = scene_of(&parse(&text));
+            let sun = scene.background.sun().unwrap();
+            let center = sun.illuminate([0.5; 2]).direction;
+            let expected = integral(&scene) + sun.of_white() * center.z.max(0.0);
+            let found = seen(&text);
+            assert!(
+                (found / expected - 1.0).abs().max_element() < 0.005,
+                "{sky} {sampling}: {found}, expected {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_edge_of_a_shadow_in_the_sun_is_as_soft_as_the_sun_is_wide() {
+    // A wall 10 high, and the sun at 45 degrees: its disk is a 107th of the way wide.
+    let text = "image: { width: 200, height: 1, samples_per_pixel: 256, sampler: sobol }
+camera: { orthographic: { eye: [10, 5, 5], target: [10, 0, 5], up: [0, 0, -1], height: 0.002 } }
+cost: counters
+shading: { model: path, max_depth: 1 }
+background: { sky: { sun: { elevation_deg: 45, azimuth_deg: -90 }, ground: 0 } }
+materials: { floor: { color: 1 }, wall: { color: 0 } }
+lights: []
+objects:
+  - plane: { point: [0, 0, 0], normal: [0, 1, 0] }
+    material: floor
+  - box: { min: [-1, 0, -1000], max: [0, 10, 1000] }
+    material: wall
+";
+    let mut config = parse(text);
+    config.output.add(OptionalOutput::Radiance);
+    let film = film(&config, 2);
+    let red: Vec<f32> = film
+        .values(|strip| &strip.radiance)
+        .map(|of| of.x)
+        .collect();
+    let [dark, bright] = [red[0], red[199]];
+    // The quarters of the disk's light are 0.404 of its radius from the center.
+    let half = 10.0 * 2.0_f32.sqrt() * 2.0_f32.sqrt() * 0.2666_f32.to_radians();
+    let place = |share: f32| {
+        let is_brighter = |light: &f32| *light > dark + share * (bright - dark);
+        red.iter().position(is_brighter).unwrap() as f32 / 500.0 - 0.2
+    };
+    for (share, expected) in [(0.25, -0.404), (0.5, 0.0), (0.75, 0.404)] {
+        let found = place(share) / half;
+        assert!(
+            (found - expected).abs() < 0.08,
+            "{share}: {found}, expected {expected}"
+        );
+    }
 }
 
 #[test]
