@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Paints the pictures of this folder, which are those of the scene `pictures.yaml`.
+"""Paints the pictures of this folder: those of the scene `pictures.yaml`, and `evening.hdr`.
 
 Needs nothing but Python. The same bytes on every machine, but for the version of zlib.
 """
@@ -189,7 +189,37 @@ def spot():
     write("spot.png", size, size, pixel)
 
 
+def write_light(name, width, height, pixel):
+    """Writes a Radiance HDR picture of `pixel(x, y)`, which returns three numbers greater than 0."""
+    out = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode()
+    for y in range(height):
+        for x in range(width):
+            color = pixel(x, y)
+            fraction, exponent = math.frexp(max(color))
+            out += bytes([int(256 * c * fraction / max(color)) for c in color] + [exponent + 128])
+    (FOLDER / name).write_bytes(out)
+    print(name, len(out), "bytes")
+
+
+def evening(x, y, width=64, height=32):
+    """All directions around a low sun, a bit right of the middle."""
+    latitude, longitude = math.pi * (0.5 - (y + 0.5) / height), 2 * math.pi * ((x + 0.5) / width - 0.5)
+    elevation, azimuth = math.radians(6), math.radians(20)
+    to_sun = math.acos(
+        math.sin(latitude) * math.sin(elevation)
+        + math.cos(latitude) * math.cos(elevation) * math.cos(longitude - azimuth)
+    )
+    if to_sun < 0.08:
+        return (160, 90, 30)
+    glow = math.exp(-3 * to_sun)
+    if latitude < 0:
+        return (0.07 + 0.1 * glow, 0.06 + 0.06 * glow, 0.05 + 0.02 * glow)
+    haze = math.exp(-4 * math.sin(latitude))
+    return (0.12 + 0.5 * haze + 1.2 * glow, 0.2 + 0.3 * haze + 0.6 * glow, 0.45 - 0.1 * haze + 0.15 * glow)
+
+
 if __name__ == "__main__":
+    write_light("evening.hdr", 64, 32, evening)
     write("globe.png", 512, 256, globe)
     write("planks.png", 256, 256, planks)
     write("plank_normals.png", 256, 256, plank_normals)

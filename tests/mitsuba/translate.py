@@ -46,7 +46,7 @@ def finer(picture, factor=64):
     Mitsuba has the centers of the first and the last row at the poles, which is far off in a small picture.
     """
     rows, columns, _ = picture.shape
-    y = np.clip((np.arange(factor * rows) + 0.5) / factor - 0.5, 0, rows - 1)
+    y = np.clip(np.linspace(0, rows, factor * rows) - 0.5, 0, rows - 1)
     x = (np.arange(factor * columns) + 0.5) / factor - 0.5
     top, left = np.floor(y).astype(int), np.floor(x).astype(int)
     down, across = (y - top)[:, None, None], (x - left)[None, :, None]
