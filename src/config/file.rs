@@ -53,7 +53,7 @@ impl fmt::Display for GeometryFile {
     }
 }
 
-/// A triangle mesh in an OBJ, PLY or STL file.
+/// A triangle mesh in an OBJ, PLY or STL file, or the surface of a data set in a VTK file.
 ///
 /// ```
 /// # use raycost::config::MeshFile;

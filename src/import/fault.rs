@@ -11,7 +11,7 @@ use crate::yaml::{Fault, FieldPath};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileFault {
     /// The path of the file as given; empty until it is known.
-    file: String,
+    pub(super) file: String,
     /// The position in the file, if it is known.
     pub location: Option<FileLocation>,
     /// What is wrong.
@@ -58,9 +58,11 @@ impl FileFault {
         self
     }
 
-    /// The same fault in this file.
+    /// The same fault in this file, unless it is in another one that this one names.
     pub(super) fn in_file(mut self, path: &Path) -> Self {
-        self.file = path.display().to_string();
+        if self.file.is_empty() {
+            self.file = path.display().to_string();
+        }
         self
     }
 

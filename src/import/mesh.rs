@@ -19,6 +19,8 @@ pub struct Mesh {
     /// The texture coordinates at the corners, if the file has them for all triangles:
     /// finite; (0, 0) is the lower left corner of a picture, (1, 1) the upper right one.
     pub uvs: Option<CornerValues<Vec2>>,
+    /// The numbers of an array at the corners, if one was read; NaN for missing ones.
+    pub scalars: Option<CornerValues<f32>>,
 }
 
 /// A value for each corner of each triangle of a mesh.
@@ -64,7 +66,8 @@ impl Mesh {
     pub fn n_bytes(&self) -> u64 {
         let own = size_of_val(&self.vertices[..]) + size_of_val(&self.triangles[..]);
         let normals = self.normals.as_ref().map_or(0, CornerValues::n_bytes);
-        own as u64 + normals + self.uvs.as_ref().map_or(0, CornerValues::n_bytes)
+        let scalars = self.scalars.as_ref().map_or(0, CornerValues::n_bytes);
+        own as u64 + normals + self.uvs.as_ref().map_or(0, CornerValues::n_bytes) + scalars
     }
 
     /// Normals that vary smoothly over the surface: at each vertex the sum of

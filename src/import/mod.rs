@@ -13,6 +13,7 @@ mod picture;
 mod ply;
 mod spheres;
 mod stl;
+mod vtk;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -24,6 +25,7 @@ pub use fault::{FileFault, FileLocation};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::{PictureFile, read_picture};
 pub use spheres::Spheres;
+pub use vtk::{ArrayChoice, ArrayOf};
 
 /// The result of a reader.
 pub type Result<T> = std::result::Result<T, FileFault>;
@@ -55,7 +57,8 @@ impl Read for Stoppable {
     }
 }
 
-/// Upper bound of the memory of a reader, in bytes per byte of its file. Each
+/// Upper bound of the memory of a reader, in bytes per byte of a file that is none of
+/// VTK's. Each
 /// corner of a polygon adds a triangle, and takes two bytes in a text file and one
 /// in a binary file. A triangle takes twelve bytes; a growing vector takes up to
 /// three times as much, and a grown one twice as much. There is a copy of the triangles
@@ -65,34 +68,60 @@ pub const MAX_BYTES_PER_BYTE: u64 = 48;
 /// A reader of one format.
 type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;
 
-/// The mesh formats by the extension of their files, in lower case.
+/// The mesh formats by the extension of their files, in lower case; VTK's are besides.
 const FORMATS: &[(&str, MeshReader)] =
     &[("obj", obj::read), ("ply", ply::read), ("stl", stl::read)];
 
 /// Whether the file's extension is that of a mesh format.
 pub fn is_mesh(path: &Path) -> bool {
     let extension = extension(path);
-    FORMATS.iter().any(|(known, _)| *known == extension)
+    extensions().any(|known| known == extension)
 }
 
-/// Reads a triangle mesh; the file's extension determines the format.
+/// The extensions of all mesh formats.
+fn extensions() -> impl Iterator<Item = &'static str> {
+    let own = FORMATS.iter().map(|(known, _)| *known);
+    own.chain(vtk::EXTENSIONS)
+}
+
+/// Reads a triangle mesh; the file's extension determines the format. Of a VTK file this is
+/// the surface.
 ///
 /// # Errors
 /// A file that cannot be read, is of no known format, is damaged, or has no
 /// triangle.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    let extension = extension(path);
-    let known = FORMATS.iter().find(|(known, _)| *known == extension);
-    let read = || {
-        let (_, read) = known.ok_or_else(|| unknown_format(&extension))?;
-        let mesh = read(open(path)?)?;
+    read_mesh_with(path, None)
+}
+
+/// Reads a triangle mesh with the numbers of an array.
+///
+/// # Errors
+/// Those of [`read_mesh`], and an array that the file does not have.
+pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
+    let read = read_any_mesh(path, array).and_then(|mesh| {
         if mesh.triangles.is_empty() {
             Err(FileFault::new("no triangle in the file", "faces"))
         } else {
             Ok(mesh)
         }
-    };
-    read().map_err(|fault| fault.in_file(path))
+    });
+    read.map_err(|fault| fault.in_file(path))
+}
+
+fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
+    let extension = extension(path);
+    if vtk::EXTENSIONS.contains(&extension.as_str()) {
+        return vtk::read_mesh(path, array);
+    }
+    let known = FORMATS.iter().find(|(known, _)| *known == extension);
+    let (_, read) = known.ok_or_else(|| unknown_format(&extension))?;
+    if let Some(array) = array {
+        let problem = format!("it cannot have an array `{}`", array.name);
+        let expected = "a VTK file, such as one that ends in .vtp or .vtu";
+        return Err(FileFault::new(problem, expected));
+    }
+    read(open(path)?)
 }
 
 /// Reads a list of spheres from a table of comma-separated values. `radius` is the
@@ -106,15 +135,19 @@ pub fn read_spheres(path: &Path, radius: Option<f32>) -> Result<Spheres> {
         .map_err(|fault| fault.in_file(path))
 }
 
-/// The length of a geometry file in bytes.
+/// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in
+/// bytes. The arrays of a VTK file, which may be compressed, are not in it: their memory is
+/// checked as they are read.
 ///
 /// # Errors
 /// If it is not a regular file, or if its metadata cannot be read.
-pub fn n_bytes(path: &Path) -> Result<u64> {
+pub fn max_bytes(path: &Path) -> Result<u64> {
+    let is_vtk = vtk::EXTENSIONS.contains(&extension(path).as_str());
+    let per_byte = if is_vtk { 1 } else { MAX_BYTES_PER_BYTE };
     let metadata = std::fs::metadata(path).map_err(FileFault::from);
     let length = metadata.and_then(|metadata| {
         if metadata.is_file() {
-            Ok(metadata.len())
+            Ok(metadata.len().saturating_mul(per_byte))
         } else {
             Err(FileFault::new("it is no file", "a file"))
         }
@@ -142,10 +175,7 @@ fn listed(words: &[String]) -> String {
 }
 
 fn unknown_format(extension: &str) -> FileFault {
-    let known: Vec<String> = FORMATS
-        .iter()
-        .map(|(known, _)| format!(".{known}"))
-        .collect();
+    let known: Vec<String> = extensions().map(|known| format!(".{known}")).collect();
     let problem = match extension {
         "" => "its name has no extension".to_owned(),
         _ => format!("unknown mesh format `.{extension}`"),

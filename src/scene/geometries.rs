@@ -98,8 +98,7 @@ impl Geometries {
 
 /// Makes sure that the file fits into memory, whatever it contains.
 fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault> {
-    let n_bytes = import::n_bytes(file).map_err(|fault| fault.at_value(path))?;
-    let needed = n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE);
+    let needed = import::max_bytes(file).map_err(|fault| fault.at_value(path))?;
     if needed <= available {
         return Ok(());
     }

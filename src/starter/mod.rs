@@ -40,8 +40,8 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
     let of_file = |fault: FileFault| {
         Diagnostic::new(fault.message()).with_help(format!("expected {}", fault.expected))
     };
-    let n_bytes = import::n_bytes(mesh).map_err(of_file)?;
-    if n_bytes.saturating_mul(import::MAX_BYTES_PER_BYTE) > available_memory() {
+    let n_bytes = import::max_bytes(mesh).map_err(of_file)?;
+    if n_bytes > available_memory() {
         let message = format!("`{}` may need more memory than is free", mesh.display());
         return Err(Diagnostic::new(message).with_help("use a smaller file"));
     }

@@ -17,5 +17,6 @@ pub(crate) mod appended;
 pub(crate) mod read;
 
 pub use codec::Codec;
+pub(crate) use codec::Compressor;
 pub use encoding::Encoding;
 pub use read::{ArrayValues, Scalar};

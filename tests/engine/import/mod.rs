@@ -2,6 +2,7 @@
 //! at its place.
 
 mod faults;
+mod vtk;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -66,6 +67,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
                     triangles,
                     normals,
                     uvs,
+                    scalars: None,
                 }
             })
         })
@@ -142,6 +144,7 @@ fn tetrahedron() -> Mesh {
         triangles,
         normals: Some(normals),
         uvs: None,
+        scalars: None,
     }
 }
 
@@ -198,11 +201,11 @@ fn a_face_without_normals_keeps_its_own_among_others() {
 fn what_is_no_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().join("none.obj"), PathBuf::from("none.csv")] {
-        let error = message(raycost::import::n_bytes(&path));
+        let error = message(raycost::import::max_bytes(&path));
         assert!(error.starts_with(": cannot read it: "), "{error}");
     }
     assert_eq!(
-        message(raycost::import::n_bytes(folder.path())),
+        message(raycost::import::max_bytes(folder.path())),
         ": it is no file, expected a file"
     );
 }

@@ -1,0 +1,41 @@
+//! The memory that reading a file may take.
+
+use super::super::{FileFault, Result};
+use crate::host::available_memory;
+
+/// The memory that is left for a file and its pieces, in bytes.
+#[derive(Debug)]
+pub(super) struct Budget(u64);
+
+impl Budget {
+    /// Half of the free memory: the other half is for what the scene makes of the mesh.
+    pub(super) fn new() -> Self {
+        Self(available_memory() / 2)
+    }
+
+    /// Takes memory, before it is allocated.
+    ///
+    /// # Errors
+    /// So much is not left.
+    pub(super) fn take(&mut self, n_bytes: u64) -> Result<()> {
+        let left = self.0;
+        self.0 = left.checked_sub(n_bytes).ok_or_else(|| {
+            let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+            let problem = format!(
+                "its arrays take {:.1} GiB of memory or more, {:.1} GiB are left for them",
+                gib(n_bytes),
+                gib(left)
+            );
+            FileFault::new(problem, "a smaller file")
+        })?;
+        Ok(())
+    }
+
+    /// Takes the memory of `n` values of a type.
+    ///
+    /// # Errors
+    /// So much is not left.
+    pub(super) fn take_of<T>(&mut self, n: usize) -> Result<()> {
+        self.take((n as u64).saturating_mul(size_of::<T>() as u64))
+    }
+}

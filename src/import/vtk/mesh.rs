@@ -1,0 +1,153 @@
+//! The mesh that the surfaces of all pieces make.
+
+use glam::{Vec2, Vec3};
+
+use super::super::mesh::{CornerValues, Mesh, count, finite};
+use super::super::{FileFault, Result};
+use super::budget::Budget;
+use super::numbers::Numbers;
+use super::piece::Piece;
+use super::surface::PieceSurface;
+use super::{ArrayChoice, ArrayOf};
+
+/// The pieces so far.
+pub(super) struct Pieces<'a> {
+    array: Option<&'a ArrayChoice>,
+    mesh: Mesh,
+    /// Whether all pieces have them.
+    has_normals: bool,
+    has_uvs: bool,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    scalars: CornerValues<f32>,
+}
+
+impl<'a> Pieces<'a> {
+    pub(super) fn new(array: Option<&'a ArrayChoice>) -> Self {
+        Self {
+            array,
+            mesh: Mesh::default(),
+            has_normals: true,
+            has_uvs: true,
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            scalars: CornerValues::default(),
+        }
+    }
+
+    /// Adds the surface of a piece.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, an array that is missing, or too many of them.
+    pub(super) fn add(&mut self, piece: &Piece, budget: &mut Budget) -> Result<()> {
+        let PieceSurface {
+            mut triangles,
+            cells,
+        } = PieceSurface::of(piece, budget)?;
+        if triangles.is_empty() {
+            return Ok(());
+        }
+        // Most points of solid cells are inside.
+        let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let first = count(self.mesh.vertices.len() + used.len())? - used.len() as u32;
+        budget.take_of::<[f32; 16]>(used.len())?;
+        for corner in triangles.as_flattened_mut() {
+            // All of them are among the used.
+            *corner = first + used.partition_point(|point| point < corner) as u32;
+        }
+        if let Some(array) = self.array {
+            let (of, values) = piece.scalars(array)?;
+            self.add_scalars(of, &values, &used, &triangles, &cells);
+        }
+        for &point in &used {
+            let position = piece.position(point as usize);
+            let at_point = |fault: FileFault| {
+                fault.at(super::super::FileLocation::Element(
+                    "point".into(),
+                    point.into(),
+                ))
+            };
+            self.mesh.vertices.push(position.map_err(at_point)?);
+        }
+        self.add_normals(piece.point_data.normals(), &used)?;
+        self.add_uvs(piece.point_data.uvs(), &used)?;
+        self.mesh.triangles.append(&mut triangles);
+        Ok(())
+    }
+
+    fn add_scalars(
+        &mut self,
+        of: ArrayOf,
+        values: &[f32],
+        used: &[u32],
+        triangles: &[[u32; 3]],
+        cells: &[u32],
+    ) {
+        let scalars = &mut self.scalars;
+        let first = scalars.values.len() as u32;
+        match of {
+            ArrayOf::Points => {
+                let moved = first.wrapping_sub(self.mesh.vertices.len() as u32);
+                let corners = triangles
+                    .iter()
+                    .map(|t| t.map(|corner| corner.wrapping_add(moved)));
+                scalars.triangles.extend(corners);
+                let of_used = used.iter().map(|point| values[*point as usize]);
+                scalars.values.extend(of_used);
+            }
+            ArrayOf::Cells => {
+                for &cell in cells {
+                    let index = scalars.values.len() as u32;
+                    scalars.values.push(values[cell as usize]);
+                    scalars.triangles.push([index; 3]);
+                }
+            }
+        }
+    }
+
+    fn add_normals(&mut self, normals: Option<&Numbers>, used: &[u32]) -> Result<()> {
+        self.has_normals &= normals.is_some();
+        for &point in used.iter().filter(|_| self.has_normals) {
+            let normal = normals.map_or([0.0; 3], |normals| normals.triple(point as usize));
+            self.normals
+                .push(finite(normal.map(|number| number as f32))?);
+        }
+        Ok(())
+    }
+
+    fn add_uvs(&mut self, uvs: Option<&Numbers>, used: &[u32]) -> Result<()> {
+        self.has_uvs &= uvs.is_some();
+        for &point in used.iter().filter(|_| self.has_uvs) {
+            let at = |k| {
+                uvs.map_or(0.0, |uvs| {
+                    uvs.at(uvs.n_components * point as usize + k) as f32
+                })
+            };
+            self.uvs.push(finite([at(0), at(1)])?);
+        }
+        Ok(())
+    }
+
+    /// The mesh of all pieces.
+    pub(super) fn finish(self) -> Mesh {
+        let Self {
+            mut mesh,
+            normals,
+            uvs,
+            ..
+        } = self;
+        let triangles = &mesh.triangles;
+        mesh.normals = self.has_normals.then(|| CornerValues {
+            values: normals,
+            triangles: triangles.clone(),
+        });
+        mesh.uvs = self.has_uvs.then(|| CornerValues {
+            values: uvs,
+            triangles: triangles.clone(),
+        });
+        mesh.scalars = self.array.map(|_| self.scalars);
+        mesh
+    }
+}

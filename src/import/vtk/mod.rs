@@ -1,0 +1,114 @@
+//! VTK's files of data sets: XML files, those of pieces and blocks, and legacy files.
+//!
+//! A file is read whole, and of its arrays only those that are wanted. What its numbers
+//! would take is taken from a budget before it is allocated.
+
+mod budget;
+mod numbers;
+mod encoded;
+mod document;
+mod cells;
+mod piece;
+mod surface;
+mod legacy;
+mod xml;
+mod mesh;
+
+use std::io::Read;
+use std::path::Path;
+
+use super::mesh::Mesh;
+use super::{FileFault, Result, extension, open};
+use budget::Budget;
+use piece::{Piece, Wanted};
+use xml::Contents;
+
+/// The extensions of VTK's files, in lower case.
+pub(super) const EXTENSIONS: [&str; 12] = [
+    "vtp", "vtu", "vts", "vtr", "vti", "vtk", "pvtp", "pvtu", "pvts", "pvtr", "pvti", "vtm",
+];
+
+/// Which numbers of a file make colors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ArrayChoice {
+    /// The name of the array.
+    pub name: String,
+    /// The component of its tuples, of which the first is 0; `None` for the magnitude.
+    pub component: Option<usize>,
+    /// Whether it is an array of points or of cells; `None` for the one that there is.
+    pub of: Option<ArrayOf>,
+}
+
+/// What an array has values of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ArrayOf {
+    /// Of points.
+    Points,
+    /// Of cells.
+    Cells,
+}
+
+/// Reads the surface of a data set, with the numbers of an array.
+pub(super) fn read_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
+    let mut mesh = mesh::Pieces::new(array);
+    let wanted: Vec<&str> = array.iter().map(|array| array.name.as_str()).collect();
+    for_each_piece(path, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
+    Ok(mesh.finish())
+}
+
+/// What is done with each piece of a data set.
+type Visit<'a> = dyn FnMut(&Piece, &mut Budget) -> Result<()> + 'a;
+
+/// Reads a data set piece by piece.
+fn for_each_piece(path: &Path, wanted: &Wanted, visit: &mut Visit) -> Result<()> {
+    let budget = &mut Budget::new();
+    let files = match read_file(path, wanted, budget)? {
+        Contents::Pieces(pieces) => {
+            return pieces.iter().try_for_each(|piece| visit(piece, budget));
+        }
+        Contents::Files(files) => files,
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for file in files {
+        let path = folder.join(file);
+        let read = match read_file(&path, wanted, budget) {
+            Ok(Contents::Pieces(pieces)) => {
+                pieces.iter().try_for_each(|piece| visit(piece, budget))
+            }
+            Ok(Contents::Files(_)) => {
+                let expected = "pieces that have their data themselves";
+                Err(FileFault::new(
+                    "it is a piece, and consists of pieces",
+                    expected,
+                ))
+            }
+            Err(fault) => Err(fault),
+        };
+        read.map_err(|fault| fault.in_file(&path))?;
+    }
+    Ok(())
+}
+
+fn read_file(path: &Path, wanted: &Wanted, budget: &mut Budget) -> Result<Contents> {
+    let mut file = open(path)?;
+    let length = file.get_ref().length()?;
+    budget.take(length)?;
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.read_to_end(&mut bytes)?;
+    if bytes.starts_with(legacy::SIGNATURE) {
+        let piece = legacy::read(&bytes, wanted, budget)?;
+        return Ok(Contents::Pieces(vec![piece]));
+    }
+    let start = bytes.trim_ascii_start();
+    if start.starts_with(b"<") || start.starts_with(b"\xef\xbb\xbf<") {
+        return xml::read(&bytes, wanted, budget);
+    }
+    let problem = format!(
+        "it is no VTK file, although it ends in `.{}`",
+        extension(path)
+    );
+    Err(FileFault::new(
+        problem,
+        "`# vtk DataFile Version` or `<VTKFile` at its begin",
+    ))
+}

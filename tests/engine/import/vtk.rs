@@ -1,0 +1,360 @@
+//! VTK's files: what VTK wrote is read as VTK reads it, and what is damaged is refused.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use glam::Vec3;
+use raycost::import::{ArrayChoice, ArrayOf, FileFault, Mesh, read_mesh, read_mesh_with};
+
+use super::{message, reading};
+use crate::common::in_repository;
+
+/// The numbers of an array as VTK shows them by default.
+fn choice(name: &str) -> ArrayChoice {
+    ArrayChoice {
+        name: name.to_owned(),
+        component: None,
+        of: None,
+    }
+}
+
+fn area(mesh: &Mesh) -> f64 {
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = mesh
+            .triangle(*triangle)
+            .vertices
+            .map(|vertex| vertex.as_dvec3());
+        0.5 * (b - a).cross(c - a).length()
+    };
+    mesh.triangles.iter().map(area).sum()
+}
+
+/// The least and the greatest number of an array on the surface.
+fn range(path: &Path, name: &str) -> [f64; 2] {
+    let mesh = read_mesh_with(path, Some(&choice(name))).unwrap_or_else(|fault| panic!("{fault}"));
+    let scalars = mesh.scalars.unwrap();
+    assert_eq!(scalars.triangles.len(), mesh.triangles.len());
+    let corners = scalars.triangles.iter().flatten();
+    let values = corners.map(|&corner| f64::from(scalars.values[corner as usize]));
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
+}
+
+#[test]
+#[ignore = "needs VTK: tests/with-paraview"]
+fn surfaces_are_those_that_vtk_sees() {
+    let python = std::env::var("RAYCOST_PYTHON").expect("run tests/with-paraview");
+    let folder = tempfile::tempdir().unwrap();
+    let script = in_repository("tests/vtk/data_sets.py");
+    let output = Command::new(python)
+        .arg(script)
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let lines = String::from_utf8(output.stdout).unwrap();
+    for line in lines.lines() {
+        let expected: serde_json::Value = serde_json::from_str(line).unwrap();
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            value
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|x| x.as_f64().unwrap())
+                .collect()
+        };
+        let file = folder.path().join(expected["file"].as_str().unwrap());
+        let near = |found: &[f64], expected: &[f64], what: &str| {
+            for (found, expected) in found.iter().zip(expected) {
+                let error = (found - expected).abs();
+                assert!(
+                    error <= 1e-5 * (1.0 + expected.abs()),
+                    "{what} of {file:?}: {found} {expected}"
+                );
+            }
+        };
+        let mesh = read_mesh(&file).unwrap_or_else(|fault| panic!("{fault}"));
+        let corners = || {
+            mesh.triangles
+                .iter()
+                .flatten()
+                .map(|i| mesh.vertices[*i as usize])
+        };
+        let [low, high] = [
+            corners().fold(Vec3::MAX, Vec3::min),
+            corners().fold(Vec3::MIN, Vec3::max),
+        ];
+        near(
+            &low.as_dvec3().to_array(),
+            &numbers(&expected["low"]),
+            "the lower end",
+        );
+        near(
+            &high.as_dvec3().to_array(),
+            &numbers(&expected["high"]),
+            "the upper end",
+        );
+        near(
+            &[area(&mesh)],
+            &[expected["area"].as_f64().unwrap()],
+            "the area",
+        );
+        for (name, of_array) in expected["ranges"].as_object().unwrap() {
+            near(&range(&file, name), &numbers(of_array), name);
+        }
+        assert!(lines.lines().count() > 300 && expected["ranges"].as_object().unwrap().len() == 3);
+    }
+}
+
+/// Small files of VTK, in all formats, with their numbers of triangles.
+const FILES: [(&str, usize); 11] = [
+    ("block_binary_51.vtk", 48),
+    ("block_lz4.vtu", 48),
+    ("block_zlib.vtu", 48),
+    ("cells_ascii.vtu", 94),
+    ("curvilinear_binary_42.vtk", 104),
+    ("curvilinear_raw.vts", 104),
+    ("image_base64.vti", 224),
+    ("polygons_ascii_42.vtk", 7),
+    ("polygons_inline.vtp", 7),
+    ("rectilinear_ascii_51.vtk", 104),
+    ("rectilinear_zlib.vtr", 104),
+];
+
+fn of_vtk(name: &str) -> Vec<u8> {
+    std::fs::read(in_repository("tests/files/vtk").join(name)).unwrap()
+}
+
+fn read(name: &str, bytes: &[u8], array: &ArrayChoice) -> Result<Mesh, FileFault> {
+    reading(name, bytes, |path| read_mesh_with(path, Some(array)))
+}
+
+#[test]
+fn each_format_gives_its_triangles() {
+    for (name, n) in FILES {
+        let mesh =
+            read(name, &of_vtk(name), &choice("speed")).unwrap_or_else(|fault| panic!("{fault}"));
+        assert_eq!(mesh.triangles.len(), n, "{name}");
+        assert_eq!(mesh.scalars.unwrap().triangles.len(), n, "{name}");
+    }
+    let [a, b, c] =
+        [0, 1, 2].map(|i| area(&read(FILES[i].0, &of_vtk(FILES[i].0), &choice("number")).unwrap()));
+    assert!((a - b).abs() < 1e-6 && (a - c).abs() < 1e-6);
+}
+
+/// Neither a file that ends early nor one with a wrong byte causes a panic or an index out
+/// of range, and none takes much memory.
+#[test]
+fn damaged_files_are_refused_or_meshes() {
+    for (name, _) in FILES {
+        let whole = of_vtk(name);
+        for place in 0..200 {
+            let at = whole.len() * place / 200;
+            let mut wrong = [whole.clone(), whole.clone(), whole.clone()];
+            wrong[0].truncate(at);
+            wrong[1][at] ^= 0xff;
+            wrong[2][at] = b'9';
+            for bytes in wrong {
+                let array = choice(["speed", "number"][place % 2]);
+                if let Ok(mesh) = read(name, &bytes, &array) {
+                    let corners = mesh.triangles.as_flattened();
+                    assert!(corners.iter().all(|i| (*i as usize) < mesh.vertices.len()));
+                    assert!(mesh.vertices.iter().all(|vertex| vertex.is_finite()));
+                }
+            }
+        }
+    }
+}
+
+/// A tetrahedron with an array of points and one of cells.
+fn tetrahedron() -> String {
+    let array = |kind: &str, name: &str, n: usize, values: &str| {
+        format!(
+            "<DataArray type='{kind}' Name='{name}' NumberOfComponents='{n}' format='ascii'>{values}</DataArray>"
+        )
+    };
+    format!(
+        "<?xml version='1.0'?><VTKFile type='UnstructuredGrid' byte_order='LittleEndian'>\
+         <UnstructuredGrid><Piece NumberOfPoints='4' NumberOfCells='1'>\
+         <PointData>{}</PointData><CellData>{}</CellData><Points>{}</Points><Cells>{}{}{}</Cells>\
+         </Piece></UnstructuredGrid></VTKFile>",
+        array("Float32", "velocity", 2, "3 4 0 0 nan 0 1 1"),
+        array("Int32", "rank", 1, "7"),
+        array("Float32", "Points", 3, "0 0 0 1 0 0 0 1 0 0 0 1"),
+        array("Int64", "connectivity", 1, "0 1 2 3"),
+        array("Int64", "offsets", 1, "4"),
+        array("UInt8", "types", 1, "10"),
+    )
+}
+
+#[test]
+fn each_mistake_of_a_vtk_file_is_reported() {
+    let whole = tetrahedron();
+    let velocity = choice("velocity");
+    let table = [
+        (
+            "1 2 3</",
+            "1 2 4</",
+            ", cell 0: there is no point 4, expected one of the 4 points, of which the first is 0",
+        ),
+        (
+            "0 1 2 3<",
+            "0 1 2<",
+            ", cell 0: its corners end at 4 of 3, expected at 0 or later",
+        ),
+        (
+            ">4<",
+            ">3<",
+            ", cell 0: it has 3 points, expected at least 4",
+        ),
+        (">10<", ">99<", ", cell 0: it is of the type 99, expected "),
+        (">10<", ">42<", ", cell 0: it is a polyhedron, expected "),
+        (
+            ">10<",
+            "><",
+            ": the array `types` has 0 numbers, expected 1 times 1",
+        ),
+        (
+            "3 4 0 0 nan 0 1 1",
+            "3 4 0 0 nan 0",
+            ": the array `velocity` has 6 numbers, expected 4 times 2",
+        ),
+        (
+            "3 4 0 0 nan 0 1 1",
+            "3 4 0",
+            ": the array `velocity` has 3 numbers, expected a multiple of its 2 components",
+        ),
+        (
+            "3 4 0 0",
+            "3 x 0 0",
+            ": the array `velocity`: `x` is no number, expected a number",
+        ),
+        (
+            "0 0 1</",
+            "0 0 inf</",
+            ", point 3: a coordinate is inf, expected finite numbers",
+        ),
+        (
+            "velocity",
+            "velocities",
+            ": it has no array `velocity`, did you mean `velocities`?, expected one of its arrays, such as `velocities` or `rank`",
+        ),
+        (
+            "Float32",
+            "Float16",
+            ": the array `velocity`: it has values of the type `Float16`, expected numbers of 8 to 64 bits",
+        ),
+        (
+            "='ascii'",
+            "='text'",
+            ": the array `velocity`: its format is `text`, expected ascii, binary or appended",
+        ),
+        (
+            "'LittleEndian'",
+            "'LittleEndian' compressor='zip'",
+            ": its arrays are compressed by `zip`, expected vtkZLibDataCompressor, vtkLZ4DataCompressor or none",
+        ),
+        ("</VTKFile>", "", ": it ends early, expected a whole file"),
+        (
+            "type='Unstruct",
+            "type='Struct",
+            ": it has no data set of the type `StructuredGrid`, expected an element VTKFile and its data set",
+        ),
+        (
+            "<?xml",
+            "xml",
+            ": it is no VTK file, although it ends in `.vtu`, expected `# vtk DataFile Version` or `<VTKFile` at its begin",
+        ),
+        (">10<", ">1<", ": no triangle in the file, expected faces"),
+    ];
+    read("a.vtu", whole.as_bytes(), &velocity).unwrap();
+    for (from, to, expected) in table {
+        assert!(whole.contains(from), "{from}");
+        let found = message(read(
+            "a.vtu",
+            whole.replacen(from, to, 1).as_bytes(),
+            &velocity,
+        ));
+        assert!(
+            found.starts_with(expected),
+            "{from} {to}\n{found}\n{expected}"
+        );
+    }
+}
+
+#[test]
+fn an_array_gives_components_and_magnitudes() {
+    let whole = tetrahedron();
+    let scalars = |array: &ArrayChoice| {
+        read("a.vtu", whole.as_bytes(), array).map(|mesh| mesh.scalars.unwrap())
+    };
+    let velocity = choice("velocity");
+    let magnitudes = scalars(&velocity).unwrap().values;
+    assert_eq!(
+        [magnitudes[0], magnitudes[1], magnitudes[3]],
+        [5.0, 0.0, 2.0_f32.sqrt()]
+    );
+    assert!(magnitudes[2].is_nan());
+    let second = ArrayChoice {
+        component: Some(1),
+        ..velocity.clone()
+    };
+    assert_eq!(scalars(&second).unwrap().values, [4.0, 0.0, 0.0, 1.0]);
+    assert_eq!(scalars(&choice("rank")).unwrap().values, [7.0; 4]);
+    let third = ArrayChoice {
+        component: Some(2),
+        ..velocity.clone()
+    };
+    assert_eq!(
+        message(scalars(&third)),
+        ": `velocity` has no component 2, expected one of its 2, of which the first is 0"
+    );
+    let of_cells = ArrayChoice {
+        of: Some(ArrayOf::Cells),
+        ..velocity
+    };
+    assert_eq!(
+        message(scalars(&of_cells)),
+        ": it has no array of cells `velocity`, expected one of its arrays, such as `rank`"
+    );
+}
+
+/// A file of pieces, and one that names what is not there.
+#[test]
+fn pieces_are_read_beside_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| -> PathBuf {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    write("a.vtu", &tetrahedron());
+    let of = |pieces: &str| {
+        format!(
+            "<VTKFile type='PUnstructuredGrid'><PUnstructuredGrid>{pieces}</PUnstructuredGrid></VTKFile>"
+        )
+    };
+    let two = write(
+        "two.pvtu",
+        &of("<Piece Source='a.vtu'/><Piece Source='a.vtu'/>"),
+    );
+    let mesh = read_mesh_with(&two, Some(&choice("velocity"))).unwrap();
+    assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (8, 8));
+    assert_eq!(mesh.scalars.unwrap().triangles, mesh.triangles);
+    let circle = write("circle.pvtu", &of("<Piece Source='circle.pvtu'/>"));
+    let fault = read_mesh(&circle).unwrap_err().to_string();
+    assert!(
+        fault.ends_with(
+            "it is a piece, and consists of pieces, expected pieces that have their data themselves"
+        ),
+        "{fault}"
+    );
+    let missing = write("missing.pvtu", &of("<Piece Source='b.vtu'/>"));
+    let fault = read_mesh(&missing).unwrap_err().to_string();
+    assert!(fault.contains("b.vtu`: cannot read it"), "{fault}");
+}
