@@ -7,7 +7,7 @@ use super::colors::Colors;
 use super::label::Unit;
 use super::range::{Range, Scale};
 use super::text::{CAP_HEIGHT_EM, Style};
-use super::ticks::{log_ticks, ticks_around_zero};
+use super::ticks::{linear_ticks, log_ticks};
 
 /// The direction of increasing values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,11 @@ impl Bar {
         let min_gap = (pitch_em * em_px / scale_px).into();
         let ticks = match range.scale {
             Scale::Logarithmic => log_ticks(range.low, range.high, min_gap),
-            Scale::Diverging => ticks_around_zero(range.high, min_gap),
+            Scale::Linear => {
+                // Closer labels are hard to read.
+                let min_step = (range.high - range.low) * min_gap.max(0.08);
+                linear_ticks(range.low, range.high, min_step)
+            }
         };
         let style = Style::new(em_px, canvas::INK);
         let label = |&value: &f64| Label::new(value, range, unit, &style);

@@ -1,10 +1,11 @@
-//! Color maps. Inferno over a logarithmic range: from dark for cheap to light for expensive, with
+//! Color maps. For cost, Inferno over a logarithmic range: from dark for cheap to light for expensive, with
 //! monotone lightness. For changes a diverging map, ColorBrewer's RdBu: blue for cheaper, red for
 //! more expensive.
 
 use image::Rgb;
 
 use super::range::{Range, Scale};
+use crate::color::ColorMap;
 
 /// The color of pixels without a value on the scale; no color map contains this gray.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
@@ -44,6 +45,24 @@ impl Colors {
         colors
     }
 
+    /// Creates the colors of a map for data, which are looked up by position alone.
+    pub fn of_map(range: &Range, map: ColorMap) -> Self {
+        let color = |i: usize| {
+            let position = i as f64 / (N_COLORS - 1) as f64;
+            Rgb(map
+                .at(position)
+                .map(|number| (255.0 * number).round() as u8))
+        };
+        Self {
+            range: *range,
+            by_position: (0..N_COLORS).map(color).collect(),
+            by_interval: Vec::new(),
+            low_bits: 0,
+            high_bits: 0,
+            interval_log2: 0,
+        }
+    }
+
     fn fill_intervals(&mut self) {
         let (low_bits, high_bits) = (self.low_bits, self.high_bits);
         let n_floats = high_bits - low_bits + 1;
@@ -80,7 +99,7 @@ impl Colors {
 fn sampled(scale: Scale) -> Vec<Rgb<u8>> {
     let color = |i| match scale {
         Scale::Logarithmic => colorous::INFERNO.eval_rational(i, N_COLORS),
-        Scale::Diverging => colorous::RED_BLUE.eval_rational(N_COLORS - 1 - i, N_COLORS),
+        Scale::Linear => colorous::RED_BLUE.eval_rational(N_COLORS - 1 - i, N_COLORS),
     };
     (0..N_COLORS).map(|i| Rgb(color(i).into_array())).collect()
 }
@@ -138,7 +157,7 @@ mod tests {
 
     #[test]
     fn decreases_are_blue_and_increases_are_red() {
-        let colors = Colors::over(&Range::on(Scale::Diverging, &[-50.0, 20.0]));
+        let colors = Colors::over(&Range::around_zero(&[-50.0, 20.0]));
         let [cheaper, same, costlier] = [-50.0, 0.0, 50.0].map(|change| colors.of(change).0);
         assert!(cheaper[2] > 2 * cheaper[0] && costlier[0] > 2 * costlier[2]);
         assert!(same.iter().all(|&channel| channel > 230), "{same:?}");

@@ -17,6 +17,7 @@ mod footer;
 mod text;
 mod bar;
 mod layout;
+mod legend;
 
 use std::io::{self, Write};
 
@@ -28,6 +29,7 @@ use canvas::{GRAY_INK, INK, LINE, PAPER};
 use colors::Colors;
 pub use label::short_number;
 use layout::Layout;
+pub use legend::{ColorLegend, draw_legends};
 pub use range::{Range, Scale};
 use text::Style;
 pub use ticks::{Ticks, linear_ticks, log_ticks, ticks_around_zero};

@@ -14,8 +14,8 @@ use super::histogram::{Histogram, N_BINS, bin, is_drawable, lower_edge, upper_ed
 pub enum Scale {
     /// Logarithmic; for positive values.
     Logarithmic,
-    /// Linear and symmetric around zero; for changes.
-    Diverging,
+    /// Linear; for changes, around zero, and for data.
+    Linear,
 }
 
 /// The range of the colors, and the number of values outside of it.
@@ -23,7 +23,7 @@ pub enum Scale {
 pub struct Range {
     /// The scale.
     pub scale: Scale,
-    /// The value of the first color; positive on a logarithmic scale, else `-high`.
+    /// The value of the first color; positive on a logarithmic scale.
     pub low: f64,
     /// The value of the last color; at least 1 % above `low`.
     pub high: f64,
@@ -41,14 +41,6 @@ pub struct Range {
 }
 
 impl Range {
-    /// Returns the range for `values`, in any order, on a scale.
-    pub fn on(scale: Scale, values: &[f32]) -> Self {
-        match scale {
-            Scale::Logarithmic => Self::of(values),
-            Scale::Diverging => Self::diverging(values),
-        }
-    }
-
     /// Returns the logarithmic range for `values`, in any order; a range around 1 if none is drawable.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let histogram = Histogram::of(values);
@@ -82,8 +74,8 @@ impl Range {
         }
     }
 
-    /// Returns a range that is symmetric around zero; -1 to 1 if all values are zero.
-    fn diverging(values: &[f32]) -> Self {
+    /// Returns a linear range that is symmetric around zero; -1 to 1 if all values are zero.
+    pub fn around_zero(values: &[f32]) -> Self {
         let sizes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
         let histogram = Histogram::of(&sizes);
         let reach = match histogram.n {
@@ -93,7 +85,7 @@ impl Range {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let n = |is_so: &dyn Fn(f64) -> bool| finite().filter(|&v| is_so(v.into())).count() as u64;
         Self {
-            scale: Scale::Diverging,
+            scale: Scale::Linear,
             low: -reach,
             high: reach,
             min: finite().fold(0.0, f32::min),
@@ -109,7 +101,7 @@ impl Range {
     pub fn position(&self, value: f64) -> f64 {
         let along = match self.scale {
             Scale::Logarithmic => f64::log2,
-            Scale::Diverging => |value| value,
+            Scale::Linear => |value| value,
         };
         (along(value) - along(self.low)) / (along(self.high) - along(self.low))
     }
@@ -118,7 +110,7 @@ impl Range {
     pub fn can_show(&self, value: f32) -> bool {
         match self.scale {
             Scale::Logarithmic => is_drawable(value),
-            Scale::Diverging => value.is_finite(),
+            Scale::Linear => value.is_finite(),
         }
     }
 }
@@ -227,7 +219,7 @@ mod tests {
     #[test]
     fn the_range_of_changes_is_symmetric() {
         let values: Vec<f32> = (0..1000).map(|i| i as f32 - 700.0).collect();
-        let range = Range::on(Scale::Diverging, &values);
+        let range = Range::around_zero(&values);
         assert_eq!((range.low, range.high), (-700.0, 700.0));
         assert_eq!((range.min, range.max, range.n_below), (-700.0, 299.0, 0));
         assert_eq!(
@@ -241,17 +233,14 @@ mod tests {
         let mut values = vec![0.0; 10_000];
         values[..900].fill(-3.0);
         (values[900], values[901]) = (1e6, f32::NAN);
-        let range = Range::on(Scale::Diverging, &values);
+        let range = Range::around_zero(&values);
         assert!(range.high >= 3.0 && range.high < 3.03, "{range:?}");
         assert_eq!(
             (range.n_below, range.n_above, range.n_undrawable),
             (0, 1, 1)
         );
-        assert_eq!(Range::on(Scale::Diverging, &[0.0; 9]).high, 1.0);
-        assert_eq!(
-            Range::on(Scale::Diverging, &[f32::INFINITY]).n_undrawable,
-            1
-        );
+        assert_eq!(Range::around_zero(&[0.0; 9]).high, 1.0);
+        assert_eq!(Range::around_zero(&[f32::INFINITY]).n_undrawable, 1);
     }
 
     #[test]

@@ -53,7 +53,7 @@ fn each_value_has_its_color() {
 fn each_change_has_its_color() {
     let values = [-10.0, 0.0, 10.0, f32::NAN];
     let changes = CostMap {
-        range: Range::on(Scale::Diverging, &values),
+        range: Range::around_zero(&values),
         ..map(&values, 2)
     };
     let red_blue = |t: f64| Rgb(colorous::RED_BLUE.eval_continuous(1.0 - t).into_array());
@@ -168,10 +168,10 @@ fn any_text_and_value_fit_without_a_panic() {
     ];
     for (values, width) in maps {
         let texts = [(long.as_str(), "ns"), ("", long.as_str())];
-        let scales = [Scale::Logarithmic, Scale::Diverging];
-        for ((title, unit), scale) in texts.into_iter().flat_map(|t| scales.map(|s| (t, s))) {
+        let ranges: [fn(&[f32]) -> Range; 2] = [|values| Range::of(values), Range::around_zero];
+        for ((title, unit), range) in texts.into_iter().flat_map(|t| ranges.map(|r| (t, r))) {
             let picture = draw(&CostMap {
-                range: Range::on(scale, values),
+                range: range(values),
                 title,
                 unit,
                 subtitle: title,

@@ -8,6 +8,8 @@ mod aces;
 mod agx;
 mod levels;
 mod srgb;
+mod diverging;
+mod map;
 mod tone_curve;
 
 use std::sync::LazyLock;
@@ -17,6 +19,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::text;
 use levels::linear8;
+pub use map::ColorMap;
 pub use tone_curve::ToneCurve;
 
 /// How radiance becomes the numbers of a picture.

@@ -25,7 +25,7 @@ use serde::Deserialize;
 pub use acceleration::{Acceleration, Quality, Structure};
 pub use adaptive::{Adaptive, MAX_SAMPLES};
 pub use cost_mode::CostMode;
-pub use file::{GeometryFile, MeshFile, MeshNormals, SpheresFile};
+pub use file::{GeometryFile, MeshFile, MeshNormals, RadiusArray, SphereRadius, SpheresFile};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::file::DiffFile;
 use super::report::ratio_label;
 use super::{Diff, Noise, Side};
-use crate::chart::{self, CostMap, Range, Scale};
+use crate::chart::{self, CostMap, Range};
 use crate::provenance::RunId;
 
 /// The file.
@@ -20,7 +20,7 @@ fn write(diff: &Diff, [a, b]: &[Side; 2], run: RunId, out: &mut impl Write) -> i
     let [width, height] = diff.size;
     let map = CostMap {
         values: &change.differences,
-        range: Range::on(Scale::Diverging, &change.differences),
+        range: Range::around_zero(&change.differences),
         width,
         height,
         title: &format!(

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::file::DiffFile;
 use super::{Diff, volume};
-use crate::chart::{Range, Scale};
+use crate::chart::Range;
 use crate::folder::OutputFolder;
 use crate::paraview::{Axis, ColorScale, Panels, fill, value_of_panels};
 use crate::provenance::stamped;
@@ -25,7 +25,7 @@ fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let change = &diff.change;
     let size = diff.size.map(f64::from);
     let n_labels = Panels::of(3, size).n_labels();
-    let max_difference = Range::on(Scale::Diverging, &change.differences).high;
+    let max_difference = Range::around_zero(&change.differences).high;
     let axis = |what, scale, ends| {
         let metric = change.metric;
         let array = format!("{}_{what}", metric.name);

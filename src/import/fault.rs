@@ -52,6 +52,17 @@ impl FileFault {
         }
     }
 
+    /// The fault of a file that has no arrays.
+    pub fn without_arrays(path: &Path, expected: &str) -> Self {
+        Self::new("it is a table, which has no arrays", expected).in_file(path)
+    }
+
+    /// The fault of a file whose points have no radius.
+    pub fn without_radius(path: &Path) -> Self {
+        let expected = "a `radius` for all points, or `radius: { array: … }`";
+        Self::new("its points have no radius", expected).in_file(path)
+    }
+
     /// The same fault at this position, unless a position is known already.
     pub(super) fn at(mut self, location: FileLocation) -> Self {
         self.location.get_or_insert(location);

@@ -25,7 +25,7 @@ pub use fault::{FileFault, FileLocation};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::{PictureFile, read_picture};
 pub use spheres::Spheres;
-pub use vtk::{ArrayChoice, ArrayOf};
+pub use vtk::{ArrayChoice, ArrayOf, RadiusChoice};
 
 /// The result of a reader.
 pub type Result<T> = std::result::Result<T, FileFault>;
@@ -101,7 +101,12 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
 pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
     let read = read_any_mesh(path, array).and_then(|mesh| {
         if mesh.triangles.is_empty() {
-            Err(FileFault::new("no triangle in the file", "faces"))
+            let expected = if is_vtk(path) {
+                "faces of cells; points are for `spheres`"
+            } else {
+                "faces"
+            };
+            Err(FileFault::new("no triangle in the file", expected))
         } else {
             Ok(mesh)
         }
@@ -110,10 +115,10 @@ pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> 
 }
 
 fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
-    let extension = extension(path);
-    if vtk::EXTENSIONS.contains(&extension.as_str()) {
+    if is_vtk(path) {
         return vtk::read_mesh(path, array);
     }
+    let extension = extension(path);
     let known = FORMATS.iter().find(|(known, _)| *known == extension);
     let (_, read) = known.ok_or_else(|| unknown_format(&extension))?;
     if let Some(array) = array {
@@ -135,6 +140,33 @@ pub fn read_spheres(path: &Path, radius: Option<f32>) -> Result<Spheres> {
         .map_err(|fault| fault.in_file(path))
 }
 
+/// Reads the points of a VTK file as spheres, with the numbers of an array.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array or no point.
+pub fn read_points(
+    path: &Path,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
+    let read = vtk::read_spheres(path, radius, array).and_then(|spheres| {
+        if spheres.spheres.is_empty() {
+            Err(FileFault::new(
+                "no point in the file",
+                "a point for each sphere",
+            ))
+        } else {
+            Ok(spheres)
+        }
+    });
+    read.map_err(|fault| fault.in_file(path))
+}
+
+/// Whether the file's extension is one of VTK's.
+pub fn is_vtk(path: &Path) -> bool {
+    vtk::EXTENSIONS.contains(&extension(path).as_str())
+}
+
 /// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in
 /// bytes. The arrays of a VTK file, which may be compressed, are not in it: their memory is
 /// checked as they are read.
@@ -142,8 +174,7 @@ pub fn read_spheres(path: &Path, radius: Option<f32>) -> Result<Spheres> {
 /// # Errors
 /// If it is not a regular file, or if its metadata cannot be read.
 pub fn max_bytes(path: &Path) -> Result<u64> {
-    let is_vtk = vtk::EXTENSIONS.contains(&extension(path).as_str());
-    let per_byte = if is_vtk { 1 } else { MAX_BYTES_PER_BYTE };
+    let per_byte = if is_vtk(path) { 1 } else { MAX_BYTES_PER_BYTE };
     let metadata = std::fs::metadata(path).map_err(FileFault::from);
     let length = metadata.and_then(|metadata| {
         if metadata.is_file() {

@@ -17,6 +17,8 @@ pub struct Spheres {
     /// The color of each sphere: red, green and blue; `None` if the table has no
     /// colors.
     pub colors: Option<Vec<[u8; 3]>>,
+    /// The number of an array for each sphere, if one was read; NaN for missing ones.
+    pub scalars: Option<Vec<f32>>,
 }
 
 impl Spheres {
@@ -26,7 +28,11 @@ impl Spheres {
             .colors
             .as_ref()
             .map_or(0, |colors| size_of_val(&colors[..]));
-        (size_of_val(&self.spheres[..]) + n_color_bytes) as u64
+        let n_scalar_bytes = self
+            .scalars
+            .as_ref()
+            .map_or(0, |scalars| size_of_val(&scalars[..]));
+        (size_of_val(&self.spheres[..]) + n_color_bytes + n_scalar_bytes) as u64
     }
 }
 
@@ -37,6 +43,7 @@ pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Sphe
     let mut found = Spheres {
         spheres: Vec::new(),
         colors: columns.color.map(|_| Vec::new()),
+        scalars: None,
     };
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {

@@ -1,5 +1,6 @@
 //! Materials: how surfaces reflect light.
 
+mod array;
 mod checker;
 mod conductor;
 mod dielectric;
@@ -11,6 +12,7 @@ mod texture;
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
+pub use array::{ArrayRange, ArrayScale, ColorTable};
 pub use checker::{Axes, Rounding};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;

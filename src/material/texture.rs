@@ -56,9 +56,27 @@ textures! {
     Checker(checker::Checker),
     /// A picture from a file.
     Image(image::ImageTexture),
+    /// The numbers of an array of a VTK file.
+    Array(array::ArrayTexture),
 }
 
 impl Texture {
+    /// The array that gives its colors, if it is one.
+    pub fn array(&self) -> Option<&ArrayTexture> {
+        match self {
+            Self::Array(array) => Some(array),
+            _ => None,
+        }
+    }
+
+    /// The array that gives its colors, if it is one.
+    pub fn array_mut(&mut self) -> Option<&mut ArrayTexture> {
+        match self {
+            Self::Array(array) => Some(array),
+            _ => None,
+        }
+    }
+
     /// Its picture, if it has one.
     pub fn image(&self) -> Option<&ImageTexture> {
         match self {

@@ -17,6 +17,8 @@ pub struct TexturePoint<R> {
     pub uv_density: R,
     /// The directions in which the texture coordinates grow; 0 without any.
     pub uv_axes: [Vector<R>; 2],
+    /// The number of the array that gives the color; NaN without one.
+    pub scalar: R,
     /// The width of the part of the surface that the ray stands for, in world units.
     pub width: R,
 }
@@ -32,6 +34,7 @@ impl<R: Real> TexturePoint<R> {
             uv: [zero, zero],
             uv_density: zero,
             uv_axes: [Vector::splat(zero, Vec3::ZERO); 2],
+            scalar: zero.splat(f32::NAN),
             width: zero,
         }
     }

@@ -5,14 +5,18 @@
 
 use std::io::{self, Write};
 
+use image::RgbImage;
 use rayon::prelude::*;
 
-use super::file::{FileContent, OutputFile};
+use super::file::{FileContent, Job, OutputFile};
 use super::states::States;
-use crate::chart::png;
+use crate::chart::{ColorLegend, Scale, draw_legends, png};
 use crate::config::Config;
 use crate::film::{Film, STRIP_ROWS, Strip};
+use crate::folder::FileWriter;
+use crate::material::ArrayScale;
 use crate::provenance::{self, RunId};
+use crate::scene::Scene;
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {
@@ -20,7 +24,10 @@ pub(super) const FILE: OutputFile = OutputFile {
     is_wanted: |_| true,
     content: FileContent::Written(|job, out| {
         let film = job.rendering.film;
-        if job.rendering.config.film.bits == 8 {
+        let legends = legends(job.rendering.scene);
+        if !legends.is_empty() {
+            write_with_legends(job, &legends, out)
+        } else if job.rendering.config.film.bits == 8 {
             let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
             write(film, rows, job.run, job.states, out)
         } else {
@@ -41,12 +48,88 @@ pub(super) const FILE: OutputFile = OutputFile {
 type Rgb16 = [u8; 6];
 
 /// Upper bound of the memory to write a picture of 16 bits besides that of one of 8: the
-/// picture, and as much again compressed.
+/// picture, and as much again compressed; and that of a picture with color bars.
 pub(super) fn write_bytes(config: &Config) -> u64 {
-    match config.film.bits {
-        8 => 0,
-        _ => (2 * size_of::<Rgb16>() * config.image.n_pixels()) as u64,
+    let mut arrays = config
+        .materials
+        .values()
+        .filter_map(|material| material.color.array());
+    let of_bars = if arrays.any(|array| array.bar.is_some()) {
+        size_of::<[u8; 3]>()
+    } else {
+        0
+    };
+    let per_pixel = match config.film.bits {
+        8 => of_bars,
+        _ => of_bars + 2 * size_of::<Rgb16>(),
+    };
+    (per_pixel * config.image.n_pixels()) as u64
+}
+
+/// The color bars of the scene's materials, each once.
+fn legends(scene: &Scene) -> Vec<ColorLegend> {
+    let mut legends = Vec::new();
+    for array in scene
+        .materials
+        .iter()
+        .filter_map(|material| material.color.array())
+    {
+        let Some(title) = &array.bar else { continue };
+        let legend = ColorLegend {
+            title: title.clone(),
+            map: array.map,
+            ends: array.table.ends,
+            scale: match array.scale {
+                ArrayScale::Linear => Scale::Linear,
+                ArrayScale::Log => Scale::Logarithmic,
+            },
+            clips: array.table.clips,
+        };
+        if !legends.contains(&legend) {
+            legends.push(legend);
+        }
     }
+    legends
+}
+
+/// Writes the picture with color bars.
+fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) -> io::Result<()> {
+    let film = job.rendering.film;
+    let (width, height) = (film.grid.width, film.grid.height);
+    let mut picture = RgbImage::new(width, height);
+    let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+    let row_bytes = 3 * width as usize;
+    for (into, row) in picture.chunks_exact_mut(row_bytes).zip(rows) {
+        into.copy_from_slice(row);
+    }
+    draw_legends(&mut picture, legends);
+    if job.rendering.config.film.bits == 8 {
+        return write(
+            film,
+            picture.chunks_exact(row_bytes),
+            job.run,
+            job.states,
+            out,
+        );
+    }
+    let mut developed = developed(film);
+    let before = film.rows(|strip| &strip.rgb).flatten();
+    let (drawn, _) = picture.as_chunks::<3>();
+    for ((place, before), drawn) in developed.iter_mut().zip(before).zip(drawn) {
+        if before != drawn {
+            // 257 times as much of 16 bits is as bright.
+            let [r, g, b] = *drawn;
+            *place = [r, r, g, g, b, b];
+        }
+    }
+    let rows = developed.chunks_exact(width as usize);
+    write(
+        film,
+        rows.map(<[_]>::as_flattened),
+        job.run,
+        job.states,
+        out,
+    )
 }
 
 /// The picture of a film that keeps its radiance.

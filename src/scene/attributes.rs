@@ -18,6 +18,8 @@ pub(super) enum Attributes {
     Corners(CornerAttributes),
     /// A color per primitive: red, green and blue.
     Colors(Vec<[u8; 3]>),
+    /// The number of an array per primitive.
+    Scalars(Vec<f32>),
 }
 
 /// Attributes of the corners of triangles, at least one.
@@ -27,55 +29,86 @@ pub(super) struct CornerAttributes {
     pub(super) normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates.
     pub(super) uvs: Option<CornerValues<Vec2>>,
+    /// The numbers of an array.
+    pub(super) scalars: Option<CornerValues<f32>>,
 }
 
 /// A kind of attributes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AttributeKind {
-    /// None.
-    None,
-    /// Normals of corners.
-    Normals,
-    /// Texture coordinates of corners.
-    Uvs,
-    /// Both.
-    NormalsAndUvs,
+    /// Those of corners that there are; perhaps none.
+    Corners {
+        /// Normals.
+        normals: bool,
+        /// Texture coordinates.
+        uvs: bool,
+        /// Numbers of an array.
+        scalars: bool,
+    },
     /// Colors of primitives.
     Colors,
+    /// Numbers of primitives.
+    Scalars,
 }
 
 impl AttributeKind {
-    /// All kinds, in the order of declaration.
-    pub const ALL: [Self; 5] = [
-        Self::None,
-        Self::Normals,
-        Self::Uvs,
-        Self::NormalsAndUvs,
-        Self::Colors,
-    ];
+    /// How many kinds there are.
+    pub(super) const COUNT: u32 = 10;
+
+    /// Its number, less than [`COUNT`](Self::COUNT).
+    pub(super) fn number(self) -> u32 {
+        match self {
+            Self::Corners {
+                normals,
+                uvs,
+                scalars,
+            } => u32::from(normals) + 2 * u32::from(uvs) + 4 * u32::from(scalars),
+            Self::Colors => 8,
+            Self::Scalars => 9,
+        }
+    }
+
+    /// The kind of a number.
+    pub(super) fn numbered(number: u32) -> Self {
+        match number {
+            8 => Self::Colors,
+            9 => Self::Scalars,
+            _ => Self::Corners {
+                normals: number & 1 != 0,
+                uvs: number & 2 != 0,
+                scalars: number & 4 != 0,
+            },
+        }
+    }
 
     /// Whether corners have normals.
     pub fn has_normals(self) -> bool {
-        matches!(self, Self::Normals | Self::NormalsAndUvs)
+        matches!(self, Self::Corners { normals: true, .. })
     }
 
     /// Whether corners have texture coordinates.
     pub fn has_uvs(self) -> bool {
-        matches!(self, Self::Uvs | Self::NormalsAndUvs)
+        matches!(self, Self::Corners { uvs: true, .. })
+    }
+
+    /// Whether corners have numbers of an array.
+    pub fn has_corner_scalars(self) -> bool {
+        matches!(self, Self::Corners { scalars: true, .. })
     }
 }
 
 impl Attributes {
     pub(super) fn kind(&self) -> AttributeKind {
-        match self {
-            Self::None => AttributeKind::None,
-            Self::Colors(_) => AttributeKind::Colors,
-            Self::Corners(corners) => match (&corners.normals, &corners.uvs) {
-                (None, None) => AttributeKind::None,
-                (Some(_), None) => AttributeKind::Normals,
-                (None, Some(_)) => AttributeKind::Uvs,
-                (Some(_), Some(_)) => AttributeKind::NormalsAndUvs,
-            },
+        let corners = match self {
+            Self::None => &CornerAttributes::default(),
+            Self::Corners(corners) => corners,
+            Self::Colors(_) => return AttributeKind::Colors,
+            Self::Scalars(_) => return AttributeKind::Scalars,
+        };
+        AttributeKind::Corners {
+            normals: corners.normals.is_some(),
+            uvs: corners.uvs.is_some(),
+            scalars: corners.scalars.is_some(),
         }
     }
 }
@@ -91,6 +124,18 @@ pub fn interpolated_normal<R: Real>(
 ) -> Vector<R> {
     let [u, v, w] = barycentrics(triangle, point);
     (a * u + b * v + c * w).normalize_or(fallback)
+}
+
+/// The number at a point of a triangle, or of one per lane: the interpolation of those at
+/// its vertices.
+#[inline(always)]
+pub fn interpolated_scalar<R: Real>(
+    triangle: &[R; N_PARAMETERS],
+    [a, b, c]: [R; 3],
+    point: Vector<R>,
+) -> R {
+    let [u, v, w] = barycentrics(triangle, point);
+    a * u + b * v + c * w
 }
 
 /// A point of a triangle, or of one per lane, with texture coordinates: the interpolation

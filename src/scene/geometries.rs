@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
+use super::arrays;
 use super::pictures::Pictures;
 use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
 use crate::geometry::Shape;
-use crate::import::{self, Mesh, Spheres};
+use crate::import::{self, ArrayChoice, Mesh, Spheres};
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
@@ -31,6 +32,15 @@ impl ObjectGeometry {
         match self {
             Self::Mesh(mesh) => mesh.uvs.is_some(),
             Self::Shape(_) | Self::Generator(_) | Self::Spheres(_) => false,
+        }
+    }
+
+    /// The numbers of an array, if it was read with one.
+    pub(super) fn scalars(&self) -> Option<&[f32]> {
+        match self {
+            Self::Mesh(mesh) => mesh.scalars.as_ref().map(|scalars| &scalars.values[..]),
+            Self::Spheres(spheres) => spheres.scalars.as_deref(),
+            Self::Shape(_) | Self::Generator(_) => None,
         }
     }
 }
@@ -61,8 +71,10 @@ impl Geometries {
                     let path = path.key(file.to_string()).key("file");
                     let folder = folders.folder_of(&path);
                     let available = available.saturating_sub(found.n_bytes());
-                    check_size(&folder.join(file.file()), available, &path)
-                        .and_then(|()| read(file, folder).map_err(|fault| fault.at_value(&path)))?
+                    check_size(&folder.join(file.file()), available, &path).and_then(|()| {
+                        let array = arrays::choice(config, object)?;
+                        read(file, folder, array).map_err(|fault| fault.at_value(&path))
+                    })?
                 }
             });
         }
@@ -112,18 +124,20 @@ fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault
     Err(Fault::new(path.clone(), message, "expected a smaller file"))
 }
 
-fn read(file: &GeometryFile, folder: &Path) -> import::Result<ObjectGeometry> {
+fn read(
+    file: &GeometryFile,
+    folder: &Path,
+    array: Option<&ArrayChoice>,
+) -> import::Result<ObjectGeometry> {
     let path = folder.join(file.file());
     match file {
-        GeometryFile::Mesh(file) => read_mesh(file, &path).map(ObjectGeometry::Mesh),
-        GeometryFile::Spheres(file) => {
-            import::read_spheres(&path, file.radius).map(ObjectGeometry::Spheres)
-        }
+        GeometryFile::Mesh(file) => read_mesh(file, &path, array).map(ObjectGeometry::Mesh),
+        GeometryFile::Spheres(file) => file.read(&path, array).map(ObjectGeometry::Spheres),
     }
 }
 
-fn read_mesh(file: &MeshFile, path: &Path) -> import::Result<Mesh> {
-    let mut mesh = import::read_mesh(path)?;
+fn read_mesh(file: &MeshFile, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Mesh> {
+    let mut mesh = import::read_mesh_with(path, array)?;
     match file.normals {
         MeshNormals::File => {}
         MeshNormals::Smooth => {

@@ -6,6 +6,7 @@
 
 mod primitive;
 mod pictures;
+mod arrays;
 mod geometries;
 mod attributes;
 mod surface_class;
@@ -26,7 +27,7 @@ use crate::text::{did_you_mean, keyword_name};
 use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
-pub use attributes::{AttributeKind, interpolated_normal, with_uv};
+pub use attributes::{AttributeKind, interpolated_normal, interpolated_scalar, with_uv};
 use placement::Placement;
 
 pub use emitter::Emitter;
@@ -115,6 +116,8 @@ impl Scene {
         for (name, material) in config.materials.keys().zip(&mut scene.materials) {
             geometries.pictures.give_to(name, material);
         }
+        let numbers_of = |object: usize| geometries.objects[object].scalars();
+        arrays::prepare(config, numbers_of, &mut scene.materials)?;
         let objects = config.objects.iter().zip(geometries.objects);
         for (index, (object, geometry)) in objects.enumerate() {
             let path = FieldPath::default().key("objects").index(index);
@@ -222,6 +225,33 @@ impl Scene {
             }
             _ => None,
         }
+    }
+
+    /// The numbers of an array at the vertices of the primitive, a triangle, if it has any.
+    #[inline]
+    pub fn vertex_scalars(&self, primitive: u32) -> Option<[f32; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Corners(corners), i) => Some(corners.scalars.as_ref()?.of(i)),
+            _ => None,
+        }
+    }
+
+    /// The primitive's own number of an array, if it has one.
+    #[inline]
+    pub fn own_scalar(&self, primitive: u32) -> Option<f32> {
+        match self.attributes(primitive) {
+            (Attributes::Scalars(scalars), i) => Some(scalars[i]),
+            _ => None,
+        }
+    }
+
+    /// The number of an array at a point of a primitive, if it has one; else NaN.
+    pub fn scalar(&self, primitive: u32, point: Vec3) -> f32 {
+        if let Some(scalars) = self.vertex_scalars(primitive) {
+            let triangle = self.primitives[primitive as usize].parameters();
+            return interpolated_scalar(&triangle, scalars, point.into());
+        }
+        self.own_scalar(primitive).unwrap_or(f32::NAN)
     }
 
     /// A point of a primitive with its texture coordinates, if it has any.

@@ -72,11 +72,18 @@ impl<'a> Placement<'a> {
                     self.add(Shape::Sphere(sphere), material, primitives)?;
                 }
             }
-            ObjectGeometry::Spheres(Spheres { spheres, colors }) => {
+            ObjectGeometry::Spheres(Spheres {
+                spheres,
+                colors,
+                scalars,
+            }) => {
                 for (i, sphere) in spheres.into_iter().enumerate() {
                     self.add(Shape::Sphere(sphere), i % self.materials.len(), primitives)?;
                 }
-                return Ok(colors.map_or(Attributes::None, Attributes::Colors));
+                let colors = colors.map(Attributes::Colors);
+                return Ok(colors
+                    .or(scalars.map(Attributes::Scalars))
+                    .unwrap_or_default());
             }
             ObjectGeometry::Mesh(mesh) => return self.add_mesh(mesh, primitives, n_degenerate),
         }
@@ -92,6 +99,7 @@ impl<'a> Placement<'a> {
     ) -> Result<Attributes, Fault> {
         let n_before = primitives.len();
         let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
+        let scalars = mesh.scalars.take();
         let mut kept = Vec::with_capacity(mesh.triangles.len());
         for &indices in &mesh.triangles {
             let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0);
@@ -120,6 +128,10 @@ impl<'a> Placement<'a> {
             uvs: uvs.filter(|_| self.needs_uvs).map(|uvs| CornerValues {
                 triangles: only(uvs.triangles, &kept),
                 ..uvs
+            }),
+            scalars: scalars.map(|scalars| CornerValues {
+                triangles: only(scalars.triangles, &kept),
+                ..scalars
             }),
         }))
     }

@@ -11,7 +11,7 @@ pub struct SurfaceClass(u32);
 
 /// Kinds of shapes, and one more for shapes under a transform.
 const N_SHAPES: u32 = ShapeKind::ALL.len() as u32 + 1;
-const N_ATTRIBUTES: u32 = AttributeKind::ALL.len() as u32;
+const N_ATTRIBUTES: u32 = AttributeKind::COUNT;
 
 impl SurfaceClass {
     /// The class of a primitive with such attributes.
@@ -19,7 +19,7 @@ impl SurfaceClass {
     pub(super) fn new(primitive: &Primitive, attributes: AttributeKind) -> Self {
         let shape = primitive.kind().map_or(0, |kind| kind as u32 + 1);
         let material = primitive.material.0;
-        Self((material * N_ATTRIBUTES + attributes as u32) * N_SHAPES + shape)
+        Self((material * N_ATTRIBUTES + attributes.number()) * N_SHAPES + shape)
     }
 
     /// Its number: classes of few materials have small numbers.
@@ -36,7 +36,7 @@ impl SurfaceClass {
 
     /// The kind of the attributes.
     pub fn attributes(self) -> AttributeKind {
-        AttributeKind::ALL[(self.0 / N_SHAPES % N_ATTRIBUTES) as usize]
+        AttributeKind::numbered(self.0 / N_SHAPES % N_ATTRIBUTES)
     }
 
     /// The material.

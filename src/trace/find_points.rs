@@ -6,7 +6,7 @@ use super::surface_point::{on_side_of, side, width};
 use crate::accel::Hit;
 use crate::geometry::RayStream;
 use crate::material::TexturePoint;
-use crate::scene::{AttributeKind, Scene, interpolated_normal, with_uv};
+use crate::scene::{AttributeKind, Scene, interpolated_normal, interpolated_scalar, with_uv};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
 };
@@ -68,6 +68,12 @@ impl FindPoints<'_> {
         if group.attributes.has_uvs() {
             let uvs = self.vertex_uvs(set, &hits.primitives);
             at_point = with_uv(at_point, &parameters, uvs);
+        }
+        if group.attributes.has_corner_scalars() {
+            let scalars = self.vertex_scalars(set, &hits.primitives);
+            at_point.scalar = interpolated_scalar(&parameters, scalars, position);
+        } else if group.attributes == AttributeKind::Scalars {
+            at_point.scalar = self.own_scalars(set, &hits.primitives);
         }
         if let Some(cone) = self.scene.cone {
             let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
@@ -181,6 +187,34 @@ impl FindPoints<'_> {
             *uv = [set.load(u), set.load(v)];
         }
         uvs
+    }
+
+    /// The numbers of an array at the vertices of eight triangles.
+    #[inline(always)]
+    fn vertex_scalars<I: InstructionSet>(
+        &self,
+        set: I,
+        primitives: &[u32; N_LANES],
+    ) -> [I::Lanes; 3] {
+        let mut columns = [[0.0; N_LANES]; 3];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let scalars = self.scene.vertex_scalars(primitive).unwrap_or_default();
+            for (column, scalar) in columns.iter_mut().zip(scalars) {
+                column[lane] = scalar;
+            }
+        }
+        let [a, b, c] = &columns;
+        [set.load(a), set.load(b), set.load(c)]
+    }
+
+    /// The own numbers of eight primitives.
+    #[inline(always)]
+    fn own_scalars<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
+        let mut column = [f32::NAN; N_LANES];
+        for (scalar, &primitive) in column.iter_mut().zip(primitives) {
+            *scalar = self.scene.own_scalar(primitive).unwrap_or(f32::NAN);
+        }
+        set.load(&column)
     }
 
     /// The own colors of eight primitives.

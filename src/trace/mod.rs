@@ -130,6 +130,7 @@ impl<'a> Tracer<'a> {
             .shading_normal(hit.primitive, position, geometric_normal);
         let normal = on_side_of(geometric_normal, normal);
         let mut at = TexturePoint::new(position.into(), normal);
+        at.scalar = self.scene.scalar(hit.primitive, position);
         if let Some(cone) = self.scene.cone {
             at = self.scene.with_uv(hit.primitive, at);
             at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());

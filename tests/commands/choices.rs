@@ -4,14 +4,14 @@
 use clap::CommandFactory;
 use raycost::camera::Camera;
 use raycost::cli::Cli;
-use raycost::color::{ToneCurve, Transfer};
+use raycost::color::{ColorMap, ToneCurve, Transfer};
 use raycost::config::{
     CostMode, Object, Outputs, PixelFilter, PixelPattern, ShadingModel, TileOrder,
 };
 use raycost::cost::Metric;
 use raycost::import::read_mesh;
 use raycost::light::Light;
-use raycost::material::{Mapping, Texture};
+use raycost::material::{ArrayScale, Mapping, Texture};
 use raycost::picture::{TexelFilter, Wrap};
 use raycost::vtk::Codec;
 use raycost::yaml::from_str;
@@ -60,6 +60,8 @@ fn the_scene_reference_lists_every_key_and_keyword() {
         choices::<CostMode>("zzz"),
         choices::<TileOrder>("zzz"),
         choices::<Codec>("zzz"),
+        choices::<ColorMap>("zzz"),
+        choices::<ArrayScale>("zzz"),
     ];
     for choice in found.concat() {
         let is_listed =

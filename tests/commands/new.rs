@@ -150,3 +150,36 @@ fn a_mesh_that_cannot_be_read_gets_its_message() {
     }
     assert!(!folder.path().join("x.yaml").exists());
 }
+
+/// The surface of a data set is rendered, and then the cloud of its hits by their cost.
+#[test]
+fn what_raycost_writes_is_data_of_another_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = in_repository("configs/data/elbow.vtu");
+    let size = ["--width", "60", "--height", "45", "--also", "surface"];
+    let data = data.to_str().unwrap();
+    let rendered = run(
+        folder.path(),
+        &[&["render", data, "--out", "a"], &size[..]].concat(),
+    );
+    assert_success(&rendered);
+    let camera = "image: { width: 60, height: 45 }
+camera: { look_at: { eye: [3, 4, 10], target: [1, 0.5, 0], fov_y_deg: 35 } }
+materials:
+  cost: { color: { array: { name: node_visits, scale: log, range: quantiles } } }
+  surface: { color: { array: { name: tests, of: cells } } }
+lights: [{ directional: { direction: [0, -1, -1] } }]
+objects:
+  - spheres: { file: a/hits.vtu, radius: { array: footprint } }
+    material: cost
+  - mesh: { file: a/surface.vtu }
+    material: surface
+    transform: [{ translate: [3, 0, 0] }]
+";
+    fs::write(folder.path().join("cloud.yaml"), camera).unwrap();
+    assert_success(&run(folder.path(), &["render", "cloud.yaml", "--out", "b"]));
+    let no_surface = run(folder.path(), &["render", "a/hits.vtu"]);
+    assert_eq!(no_surface.status.code(), Some(2));
+    let said = text(&no_surface.stderr);
+    assert!(said.contains("no triangle in the file"), "{said}");
+}

@@ -23,6 +23,8 @@ pub struct RandomScene {
     pub colors: [&'static str; 3],
     /// More keys of their materials.
     pub bumps: [&'static str; 3],
+    /// The colors of a mesh and of spheres of VTK files by arrays.
+    pub arrays: [&'static str; 2],
     pub reflections: [f32; 3],
     pub specular: f32,
     /// For each light, whether it is a point light.
@@ -47,6 +49,7 @@ impl RandomScene {
             has_lamps,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
+            arrays: [field_color, grain_color],
             reflections: [floor, ball, cloud],
             specular,
             lights,
@@ -94,6 +97,8 @@ materials:
   roof: {{ color: {roof_color}{roof_bumps} }}
   cloud: {{ color: {cloud_color}, specular: 0.3, exponent: 7.5, reflection: {cloud}{cloud_bumps} }}
   lamp: {{ color: 0.2{emission} }}
+  field: {{ color: {field_color}, specular: 0.1 }}
+  grains: {{ color: {grain_color} }}
 {media}objects:
   - plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}
     material: floor
@@ -103,6 +108,12 @@ materials:
     material: {lamp}
   - mesh: {{ file: ../tests/files/tile.obj }}
     material: roof
+  - mesh: {{ file: ../tests/files/vtk/curvilinear_raw.vts, normals: smooth }}
+    material: field
+    transform: [{{ scale: 0.3 }}, {{ translate: [-2, 0.4, -1] }}]
+  - spheres: {{ file: ../tests/files/vtk/block_zlib.vtu, radius: 0.12 }}
+    material: grains
+    transform: [{{ scale: 0.7 }}, {{ translate: [0.6, 0.6, 1] }}]
 {lamps}  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
     material: {of_cloud}
 lights:"
@@ -188,6 +199,20 @@ const BUMPS: [[&str; 2]; 3] = [
     ],
 ];
 
+/// Colors for a mesh with arrays.
+const FIELD_COLORS: [&str; 4] = [
+    "{ array: { name: speed } }",
+    "{ array: { name: speed, component: 1, map: viridis, range: quantiles } }",
+    "{ array: { name: height of it, map: turbo, scale: log, range: [0.1, 2] } }",
+    "{ array: { name: number, map: set1 } }",
+];
+
+/// Colors for spheres with arrays.
+const GRAIN_COLORS: [&str; 2] = [
+    "0.7",
+    "{ array: { name: speed, of: points, map: cividis } }",
+];
+
 /// More keys of the image.
 const SAMPLING: [&str; 5] = [
     "",
@@ -232,6 +257,8 @@ prop_compose! {
         floor_bumps in prop::sample::select(&BUMPS[0][..]),
         cloud_bumps in prop::sample::select(&BUMPS[1][..]),
         roof_bumps in prop::sample::select(&BUMPS[2][..]),
+        field_color in prop::sample::select(&FIELD_COLORS[..]),
+        grain_color in prop::sample::select(&GRAIN_COLORS[..]),
         reflections in [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
             .prop_map(|shares| shares.map(|share| if share < 0.3 { 0.0 } else { share })),
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
@@ -244,7 +271,8 @@ prop_compose! {
         RandomScene {
             model, size, samples, max_depth, seed, has_media, has_lamps,
             colors: [floor_color, cloud_color, roof_color],
-            bumps: [floor_bumps, cloud_bumps, roof_bumps], reflections, specular, lights, acceleration, camera, sampling,
+            bumps: [floor_bumps, cloud_bumps, roof_bumps],
+            arrays: [field_color, grain_color], reflections, specular, lights, acceleration, camera, sampling,
             background,
         }
     }

@@ -46,6 +46,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             has_lamps: false,
             colors: [CHECKER, "0.6", "0.8"],
             bumps: [""; 3],
+            arrays: ["0.5", "0.7"],
             reflections: [0.3, 0.5, 0.0],
             specular: 0.5,
             lights: vec![true, false],

@@ -13,11 +13,13 @@ mod surface;
 mod legacy;
 mod xml;
 mod mesh;
+mod points;
 
 use std::io::Read;
 use std::path::Path;
 
 use super::mesh::Mesh;
+use super::spheres::Spheres;
 use super::{FileFault, Result, extension, open};
 use budget::Budget;
 use piece::{Piece, Wanted};
@@ -54,6 +56,42 @@ pub(super) fn read_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh
     let wanted: Vec<&str> = array.iter().map(|array| array.name.as_str()).collect();
     for_each_piece(path, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
     Ok(mesh.finish())
+}
+
+/// The radii of spheres.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RadiusChoice {
+    /// The same for all.
+    Same(f32),
+    /// The numbers of an array of points, times a factor.
+    Array {
+        /// The array.
+        array: ArrayChoice,
+        /// The factor.
+        factor: f32,
+    },
+}
+
+/// Reads the points of a data set as spheres, with the numbers of an array.
+pub(super) fn read_spheres(
+    path: &Path,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
+    let of_radius = match radius {
+        RadiusChoice::Same(_) => None,
+        RadiusChoice::Array { array, .. } => Some(array),
+    };
+    let wanted = array.into_iter().chain(of_radius);
+    let wanted: Vec<&str> = wanted.map(|array| array.name.as_str()).collect();
+    let mut spheres = Spheres {
+        scalars: array.map(|_| Vec::new()),
+        ..Spheres::default()
+    };
+    for_each_piece(path, &wanted, &mut |piece, budget| {
+        points::add(piece, radius, array, &mut spheres, budget)
+    })?;
+    Ok(spheres)
 }
 
 /// What is done with each piece of a data set.

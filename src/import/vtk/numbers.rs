@@ -165,10 +165,10 @@ impl Numbers {
     /// Checks that there are `n_tuples` of tuples.
     ///
     /// # Errors
-    /// More or fewer numbers.
+    /// More or fewer numbers, or tuples of none.
     pub(super) fn check(&self, name: &str, n_tuples: usize) -> Result<()> {
         let Self { n_components, .. } = *self;
-        if n_tuples.checked_mul(n_components) == Some(self.len()) {
+        if n_components > 0 && n_tuples.checked_mul(n_components) == Some(self.len()) {
             return Ok(());
         }
         let problem = format!("the array `{name}` has {} numbers", self.len());

@@ -1,0 +1,413 @@
+//! Colors from the arrays of VTK files.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::Vec3;
+use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+
+use super::texture_point::TexturePoint;
+use crate::color::{ColorMap, Transfer};
+use crate::import::{ArrayChoice, ArrayOf};
+use crate::simd::{LookupTable, Real, Vector};
+use crate::yaml;
+
+/// The numbers of an array of a VTK file as colors.
+///
+/// ```
+/// # use raycost::material::Texture;
+/// let hot: Texture = raycost::yaml::from_str("
+/// array:
+///   name: temperature
+///   map: inferno           # cool_to_warm by default
+///   range: [280, 360]      # or data, the default, or quantiles
+///   scale: linear          # or log
+///   nan_color: [1, 1, 0]
+///   bar: temperature in K  # the title of a color bar in image.png
+/// ").unwrap();
+/// let vertical: Texture = raycost::yaml::from_str("
+/// array: { name: velocity, component: 2, of: points }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    try_from = "ArrayKeys",
+    expecting = "an array such as { name: temperature }"
+)]
+pub struct ArrayTexture {
+    /// The numbers.
+    pub choice: ArrayChoice,
+    /// The colors.
+    pub map: ColorMap,
+    /// The numbers of the first and the last color.
+    pub range: ArrayRange,
+    /// How numbers between them become colors.
+    pub scale: ArrayScale,
+    /// The color of numbers that are NaN.
+    pub nan_color: Vec3,
+    /// The title of the color bar in the picture, if it has one.
+    pub bar: Option<String>,
+    /// The colors by numbers; none until the array is read.
+    pub table: Arc<ColorTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an array such as { name: temperature }"
+)]
+struct ArrayKeys {
+    /// The name of the array in the file.
+    #[serde(deserialize_with = "yaml::name")]
+    name: String,
+    /// The component of vectors, of which the first is 0; their magnitude by default.
+    #[serde(default, deserialize_with = "component")]
+    component: Option<u32>,
+    /// Whether the array is one of points or of cells; by default the one that there is,
+    /// and that of points if there are both.
+    #[serde(default)]
+    of: Option<ArrayKind>,
+    /// The colors.
+    #[serde(default)]
+    map: ColorMap,
+    /// The numbers of the first and the last color.
+    #[serde(default)]
+    range: Option<ArrayRange>,
+    /// How numbers between them become colors.
+    #[serde(default)]
+    scale: Option<ArrayScale>,
+    /// The color of numbers that are NaN; yellow by default.
+    #[serde(default = "yellow", deserialize_with = "yaml::color")]
+    nan_color: Vec3,
+    /// The title of a color bar that is drawn onto `image.png`; without it there is none.
+    #[serde(default, deserialize_with = "title")]
+    bar: Option<String>,
+}
+
+/// What an array has values of.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`points` or `cells`")]
+enum ArrayKind {
+    /// Of points: interpolated between them.
+    Points,
+    /// Of cells: the same everywhere on a cell.
+    Cells,
+}
+
+/// The numbers of the first and the last color of a map.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum ArrayRange {
+    /// The least and the greatest of all surfaces of the material.
+    #[default]
+    Data,
+    /// The 1 % and the 99 % quantiles of them, so that a few do not hide the others.
+    Quantiles,
+    /// Given ones, ascending.
+    Given([f32; 2]),
+}
+
+/// How numbers become positions in a color map.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`linear` or `log`")]
+pub enum ArrayScale {
+    /// In equal steps.
+    #[default]
+    Linear,
+    /// In equal ratios; numbers that are not positive have the first color.
+    Log,
+}
+
+fn component<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
+    yaml::whole(d, 0..=MAX_COMPONENT).map(Some)
+}
+
+fn title<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
+    yaml::name(d).map(Some)
+}
+
+/// The last component of an array that has many.
+const MAX_COMPONENT: u32 = 255;
+
+fn yellow() -> Vec3 {
+    Vec3::new(1.0, 1.0, 0.0)
+}
+
+impl TryFrom<ArrayKeys> for ArrayTexture {
+    type Error = &'static str;
+
+    fn try_from(keys: ArrayKeys) -> Result<Self, Self::Error> {
+        let has_positions = keys.range.is_some() || keys.scale.is_some() || keys.bar.is_some();
+        if keys.map.n_categories().is_some() && has_positions {
+            return Err("cannot have a `range`, a `scale` or a `bar`, \
+                 expected none of them beside a `map` of categories");
+        }
+        let (range, scale) = (
+            keys.range.unwrap_or_default(),
+            keys.scale.unwrap_or_default(),
+        );
+        if scale == ArrayScale::Log && matches!(range, ArrayRange::Given([low, _]) if low <= 0.0) {
+            return Err("cannot have a `range` that begins at 0 or below, \
+                 expected one of positive numbers beside `scale: log`");
+        }
+        Ok(Self {
+            choice: ArrayChoice {
+                name: keys.name,
+                component: keys.component.map(|component| component as usize),
+                of: keys.of.map(|of| match of {
+                    ArrayKind::Points => ArrayOf::Points,
+                    ArrayKind::Cells => ArrayOf::Cells,
+                }),
+            },
+            map: keys.map,
+            range,
+            scale,
+            nan_color: keys.nan_color,
+            bar: keys.bar,
+            table: Arc::default(),
+        })
+    }
+}
+
+impl ArrayTexture {
+    #[inline(always)]
+    pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
+        let [x, y, z] = R::look_up(&*self.table, [point.scalar]);
+        Vector { x, y, z }
+    }
+
+    /// Makes the table of colors for the numbers on all surfaces of the material; `transfer`
+    /// is that of the picture, so that a surface in white light has the colors of the map.
+    pub fn prepare(&mut self, numbers: &[f32], transfer: Transfer) {
+        let [low, high] = self.ends(numbers);
+        let n = self.map.n_categories().unwrap_or(N_COLORS);
+        let color = |i: usize| {
+            // The centers of categories; the ends of gradients.
+            let position = match self.map.n_categories() {
+                Some(n) => (i as f64 + 0.5) / n as f64,
+                None => i as f64 / (n - 1) as f64,
+            };
+            self.map
+                .at(position)
+                .map(|number| transfer.light(number as f32))
+        };
+        self.table = Arc::new(ColorTable {
+            ends: [low, high],
+            clips: [
+                numbers.iter().any(|number| *number < low),
+                numbers.iter().any(|number| *number > high),
+            ],
+            is_log: self.scale == ArrayScale::Log,
+            is_categorical: self.map.n_categories().is_some(),
+            colors: (0..n).map(color).collect(),
+            nan_color: self.nan_color.to_array(),
+        });
+    }
+
+    /// The numbers of the first and the last color, the first below the last.
+    fn ends(&self, numbers: &[f32]) -> [f32; 2] {
+        if let ArrayRange::Given(ends) = self.range {
+            return ends;
+        }
+        let is_log = self.scale == ArrayScale::Log;
+        let is_shown = |x: &f32| x.is_finite() && (!is_log || *x >= f32::MIN_POSITIVE);
+        let mut shown: Vec<f32> = numbers.iter().copied().filter(is_shown).collect();
+        shown.sort_unstable_by(f32::total_cmp);
+        let at = |share: f64| {
+            let index = share * (shown.len().max(1) - 1) as f64;
+            shown.get(index.round() as usize).copied().unwrap_or(1.0)
+        };
+        let [low, high] = match self.range {
+            ArrayRange::Quantiles => [at(0.01), at(0.99)],
+            _ => [at(0.0), at(1.0)],
+        };
+        // One number has the middle color.
+        match (low < high, is_log) {
+            (true, _) => [low, high],
+            (false, true) => [low / 2.0, low * 2.0],
+            (false, false) => {
+                let margin = (low.abs() * 1e-3).max(0.5);
+                [low - margin, low + margin]
+            }
+        }
+    }
+}
+
+/// Number of colors of a gradient: with 1024 the nearest one is within a level of 8 bits.
+const N_COLORS: usize = 1024;
+
+/// Colors by numbers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ColorTable {
+    /// The numbers of the first and the last color.
+    pub ends: [f32; 2],
+    /// Whether there are numbers below the first and above the last.
+    pub clips: [bool; 2],
+    is_log: bool,
+    is_categorical: bool,
+    /// Linear light.
+    colors: Vec<[f32; 3]>,
+    nan_color: [f32; 3],
+}
+
+impl LookupTable<1, 3> for ColorTable {
+    #[inline]
+    fn values_at(&self, [number]: [f32; 1]) -> [f32; 3] {
+        if number.is_nan() {
+            return self.nan_color;
+        }
+        let n = self.colors.len();
+        let index = if self.is_categorical {
+            // The cast saturates.
+            (number.round() as i64).rem_euclid(n.max(1) as i64) as usize
+        } else {
+            let position = self.position(number.into());
+            (position * n.saturating_sub(1) as f64 + 0.5) as usize
+        };
+        let last = self.colors.last().copied().unwrap_or([1.0; 3]);
+        self.colors.get(index).copied().unwrap_or(last)
+    }
+}
+
+impl ColorTable {
+    /// The position of a number between the ends; from 0 to 1 if it is between them.
+    fn position(&self, number: f64) -> f64 {
+        let [low, high] = self.ends.map(f64::from);
+        if self.is_log {
+            let number = number.max(f64::MIN_POSITIVE);
+            libm::log(number / low) / libm::log(high / low)
+        } else {
+            (number - low) / (high - low)
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ArrayRange {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(RangeVisitor)
+    }
+}
+
+struct RangeVisitor;
+
+impl<'de> Visitor<'de> for RangeVisitor {
+    type Value = ArrayRange;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("`data`, `quantiles` or [from, to]")
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<ArrayRange, E> {
+        match word {
+            "data" => Ok(ArrayRange::Data),
+            "quantiles" => Ok(ArrayRange::Quantiles),
+            _ => {
+                let message =
+                    format!("unknown variant `{word}`, expected `data`, `quantiles` or [from, to]");
+                Err(E::custom(message))
+            }
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ArrayRange, A::Error> {
+        let [low, high] = yaml::range(SeqAccessDeserializer::new(list))?;
+        Ok(ArrayRange::Given([low, high]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn prepared(keys: &str, numbers: &[f32]) -> ArrayTexture {
+        let mut texture: ArrayTexture = yaml::from_str(&format!("{{ name: a{keys} }}")).unwrap();
+        texture.prepare(numbers, Transfer::Linear);
+        texture
+    }
+
+    /// The color of a number, which the map has at this position.
+    fn assert_shows(texture: &ArrayTexture, number: f32, position: f64) {
+        let found = texture.table.values_at([number]);
+        let expected = texture.map.at(position).map(|channel| channel as f32);
+        let is_near = |(a, b): (f32, f32)| (a - b).abs() < 0.01;
+        let all_near = found.into_iter().zip(expected).all(is_near);
+        assert!(all_near, "{number}: {found:?}, expected {expected:?}");
+    }
+
+    #[test]
+    fn numbers_have_the_colors_of_their_positions() {
+        let numbers = [3.0, f32::NAN, -1.0, f32::INFINITY, 7.0];
+        let texture = prepared(", map: viridis, nan_color: [1, 0, 0]", &numbers);
+        assert_eq!(texture.table.ends, [-1.0, 7.0]);
+        for (number, position) in [
+            (-1.0, 0.0),
+            (3.0, 0.5),
+            (7.0, 1.0),
+            (-1e30, 0.0),
+            (1e30, 1.0),
+        ] {
+            assert_shows(&texture, number, position);
+        }
+        assert_shows(&texture, f32::INFINITY, 1.0);
+        assert_shows(&texture, f32::NEG_INFINITY, 0.0);
+        assert_eq!(texture.table.values_at([f32::NAN]), [1.0, 0.0, 0.0]);
+        let given = prepared(", range: [0, 4]", &numbers);
+        assert_eq!(
+            (given.table.ends, given.table.clips),
+            ([0.0, 4.0], [true, true])
+        );
+    }
+
+    #[test]
+    fn a_logarithmic_scale_has_equal_ratios() {
+        let texture = prepared(", map: magma, scale: log", &[-5.0, 0.0, 0.01, 100.0]);
+        assert_eq!(texture.table.ends, [0.01, 100.0]);
+        for (number, position) in [
+            (0.01, 0.0),
+            (1.0, 0.5),
+            (100.0, 1.0),
+            (0.0, 0.0),
+            (-5.0, 0.0),
+        ] {
+            assert_shows(&texture, number, position);
+        }
+    }
+
+    #[test]
+    fn quantiles_leave_out_the_extremes() {
+        let mut numbers: Vec<f32> = (0..1000).map(|i| i as f32).collect();
+        numbers.extend([1e9, -1e9]);
+        let [low, high] = prepared(", range: quantiles", &numbers).table.ends;
+        assert!(
+            (0.0..20.0).contains(&low) && (980.0..1000.0).contains(&high),
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn categories_have_the_colors_in_turn() {
+        let texture = prepared(", map: set1", &[0.0, 20.0]);
+        let of = |number: f32| texture.table.values_at([number]);
+        assert_eq!([of(0.4), of(9.0), of(-8.9)], [of(0.0); 3]);
+        assert_ne!(of(1.0), of(0.0));
+    }
+
+    #[test]
+    fn one_number_or_none_has_a_range_too() {
+        for scale in ["linear", "log"] {
+            for numbers in [
+                &[][..],
+                &[5.0],
+                &[5.0; 3],
+                &[f32::NAN],
+                &[-1.0],
+                &[f32::MAX; 2],
+            ] {
+                let [low, high] = prepared(&format!(", scale: {scale}"), numbers).table.ends;
+                assert!(low < high, "{scale} {numbers:?}: {low} {high}");
+            }
+        }
+        assert_shows(&prepared("", &[5.0]), 5.0, 0.5);
+    }
+}

@@ -1,0 +1,78 @@
+//! The arrays that give surfaces their colors.
+
+use crate::config::{Config, Object};
+use crate::import::ArrayChoice;
+use crate::material::Material;
+use crate::yaml::{Fault, FieldPath};
+
+/// The array that the materials of an object name, if they do.
+///
+/// # Errors
+/// They name different ones.
+pub(super) fn choice<'a>(
+    config: &'a Config,
+    object: &Object,
+) -> Result<Option<&'a ArrayChoice>, Fault> {
+    let mut found: Option<&ArrayChoice> = None;
+    for name in &object.material.0 {
+        // Unknown materials are reported later.
+        let material = config.materials.get(name);
+        let Some(texture) = material.and_then(|material| material.color.array()) else {
+            continue;
+        };
+        if found.is_some_and(|found| *found != texture.choice) {
+            let path = FieldPath::default().key("materials").key(name);
+            let path = path.key("color").key("array");
+            let message = "an object has materials of different arrays";
+            return Err(Fault::new(
+                path,
+                message,
+                "expected one array for all of them",
+            ));
+        }
+        found = Some(&texture.choice);
+    }
+    Ok(found)
+}
+
+/// Gives materials of arrays the colors for the numbers on all of their surfaces; `numbers_of`
+/// returns those of an object by its index.
+///
+/// # Errors
+/// An object with such a material that has no array.
+pub(super) fn prepare<'a>(
+    config: &Config,
+    numbers_of: impl Fn(usize) -> Option<&'a [f32]>,
+    materials: &mut [Material],
+) -> Result<(), Fault> {
+    let transfer = config.film.transfer(config.shading.model);
+    for (name, material) in config.materials.keys().zip(materials) {
+        let Some(texture) = material.color.array_mut() else {
+            continue;
+        };
+        let mut numbers = Vec::new();
+        for (i, object) in config.objects.iter().enumerate() {
+            if !object.material.0.contains(name) {
+                continue;
+            }
+            let of_object = numbers_of(i);
+            let of_object = of_object.ok_or_else(|| has_none(config, i, name, &texture.choice))?;
+            numbers.extend_from_slice(of_object);
+        }
+        texture.prepare(&numbers, transfer);
+    }
+    Ok(())
+}
+
+fn has_none(config: &Config, object: usize, material: &str, choice: &ArrayChoice) -> Fault {
+    let path = FieldPath::default().key("objects").index(object);
+    let message = format!(
+        "the material `{material}` has the colors of the array `{}`, which a {} has not",
+        choice.name, config.objects[object].geometry
+    );
+    Fault::new(
+        path.key("material"),
+        message,
+        "expected a mesh or spheres of a VTK file",
+    )
+}
