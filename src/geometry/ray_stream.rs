@@ -1,7 +1,7 @@
 //! Many rays as a structure of arrays.
 
 use super::ray::Ray;
-use crate::simd::{Lanes, Mask, N_LANES, Real, Vector, VectorColumn};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector, VectorColumn};
 
 /// Rays whose coordinates are one array each, so that lanes of rays are loaded and
 /// stored as they are.
@@ -43,6 +43,19 @@ impl RayStream {
             origin: self.origins.get(i),
             direction: self.directions.get(i),
         }
+    }
+
+    /// The origins and the directions of the rays with these indices, one per lane.
+    #[inline(always)]
+    pub(crate) fn gather<I: InstructionSet>(
+        &self,
+        set: I,
+        rays: &[u32; N_LANES],
+    ) -> [Vector<I::Lanes>; 2] {
+        [
+            self.origins.gather(set, rays),
+            self.directions.gather(set, rays),
+        ]
     }
 
     /// All rays.

@@ -249,7 +249,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
             tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
-            shader.add_light(starts, wave, points, &self.occluded);
+            shader.add_light(sample, starts, wave, points, &self.occluded);
         }
         shader.end(starts, wave, points, &mut self.next, &mut self.colors);
         for (i, &pixel) in self.next.pixels().iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::arriving_light::ArrivingLight;
+use super::arriving_light::SampledLight;
 use super::model::Model;
 use super::paths::PathWave;
 use crate::scene::Scene;
@@ -50,7 +50,7 @@ pub enum Eyes<'a> {
 pub(super) struct AddLight<'a, M> {
     pub(super) model: M,
     pub(super) scene: &'a Scene,
-    pub(super) arriving: &'a ArrivingLight,
+    pub(super) light: SampledLight<'a>,
     pub(super) eyes: Eyes<'a>,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
@@ -72,7 +72,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                     continue;
                 }
                 let point = self.points.shading(set, at);
-                let light = self.arriving.load(set, at.first);
+                let light = self.light.at(set, at.first, point.position);
                 let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
                 let to_viewer = self.model.to_viewer(&point, eye, direction);
                 let reflected = self.model.reflected(material, &point, &light, to_viewer);

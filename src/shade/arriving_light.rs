@@ -4,8 +4,10 @@ use super::models::lit_groups;
 use super::numbers::WaveNumbers;
 use super::paths::PathWave;
 use crate::light::{Illumination, Light};
-use crate::scene::Scene;
-use crate::simd::{InstructionSet, Lanes, SimdKernel, VectorColumn, grow, lanes, lanes_mut};
+use crate::scene::{Lights, Scene};
+use crate::simd::{
+    InstructionSet, Lanes, SimdKernel, Vector, VectorColumn, grow, lanes, lanes_mut,
+};
 use crate::trace::{PointGroup, Points};
 
 /// The light that arrives at points unless it is occluded.
@@ -36,7 +38,7 @@ impl ArrivingLight {
 
     /// The light at eight points.
     #[inline(always)]
-    pub(super) fn load<I: InstructionSet>(&self, set: I, first: usize) -> Illumination<I::Lanes> {
+    fn load<I: InstructionSet>(&self, set: I, first: usize) -> Illumination<I::Lanes> {
         Illumination {
             direction: self.direction.load(set, first),
             distance: set.load(lanes(&self.distance, first)),
@@ -46,24 +48,36 @@ impl ArrivingLight {
     }
 }
 
-/// Computes the light of a [plain](crate::scene::Lights::plain) light at all points that it
-/// may light.
-pub(super) struct SamplePlainLight<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) light: &'a Light,
-    pub(super) points: &'a Points,
-    pub(super) arriving: &'a mut ArrivingLight,
+/// The light of one light sample.
+#[derive(Clone, Copy)]
+pub(super) enum SampledLight<'a> {
+    /// That of a [plain](crate::scene::Lights::plain) light, which is computed where it is
+    /// needed.
+    Plain(&'a Light),
+    /// That which was stored for each point.
+    Stored(&'a ArrivingLight),
 }
 
-impl SimdKernel for SamplePlainLight<'_> {
-    type Output = ();
+impl<'a> SampledLight<'a> {
+    /// The light of sample `sample`; `arriving` is that of a light that is not plain.
+    pub(super) fn of(lights: &'a Lights, sample: usize, arriving: &'a ArrivingLight) -> Self {
+        match lights.plain(sample) {
+            Some(light) => Self::Plain(light),
+            None => Self::Stored(arriving),
+        }
+    }
 
+    /// The light at eight points with these positions.
     #[inline(always)]
-    fn run<I: InstructionSet>(self, set: I) {
-        for at in lit_groups(self.scene, self.points).flat_map(PointGroup::lanes) {
-            let position = self.points.shading(set, at).position;
-            let light = self.light.illuminate(position);
-            self.arriving.store(at.first, &light);
+    pub(super) fn at<I: InstructionSet>(
+        self,
+        set: I,
+        first: usize,
+        position: Vector<I::Lanes>,
+    ) -> Illumination<I::Lanes> {
+        match self {
+            Self::Plain(light) => light.illuminate(position),
+            Self::Stored(arriving) => arriving.load(set, first),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Surface points → shadow rays toward one light, in lanes.
 
-use super::arriving_light::ArrivingLight;
+use super::arriving_light::SampledLight;
 use super::model::Model;
 use super::models::lit_groups;
 use super::paths::PathWave;
@@ -41,7 +41,7 @@ impl ShadowWave {
 pub(super) struct CastShadows<'a, M> {
     pub(super) model: M,
     pub(super) scene: &'a Scene,
-    pub(super) arriving: &'a ArrivingLight,
+    pub(super) light: SampledLight<'a>,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
     pub(super) shadows: &'a mut ShadowWave,
@@ -67,7 +67,7 @@ impl<M: Model> CastShadows<'_, M> {
     #[inline(always)]
     fn cast<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
         let point = self.points.shading(set, at);
-        let light = self.arriving.load(set, at.first);
+        let light = self.light.at(set, at.first, point.position);
         let mut lanes = self.model.may_arrive(&point, &light).bits() & lanes;
         let mask = set.mask(lanes);
         let origin = self.model.origin(&point, light.direction);

@@ -9,9 +9,7 @@ use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
 use crate::material::Material;
 use crate::scene::{MaterialId, Scene};
-use crate::simd::{
-    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, lane_of, set_lane, to_arrays,
-};
+use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn};
 use crate::trace::{PointLanes, Points};
 
 /// Adds the radiance of points to their paths, and collects the reflected rays, unless the
@@ -64,7 +62,8 @@ impl<M: Model> EndPoints<'_, M> {
         let (slots, weights) =
             self.wave
                 .of_rays(set, self.points.rays(at), self.scene.splits_paths());
-        add(self.colors, radiance.times(weights), &slots, lanes);
+        self.colors
+            .add_to(set, &slots, radiance.times(weights), lanes);
     }
 
     /// Collects the reflected rays of these lanes.
@@ -170,36 +169,18 @@ impl SimdKernel for AddBackground<'_> {
         for missed in self.missed.chunks(N_LANES) {
             let mut rays = [missed[0]; N_LANES];
             rays[..missed.len()].copy_from_slice(missed);
-            let mut directions = [[0.0; N_LANES]; 3];
             let mut densities = [f32::INFINITY; N_LANES];
-            for (lane, &ray) in rays.iter().enumerate() {
-                let ray = ray as usize;
-                set_lane(&mut directions, lane, self.wave.rays.get(ray).direction);
-                if let Some(branch) = self.wave.branches.get(ray) {
-                    densities[lane] = branch.density;
+            for (density, &ray) in densities.iter_mut().zip(&rays) {
+                if let Some(branch) = self.wave.branches.get(ray as usize) {
+                    *density = branch.density;
                 }
             }
-            let direction = set.load_vector(&directions);
+            let [_, direction] = self.wave.rays.gather(set, &rays);
             let radiance = of_background(self.scene, direction, set.load(&densities));
             let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());
             let lanes = u8::MAX >> (N_LANES - missed.len());
-            add(self.colors, radiance.times(weights), &slots, lanes);
+            self.colors
+                .add_to(set, &slots, radiance.times(weights), lanes);
         }
-    }
-}
-
-/// Adds to the colors of these lanes' slots.
-#[inline(always)]
-fn add<L: Lanes>(
-    colors: &mut VectorColumn,
-    added: Vector<L>,
-    slots: &[u32; N_LANES],
-    mut lanes: u8,
-) {
-    let added = to_arrays(added);
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize % N_LANES;
-        lanes &= lanes - 1;
-        colors.add(slots[lane] as usize, lane_of(&added, lane));
     }
 }

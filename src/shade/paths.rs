@@ -8,7 +8,7 @@ use crate::cost::RayKind;
 use crate::geometry::RayStream;
 use crate::material::Material;
 use crate::simd::{
-    InstructionSet, N_LANES, Vector, VectorColumn, grow, lane_of, lanes_mut, set_lane, to_arrays,
+    InstructionSet, N_LANES, Vector, VectorColumn, grow, lane_of, lanes_mut, to_arrays,
 };
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All
@@ -238,15 +238,12 @@ impl PathWave {
         rays: &[u32; N_LANES],
         may_be_split: bool,
     ) -> ([u32; N_LANES], Vector<I::Lanes>) {
-        let (mut slots, mut weights) = ([0; N_LANES], [[0.0; N_LANES]; 3]);
-        for lane in 0..N_LANES {
-            slots[lane] = if may_be_split {
-                rays[lane]
-            } else {
-                self.slots[rays[lane] as usize]
-            };
-            set_lane(&mut weights, lane, self.weights.get(rays[lane] as usize));
+        let mut slots = *rays;
+        if !may_be_split {
+            for slot in &mut slots {
+                *slot = self.slots[*slot as usize];
+            }
         }
-        (slots, set.load_vector(&weights))
+        (slots, self.weights.gather(set, rays))
     }
 }

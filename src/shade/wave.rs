@@ -1,7 +1,7 @@
 //! The shading of a wave of surface points, in lanes.
 
 use super::add_light::{AddAmbient, AddLight, Eyes};
-use super::arriving_light::{ArrivingLight, SampleLights, SamplePlainLight};
+use super::arriving_light::{ArrivingLight, SampleLights, SampledLight};
 use super::bsdf::{Bsdf, by_kind};
 use super::cast_shadows::{CastShadows, ShadowWave};
 use super::emission::AddEmission;
@@ -101,7 +101,6 @@ impl<'a> WaveShader<'a> {
     /// Begins a wave of these points.
     pub fn begin(&mut self, wave: &PathWave, points: &Points) {
         self.radiance.grow(points.end());
-        self.arriving.grow(points.end());
         self.lit.clear();
         self.lit.resize(points.end() / N_LANES, 0);
         by_model!(self.scene, |model| self.simd.run(AddAmbient {
@@ -121,26 +120,22 @@ impl<'a> WaveShader<'a> {
     /// Collects the shadow rays of all points for light sample `sample`.
     pub fn cast(&mut self, sample: usize, starts: PathStarts, wave: &PathWave, points: &Points) {
         self.shadows.clear();
-        match self.scene.lights.plain(sample) {
-            Some(light) => self.simd.run(SamplePlainLight {
-                scene: self.scene,
-                light,
-                points,
-                arriving: &mut self.arriving,
-            }),
-            None => self.simd.run(SampleLights {
+        if self.scene.lights.plain(sample).is_none() {
+            self.arriving.grow(points.end());
+            self.simd.run(SampleLights {
                 scene: self.scene,
                 sample,
                 numbers: self.numbers(starts),
                 wave,
                 points,
                 arriving: &mut self.arriving,
-            }),
+            });
         }
+        let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
         by_model!(self.scene, |model| self.simd.run(CastShadows {
             model,
             scene: self.scene,
-            arriving: &self.arriving,
+            light,
             wave,
             points,
             shadows: &mut self.shadows,
@@ -154,9 +149,11 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Adds the light whose shadow rays were collected, as far as it is not occluded.
+    /// Adds the light of light sample `sample`, whose shadow rays were collected, as far as
+    /// it is not occluded.
     pub fn add_light(
         &mut self,
+        sample: usize,
         starts: PathStarts,
         wave: &PathWave,
         points: &Points,
@@ -171,10 +168,11 @@ impl<'a> WaveShader<'a> {
         for (lit, reached) in self.lit.iter_mut().zip(&self.reached) {
             *lit |= reached;
         }
+        let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
         by_model!(self.scene, |model| self.simd.run(AddLight {
             model,
             scene: self.scene,
-            arriving: &self.arriving,
+            light,
             eyes: starts.eyes,
             wave,
             points,

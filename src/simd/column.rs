@@ -39,6 +39,44 @@ impl VectorColumn {
         }
     }
 
+    /// The vectors with these indices, one per lane.
+    #[inline(always)]
+    pub(crate) fn gather<I: InstructionSet>(
+        &self,
+        set: I,
+        indices: &[u32; N_LANES],
+    ) -> Vector<I::Lanes> {
+        if are_consecutive(indices) {
+            return self.load(set, indices[0] as usize);
+        }
+        let mut columns = [[0.0; N_LANES]; 3];
+        for (lane, &index) in indices.iter().enumerate() {
+            set_lane(&mut columns, lane, self.get(index as usize));
+        }
+        set.load_vector(&columns)
+    }
+
+    /// Adds to the vectors with these indices, as far as they are among `lanes`.
+    #[inline(always)]
+    pub(crate) fn add_to<I: InstructionSet>(
+        &mut self,
+        set: I,
+        indices: &[u32; N_LANES],
+        added: Vector<I::Lanes>,
+        mut lanes: u8,
+    ) {
+        if lanes == u8::MAX && are_consecutive(indices) {
+            let first = indices[0] as usize;
+            return self.store(first, self.load(set, first) + added);
+        }
+        let added = to_arrays(added);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % N_LANES;
+            lanes &= lanes - 1;
+            self.add(indices[lane] as usize, lane_of(&added, lane));
+        }
+    }
+
     /// Overwrites the vectors from index `first` on, one per lane.
     #[inline(always)]
     pub(crate) fn store<L: Lanes>(&mut self, first: usize, vectors: Vector<L>) {
@@ -76,6 +114,17 @@ impl VectorColumn {
         self.y[i] += vector.y;
         self.z[i] += vector.z;
     }
+}
+
+/// Whether each index is one more than that before it: then whole vectors are loaded and
+/// stored, not number by number.
+#[inline(always)]
+fn are_consecutive(indices: &[u32; N_LANES]) -> bool {
+    let mut are = true;
+    for lane in 0..N_LANES {
+        are &= indices[lane] == indices[0].wrapping_add(lane as u32);
+    }
+    are
 }
 
 /// Makes room for at least `n` values and a lane for each behind them; keeps those

@@ -24,8 +24,6 @@ pub(super) struct FindPoints<'a> {
 /// Eight hits.
 struct LaneHits {
     primitives: [u32; N_LANES],
-    origins: [[f32; N_LANES]; 3],
-    directions: [[f32; N_LANES]; 3],
     t: [f32; N_LANES],
 }
 
@@ -48,8 +46,8 @@ impl FindPoints<'_> {
     #[inline(always)]
     fn find<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
         let hits = self.hits(at);
-        let direction = set.load_vector(&hits.directions);
-        let near = set.load_vector(&hits.origins) + direction * set.load(&hits.t);
+        let [origin, direction] = self.rays.gather(set, self.points.rays(at));
+        let near = origin + direction * set.load(&hits.t);
         let parameters = parameters(set, self.scene, &hits.primitives);
         let (position, outward) = match group.shape {
             Some(shape) => shape.project_onto(&parameters, near),
@@ -101,22 +99,19 @@ impl FindPoints<'_> {
         *lanes_mut(&mut points.side, at.first) = side.to_array();
     }
 
-    /// Collects eight hits and their rays.
+    /// Collects eight hits.
     #[inline(always)]
     fn hits(&self, at: PointLanes) -> LaneHits {
         let mut hits = LaneHits {
             primitives: [0; N_LANES],
-            origins: [[0.0; N_LANES]; 3],
-            directions: [[0.0; N_LANES]; 3],
             t: [0.0; N_LANES],
         };
         for (lane, &ray) in self.points.rays(at).iter().enumerate() {
-            let (ray, hit) = (self.rays.get(ray as usize), self.hits[ray as usize]);
-            let Some(hit) = hit else { continue };
+            let Some(hit) = self.hits[ray as usize] else {
+                continue;
+            };
             hits.primitives[lane] = hit.primitive;
             hits.t[lane] = hit.t;
-            set_lane(&mut hits.origins, lane, ray.origin);
-            set_lane(&mut hits.directions, lane, ray.direction);
         }
         hits
     }

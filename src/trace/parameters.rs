@@ -11,14 +11,21 @@ pub(super) fn parameters<I: InstructionSet>(
     scene: &Scene,
     primitives: &[u32; N_LANES],
 ) -> [I::Lanes; N_PARAMETERS] {
+    let mut parameters = [set.splat(0.0); N_PARAMETERS];
+    if *primitives == [primitives[0]; N_LANES] {
+        let shape = scene.primitives[primitives[0] as usize].parameters();
+        for i in 0..N_PARAMETERS {
+            parameters[i] = set.splat(shape[i]);
+        }
+        return parameters;
+    }
     let mut columns = [[0.0; N_LANES]; N_PARAMETERS];
     for lane in 0..N_LANES {
-        let parameters = scene.primitives[primitives[lane] as usize].parameters();
+        let shape = scene.primitives[primitives[lane] as usize].parameters();
         for i in 0..N_PARAMETERS {
-            columns[i][lane] = parameters[i];
+            columns[i][lane] = shape[i];
         }
     }
-    let mut parameters = [set.splat(0.0); N_PARAMETERS];
     for i in 0..N_PARAMETERS {
         parameters[i] = set.load(&columns[i]);
     }
