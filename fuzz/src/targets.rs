@@ -78,7 +78,7 @@ pub fn geometry(input: &[u8]) {
         }
         b'i' => {
             if let Ok(found) = read_picture(&folder.write("a.png", bytes), None, AVAILABLE) {
-                assert!(found.picture.n_bytes() <= AVAILABLE);
+                assert!(found.n_bytes() <= AVAILABLE);
             }
         }
         _ => {}

@@ -36,6 +36,16 @@ pub struct ShadowStream {
 }
 
 impl ShadowStream {
+    /// The rays.
+    pub fn rays(&self) -> &RayStream {
+        &self.rays
+    }
+
+    /// Only hits with a smaller `t` count for ray `i`.
+    pub fn t_max(&self, i: usize) -> f32 {
+        self.t_max[i]
+    }
+
     /// Number of rays.
     pub fn len(&self) -> usize {
         self.rays.len()

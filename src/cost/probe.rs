@@ -138,6 +138,16 @@ impl<'a, P: PixelProbe> ByPixel<'a, P> {
     pub fn new(probe: &'a mut P, pixels: &'a [u32]) -> Self {
         Self { probe, pixels }
     }
+
+    /// The pixel of ray `i`.
+    pub(crate) fn pixel(&self, i: usize) -> u32 {
+        self.pixels[i]
+    }
+
+    /// The same for other rays.
+    pub(crate) fn with_pixels<'b>(&'b mut self, pixels: &'b [u32]) -> ByPixel<'b, P> {
+        ByPixel::new(self.probe, pixels)
+    }
 }
 
 impl<P: PixelProbe> StreamProbe for ByPixel<'_, P> {

@@ -23,7 +23,7 @@ use crate::stop;
 
 pub use fault::{FileFault, FileLocation};
 pub use mesh::{CornerValues, Mesh};
-pub use picture::{PictureFile, read_picture};
+pub use picture::read_picture;
 pub use spheres::Spheres;
 pub use vtk::{ArrayChoice, ArrayOf, RadiusChoice};
 

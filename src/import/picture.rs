@@ -18,16 +18,7 @@ use super::{FileFault, GeometryFileReader, Result, open};
 use crate::color::Transfer;
 use crate::picture::{Picture, Texels};
 
-/// A picture and what its file says of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PictureFile {
-    /// The picture, which materials share.
-    pub picture: Arc<Picture>,
-    /// Whether the file has the opacity of its texels.
-    pub has_opacity: bool,
-}
-
-/// Reads a picture. Its numbers are those of `transfer`; by default sRGB in PNG and JPEG
+/// Reads a picture, which materials share. Its numbers are those of `transfer`; by default sRGB in PNG and JPEG
 /// files, and linear in others.
 ///
 /// # Errors
@@ -37,11 +28,11 @@ pub fn read_picture(
     path: &Path,
     transfer: Option<Transfer>,
     available: u64,
-) -> Result<PictureFile> {
+) -> Result<Arc<Picture>> {
     read(path, transfer, available).map_err(|fault| fault.in_file(path))
 }
 
-fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<PictureFile> {
+fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Arc<Picture>> {
     if !path.metadata()?.is_file() {
         return Err(FileFault::new("it is no file", "a file"));
     }
@@ -55,15 +46,11 @@ fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Pictu
     let damaged = |error| format.damaged(&error);
     let decoder = (format.decoder)(file).map_err(damaged)?;
     check_size(&*decoder, available)?;
-    let has_opacity = decoder.color_type().has_alpha();
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let size = [decoded.width(), decoded.height()];
     let texels = texels(decoded, transfer.unwrap_or(format.transfer))?;
     let picture = Picture::new(size, texels).ok_or_else(|| wrong_size(size))?;
-    Ok(PictureFile {
-        picture: Arc::new(picture),
-        has_opacity,
-    })
+    Ok(Arc::new(picture))
 }
 
 /// A decoder of one format.

@@ -3,6 +3,7 @@
 mod array;
 mod checker;
 mod conductor;
+mod cutout;
 mod dielectric;
 mod image;
 mod normal_map;
@@ -15,6 +16,7 @@ use serde::{Deserialize, Deserializer};
 pub use array::{ArrayRange, ArrayScale, ColorTable};
 pub use checker::{Axes, Rounding};
 pub use conductor::Conductor;
+pub use cutout::Cutout;
 pub use dielectric::Dielectric;
 pub use image::{Mapping, Planar, Spherical};
 pub use normal_map::NormalMap;
@@ -72,6 +74,8 @@ pub struct Material {
     pub two_sided: bool,
     /// The bumps and dents of the surface, if it has any.
     pub normal_map: Option<NormalMap>,
+    /// The holes in the surface, if it has any.
+    pub cutout: Option<Cutout>,
 }
 
 impl Material {
@@ -94,15 +98,19 @@ impl Material {
     pub fn images(&self) -> impl Iterator<Item = (&'static [&'static str], &ImageTexture)> {
         let color = self.color.image();
         let normals = self.normal_map.as_ref().map(|map| &map.image);
+        let holes = self.cutout.as_ref().map(|cutout| &cutout.image);
         let color = color.map(|image| (&["color", "image"][..], image));
         let normals = normals.map(|image| (&["normal_map", "image"][..], image));
-        color.into_iter().chain(normals)
+        let holes = holes.map(|image| (&["cutout", "image"][..], image));
+        color.into_iter().chain(normals).chain(holes)
     }
 
     /// Its pictures.
     pub fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
         let normals = self.normal_map.as_mut().map(|map| &mut map.image);
-        self.color.image_mut().into_iter().chain(normals)
+        let holes = self.cutout.as_mut().map(|cutout| &mut cutout.image);
+        let color = self.color.image_mut().into_iter();
+        color.chain(normals).chain(holes)
     }
 
     /// The normal for the shading of a point, a unit vector on the side of the geometric
@@ -160,6 +168,8 @@ struct MaterialKeys {
     conductor: Option<Conductor>,
     #[serde(default)]
     normal_map: Option<NormalMap>,
+    #[serde(default)]
+    cutout: Option<Cutout>,
     #[serde(default, deserialize_with = "fraction")]
     roughness: Option<f32>,
     #[serde(default, deserialize_with = "yaml::radiance")]
@@ -193,6 +203,11 @@ impl TryFrom<MaterialKeys> for Material {
             return Err("cannot reflect in two ways, \
                  expected `reflection`, `dielectric` or `conductor`, and no other of them");
         }
+        let is_cut_body = keys.dielectric.is_some() || keys.emission != Vec3::ZERO;
+        if keys.cutout.is_some() && is_cut_body {
+            return Err("cannot have holes, \
+                 expected a `cutout` without `dielectric` and `emission`");
+        }
         let is_fresnel = keys.dielectric.is_some() || keys.conductor.is_some();
         if keys.roughness.is_some() && !is_fresnel {
             return Err("cannot have a `roughness` of its own, \
@@ -215,6 +230,7 @@ impl TryFrom<MaterialKeys> for Material {
             emission: keys.emission,
             two_sided: keys.two_sided,
             normal_map: keys.normal_map,
+            cutout: keys.cutout,
         })
     }
 }

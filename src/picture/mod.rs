@@ -24,6 +24,8 @@ pub struct Picture {
     levels: Vec<MipLevel>,
     /// MipLevel by level and row by row, row 0 on top.
     texels: Texels,
+    /// Whether no texel is transparent.
+    is_opaque: bool,
 }
 
 /// How a picture is looked up between its texels and beyond its edges.
@@ -63,6 +65,7 @@ impl Picture {
         let n_texels = size[0] as usize * size[1] as usize;
         let is_usable = size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side));
         (is_usable && texels.len() == n_texels).then(|| Self {
+            is_opaque: texels.are_opaque(),
             levels: levels::build(size, &mut texels),
             texels,
         })
@@ -71,6 +74,11 @@ impl Picture {
     /// Numbers of columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.levels[0].size
+    }
+
+    /// Whether no texel is transparent.
+    pub fn is_opaque(&self) -> bool {
+        self.is_opaque
     }
 
     /// Its memory in bytes.
@@ -161,6 +169,7 @@ impl Default for Picture {
         Self {
             levels: levels::build([1, 1], &mut texels),
             texels,
+            is_opaque: true,
         }
     }
 }

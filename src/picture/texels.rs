@@ -22,6 +22,14 @@ impl Texels {
         }
     }
 
+    /// Whether none is transparent.
+    pub(super) fn are_opaque(&self) -> bool {
+        match self {
+            Self::Bytes(texels, _) => texels.iter().all(|&[.., opacity]| opacity == u8::MAX),
+            Self::Floats(texels) => texels.iter().all(|&[.., opacity]| opacity == 1.0),
+        }
+    }
+
     /// Their memory in bytes.
     pub(super) fn n_bytes(&self) -> u64 {
         match self {

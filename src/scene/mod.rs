@@ -62,6 +62,8 @@ pub struct Scene {
     classes: Vec<SurfaceClass>,
     /// Whether any material is a dielectric.
     has_media: bool,
+    /// Whether any material has holes.
+    has_cutouts: bool,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
     /// The attributes of the objects' primitives, by [`ObjectId`].
@@ -108,6 +110,10 @@ impl Scene {
                 .materials
                 .values()
                 .any(|material| material.dielectric.is_some()),
+            has_cutouts: config
+                .materials
+                .values()
+                .any(|material| material.cutout.is_some()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
             classes: Vec::with_capacity(geometries.n_primitives()),
             n_degenerate: 0,
@@ -154,6 +160,11 @@ impl Scene {
     /// Whether any material is a dielectric.
     pub fn has_media(&self) -> bool {
         self.has_media
+    }
+
+    /// Whether any material has holes.
+    pub fn has_cutouts(&self) -> bool {
+        self.has_cutouts
     }
 
     /// Whether paths go on in a direction chosen at random.
@@ -308,6 +319,8 @@ fn check_materials(config: &Config) -> Result<(), Fault> {
             ("dielectric", "refraction", NOT_SEED)
         } else if is_seed && material.emits() {
             ("emission", "surfaces that emit light", NOT_SEED)
+        } else if is_seed && material.cutout.is_some() {
+            ("cutout", "holes in surfaces", NOT_SEED)
         } else if is_seed && !material.two_sided {
             ("two_sided", "sides", NOT_SEED)
         } else if !is_path && material.roughness > 0.0 {

@@ -8,14 +8,15 @@ use super::primitive::MaterialId;
 use crate::background::Background;
 use crate::color::Transfer;
 use crate::config::{Config, Geometry, GeometryFile};
-use crate::import::{PictureFile, read_picture};
+use crate::import::read_picture;
 use crate::material::Material;
+use crate::picture::Picture;
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The pictures of a config, each of which was read once.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Pictures {
-    read: HashMap<PictureSource, PictureFile>,
+    read: HashMap<PictureSource, Arc<Picture>>,
     /// Those of each material, by its name.
     of_materials: HashMap<String, Vec<PictureSource>>,
     of_background: Option<PictureSource>,
@@ -90,14 +91,14 @@ impl Pictures {
     pub(super) fn give_to(&self, name: &str, material: &mut Material) {
         let sources = self.of_materials.get(name).into_iter().flatten();
         for (image, source) in material.images_mut().zip(sources) {
-            image.picture = Arc::clone(&self.read[source].picture);
+            image.picture = Arc::clone(&self.read[source]);
         }
     }
 
     /// Their memory in bytes.
     pub(super) fn n_bytes(&self) -> u64 {
         let pictures = self.read.values();
-        pictures.map(|found| found.picture.n_bytes()).sum()
+        pictures.map(|picture| picture.n_bytes()).sum()
     }
 }
 

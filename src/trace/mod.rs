@@ -7,6 +7,7 @@ mod surface_point;
 mod parameters;
 mod points;
 mod find_points;
+mod holes;
 
 use crate::accel::{Accel, Hit, ShadowRay, ShadowStream, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
@@ -47,26 +48,47 @@ impl<'a> Tracer<'a> {
         probe: &mut P,
     ) -> Option<SurfacePoint> {
         probe.ray(kind);
-        let hit = self.accel.nearest(ray, probe)?;
+        let hit = if self.scene.has_cutouts() {
+            self.hit_behind_holes(ray, f32::INFINITY, |ray| self.accel.nearest(ray, probe))?
+        } else {
+            self.accel.nearest(ray, probe)?
+        };
         Some(self.surface_point(length, ray, hit))
     }
 
     /// Whether the shadow ray is occluded.
     pub fn is_shadowed<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> bool {
         probe.ray(RayKind::Shadow);
-        self.accel
-            .occluded(&shadow.ray, shadow.t_max, shadow.ignored, probe)
+        let ShadowRay {
+            ray,
+            t_max,
+            ignored,
+        } = shadow;
+        if self.scene.has_cutouts() {
+            let hit = self.hit_behind_holes(ray, *t_max, |ray| self.accel.nearest(ray, probe));
+            return hit.is_some_and(|hit| hit.t < *t_max);
+        }
+        self.accel.occluded(ray, *t_max, *ignored, probe)
     }
 
     /// The hit that [`trace`](Self::trace) finds; appends every step of the
     /// traversal to `steps`.
     pub fn record(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
-        self.accel.record_nearest(ray, steps)
+        let mut record = |ray: &Ray| self.accel.record_nearest(ray, steps);
+        if self.scene.has_cutouts() {
+            return self.hit_behind_holes(ray, f32::INFINITY, record);
+        }
+        record(ray)
     }
 
     /// The hit that occludes the ray of [`is_shadowed`](Self::is_shadowed); appends
     /// every step of the traversal to `steps`.
     pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
+        if self.scene.has_cutouts() {
+            let record = |ray: &Ray| self.accel.record_nearest(ray, steps);
+            let hit = self.hit_behind_holes(&shadow.ray, shadow.t_max, record);
+            return hit.filter(|hit| hit.t < shadow.t_max);
+        }
         self.accel.record_occluded(shadow, steps)
     }
 
@@ -80,6 +102,9 @@ impl<'a> Tracer<'a> {
         mut probes: ByPixel<P>,
     ) {
         self.accel.nearest_stream(rays, hits, &mut probes);
+        if self.scene.has_cutouts() {
+            self.hits_behind_holes(rays, |_| f32::INFINITY, hits, probes);
+        }
     }
 
     /// [`is_shadowed`](Self::is_shadowed) of many rays, in the manner of
@@ -91,6 +116,9 @@ impl<'a> Tracer<'a> {
         shadowed: &mut Vec<bool>,
         mut probes: ByPixel<P>,
     ) {
+        if self.scene.has_cutouts() {
+            return self.shadows_behind_holes(rays, shadowed, probes);
+        }
         self.accel.occluded_stream(rays, shadowed, &mut probes);
     }
 

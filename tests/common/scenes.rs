@@ -19,6 +19,8 @@ pub struct RandomScene {
     pub has_media: bool,
     /// Whether some surfaces emit light.
     pub has_lamps: bool,
+    /// Whether some surfaces have holes.
+    pub has_holes: bool,
     /// The colors of the floor, the cloud and a roof with texture coordinates.
     pub colors: [&'static str; 3],
     /// More keys of their materials.
@@ -47,6 +49,7 @@ impl RandomScene {
             seed,
             has_media,
             has_lamps,
+            has_holes,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color],
@@ -75,6 +78,11 @@ impl RandomScene {
         } else {
             ", emission: [3, 2, 1]"
         };
+        let [floor_holes, cloud_holes, roof_holes] = match *model {
+            "seed" => [""; 3],
+            _ if *has_holes => HOLES,
+            _ => [""; 3],
+        };
         let ambient = match *model {
             "path" => ", light_sampling: each",
             "path_by_power" | "ambient_occlusion" => "",
@@ -92,10 +100,10 @@ background: {{ {background} }}
 shading: {{ model: {model}, max_depth: {max_depth}{ambient} }}
 acceleration: {acceleration}
 materials:
-  floor: {{ color: {floor_color}, reflection: {floor}{floor_bumps} }}
+  floor: {{ color: {floor_color}, reflection: {floor}{floor_bumps}{floor_holes} }}
   ball: {{ color: [0.9, 0.2, 0.1], specular: {specular}, reflection: {ball} }}
-  roof: {{ color: {roof_color}{roof_bumps} }}
-  cloud: {{ color: {cloud_color}, specular: 0.3, exponent: 7.5, reflection: {cloud}{cloud_bumps} }}
+  roof: {{ color: {roof_color}{roof_bumps}{roof_holes} }}
+  cloud: {{ color: {cloud_color}, specular: 0.3, exponent: 7.5, reflection: {cloud}{cloud_bumps}{cloud_holes} }}
   lamp: {{ color: 0.2{emission} }}
   field: {{ color: {field_color}, specular: 0.1 }}
   grains: {{ color: {grain_color} }}
@@ -213,6 +221,13 @@ const GRAIN_COLORS: [&str; 2] = [
     "{ array: { name: speed, of: points, map: cividis } }",
 ];
 
+/// Holes in the floor, the cloud and the mesh.
+const HOLES: [&str; 3] = [
+    ", cutout: { image: { file: pictures/planks.png, mapping: planar }, threshold: 0.1 }",
+    ", cutout: { image: { file: pictures/globe.png, mapping: triplanar, size: 0.4 }, threshold: 0.4 }",
+    ", cutout: { image: { file: pictures/spot.png } }",
+];
+
 /// More keys of the image.
 const SAMPLING: [&str; 5] = [
     "",
@@ -251,6 +266,7 @@ prop_compose! {
         seed in 0_u64..1000,
         has_media in any::<bool>(),
         has_lamps in any::<bool>(),
+        has_holes in prop::bool::weighted(0.3),
         floor_color in prop::sample::select(&FLOOR_COLORS[..]),
         cloud_color in prop::sample::select(&CLOUD_COLORS[..]),
         roof_color in prop::sample::select(&ROOF_COLORS[..]),
@@ -269,7 +285,7 @@ prop_compose! {
         background in prop::sample::select(&BACKGROUNDS[..]),
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, has_media, has_lamps,
+            model, size, samples, max_depth, seed, has_media, has_lamps, has_holes,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color], reflections, specular, lights, acceleration, camera, sampling,

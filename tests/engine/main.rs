@@ -8,6 +8,7 @@ mod adaptive;
 mod awkward;
 mod cameras;
 mod counters;
+mod cutouts;
 mod determinism;
 mod environment;
 mod import;

@@ -77,7 +77,7 @@ impl ImageTexture {
 
     /// Red, green, blue and opacity at a point.
     #[inline(always)]
-    fn values_at<R: Real>(&self, point: &TexturePoint<R>) -> [R; 4] {
+    pub(super) fn values_at<R: Real>(&self, point: &TexturePoint<R>) -> [R; 4] {
         match &self.mapping {
             Mapping::Uv => self.look_up(point.uv, point.width * point.uv_density),
             Mapping::Planar(plane) => {
