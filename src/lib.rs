@@ -50,6 +50,8 @@ pub mod simd;
 #[doc(hidden)]
 pub mod sampling;
 #[doc(hidden)]
+pub mod optics;
+#[doc(hidden)]
 pub mod statistics;
 pub mod color;
 pub mod picture;

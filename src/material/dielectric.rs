@@ -32,7 +32,7 @@ pub struct Dielectric {
     pub priority: u8,
 }
 
-fn index<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+pub(super) fn index<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     let number = Number {
         expected: "an index of refraction from 1 to 10",
         accepts: |n| (1.0..=10.0).contains(&n),

@@ -7,8 +7,12 @@ mod cutout;
 mod dielectric;
 mod image;
 mod normal_map;
+mod principled;
+mod rough_surface;
 mod texture_point;
 mod texture;
+
+use std::sync::Arc;
 
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
@@ -20,9 +24,12 @@ pub use cutout::Cutout;
 pub use dielectric::Dielectric;
 pub use image::{Mapping, Planar, Spherical};
 pub use normal_map::NormalMap;
+pub use principled::Principled;
+pub use rough_surface::RoughSurface;
 pub use texture::*;
 pub use texture_point::TexturePoint;
 
+use crate::optics::Ggx;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -65,8 +72,16 @@ pub struct Material {
     pub dielectric: Option<Dielectric>,
     /// The metal of which the surface is, if it is of one.
     pub conductor: Option<Conductor>,
+    /// The principled surface, if it is one.
+    pub principled: Option<Principled>,
     /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
     pub roughness: f32,
+    /// Whether light counts that microscopic facets reflect onto each other, in path
+    /// tracing; true by default.
+    pub multiple_scattering: bool,
+    /// Its microscopic facets in path tracing, unless it is smooth: none before
+    /// [`roughen`](Self::roughen).
+    pub rough: Option<Arc<RoughSurface>>,
     /// The radiance that the surface emits, the same in all directions; none by default.
     pub emission: Vec3,
     /// Whether both sides reflect and emit light, or only the outer one: the side of the
@@ -92,6 +107,27 @@ impl Material {
     /// Whether it reflects or refracts anything.
     pub fn scatters(&self) -> bool {
         self.is_lit() || self.mirrors() || self.dielectric.is_some()
+    }
+
+    /// Prepares it for path tracing.
+    pub fn roughen(&mut self) {
+        let facets = if let Some(principled) = &self.principled {
+            Some(principled.facets())
+        } else if self.dielectric.is_some() || self.conductor.is_some() {
+            Ggx::of_roughness(self.roughness)
+        } else {
+            // As wide as the highlight: Walter et al., EGSR 2007.
+            let alpha = (2.0 / (2.0 + self.exponent)).sqrt();
+            (self.specular > 0.0).then_some(Ggx { alpha })
+        };
+        let index = self.dielectric.map(|medium| medium.index);
+        self.rough = facets.map(|facets| {
+            Arc::new(if self.multiple_scattering {
+                RoughSurface::new(facets, index)
+            } else {
+                RoughSurface::losing(facets)
+            })
+        });
     }
 
     /// Its pictures, each with the keys that lead to it.
@@ -172,13 +208,17 @@ struct MaterialKeys {
     cutout: Option<Cutout>,
     #[serde(default, deserialize_with = "fraction")]
     roughness: Option<f32>,
+    #[serde(default)]
+    principled: Option<Principled>,
+    #[serde(default = "by_default")]
+    multiple_scattering: bool,
     #[serde(default, deserialize_with = "yaml::radiance")]
     emission: Vec3,
-    #[serde(default = "both")]
+    #[serde(default = "by_default")]
     two_sided: bool,
 }
 
-fn both() -> bool {
+fn by_default() -> bool {
     true
 }
 
@@ -198,12 +238,21 @@ impl TryFrom<MaterialKeys> for Material {
             keys.reflection.is_some(),
             keys.dielectric.is_some(),
             keys.conductor.is_some(),
+            keys.principled.is_some(),
         ];
         if ways.into_iter().filter(|is_given| *is_given).count() > 1 {
             return Err("cannot reflect in two ways, \
-                 expected `reflection`, `dielectric` or `conductor`, and no other of them");
+                 expected `reflection`, `dielectric`, `conductor` or `principled`, \
+                 and no other of them");
         }
-        let is_cut_body = keys.dielectric.is_some() || keys.emission != Vec3::ZERO;
+        let has_lobes = keys.diffuse.is_some() || keys.specular.is_some();
+        if keys.principled.is_some() && has_lobes {
+            return Err("cannot be `principled` and `diffuse` or `specular`, \
+                 expected `principled` without them");
+        }
+        let medium_of_principled = keys.principled.and_then(|principled| principled.medium());
+        let dielectric = keys.dielectric.or(medium_of_principled);
+        let is_cut_body = dielectric.is_some() || keys.emission != Vec3::ZERO;
         if keys.cutout.is_some() && is_cut_body {
             return Err("cannot have holes, \
                  expected a `cutout` without `dielectric` and `emission`");
@@ -224,9 +273,12 @@ impl TryFrom<MaterialKeys> for Material {
             specular: keys.specular.unwrap_or(0.0),
             exponent: keys.exponent.unwrap_or(50.0),
             reflection: keys.reflection.unwrap_or(0.0),
-            dielectric: keys.dielectric,
+            dielectric,
             conductor: keys.conductor,
+            principled: keys.principled,
             roughness: keys.roughness.unwrap_or(0.0),
+            multiple_scattering: keys.multiple_scattering,
+            rough: None,
             emission: keys.emission,
             two_sided: keys.two_sided,
             normal_map: keys.normal_map,

@@ -121,6 +121,9 @@ impl Scene {
         };
         for (name, material) in config.materials.keys().zip(&mut scene.materials) {
             geometries.pictures.give_to(name, material);
+            if config.shading.model == ShadingModel::Path {
+                material.roughen();
+            }
         }
         let numbers_of = |object: usize| geometries.objects[object].scalars();
         arrays::prepare(config, numbers_of, &mut scene.materials)?;
@@ -325,6 +328,8 @@ fn check_materials(config: &Config) -> Result<(), Fault> {
             ("two_sided", "sides", NOT_SEED)
         } else if !is_path && material.roughness > 0.0 {
             ("roughness", "rough media and metals", PATH)
+        } else if !is_path && material.principled.is_some() {
+            ("principled", "principled surfaces", PATH)
         } else {
             continue;
         };

@@ -22,18 +22,18 @@ static TYPES: LazyLock<Vec<Documented>> = LazyLock::new(|| {
 });
 
 /// The doc comment of one of a mapping's keys, or of one of several keywords: that of the
-/// type that has most of them, and fewest others.
+/// type with comments that has most of them, and fewest others.
 pub(super) fn of(names: &[String], name: &str) -> Option<String> {
     let share = |documented: &&Documented| {
         let is_in = |name: &&String| documented.contains_key(name.as_str());
         let n_common = names.iter().filter(is_in).count();
         let n_all = names.len() + documented.len() - n_common;
-        let is_documented = documented.get(name).is_some_and(|doc| !doc.is_empty());
-        (1000 * n_common / n_all.max(1), is_documented)
+        1000 * n_common / n_all.max(1)
     };
-    let having = TYPES
+    let is_described = |doc: &&str| !doc.is_empty();
+    let describing = TYPES
         .iter()
-        .filter(|documented| documented.contains_key(name));
-    let doc = having.max_by_key(share)?.get(name)?;
-    (!doc.is_empty()).then(|| (*doc).to_owned())
+        .filter(|documented| documented.get(name).is_some_and(is_described));
+    let doc = describing.max_by_key(share)?.get(name)?;
+    Some((*doc).to_owned())
 }

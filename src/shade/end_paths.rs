@@ -1,13 +1,14 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
 use super::emission::of_background;
-use super::fresnel::{Split, mirrored_share, split_at};
+use super::fresnel::{mirrored_share, split_at};
 use super::interfaces::Interfaces;
 use super::model::{Bounce, Model};
 use super::path::is_worth_tracing;
 use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
 use crate::material::Material;
+use crate::optics::Split;
 use crate::scene::{MaterialId, Scene};
 use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn};
 use crate::trace::{PointLanes, Points};

@@ -64,7 +64,10 @@ impl RandomScene {
         // Some of the cloud's spheres overlap.
         let (media, of_cloud) = match *model {
             "seed" => ("", "cloud"),
-            "path" if *has_media => (ROUGH_MEDIA, "[cloud, glass, water, gold, lamp]"),
+            "path" if *has_media => (
+                ROUGH_MEDIA,
+                "[cloud, glass, water, gold, lamp, paint, matte]",
+            ),
             _ if *has_media => (MEDIA, "[cloud, glass, water, gold]"),
             _ => ("", "cloud"),
         };
@@ -159,6 +162,8 @@ const ROUGH_MEDIA: &str =
     "  glass: { dielectric: { index: 1.5, absorption: [0.1, 0.9, 3], priority: 1 }, roughness: 0.4 }
   water: { dielectric: { index: 1.33 } }
   gold: { conductor: gold, roughness: 0.3, two_sided: false }
+  paint: { color: [0.8, 0.3, 0.1], principled: { metallic: 0.3, roughness: 0.4, transmission: 0.3 } }
+  matte: { color: 0.7, principled: { roughness: 0.9 } }
 ";
 
 /// Materials of media.

@@ -80,6 +80,8 @@ def sensor(keys, width, height):
 
 def bsdf(keys):
     roughness = keys.get("roughness", 0)
+    # Mitsuba's facets lose the light that they reflect onto each other.
+    assert not roughness or keys["multiple_scattering"] is False
     rough = {"distribution": "ggx", "alpha": roughness**2} if roughness else {}
     kind = "rough" if roughness else ""
     if "dielectric" in keys:

@@ -4,20 +4,19 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::ggx::Ggx;
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
-use crate::material::Material;
+use crate::material::{Material, RoughSurface};
 use crate::sampling::hemisphere;
 use crate::simd::{Real, Vector};
 
 /// What a surface does with the light: fractions, with a sum of at most 1.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::shade) struct Lobes {
+pub(in crate::shade) struct Lobes<'a> {
     /// Of the color, reflected in all directions.
     diffuse: f32,
-    /// Reflected by rough facets.
+    /// Reflected by rough facets, if there are any.
     glossy: f32,
-    facets: Ggx,
+    rough: Option<&'a RoughSurface>,
     /// Reflected as by a mirror.
     mirror: f32,
     /// The probability that each of them is chosen.
@@ -31,20 +30,17 @@ struct Choice {
     mirror: f32,
 }
 
-impl Lobes {
+impl<'a> Lobes<'a> {
     /// The fractions `diffuse`, `specular` and `reflection`; all are scaled down where
-    /// they sum to more than 1. The facets have the width of the highlight: Walter et al.,
-    /// EGSR 2007.
-    pub(super) fn new(material: &Material) -> Self {
+    /// they sum to more than 1.
+    pub(super) fn new(material: &'a Material) -> Self {
         let sum = material.diffuse + material.specular + material.reflection;
         let scale = 1.0 / sum.max(1.0);
         let chosen = 1.0 / sum.max(f32::MIN_POSITIVE);
         Self {
             diffuse: scale * material.diffuse,
             glossy: scale * material.specular,
-            facets: Ggx {
-                alpha: (2.0 / (2.0 + material.exponent)).sqrt(),
-            },
+            rough: material.rough.as_deref(),
             mirror: scale * material.reflection,
             choice: Choice {
                 diffuse: chosen * material.diffuse,
@@ -55,7 +51,7 @@ impl Lobes {
     }
 }
 
-impl Scatters for Lobes {
+impl Scatters for Lobes<'_> {
     fn is_lit(&self) -> bool {
         self.diffuse > 0.0 || self.glossy > 0.0
     }
@@ -68,14 +64,15 @@ impl Scatters for Lobes {
             value: at.point.color * (zero.splat(self.diffuse) * cos),
             density: zero.splat(self.choice.diffuse * FRAC_1_PI) * cos,
         };
-        if self.glossy == 0.0 {
+        let Some(rough) = self.rough else {
             return diffuse;
-        }
+        };
         let to_viewer = at.in_surface(at.to_viewer);
-        let facets = self.facets.reflection(to_viewer, at.in_surface(to_light));
-        let white = Vector::splat(zero, Vec3::splat(self.glossy));
+        let facets = rough.facets.reflection(to_viewer, at.in_surface(to_light));
+        let white = Vector::splat(zero, Vec3::ONE);
+        let gain = at.gain(rough.of_mirror.as_ref(), white);
         diffuse.with(Scattering {
-            value: white * facets.value,
+            value: gain * (zero.splat(self.glossy) * facets.value),
             density: zero.splat(self.choice.glossy) * facets.density,
         })
     }
@@ -93,8 +90,8 @@ impl Scatters for Lobes {
         let is_glossy = lobe.lt(zero.splat(self.choice.mirror + self.choice.glossy));
         let [x, y, z] = hemisphere(numbers);
         let mut direction = at.in_world(Vector { x, y, z });
-        if self.glossy > 0.0 {
-            let reflected = at.mirrored_by(self.facets, numbers);
+        if let Some(rough) = self.rough {
+            let reflected = at.mirrored_by(rough.facets, numbers);
             direction = Vector::select(is_glossy, reflected, direction);
         }
         let scattered = Scattered {

@@ -1,28 +1,26 @@
 //! The surfaces of clear media, smooth or rough.
 
-use super::ggx::Ggx;
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
-use crate::shade::fresnel::{Split, split_at};
+use crate::material::RoughSurface;
+use crate::optics::{Split, split};
+use crate::shade::fresnel::split_at;
 use crate::simd::{Real, Vector};
-use crate::trace::ShadingPoint;
 
 /// The surface of a clear medium. A path is reflected or refracted, with the
 /// probabilities of Fresnel's equations.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::shade) struct Medium {
+pub(in crate::shade) struct Medium<'a> {
     /// `None` for a smooth surface.
-    facets: Option<Ggx>,
+    rough: Option<&'a RoughSurface>,
 }
 
-impl Medium {
-    pub(super) fn new(roughness: f32) -> Self {
-        Self {
-            facets: Ggx::of_roughness(roughness),
-        }
+impl<'a> Medium<'a> {
+    pub(super) fn new(rough: Option<&'a RoughSurface>) -> Self {
+        Self { rough }
     }
 }
 
-impl Scatters for Medium {
+impl Scatters for Medium<'_> {
     fn is_lit(&self) -> bool {
         false
     }
@@ -40,51 +38,79 @@ impl Scatters for Medium {
         numbers: [R; 2],
         lobe: R,
     ) -> Scattered<R> {
-        let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
-        let Some(facets) = self.facets else {
-            return scattered(&at.point, at.to_viewer, boundary, lobe);
-        };
-        let to_viewer = at.in_surface(at.to_viewer);
-        let facet = at.in_world(facets.facet(to_viewer, numbers));
-        let on_facet = ShadingPoint {
-            normal: facet,
-            ..at.point
-        };
-        let scattered = scattered(&on_facet, at.to_viewer, boundary, lobe);
-        // Light that other facets hide, or that comes from the wrong side, is lost.
-        let to_light = at.in_surface(scattered.direction);
-        let side = to_light
-            .z
-            .flip_sign_by(R::select(scattered.is_refracted, -one, one));
-        let visible = facets.visibility(to_viewer, to_light);
-        let visible = R::select(zero.lt(side), visible, zero);
-        let visible = R::select(boundary.is_visible, visible, one);
-        Scattered {
-            factor: scattered.factor * visible,
-            ..scattered
+        match self.rough {
+            None => {
+                let split = split_at(&at.point, -at.to_viewer, boundary.eta, boundary.is_visible);
+                let mirrored = at.point.mirrored(-at.to_viewer);
+                chosen(split, mirrored, boundary, lobe)
+            }
+            Some(rough) => by_facets(rough, at, boundary, numbers, lobe),
         }
     }
 }
 
-/// Reflects or refracts at a point.
+/// Reflects or refracts at one of the facets that the viewer sees.
 #[inline(always)]
-fn scattered<R: Real>(
-    point: &ShadingPoint<R>,
-    to_viewer: Vector<R>,
+fn by_facets<R: Real>(
+    rough: &RoughSurface,
+    at: &Leaving<R>,
+    boundary: &Boundary<R>,
+    numbers: [R; 2],
+    lobe: R,
+) -> Scattered<R> {
+    let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
+    let Boundary { eta, is_visible } = *boundary;
+    let to_viewer = at.in_surface(at.to_viewer);
+    let facet = at.in_world(rough.facets.facet(to_viewer, numbers));
+    let Split {
+        reflectance,
+        refracted,
+    } = split(-at.to_viewer, facet, eta);
+    let split = Split {
+        reflectance: R::select(is_visible, reflectance, zero),
+        refracted: Vector::select(is_visible, refracted, -at.to_viewer),
+    };
+    let mirrored = (-at.to_viewer).reflect(facet).normalize();
+    let chosen = chosen(split, mirrored, boundary, lobe);
+    // Light that other facets hide, or that comes from the wrong side, is lost.
+    let onward = R::select(chosen.is_refracted, -one, one);
+    let to_light = at.in_surface(chosen.direction);
+    let by_geometry = chosen.direction.dot(at.point.geometric_normal);
+    let is_on_side =
+        zero.lt(to_light.z.flip_sign_by(onward)) & zero.lt(by_geometry.flip_sign_by(onward));
+    let visible = rough.facets.visibility(to_viewer, to_light);
+    let visible = R::select(is_on_side, visible, zero);
+    let returned = match &rough.of_medium {
+        None => one,
+        Some(albedo) => {
+            let [outside, inside] = albedo.at(at.cos_of_viewer());
+            R::select(eta.lt(one), outside, inside)
+        }
+    };
+    Scattered {
+        factor: chosen.factor * R::select(is_visible, visible / returned, one),
+        ..chosen
+    }
+}
+
+/// The reflected or the refracted direction, chosen by the reflectance.
+#[inline(always)]
+fn chosen<R: Real>(
+    Split {
+        reflectance,
+        refracted,
+    }: Split<R>,
+    mirrored: Vector<R>,
     Boundary { eta, is_visible }: &Boundary<R>,
     lobe: R,
 ) -> Scattered<R> {
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
-    let Split {
-        reflectance,
-        refracted,
-    } = split_at(point, -to_viewer, *eta, *is_visible);
     let is_refracted = reflectance.le(lobe);
     // A narrower cone behind the surface carries the light of a wider one before it.
     let spread = R::select(*is_visible, *eta * *eta, one);
     let factor = R::select(is_refracted, spread, one);
     Scattered {
-        direction: Vector::select(is_refracted, refracted, point.mirrored(-to_viewer)),
+        direction: Vector::select(is_refracted, refracted, mirrored),
         factor: Vector {
             x: factor,
             y: factor,

@@ -1,42 +1,49 @@
 //! Metals, smooth or rough.
 
-use super::ggx::Ggx;
+use glam::Vec3;
+
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
-use crate::material::Conductor;
-use crate::shade::fresnel;
+use crate::material::{Conductor, RoughSurface};
+use crate::optics::reflectance_of_metal;
 use crate::simd::{Real, Vector};
 
 /// The surface of a metal.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::shade) struct Metal {
+pub(in crate::shade) struct Metal<'a> {
     conductor: Conductor,
     /// `None` for a mirror.
-    facets: Option<Ggx>,
+    rough: Option<&'a RoughSurface>,
+    /// The reflectance of light along the normal.
+    color: Vec3,
 }
 
-impl Metal {
-    pub(super) fn new(conductor: &Conductor, roughness: f32) -> Self {
+impl<'a> Metal<'a> {
+    pub(super) fn new(conductor: &Conductor, rough: Option<&'a RoughSurface>) -> Self {
         Self {
             conductor: *conductor,
-            facets: Ggx::of_roughness(roughness),
+            rough,
+            color: reflectance(conductor, 1.0).into(),
         }
     }
 }
 
-impl Scatters for Metal {
+impl Scatters for Metal<'_> {
     fn is_lit(&self) -> bool {
-        self.facets.is_some()
+        self.rough.is_some()
     }
 
     #[inline(always)]
     fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
-        let Some(facets) = self.facets else {
+        let Some(rough) = self.rough else {
             return Scattering::none(to_light.x);
         };
         let to_viewer = at.in_surface(at.to_viewer);
-        let reflection = facets.reflection(to_viewer, at.in_surface(to_light));
+        let reflection = rough.facets.reflection(to_viewer, at.in_surface(to_light));
+        let color = Vector::splat(to_light.x, self.color);
+        let gain = at.gain(rough.of_mirror.as_ref(), color);
+        let once = reflectance(&self.conductor, reflection.cos) * reflection.value;
         Scattering {
-            value: fresnel::metal(&self.conductor, reflection.cos) * reflection.value,
+            value: once.times(gain),
             density: reflection.density,
         }
     }
@@ -49,19 +56,23 @@ impl Scatters for Metal {
         numbers: [R; 2],
         _: R,
     ) -> Scattered<R> {
-        let Some(facets) = self.facets else {
+        let Some(rough) = self.rough else {
             let zero = at.to_viewer.x.splat(0.0);
-            let cos = at.to_viewer.dot(at.point.normal);
-            let cos = cos.max(zero).min(zero.splat(1.0));
             return Scattered {
                 direction: at.point.mirrored(-at.to_viewer),
-                factor: fresnel::metal(&self.conductor, cos),
+                factor: reflectance(&self.conductor, at.cos_of_viewer()),
                 density: zero.splat(f32::INFINITY),
                 is_refracted: zero.lt(zero),
                 is_diffuse: zero.lt(zero),
             };
         };
-        let direction = at.mirrored_by(facets, numbers);
+        let direction = at.mirrored_by(rough.facets, numbers);
         at.reflected(direction, self.evaluate(at, direction))
     }
+}
+
+/// The reflectance by the cosine of the angle of incidence.
+#[inline(always)]
+fn reflectance<R: Real>(conductor: &Conductor, cos: R) -> Vector<R> {
+    reflectance_of_metal(conductor.index, conductor.extinction, cos)
 }

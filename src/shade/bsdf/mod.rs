@@ -1,26 +1,30 @@
 //! How surfaces scatter light in path tracing: for each kind of material one file with
 //! its formulas, for one point or for lanes of points of one material.
 
-mod ggx;
 mod lobes;
 mod medium;
 mod metal;
+mod principled;
+
+use glam::Vec3;
 
 use crate::material::Material;
+use crate::optics::{Albedo, Ggx};
 use crate::simd::{Real, Vector};
 use crate::trace::ShadingPoint;
-use ggx::Ggx;
 use lobes::Lobes;
 use medium::Medium;
 use metal::Metal;
+use principled::PrincipledBsdf;
 
 /// How the surfaces of a material scatter light.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Bsdf {
+pub(super) enum Bsdf<'a> {
     /// Of a material that is neither of the others.
-    Lobes(Lobes),
-    Metal(Metal),
-    Medium(Medium),
+    Lobes(Lobes<'a>),
+    Metal(Metal<'a>),
+    Medium(Medium<'a>),
+    Principled(PrincipledBsdf<'a>),
 }
 
 /// The formulas of one kind of [`Bsdf`].
@@ -50,6 +54,7 @@ macro_rules! by_kind {
             $crate::shade::bsdf::Bsdf::Lobes($kind) => $call,
             $crate::shade::bsdf::Bsdf::Metal($kind) => $call,
             $crate::shade::bsdf::Bsdf::Medium($kind) => $call,
+            $crate::shade::bsdf::Bsdf::Principled($kind) => $call,
         }
     };
 }
@@ -100,14 +105,17 @@ pub(super) struct Boundary<R: Real> {
     pub(super) is_visible: R::Mask,
 }
 
-impl Bsdf {
+impl<'a> Bsdf<'a> {
     /// The scattering of surfaces of this material.
     #[inline]
-    pub(super) fn of(material: &Material) -> Self {
-        if material.dielectric.is_some() {
-            Self::Medium(Medium::new(material.roughness))
+    pub(super) fn of(material: &'a Material) -> Self {
+        let rough = material.rough.as_deref();
+        if let (Some(keys), Some(rough)) = (&material.principled, rough) {
+            Self::Principled(PrincipledBsdf::new(keys, rough))
+        } else if material.dielectric.is_some() {
+            Self::Medium(Medium::new(rough))
         } else if let Some(conductor) = &material.conductor {
-            Self::Metal(Metal::new(conductor, material.roughness))
+            Self::Metal(Metal::new(conductor, rough))
         } else {
             Self::Lobes(Lobes::new(material))
         }
@@ -142,6 +150,28 @@ impl<R: Real> Leaving<R> {
         (u * x + v * y + self.point.normal * z).normalize()
     }
 
+    /// The cosine of the angle between the normal and the direction to the viewer.
+    #[inline(always)]
+    fn cos_of_viewer(&self) -> R {
+        let cos = self.to_viewer.dot(self.point.normal);
+        cos.max(cos.splat(0.0)).min(cos.splat(1.0))
+    }
+
+    /// The factor of the light that comes from the first facets, of a color, which adds
+    /// that reflected from facet to facet.
+    #[inline(always)]
+    fn gain(&self, albedo: Option<&Albedo>, color: Vector<R>) -> Vector<R> {
+        let one = self.point.side.splat(1.0);
+        let white = Vector::splat(one, Vec3::ONE);
+        match albedo {
+            None => white,
+            Some(albedo) => {
+                let [all, _] = albedo.at(self.cos_of_viewer());
+                white + color * ((one - all) / all)
+            }
+        }
+    }
+
     /// The direction from which one of the facets that the viewer sees mirrors light; two
     /// numbers choose the facet.
     #[inline(always)]
@@ -168,12 +198,26 @@ impl<R: Real> Leaving<R> {
     }
 }
 
+impl<R: Real> Scattered<R> {
+    /// `this` where `mask` is true, else `other`.
+    #[inline(always)]
+    fn select(mask: R::Mask, this: Self, other: Self) -> Self {
+        Self {
+            direction: Vector::select(mask, this.direction, other.direction),
+            factor: Vector::select(mask, this.factor, other.factor),
+            density: R::select(mask, this.density, other.density),
+            is_refracted: this.is_refracted & mask | other.is_refracted & !mask,
+            is_diffuse: this.is_diffuse & mask | other.is_diffuse & !mask,
+        }
+    }
+}
+
 impl<R: Real> Scattering<R> {
     #[inline(always)]
     fn none(like: R) -> Self {
         let zero = like.splat(0.0);
         Self {
-            value: Vector::splat(zero, glam::Vec3::ZERO),
+            value: Vector::splat(zero, Vec3::ZERO),
             density: zero,
         }
     }

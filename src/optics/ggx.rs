@@ -11,39 +11,37 @@ use crate::simd::{Real, Vector};
 
 /// The facets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ggx {
+pub struct Ggx {
     /// The width of the distribution, greater than 0.
-    pub(super) alpha: f32,
+    pub alpha: f32,
 }
 
 /// Reflection toward a direction.
-pub(super) struct Facets<R> {
+pub struct Facets<R> {
     /// The cosine of the angle between a direction and the facets that reflect it.
-    pub(super) cos: R,
+    pub cos: R,
     /// The reflected light of white light of radiance 1 from a steradian, times pi, if the
     /// facets reflect all.
-    pub(super) value: R,
+    pub value: R,
     /// The density of the direction among those that [`Ggx::facet`] leads to.
-    pub(super) density: R,
+    pub density: R,
 }
 
 impl Ggx {
+    /// Narrower distributions exceed the range of numbers.
+    pub const SMOOTHEST: Self = Self { alpha: 1e-4 };
+
     /// The facets of a surface of this roughness, from 0 to 1, which looks evenly spaced:
     /// Burley, "Physically Based Shading at Disney", SIGGRAPH 2012; `None` for a smooth
     /// one.
-    pub(super) fn of_roughness(roughness: f32) -> Option<Self> {
+    pub fn of_roughness(roughness: f32) -> Option<Self> {
         let alpha = roughness * roughness;
-        // Narrower distributions exceed the range of numbers.
-        (alpha >= 1e-4).then_some(Self { alpha })
+        (alpha >= Self::SMOOTHEST.alpha).then_some(Self { alpha })
     }
 
     /// Reflection between two directions above the surface.
     #[inline(always)]
-    pub(super) fn reflection<R: Real>(
-        self,
-        to_viewer: Vector<R>,
-        to_light: Vector<R>,
-    ) -> Facets<R> {
+    pub fn reflection<R: Real>(self, to_viewer: Vector<R>, to_light: Vector<R>) -> Facets<R> {
         let (zero, one, least) = (
             to_viewer.z.splat(0.0),
             to_viewer.z.splat(1.0),
@@ -66,7 +64,7 @@ impl Ggx {
     ///
     /// Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018.
     #[inline(always)]
-    pub(super) fn facet<R: Real>(self, to_viewer: Vector<R>, numbers: [R; 2]) -> Vector<R> {
+    pub fn facet<R: Real>(self, to_viewer: Vector<R>, numbers: [R; 2]) -> Vector<R> {
         let (zero, one, half) = (
             to_viewer.z.splat(0.0),
             to_viewer.z.splat(1.0),
@@ -106,7 +104,7 @@ impl Ggx {
     /// The fraction of light that facets behind the first ones let pass, from a visible
     /// facet toward `to_light`.
     #[inline(always)]
-    pub(super) fn visibility<R: Real>(self, to_viewer: Vector<R>, to_light: Vector<R>) -> R {
+    pub fn visibility<R: Real>(self, to_viewer: Vector<R>, to_light: Vector<R>) -> R {
         let one = to_viewer.z.splat(1.0);
         let of_viewer = self.lambda(to_viewer.z.abs().max(one.splat(1e-6)));
         let of_light = self.lambda(to_light.z.abs().max(one.splat(1e-6)));

@@ -1,0 +1,36 @@
+//! The microscopic facets of a surface.
+
+use crate::optics::{Albedo, Ggx};
+
+/// The facets of a surface, and how much light they return, if light that is reflected from
+/// facet to facet counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoughSurface {
+    /// The facets.
+    pub facets: Ggx,
+    /// The albedo of a mirror with these facets.
+    pub of_mirror: Option<Albedo>,
+    /// The albedo of the surface of the medium with these facets.
+    pub of_medium: Option<Albedo>,
+}
+
+impl RoughSurface {
+    /// The surface of a material with these facets that loses light between them.
+    pub(super) fn losing(facets: Ggx) -> Self {
+        Self {
+            facets,
+            of_mirror: None,
+            of_medium: None,
+        }
+    }
+
+    /// The surface of a material with these facets, of a medium with an index of
+    /// refraction or of none, that loses no light.
+    pub(super) fn new(facets: Ggx, index: Option<f32>) -> Self {
+        Self {
+            facets,
+            of_mirror: Some(Albedo::of_mirror(facets)),
+            of_medium: index.map(|index| Albedo::of_medium(facets, index)),
+        }
+    }
+}

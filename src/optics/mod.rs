@@ -1,0 +1,10 @@
+//! Light at surfaces, without any geometry but two directions: Fresnel's equations, and
+//! rough surfaces of microscopic facets.
+
+mod fresnel;
+mod ggx;
+mod albedo;
+
+pub use albedo::{Albedo, schlick};
+pub use fresnel::{Split, reflectance_of_metal, split};
+pub use ggx::{Facets, Ggx};

@@ -1,0 +1,163 @@
+//! The principled material: a mixture of a metal, of a coated diffuse surface and of a
+//! clear medium.
+//!
+//! After Burley, "Extending the Disney BRDF to a BSDF with Integrated Subsurface
+//! Scattering", SIGGRAPH 2015, with fewer parameters. The reflectance of facets is
+//! Schlick's approximation. The coat lets the light to the diffuse surface that it does not
+//! reflect, so that no light is lost, and none is gained.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::medium::Medium;
+use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
+use crate::material::{Principled, RoughSurface};
+use crate::optics::schlick;
+use crate::sampling::hemisphere;
+use crate::simd::{Real, Vector};
+
+/// See the file's documentation.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::shade) struct PrincipledBsdf<'a> {
+    rough: &'a RoughSurface,
+    /// What the coat reflects of light along the normal.
+    coat_reflectance: f32,
+    /// The share of each part, with a sum of 1.
+    metal: f32,
+    coated: f32,
+    clear: f32,
+    medium: Medium<'a>,
+}
+
+/// What a viewer sees of the metal and of the coat.
+struct Reflectances<R> {
+    /// Of the metal and the coat: the factor of the light that comes from the first facet.
+    gains: [Vector<R>; 2],
+    /// The share of the light that the coat reflects.
+    of_coat: R,
+}
+
+impl<'a> PrincipledBsdf<'a> {
+    pub(super) fn new(keys: &Principled, rough: &'a RoughSurface) -> Self {
+        let Principled {
+            metallic,
+            transmission,
+            index,
+            ..
+        } = *keys;
+        Self {
+            rough,
+            coat_reflectance: ((index - 1.0) / (index + 1.0)).powi(2),
+            metal: metallic,
+            coated: (1.0 - metallic) * (1.0 - transmission),
+            clear: (1.0 - metallic) * transmission,
+            medium: Medium::new(Some(rough)),
+        }
+    }
+
+    #[inline(always)]
+    fn reflectances<R: Real>(&self, at: &Leaving<R>) -> Reflectances<R> {
+        let one = at.point.side.splat(1.0);
+        let of_normal = one.splat(self.coat_reflectance);
+        let [all, fifth_power] = match &self.rough.of_mirror {
+            Some(albedo) => albedo.at(at.cos_of_viewer()),
+            None => [one, one.splat(0.0)],
+        };
+        let lost = (one - all) / all;
+        let white = Vector::splat(one, Vec3::ONE);
+        let gain_of_coat = one + of_normal * lost;
+        let once = of_normal * (all - fifth_power) + fifth_power;
+        Reflectances {
+            gains: [white + at.point.color * lost, white * gain_of_coat],
+            of_coat: (once * gain_of_coat).min(one),
+        }
+    }
+
+    /// The probabilities of facets and of the diffuse surface; the rest is that of the
+    /// medium.
+    #[inline(always)]
+    fn choice<R: Real>(&self, of_coat: R) -> [R; 2] {
+        let (metal, coated) = (of_coat.splat(self.metal), of_coat.splat(self.coated));
+        let one = of_coat.splat(1.0);
+        [metal + coated * of_coat, coated * (one - of_coat)]
+    }
+}
+
+impl Scatters for PrincipledBsdf<'_> {
+    fn is_lit(&self) -> bool {
+        self.metal > 0.0 || self.coated > 0.0
+    }
+
+    /// Of metal and coat; light samples do not contribute to the medium.
+    #[inline(always)]
+    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
+        let (zero, one) = (to_light.x.splat(0.0), to_light.x.splat(1.0));
+        let Reflectances { gains, of_coat } = self.reflectances(at);
+        let [of_facets, of_diffuse] = self.choice(of_coat);
+        let to_viewer = at.in_surface(at.to_viewer);
+        let facets = self
+            .rough
+            .facets
+            .reflection(to_viewer, at.in_surface(to_light));
+        let grazing = schlick(facets.cos);
+        let white = Vector::splat(one, Vec3::ONE);
+        let color = at.point.color;
+        let coat = one.splat(self.coat_reflectance);
+        let (metal, coated) = (one.splat(self.metal), one.splat(self.coated));
+        let of_metal = (color + (white - color) * grazing).times(gains[0]) * metal;
+        let reflected_by_coat = gains[1] * ((coat + (one - coat) * grazing) * coated);
+        let cos = to_light.dot(at.point.normal).max(zero);
+        let below = color * (coated * (one - of_coat) * cos);
+        Scattering {
+            value: (of_metal + reflected_by_coat) * facets.value + below,
+            density: of_facets * facets.density + of_diffuse * cos * one.splat(FRAC_1_PI),
+        }
+    }
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        boundary: &Boundary<R>,
+        numbers: [R; 2],
+        lobe: R,
+    ) -> Scattered<R> {
+        let zero = lobe.splat(0.0);
+        let Reflectances { of_coat, .. } = self.reflectances(at);
+        let [of_facets, _] = self.choice(of_coat);
+        let clear = zero.splat(self.clear);
+        let is_glossy = lobe.lt(clear + of_facets);
+        let [x, y, z] = hemisphere(numbers);
+        let diffuse = at.in_world(Vector { x, y, z });
+        let glossy = at.mirrored_by(self.rough.facets, numbers);
+        let direction = Vector::select(is_glossy, glossy, diffuse);
+        let opaque = Scattered {
+            is_diffuse: !is_glossy,
+            ..at.reflected(direction, self.evaluate(at, direction))
+        };
+        if self.clear == 0.0 {
+            return opaque;
+        }
+        let is_clear = lobe.lt(clear);
+        let white = Vector::splat(zero, Vec3::ONE);
+        let through = self.medium.sample(at, boundary, numbers, lobe / clear);
+        // A ray passes the surface twice.
+        let tint = Vector::select(through.is_refracted, root(at.point.color), white);
+        let through = Scattered {
+            factor: through.factor.times(tint),
+            ..through
+        };
+        Scattered::select(is_clear, through, opaque)
+    }
+}
+
+/// The square root of each channel.
+#[inline(always)]
+fn root<R: Real>(color: Vector<R>) -> Vector<R> {
+    Vector {
+        x: color.x.sqrt(),
+        y: color.y.sqrt(),
+        z: color.z.sqrt(),
+    }
+}
