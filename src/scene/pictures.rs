@@ -79,7 +79,7 @@ impl Pictures {
         let mut background = config.background.clone();
         match (&mut background, &self.of_background) {
             (Background::EnvironmentMap(map), Some(source)) => {
-                map.picture = Arc::clone(&self.read[source].picture);
+                map.picture = Arc::clone(&self.read[source]);
             }
             (Background::Sky(sky), _) => sky.draw(),
             _ => {}
