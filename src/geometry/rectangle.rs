@@ -4,9 +4,10 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::sampled::{Sampled, Seen, SurfaceSample};
+use super::spherical_rectangle::SphericalRectangle;
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
-use crate::simd::{Real, Vector};
+use crate::simd::{Mask, Real, Vector};
 use crate::yaml;
 
 /// The points `corner + a * edges[0] + b * edges[1]` with `a` and `b` from 0 to 1: a
@@ -134,22 +135,68 @@ impl Sampled for Rectangle {
         normal_and_area(vector(parameters, 3), vector(parameters, 6)).1
     }
 
+    /// Uniform in the directions to a rectangle that is near; points of a parallelogram, or
+    /// of a rectangle farther away, have the same density on its surface.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
         from: Vector<R>,
-        [a, b]: [R; 2],
+        numbers: [R; 2],
     ) -> SurfaceSample<R> {
-        let (u, v) = (vector(parameters, 3), vector(parameters, 6));
+        let (corner, u, v) = (
+            vector(parameters, 0),
+            vector(parameters, 3),
+            vector(parameters, 6),
+        );
         let (normal, area) = normal_and_area(u, v);
-        Seen::new(vector(parameters, 0) + u * a + v * b, normal, from).by_area(area)
+        let [a, b] = numbers;
+        let by_area = Seen::new(corner + u * a + v * b, normal, from).by_area(area);
+        let is_near = is_near(corner - from, u, v);
+        if is_near.bits() == 0 {
+            return by_area;
+        }
+        let directions = SphericalRectangle::new(corner - from, [u, v]);
+        let is_wide = directions.is_wide() & is_near;
+        let seen = Seen::along(directions.way(numbers), normal);
+        SurfaceSample {
+            seen: Seen::select(is_wide, seen, by_area.seen),
+            density: R::select(is_wide, directions.density(), by_area.density),
+        }
     }
 
     #[inline(always)]
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
-        let (_, area) = normal_and_area(vector(parameters, 3), vector(parameters, 6));
-        seen.density_by_area(area)
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], from: Vector<R>, seen: &Seen<R>) -> R {
+        let (u, v) = (vector(parameters, 3), vector(parameters, 6));
+        let (_, area) = normal_and_area(u, v);
+        let by_area = seen.density_by_area(area);
+        let to_corner = vector(parameters, 0) - from;
+        let is_near = is_near(to_corner, u, v);
+        if is_near.bits() == 0 {
+            return by_area;
+        }
+        let directions = SphericalRectangle::new(to_corner, [u, v]);
+        R::select(
+            directions.is_wide() & is_near,
+            directions.density(),
+            by_area,
+        )
     }
+}
+
+/// Whether a point is nearer to the center of a rectangle than two of its diagonals: from
+/// farther away, uniform points of its surface do as well, and take less time. Never near to
+/// a parallelogram without right angles, up to rounding errors.
+#[inline(always)]
+fn is_near<R: Real>(to_corner: Vector<R>, u: Vector<R>, v: Vector<R>) -> R::Mask {
+    let half = to_corner.x.splat(0.5);
+    let to_center = to_corner + u * half + v * half;
+    let (width, height) = (u.dot(u), v.dot(v));
+    let reach = half.splat(4.0) * (width + height);
+    let is_rectangle = u
+        .dot(v)
+        .abs()
+        .lt((width * height).sqrt() * half.splat(1e-5));
+    to_center.dot(to_center).lt(reach) & is_rectangle
 }
 
 /// The unit normal and the area of a parallelogram with these edges.

@@ -57,7 +57,13 @@ impl<R: Real> Seen<R> {
     /// A point of a surface with this normal, seen from another point.
     #[inline(always)]
     pub(super) fn new(point: Vector<R>, normal: Vector<R>, from: Vector<R>) -> Self {
-        let way = point - from;
+        Self::along(point - from, normal)
+    }
+
+    /// A point of a surface with this normal, seen from another point, from which it is
+    /// this way.
+    #[inline(always)]
+    pub(super) fn along(way: Vector<R>, normal: Vector<R>) -> Self {
         let distance = way.length();
         let direction = way / distance.max(distance.splat(f32::MIN_POSITIVE));
         Self {
@@ -156,6 +162,12 @@ mod tests {
                 Vec3::X,
                 Vec3::new(0.0, 0.5, 1.5),
             )),
+            // A parallelogram.
+            Shape::Rectangle(Rectangle::new(
+                Vec3::new(-0.5, 2.0, -1.0),
+                Vec3::X,
+                Vec3::new(0.5, 0.5, 1.5),
+            )),
             Shape::Cuboid(Cuboid::new(Aabb {
                 min: Vec3::new(-0.5, 1.0, 0.0),
                 max: Vec3::new(0.5, 1.5, 1.2),
@@ -190,6 +202,48 @@ mod tests {
     }
 
     #[test]
+    fn directions_to_a_rectangle_are_uniform() {
+        let size = Vec3::new(3.0, 0.0, 2.0);
+        for from in [
+            [0.0, 0.4, 0.0],
+            [1.4, -0.05, 0.3],
+            [-4.0, 1.0, 2.5],
+            [2.0, 0.3, -1.0],
+        ] {
+            let from = Vec3::from(from);
+            let (u, v) = (size.x * Vec3::X, size.z * Vec3::Z);
+            let shape = Shape::Rectangle(Rectangle::new(-0.5 * size, u, v));
+            // The mean of the distance from the center has the same weights in both sums.
+            let (mut by_directions, mut by_area, mut density) = (0.0, 0.0, 0.0);
+            for sample in samples(&shape, from) {
+                let at = from + sample.seen.distance * Vec3::from(sample.seen.direction);
+                by_directions += f64::from(at.length()) / f64::from(sample.density);
+                density = sample.density;
+            }
+            for i in 0..N * N {
+                let [a, b] = [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32);
+                let at = -0.5 * size + a * u + b * v;
+                let seen = Seen::new(at.into(), Vec3::NEG_Y.into(), from.into());
+                by_area +=
+                    f64::from(at.length()) / f64::from(seen.density_by_area(size.x * size.z));
+            }
+            assert!(
+                (by_directions / by_area - 1.0).abs() < 2e-3,
+                "{from}: {by_directions} {by_area}"
+            );
+            let found = kind_density(&shape, from);
+            assert!((found / density - 1.0).abs() < 1e-6, "{found} {density}");
+        }
+    }
+
+    /// The density of any direction to a shape.
+    fn kind_density(shape: &Shape, from: Vec3) -> f32 {
+        let nowhere = Seen::new(Vec3::ZERO.into(), Vec3::Y.into(), from.into());
+        let parameters = shape.parameters();
+        shape.kind().density(&parameters, from.into(), &nowhere)
+    }
+
+    #[test]
     fn points_inside_see_the_whole_sphere_and_box() {
         let inside = [
             Shape::Sphere(Sphere {
@@ -220,7 +274,9 @@ mod tests {
             u in 0.0_f32..1.0, v in 0.0_f32..1.0, from in prop::array::uniform3(-3.0_f32..3.0),
         ) {
             let from = Vec3::from(from);
-            for shape in shapes() {
+            let edges = [0.8 * Vec3::X, -0.8 * Vec3::Z];
+            let far = Shape::Rectangle(Rectangle::new(Vec3::new(1.0, 12.0, 2.0), edges[0], edges[1]));
+            for shape in shapes().into_iter().chain([far]) {
                 let (kind, parameters) = (shape.kind(), shape.parameters());
                 let sample = kind.sample(&parameters, from.into(), [u, v]);
                 let found = kind.density(&parameters, from.into(), &sample.seen);
