@@ -21,31 +21,20 @@ import time
 import drjit
 import mitsuba as mi
 import numpy as np
-import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 N_THREADS = 2
 GOAL = 1.5
 sys.path.insert(0, str(ROOT / "tests/mitsuba"))
-
-
-def scenes(names):
-    paths = sorted((ROOT / "tests/mitsuba").glob("*.yaml")) + [ROOT / "configs/cornell_box.yaml"]
-    for path in paths:
-        if names and path.stem not in names:
-            continue
-        config = yaml.safe_load(path.read_text())
-        if isinstance(background := config.get("background"), dict):
-            keys = background["environment_map"]
-            keys["file"] = str(path.parent / keys["file"])
-        yield path.stem, config
+mi.set_variant("scalar_rgb")
+import translate  # noqa: E402  (needs the variant)
 
 
 class Mitsuba:
     def __init__(self, variant, sampler, config, options):
         mi.set_variant(variant)
         # Its types are those of the variant.
-        translate = importlib.reload(importlib.import_module("translate"))
+        importlib.reload(translate)
         scene = translate.scene(config, options.size, options.size, config["shading"]["max_depth"])
         scene["sensor"]["sampler"] = {"type": sampler, "sample_count": options.samples}
         self.variant, self.n_samples = variant, options.samples
@@ -100,7 +89,9 @@ def main():
     parser.add_argument("--raycost", type=pathlib.Path, default=ROOT / "target/release/raycost", metavar="PROGRAM")
     options = parser.parse_args()
     drjit.set_thread_count(N_THREADS)
-    for scene, config in scenes(options.scenes):
+    for scene, config in translate.scenes():
+        if options.scenes and scene not in options.scenes:
+            continue
         with tempfile.TemporaryDirectory() as folder:
             racers = {"raycost": Raycost(config, options, pathlib.Path(folder))}
             for variant in ["llvm_ad_rgb", "scalar_rgb"]:

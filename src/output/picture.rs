@@ -9,13 +9,12 @@ use image::RgbImage;
 use rayon::prelude::*;
 
 use super::file::{FileContent, Job, OutputFile};
-use super::states::States;
 use crate::chart::{ColorLegend, Scale, draw_legends, png};
 use crate::config::Config;
 use crate::film::{Film, STRIP_ROWS, Strip};
 use crate::folder::FileWriter;
 use crate::material::ArrayScale;
-use crate::provenance::{self, RunId};
+use crate::provenance;
 use crate::scene::Scene;
 
 /// The file.
@@ -29,17 +28,9 @@ pub(super) const FILE: OutputFile = OutputFile {
             write_with_legends(job, &legends, out)
         } else if job.rendering.config.film.bits == 8 {
             let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
-            write(film, rows, job.run, job.states, out)
+            write(job, rows, out)
         } else {
-            let developed = developed(film);
-            let rows = developed.chunks_exact(film.grid.width as usize);
-            write(
-                film,
-                rows.map(<[_]>::as_flattened),
-                job.run,
-                job.states,
-                out,
-            )
+            write_developed(job, &developed(film), out)
         }
     }),
 };
@@ -104,13 +95,7 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
     }
     draw_legends(&mut picture, legends);
     if job.rendering.config.film.bits == 8 {
-        return write(
-            film,
-            picture.chunks_exact(row_bytes),
-            job.run,
-            job.states,
-            out,
-        );
+        return write(job, picture.chunks_exact(row_bytes), out);
     }
     let mut developed = developed(film);
     let before = film.rows(|strip| &strip.rgb).flatten();
@@ -122,14 +107,7 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
             *place = [r, r, g, g, b, b];
         }
     }
-    let rows = developed.chunks_exact(width as usize);
-    write(
-        film,
-        rows.map(<[_]>::as_flattened),
-        job.run,
-        job.states,
-        out,
-    )
+    write_developed(job, &developed, out)
 }
 
 /// The picture of a film that keeps its radiance.
@@ -149,16 +127,21 @@ fn developed(film: &Film) -> Vec<Rgb16> {
 
 /// Writes the rows of a picture of 8 or 16 bits per channel.
 fn write<'a>(
-    film: &Film,
+    job: &Job,
     rows: impl Iterator<Item = &'a [u8]>,
-    run: RunId,
-    states: &States,
     out: &mut impl Write,
 ) -> io::Result<()> {
     let rows: Vec<&[u8]> = rows.collect();
     let texts = [
-        (provenance::KEY, &*run.to_string()),
-        ("ParaViewState", &*states.geometry()),
+        (provenance::KEY, &*job.run.to_string()),
+        ("ParaViewState", &*job.states.geometry()),
     ];
-    png::write([film.grid.width, film.grid.height], &rows, &texts, out)
+    let grid = &job.rendering.film.grid;
+    png::write([grid.width, grid.height], &rows, &texts, out)
+}
+
+/// Writes a picture of 16 bits per channel.
+fn write_developed(job: &Job, pixels: &[Rgb16], out: &mut impl Write) -> io::Result<()> {
+    let rows = pixels.chunks_exact(job.rendering.film.grid.width as usize);
+    write(job, rows.map(<[_]>::as_flattened), out)
 }

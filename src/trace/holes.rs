@@ -28,7 +28,7 @@ impl Passage {
 }
 
 impl Tracer<'_> {
-    /// The nearest hit of a ray that is not in a hole, or any beyond `limit`. `nearest`
+    /// The nearest hit of a ray that is not in a hole, if it is before `limit`. `nearest`
     /// finds the nearest hit.
     pub(super) fn hit_behind_holes(
         &self,
@@ -44,7 +44,7 @@ impl Tracer<'_> {
             let hit = nearest(&passage.ray)?;
             match self.behind_hole(&passage, hit, limit) {
                 Some(next) => passage = next,
-                None => return Some(passage.hit(hit)),
+                None => return Some(passage.hit(hit)).filter(|hit| hit.t < limit),
             }
         }
     }

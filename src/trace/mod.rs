@@ -66,7 +66,7 @@ impl<'a> Tracer<'a> {
         } = shadow;
         if self.scene.has_cutouts() {
             let hit = self.hit_behind_holes(ray, *t_max, |ray| self.accel.nearest(ray, probe));
-            return hit.is_some_and(|hit| hit.t < *t_max);
+            return hit.is_some();
         }
         self.accel.occluded(ray, *t_max, *ignored, probe)
     }
@@ -86,8 +86,7 @@ impl<'a> Tracer<'a> {
     pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         if self.scene.has_cutouts() {
             let record = |ray: &Ray| self.accel.record_nearest(ray, steps);
-            let hit = self.hit_behind_holes(&shadow.ray, shadow.t_max, record);
-            return hit.filter(|hit| hit.t < shadow.t_max);
+            return self.hit_behind_holes(&shadow.ray, shadow.t_max, record);
         }
         self.accel.record_occluded(shadow, steps)
     }

@@ -11,28 +11,16 @@ import sys
 
 import mitsuba as mi
 import numpy as np
-import yaml
 from PIL import Image
 
 mi.set_variant("scalar_rgb")
 import translate  # noqa: E402  (needs the variant)
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SIDE = 48  # pixels
 BLOCK = 8  # pixels
 N_RUNS = 16
 SAMPLES = 64  # of each run: 1024 in all
 SAVED_EXPOSURE = 1.0
-
-
-def scenes():
-    for path in sorted((ROOT / "tests" / "mitsuba").glob("*.yaml")):
-        config = yaml.safe_load(path.read_text())
-        if isinstance(background := config.get("background"), dict):
-            keys = background["environment_map"]
-            keys["file"] = str(path.parent / keys["file"])
-        yield path.stem, config
-    yield "cornell_box", yaml.safe_load((ROOT / "configs" / "cornell_box.yaml").read_text())
 
 
 def by_raycost(raycost, name, config, folder):
@@ -72,7 +60,7 @@ def main():
     raycost, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
     failed = False
-    for name, config in scenes():
+    for name, config in translate.scenes():
         ours, theirs = by_raycost(raycost, name, config, folder), by_mitsuba(config)
         save(f"{name}.raycost", ours.mean(axis=0), folder)
         save(f"{name}.mitsuba", theirs.mean(axis=0), folder)

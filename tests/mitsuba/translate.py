@@ -1,9 +1,23 @@
 """Scenes of raycost as scenes of Mitsuba 3: what tests/mitsuba/compare.py and benches need."""
 
 import math
+import pathlib
 
 import mitsuba as mi
 import numpy as np
+import yaml
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+
+
+def scenes():
+    """The names of the scenes that are compared, and their configs."""
+    for path in [*sorted((ROOT / "tests/mitsuba").glob("*.yaml")), ROOT / "configs/cornell_box.yaml"]:
+        config = yaml.safe_load(path.read_text())
+        if isinstance(background := config.get("background"), dict):
+            keys = background["environment_map"]
+            keys["file"] = str(path.parent / keys["file"])
+        yield path.stem, config
 
 
 def scene(config, width, height, max_depth):

@@ -161,13 +161,11 @@ impl<R: Real> Leaving<R> {
     /// that reflected from facet to facet.
     #[inline(always)]
     fn gain(&self, albedo: Option<&Albedo>, color: Vector<R>) -> Vector<R> {
-        let one = self.point.side.splat(1.0);
-        let white = Vector::splat(one, Vec3::ONE);
         match albedo {
-            None => white,
+            None => Vector::splat(color.x, Vec3::ONE),
             Some(albedo) => {
                 let [all, _] = albedo.at(self.cos_of_viewer());
-                white + color * ((one - all) / all)
+                gain(all, color)
             }
         }
     }
@@ -196,6 +194,14 @@ impl<R: Real> Leaving<R> {
             is_diffuse: density.lt(zero),
         }
     }
+}
+
+/// The factor of the light that comes from the first facets, of a color, if white ones
+/// return this share of it.
+#[inline(always)]
+fn gain<R: Real>(returned: R, color: Vector<R>) -> Vector<R> {
+    let one = returned.splat(1.0);
+    Vector::splat(one, Vec3::ONE) + color * ((one - returned) / returned)
 }
 
 impl<R: Real> Scattered<R> {

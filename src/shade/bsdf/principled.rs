@@ -11,7 +11,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::medium::Medium;
-use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
+use super::{Boundary, Leaving, Scattered, Scattering, Scatters, gain};
 use crate::material::{Principled, RoughSurface};
 use crate::optics::schlick;
 use crate::sampling::hemisphere;
@@ -64,13 +64,11 @@ impl<'a> PrincipledBsdf<'a> {
             Some(albedo) => albedo.at(at.cos_of_viewer()),
             None => [one, one.splat(0.0)],
         };
-        let lost = (one - all) / all;
-        let white = Vector::splat(one, Vec3::ONE);
-        let gain_of_coat = one + of_normal * lost;
+        let of_coat = gain(all, Vector::splat(one, Vec3::splat(self.coat_reflectance)));
         let once = of_normal * (all - fifth_power) + fifth_power;
         Reflectances {
-            gains: [white + at.point.color * lost, white * gain_of_coat],
-            of_coat: (once * gain_of_coat).min(one),
+            gains: [gain(all, at.point.color), of_coat],
+            of_coat: (once * of_coat.x).min(one),
         }
     }
 
