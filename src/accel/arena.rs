@@ -4,8 +4,8 @@
 use glam::Vec3;
 
 use super::layout::{
-    self, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, MAX_DEPTH, MAX_LEAF, NODE_LINES,
-    NodeRef, WideNode,
+    self, CAPSULE_BIT, CacheLine, ID_BIT, LEAF_WINDOW, LEAF_WINDOW_LINES, LeafKind, MAX_DEPTH,
+    MAX_LEAF, NODE_LINES, NodeRef, WideNode,
 };
 use crate::geometry::Aabb;
 use crate::simd::N_LANES;
@@ -86,10 +86,12 @@ impl Arena {
         debug_assert!(node_ref.line() + LEAF_WINDOW_LINES <= self.lines.len());
         // SAFETY: `check` made sure that the window is within the lines. All bits
         // are valid for numbers.
-        let numbers = unsafe { &*self.lines.as_ptr().add(node_ref.line()).cast() };
+        let numbers: &[f32; LEAF_WINDOW] =
+            unsafe { &*self.lines.as_ptr().add(node_ref.line()).cast() };
         Leaf {
             numbers,
             n: node_ref.leaf_size(),
+            kind: LeafKind::of_leaf(node_ref, numbers[0]),
         }
     }
 
@@ -126,6 +128,7 @@ pub(super) struct Leaf<'a> {
     numbers: &'a [f32; LEAF_WINDOW],
     /// The number of primitives, from 1 to 8.
     n: usize,
+    kind: LeafKind,
 }
 
 impl Leaf<'_> {
@@ -133,6 +136,12 @@ impl Leaf<'_> {
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.n
+    }
+
+    /// The kind of the primitives.
+    #[inline(always)]
+    pub(super) fn kind(&self) -> LeafKind {
+        self.kind
     }
 
     /// Row `i`, and the numbers that follow it.
@@ -164,6 +173,6 @@ impl Leaf<'_> {
     /// The index of the primitive in a lane; `n_rows` rows precede the indices.
     #[inline(always)]
     pub(super) fn primitive(&self, n_rows: usize, lane: usize) -> u32 {
-        self.row(n_rows)[lane % N_LANES].to_bits() & !ID_BIT
+        self.row(n_rows)[lane % N_LANES].to_bits() & !(ID_BIT | CAPSULE_BIT)
     }
 }

@@ -7,6 +7,8 @@
 //! A leaf of `n` primitives is a block of rows of `n` numbers: for triangles
 //! the coordinates of the three vertices, for spheres the coordinates of the
 //! center and the squared radius; then the indices of the primitives, ascending.
+//! A leaf of capsules has the indices first, then the coordinates of both ends and the
+//! radii.
 //! A load of eight lanes reads a row and the numbers behind it, so that the
 //! lanes from `n` on have no meaning. None of them is subnormal, which would
 //! slow down arithmetic: hence [`ID_BIT`].
@@ -37,6 +39,10 @@ pub(super) const MAX_LEAF: usize = N_LANES;
 pub(super) const TRIANGLE_ROWS: usize = 9;
 /// Rows of a sphere leaf before the indices.
 pub(super) const SPHERE_ROWS: usize = 4;
+/// Rows of a capsule leaf behind the indices.
+pub(super) const CAPSULE_ROWS: usize = 8;
+/// Set in the indices of leaves of capsules: a [`NodeRef`] has no room for a fourth kind.
+pub(super) const CAPSULE_BIT: u32 = 1 << 29;
 /// Set in the indices of leaves: as floating-point numbers they are normal.
 pub(super) const ID_BIT: u32 = 1 << 30;
 
@@ -90,6 +96,8 @@ pub(super) enum LeafKind {
     Spheres = 2,
     /// Any other shapes, tested one by one.
     Others = 3,
+    /// Capsules, all tested at once.
+    Capsules = 4,
 }
 
 impl LeafKind {
@@ -98,6 +106,7 @@ impl LeafKind {
         match primitive.world_shape() {
             Some(Shape::Triangle(_)) => Self::Triangles,
             Some(Shape::Sphere(_)) => Self::Spheres,
+            Some(Shape::Capsule(_)) => Self::Capsules,
             _ => Self::Others,
         }
     }
@@ -109,16 +118,35 @@ impl LeafKind {
             1 => Some(Self::Triangles),
             2 => Some(Self::Spheres),
             3 => Some(Self::Others),
+            4 => Some(Self::Capsules),
             _ => None,
         }
     }
 
-    /// Number of rows before the indices; `None` for a leaf without rows.
-    pub(super) fn n_rows(self) -> Option<usize> {
+    /// The kind of the leaf of a reference that begins with this number.
+    #[inline(always)]
+    pub(super) fn of_leaf(node_ref: NodeRef, first: f32) -> Self {
+        match node_ref.0 & 3 {
+            1 => Self::Triangles,
+            2 => Self::Spheres,
+            _ if first.to_bits() & CAPSULE_BIT != 0 => Self::Capsules,
+            _ => Self::Others,
+        }
+    }
+
+    /// Whether all of its primitives are tested at once.
+    #[inline(always)]
+    pub(super) fn is_tested_at_once(self) -> bool {
+        self != Self::Others
+    }
+
+    /// Number of rows before the indices.
+    #[inline(always)]
+    pub(super) fn n_rows(self) -> usize {
         match self {
-            Self::Triangles => Some(TRIANGLE_ROWS),
-            Self::Spheres => Some(SPHERE_ROWS),
-            Self::Others => None,
+            Self::Triangles => TRIANGLE_ROWS,
+            Self::Spheres => SPHERE_ROWS,
+            Self::Capsules | Self::Others => 0,
         }
     }
 
@@ -128,6 +156,7 @@ impl LeafKind {
             Self::Triangles => (TRIANGLE_ROWS + 1) * n,
             // Eight lanes load the last row: they must not read beyond the leaf.
             Self::Spheres => ((SPHERE_ROWS + 1) * n).max((SPHERE_ROWS - 1) * n + N_LANES),
+            Self::Capsules => (CAPSULE_ROWS + 1) * n + N_LANES - n,
             Self::Others => n,
         };
         len.div_ceil(16)
@@ -136,7 +165,7 @@ impl LeafKind {
 
 /// A reference to a node, or to a leaf with its kind and size. From the top: 27 bits
 /// for the index of its first cache line, 3 bits for the size of a leaf minus one, 2
-/// bits for its kind (0 for a node). So twice the reference to a node is the number of
+/// bits for its kind (0 for a node, 3 for capsules too). So twice the reference to a node is the number of
 /// bytes before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct NodeRef(pub(super) u32);
@@ -159,23 +188,14 @@ impl NodeRef {
 
     /// The leaf of `n` primitives at this line.
     pub(super) fn leaf(kind: LeafKind, n: usize, line: u32) -> Self {
-        Self(line << 5 | (n as u32 - 1) << 2 | kind as u32)
+        let kind = (kind as u32).min(LeafKind::Others as u32);
+        Self(line << 5 | (n as u32 - 1) << 2 | kind)
     }
 
     /// Whether this refers to a leaf.
     #[inline(always)]
     pub(super) fn is_leaf(self) -> bool {
         self.0 & 3 != 0
-    }
-
-    /// The kind of the leaf.
-    #[inline(always)]
-    pub(super) fn leaf_kind(self) -> LeafKind {
-        match self.0 & 3 {
-            1 => LeafKind::Triangles,
-            2 => LeafKind::Spheres,
-            _ => LeafKind::Others,
-        }
     }
 
     /// The number of primitives in the leaf, from 1 to 8.
@@ -189,6 +209,12 @@ impl NodeRef {
     pub(super) fn line(self) -> usize {
         (self.0 >> 5) as usize
     }
+}
+
+/// The kind of the leaf of a reference, with bounds checks.
+pub(super) fn leaf_kind(lines: &[CacheLine], node_ref: NodeRef) -> LeafKind {
+    let CacheLine([first, ..]) = lines[node_ref.line()];
+    LeafKind::of_leaf(node_ref, first)
 }
 
 /// The node of a reference, with bounds checks.

@@ -83,7 +83,7 @@ impl NodeSums {
             if child.is_leaf() {
                 self.n_leaves += 1;
                 self.n_references += child.leaf_size();
-                self.n_leaf_lines += child.leaf_kind().n_lines(child.leaf_size());
+                self.n_leaf_lines += layout::leaf_kind(lines, child).n_lines(child.leaf_size());
                 self.cost += child.leaf_size() as f64 * area;
             } else {
                 self.node(lines, child, area, depth + 1);

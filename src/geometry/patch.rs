@@ -43,6 +43,27 @@ impl Patch {
         Self::Polygon((0..N_CORNERS).map(corner).collect())
     }
 
+    /// The strip that replaces a surface of revolution: the distances of a circle from the
+    /// center between two ends, along their axis, and its radius.
+    pub(super) fn turned(
+        [from, to]: [Vec3; 2],
+        circles: impl IntoIterator<Item = [f32; 2]>,
+    ) -> Self {
+        let axis = (to - from).normalize_or(Vec3::Y);
+        let center = 0.5 * from + 0.5 * to;
+        let (u, v) = axis.any_orthonormal_pair();
+        let corner = |[along, radius]: [f32; 2], i: usize| {
+            let (sin, cos) = (TAU * (i % N_TURNED) as f32 / N_TURNED as f32).sin_cos();
+            center + along * axis + radius * (cos * v + sin * u)
+        };
+        let circles: Vec<[f32; 2]> = circles.into_iter().collect();
+        let bands = circles.windows(2);
+        let corners = bands.flat_map(|band| {
+            (0..=N_TURNED).flat_map(move |i| [corner(band[0], i), corner(band[1], i)])
+        });
+        Self::Strip(corners.collect())
+    }
+
     /// The corners.
     pub fn corners(&self) -> &[Vec3] {
         match self {
@@ -66,6 +87,9 @@ impl Patch {
         }
     }
 }
+
+/// Corners of the polygon that replaces a circle around an axis.
+const N_TURNED: usize = 16;
 
 /// One strip around a sphere, from pole to pole, band by band.
 fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {

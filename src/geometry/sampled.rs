@@ -90,18 +90,21 @@ impl<R: Real> Seen<R> {
     }
 }
 
+/// A point of the circle of this radius at a height.
+#[inline(always)]
+pub(super) fn on_circle<R: Real>(number: R, radius: R, height: R) -> [R; 3] {
+    let [cos, sin] = cos_sin(number);
+    [radius * cos, radius * sin, height]
+}
+
 /// A point of the unit sphere, uniformly distributed.
 #[inline(always)]
 pub(super) fn on_unit_sphere<R: Real>([u, v]: [R; 2]) -> Vector<R> {
     let one = u.splat(1.0);
     let z = one - u.splat(2.0) * u;
-    let [cos, sin] = cos_sin(v);
     let radius = (one - z * z).max(u.splat(0.0)).sqrt();
-    Vector {
-        x: radius * cos,
-        y: radius * sin,
-        z,
-    }
+    let [x, y, z] = on_circle(v, radius, z);
+    Vector { x, y, z }
 }
 
 #[cfg(test)]
@@ -111,7 +114,8 @@ mod tests {
 
     use super::*;
     use crate::geometry::{
-        Aabb, Cuboid, Disk, Intersectable, Ray, Rectangle, Shape, Sphere, Triangle,
+        Aabb, Capsule, Cone, Cuboid, Cylinder, Disk, Intersectable, Ray, Rectangle, Shape, Sphere,
+        Triangle,
     };
 
     const N: u32 = 400;
@@ -138,6 +142,8 @@ mod tests {
         });
         hits.count() as f32 * 4.0 * std::f32::consts::PI / (n * n) as f32
     }
+
+    const ENDS: [Vec3; 2] = [Vec3::new(-0.5, 2.5, 0.0), Vec3::new(0.7, 3.0, 0.9)];
 
     fn shapes() -> Vec<Shape> {
         vec![
@@ -172,6 +178,13 @@ mod tests {
                 min: Vec3::new(-0.5, 1.0, 0.0),
                 max: Vec3::new(0.5, 1.5, 1.2),
             })),
+            Shape::Cylinder(Cylinder::new(ENDS, 0.6)),
+            Shape::Cone(Cone::new(ENDS, [0.9, 0.0])),
+            Shape::Cone(Cone::new(ENDS, [0.3, 0.8])),
+            Shape::Capsule(Capsule::new(ENDS, [0.8, 0.3])),
+            Shape::Capsule(Capsule::new(ENDS, [0.5, 0.5])),
+            // One sphere within the other.
+            Shape::Capsule(Capsule::new(ENDS, [0.1, 2.0])),
         ]
     }
 

@@ -151,4 +151,10 @@ shapes! {
     "box" => cuboid::Cuboid,
     /// A rectangle.
     "rectangle" => rectangle::Rectangle,
+    /// A cylinder.
+    "cylinder" => cylinder::Cylinder,
+    /// A cone, perhaps truncated.
+    "cone" => cone::Cone,
+    /// A capsule.
+    "capsule" => capsule::Capsule,
 }

@@ -111,7 +111,7 @@ impl Sampled for Sphere {
         numbers: [R; 2],
     ) -> SurfaceSample<R> {
         let (center, radius) = (vector(parameters, 0), parameters[3]);
-        let cone = Cone::around(center, radius, from);
+        let cone = DirectionCone::around(center, radius, from);
         let outside = cone.sample(radius, numbers);
         if cone.is_outside.all() {
             return outside;
@@ -127,7 +127,7 @@ impl Sampled for Sphere {
     #[inline(always)]
     fn density<R: Real>(parameters: &[R; N_PARAMETERS], from: Vector<R>, seen: &Seen<R>) -> R {
         let (center, radius) = (vector(parameters, 0), parameters[3]);
-        let cone = Cone::around(center, radius, from);
+        let cone = DirectionCone::around(center, radius, from);
         let inside = seen.density_by_area(area(radius));
         R::select(cone.is_outside, cone.density(), inside)
     }
@@ -140,7 +140,7 @@ fn area<R: Real>(radius: R) -> R {
 }
 
 /// The directions from a point to a sphere.
-struct Cone<R: Real> {
+struct DirectionCone<R: Real> {
     /// The direction to the center.
     axis: Vector<R>,
     /// The distance of the center.
@@ -151,7 +151,7 @@ struct Cone<R: Real> {
     is_outside: R::Mask,
 }
 
-impl<R: Real> Cone<R> {
+impl<R: Real> DirectionCone<R> {
     #[inline(always)]
     fn around(center: Vector<R>, radius: R, from: Vector<R>) -> Self {
         let (zero, one) = (radius.splat(0.0), radius.splat(1.0));

@@ -29,8 +29,8 @@ pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
 pub use name::{MAX_NAME, name};
 pub use number::{
-    Number, coordinate, count, direction, fraction, non_empty, non_negative, point, positive,
-    positive_range, range, scale, seed, size, vector, whole,
+    Number, cone_radii, coordinate, count, direction, fraction, non_empty, non_negative, point,
+    positive, positive_range, radii, range, scale, seed, size, vector, whole,
 };
 pub use origins::Merging;
 pub(crate) use source::refusal;

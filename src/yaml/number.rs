@@ -114,6 +114,23 @@ pub fn size<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     d.deserialize_any(Splat(NumberList(POSITIVE, expected)))
 }
 
+/// Reads the radii at two ends: `[from, to]`, or one number for both.
+pub fn radii<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
+    let expected = "a radius, or one for each end [from, to]";
+    d.deserialize_any(Splat(NumberList(POSITIVE, expected)))
+}
+
+/// Reads the radii at two ends, one of which may be 0: `[from, to]`.
+pub fn cone_radii<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
+    let expected = "a radius for each end [from, to]";
+    let radii = d.deserialize_seq(NumberList(NON_NEGATIVE, expected))?;
+    if radii == [0.0; 2] {
+        let message = "cannot be 0 at both ends, expected [from, to] with one greater than 0";
+        return Err(D::Error::custom(message));
+    }
+    Ok(radii)
+}
+
 /// Reads a point: `[x, y, z]`.
 pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_seq(NumberList(COORDINATE, "a point [x, y, z]"))

@@ -214,6 +214,8 @@ fn is_structural(message: &str) -> bool {
         "without area",
         "the zero vector",
         "on one line",
+        "without a length",
+        "at both ends",
         "more than 1,000",
     ];
     let is_of_one =

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::geometry::{Ray, Shape, Sphere, Triangle};
+use raycost::geometry::{Capsule, Ray, Shape, Sphere, Triangle};
 use raycost::scene::{MaterialId, ObjectId, Primitive};
 
 /// A number, often one of a few round ones, so that some rays are parallel to
@@ -66,11 +66,14 @@ pub fn bundle() -> impl Strategy<Value = Vec<Ray>> {
     )
 }
 
-/// A sphere or a triangle; some of them coincide.
+/// A sphere, a capsule or a triangle; some of them coincide.
 pub fn shape() -> impl Strategy<Value = Shape> {
-    let few = prop_oneof![Just(0.5_f32), Just(1.0), 0.01_f32..2.0];
+    let few = || prop_oneof![Just(0.5_f32), Just(1.0), 0.01_f32..2.0];
     prop_oneof![
-        (point(), few).prop_map(|(center, radius)| Shape::Sphere(Sphere { center, radius })),
+        ([point(), point()], [few(), few()])
+            .prop_filter("the ends differ", |([from, to], _)| from != to)
+            .prop_map(|(ends, radii)| Shape::Capsule(Capsule::new(ends, radii))),
+        (point(), few()).prop_map(|(center, radius)| Shape::Sphere(Sphere { center, radius })),
         [point(), point(), point()]
             .prop_filter("a triangle needs an area", |[a, b, c]| {
                 (*b - *a).cross(*c - *a).length() > 1e-2

@@ -40,6 +40,16 @@ fn shape() -> impl Strategy<Value = String> {
             .prop_map(|(c, n, r)| {
                 format!("disk: {{ center: {}, normal: {}, radius: {r} }}", list(c), list(n))
             }),
+        3 => (triple(), triple(), [0.01_f32..2.0, 0.01_f32..2.0], 0..3)
+            .prop_filter("the ends differ", |(a, b, ..)| a != b)
+            .prop_map(|(a, b, [from, to], kind)| {
+                let ends = format!("ends: [{}, {}]", list(a), list(b));
+                match kind {
+                    0 => format!("cylinder: {{ {ends}, radius: {from} }}"),
+                    1 => format!("cone: {{ {ends}, radius: [{from}, 0] }}"),
+                    _ => format!("capsule: {{ {ends}, radius: [{from}, {to}] }}"),
+                }
+            }),
         1 => (triple(), triple())
             .prop_filter("a plane needs a normal", |(_, n)| Vec3::from(*n).length() > 0.1)
             .prop_map(|(p, n)| format!("plane: {{ point: {}, normal: {} }}", list(p), list(n))),

@@ -24,4 +24,5 @@ mod rounding;
 mod schedule;
 mod seed_reference;
 mod streams;
+mod turned;
 mod watertight;

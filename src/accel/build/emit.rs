@@ -10,9 +10,10 @@ use super::nodes::TreePosition;
 use super::order;
 use super::reference::Reference;
 use crate::accel::layout::{
-    CacheLine, ID_BIT, LEAF_WINDOW_LINES, LeafKind, MAX_LEAF, NODE_LINES, NodeRef, WideNode,
+    CAPSULE_BIT, CAPSULE_ROWS, CacheLine, ID_BIT, LEAF_WINDOW_LINES, LeafKind, MAX_LEAF,
+    NODE_LINES, NodeRef, WideNode,
 };
-use crate::geometry::{Aabb, Shape};
+use crate::geometry::{Aabb, Project, Shape};
 use crate::scene::Primitive;
 use crate::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
 
@@ -166,12 +167,13 @@ fn write_leaf(
     let indices = &indices[..n];
     let kind = references[0].kind();
     let numbers: &mut [f32] = bytemuck::cast_slice_mut(lines);
-    let mut n_rows = 0;
+    let mut end = n;
     for (lane, &index) in indices.iter().enumerate() {
+        let n_before = if kind == LeafKind::Capsules { 1 } else { 0 };
         let mut write = |rows: &[f32]| {
-            n_rows = rows.len();
+            end = (rows.len() + 1) * n;
             for (row, &number) in rows.iter().enumerate() {
-                numbers[row * n + lane] = number;
+                numbers[(n_before + row) * n + lane] = number;
             }
         };
         match (kind, primitives[index as usize].world_shape()) {
@@ -182,14 +184,20 @@ fn write_leaf(
                 let [x, y, z] = sphere.center.into();
                 write(&[x, y, z, sphere.radius * sphere.radius]);
             }
+            (LeafKind::Capsules, Some(Shape::Capsule(capsule))) => {
+                write(&capsule.parameters()[..CAPSULE_ROWS]);
+            }
             _ => {}
         }
     }
-    let (ids, behind) = numbers[n_rows * n..].split_at_mut(n);
-    for (id, index) in ids.iter_mut().zip(indices) {
-        *id = f32::from_bits(index | ID_BIT);
+    let mark = match kind {
+        LeafKind::Capsules => ID_BIT | CAPSULE_BIT,
+        _ => ID_BIT,
+    };
+    for (id, index) in numbers[kind.n_rows() * n..].iter_mut().zip(indices) {
+        *id = f32::from_bits(index | mark);
     }
-    behind.fill(0.0);
+    numbers[end..].fill(0.0);
     NodeRef::leaf(kind, n, line as u32)
 }
 

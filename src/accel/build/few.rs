@@ -30,7 +30,7 @@ pub(super) fn write<I: InstructionSet>(
 fn common_kind<const N: usize>(references: [&Reference; N]) -> Option<LeafKind> {
     let kind = references[0].kind();
     let is_common = references.iter().all(|reference| reference.kind() == kind);
-    (is_common && kind != LeafKind::Others).then_some(kind)
+    (is_common && kind.is_tested_at_once()).then_some(kind)
 }
 
 #[inline(always)]

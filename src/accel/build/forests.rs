@@ -83,7 +83,7 @@ impl ForestChoices {
 fn leaf_time(kind: LeafKind, n: usize) -> f32 {
     match kind {
         LeafKind::Others => TEST_TIME * n as f32,
-        LeafKind::Triangles | LeafKind::Spheres => TEST_TIME,
+        LeafKind::Triangles | LeafKind::Spheres | LeafKind::Capsules => TEST_TIME,
     }
 }
 

@@ -1,13 +1,13 @@
 //! The test of a ray against all primitives of a leaf at once.
 //!
 //! It performs the same operations in the same order as the tests in `geometry`:
-//! each lane has the same `t` as [`Triangle`](crate::geometry::Triangle) or
-//! [`Sphere`](crate::geometry::Sphere), to the bit.
+//! each lane has the same `t` as [`Triangle`](crate::geometry::Triangle),
+//! [`Sphere`](crate::geometry::Sphere) or [`Capsule`], to the bit.
 
 use crate::accel::arena::Leaf;
-use crate::accel::layout::{LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
+use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
-use crate::geometry::{AreaTest, Areas, Ray, Shear};
+use crate::geometry::{AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear};
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
 /// What the tests of a ray against all leaves share.
@@ -42,16 +42,11 @@ impl LeafIntersector {
 
     /// Tests the primitives of a leaf; reports the hits to the search.
     #[inline(always)]
-    pub(super) fn test<I: InstructionSet, S: Search>(
-        &self,
-        set: I,
-        leaf: Leaf,
-        kind: LeafKind,
-        search: &mut S,
-    ) {
-        match kind {
+    pub(super) fn test<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        match leaf.kind() {
             LeafKind::Triangles => self.triangles(set, leaf, search),
             LeafKind::Spheres => self.spheres(set, leaf, search),
+            LeafKind::Capsules => self.capsules(set, leaf, search),
             LeafKind::Others => {
                 for i in 0..leaf.len() {
                     search.test(&self.ray, leaf.primitive(0, i));
@@ -147,6 +142,21 @@ impl LeafIntersector {
         let t = I::Lanes::select(zero.lt(near), near, far);
         let hits = is_hit & zero.lt(t) & t.lt(set.splat(search.limit()));
         report(leaf, SPHERE_ROWS, t.to_array(), hits.bits(), search);
+    }
+
+    /// Tests capsules.
+    #[inline(always)]
+    fn capsules<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        let zero = set.splat(0.0);
+        let mut parameters = [zero; N_PARAMETERS];
+        for (parameter, row) in parameters[..CAPSULE_ROWS].iter_mut().zip(1..) {
+            *parameter = set.load(leaf.row(row));
+        }
+        let origin = set.splat_vector(self.ray.origin);
+        let direction = set.splat_vector(self.ray.direction);
+        let t = Capsule::hits(&parameters, origin, direction);
+        let hits = zero.lt(t) & t.lt(set.splat(search.limit()));
+        report(leaf, 0, t.to_array(), hits.bits(), search);
     }
 }
 

@@ -42,12 +42,16 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                 // SAFETY: the reference is a child of a node, and to a leaf.
                 let leaf = unsafe { self.arena.leaf(current) };
                 if S::RECORDS {
-                    let rows = current.leaf_kind().n_rows();
-                    let lanes = 0..rows.map_or(0, |_| leaf.len());
-                    let primitive = |lane| leaf.primitive(rows.unwrap_or(0), lane);
+                    let n = if leaf.kind().is_tested_at_once() {
+                        leaf.len()
+                    } else {
+                        0
+                    };
+                    let lanes = 0..n;
+                    let primitive = |lane| leaf.primitive(leaf.kind().n_rows(), lane);
                     self.search.visit_leaf(current.line(), lanes.map(primitive));
                 }
-                intersector.test(set, leaf, current.leaf_kind(), self.search);
+                intersector.test(set, leaf, self.search);
                 if self.search.is_done() {
                     break;
                 }

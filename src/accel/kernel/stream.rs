@@ -223,8 +223,7 @@ impl<S: Search> RayState<S> {
         let limit = self.search.limit();
         // SAFETY: the reference is a child of a node, and to a leaf.
         let leaf = unsafe { arena.leaf(self.next) };
-        self.intersector
-            .test(set, leaf, self.next.leaf_kind(), &mut self.search);
+        self.intersector.test(set, leaf, &mut self.search);
         if S::NEAREST_FIRST && self.search.limit() < limit {
             // SAFETY: this is its stack.
             unsafe { stacks.keep_up_to(set, i, &mut self.top, self.search.limit()) };
