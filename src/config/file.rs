@@ -7,7 +7,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use crate::import::{self, ArrayChoice, ArrayOf, FileFault, RadiusChoice, Spheres};
+use crate::import::{self, ArrayChoice, ArrayOf, FileFault, RadiusChoice, Spheres, Tubes};
 use crate::yaml;
 
 /// A file of shapes.
@@ -17,11 +17,13 @@ pub enum GeometryFile {
     Mesh(MeshFile),
     /// A table of spheres, or points as spheres.
     Spheres(SpheresFile),
+    /// Lines as tubes.
+    Tubes(TubesFile),
 }
 
 impl GeometryFile {
     /// The YAML keys of all kinds.
-    pub const KEYS: &[&str] = &["mesh", "spheres"];
+    pub const KEYS: &[&str] = &["mesh", "spheres", "tubes"];
 
     /// Reads the value of `key` from `map`; returns `None` if `key` is not one of
     /// [`Self::KEYS`].
@@ -32,6 +34,7 @@ impl GeometryFile {
         match key {
             "mesh" => map.next_value().map(|mesh| Some(Self::Mesh(mesh))),
             "spheres" => map.next_value().map(|table| Some(Self::Spheres(table))),
+            "tubes" => map.next_value().map(|lines| Some(Self::Tubes(lines))),
             _ => Ok(None),
         }
     }
@@ -41,6 +44,7 @@ impl GeometryFile {
         match self {
             Self::Mesh(mesh) => &mesh.file,
             Self::Spheres(spheres) => &spheres.file,
+            Self::Tubes(tubes) => &tubes.file,
         }
     }
 }
@@ -51,6 +55,7 @@ impl fmt::Display for GeometryFile {
         f.write_str(match self {
             Self::Mesh(_) => "mesh",
             Self::Spheres(_) => "spheres",
+            Self::Tubes(_) => "tubes",
         })
     }
 }
@@ -113,12 +118,40 @@ pub struct SpheresFile {
     /// The radius of all spheres, greater than 0, if the table has no column `r`; of the
     /// points of a VTK file also an array of radii.
     #[serde(default)]
-    pub radius: Option<SphereRadius>,
+    pub radius: Option<PointRadius>,
 }
 
-/// The radii of spheres: one number, or an array of a VTK file.
+/// The lines of a VTK file as tubes, with a radius that changes from point to point. Or a
+/// table: comma-separated values below a header with the columns `x`, `y` and `z`, and
+/// optionally `r` (radius) and `line` (a number or a name; where it changes, another line
+/// begins).
+///
+/// ```
+/// # use raycost::config::TubesFile;
+/// let bonds: TubesFile = raycost::yaml::from_str("
+/// { file: bonds.csv, radius: 0.01 }
+/// ").unwrap();
+/// let streamlines: TubesFile = raycost::yaml::from_str("
+/// { file: streamlines.vtp, radius: { array: speed, scale: 0.02 } }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "tubes such as { file: streamlines.vtp, radius: 0.01 }"
+)]
+pub struct TubesFile {
+    /// The file, relative to the scene file's folder.
+    pub file: PathBuf,
+    /// The radius of all tubes, greater than 0, if the table has no column `r`; of the lines
+    /// of a VTK file also an array of radii at their points.
+    #[serde(default)]
+    pub radius: Option<PointRadius>,
+}
+
+/// The radii of spheres or tubes: one number, or an array of a VTK file.
 #[derive(Debug, Clone, PartialEq)]
-pub enum SphereRadius {
+pub enum PointRadius {
     /// The same for all.
     Same(f32),
     /// Those of an array.
@@ -149,23 +182,42 @@ impl SpheresFile {
     /// # Errors
     /// A file that cannot be read, is damaged, or has no radius, no such array or no sphere.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Spheres> {
-        if !import::is_vtk(path) {
-            let radius = match &self.radius {
-                None => None,
-                Some(SphereRadius::Same(radius)) => Some(*radius),
-                Some(SphereRadius::Array(_)) => {
-                    return Err(FileFault::without_arrays(path, "a number as `radius`"));
-                }
-            };
-            return match array {
-                None => import::read_spheres(path, radius),
-                Some(_) => Err(FileFault::without_arrays(path, "points of a VTK file")),
-            };
+        match PointRadius::of_points(self.radius.as_ref(), path)? {
+            Some(radius) => import::read_points(path, &radius, array),
+            None => {
+                let radius = PointRadius::of_table(self.radius.as_ref(), path, array)?;
+                import::read_spheres(path, radius)
+            }
         }
-        let radius = match &self.radius {
+    }
+}
+
+impl TubesFile {
+    /// Reads the tubes from their file at `path`, with the numbers of an array.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is damaged, or has no radius, no such array or no line.
+    pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Tubes> {
+        match PointRadius::of_points(self.radius.as_ref(), path)? {
+            Some(radius) => import::read_lines(path, &radius, array),
+            None => {
+                let radius = PointRadius::of_table(self.radius.as_ref(), path, array)?;
+                import::read_tubes(path, radius)
+            }
+        }
+    }
+}
+
+impl PointRadius {
+    /// The radii of the points of a VTK file; `None` for a table.
+    fn of_points(radius: Option<&Self>, path: &Path) -> import::Result<Option<RadiusChoice>> {
+        if !import::is_vtk(path) {
+            return Ok(None);
+        }
+        Ok(Some(match radius {
             None => return Err(FileFault::without_radius(path)),
-            Some(SphereRadius::Same(radius)) => RadiusChoice::Same(*radius),
-            Some(SphereRadius::Array(RadiusArray { array, scale })) => RadiusChoice::Array {
+            Some(Self::Same(radius)) => RadiusChoice::Same(*radius),
+            Some(Self::Array(RadiusArray { array, scale })) => RadiusChoice::Array {
                 array: ArrayChoice {
                     name: array.clone(),
                     component: None,
@@ -173,12 +225,27 @@ impl SpheresFile {
                 },
                 factor: *scale,
             },
-        };
-        import::read_points(path, &radius, array)
+        }))
+    }
+
+    /// The radius of all points of a table, which has no arrays.
+    fn of_table(
+        radius: Option<&Self>,
+        path: &Path,
+        array: Option<&ArrayChoice>,
+    ) -> import::Result<Option<f32>> {
+        if array.is_some() {
+            return Err(FileFault::without_arrays(path, "points of a VTK file"));
+        }
+        match radius {
+            None => Ok(None),
+            Some(Self::Same(radius)) => Ok(Some(*radius)),
+            Some(Self::Array(_)) => Err(FileFault::without_arrays(path, "a number as `radius`")),
+        }
     }
 }
 
-impl<'de> Deserialize<'de> for SphereRadius {
+impl<'de> Deserialize<'de> for PointRadius {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(RadiusVisitor)
     }
@@ -187,25 +254,25 @@ impl<'de> Deserialize<'de> for SphereRadius {
 struct RadiusVisitor;
 
 impl<'de> Visitor<'de> for RadiusVisitor {
-    type Value = SphereRadius;
+    type Value = PointRadius;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("a radius greater than 0, or { array: … }")
     }
 
-    fn visit_f64<E: Error>(self, found: f64) -> Result<SphereRadius, E> {
-        yaml::positive(found.into_deserializer()).map(SphereRadius::Same)
+    fn visit_f64<E: Error>(self, found: f64) -> Result<PointRadius, E> {
+        yaml::positive(found.into_deserializer()).map(PointRadius::Same)
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<SphereRadius, E> {
+    fn visit_i64<E: Error>(self, found: i64) -> Result<PointRadius, E> {
         self.visit_f64(found as f64)
     }
 
-    fn visit_u64<E: Error>(self, found: u64) -> Result<SphereRadius, E> {
+    fn visit_u64<E: Error>(self, found: u64) -> Result<PointRadius, E> {
         self.visit_f64(found as f64)
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<SphereRadius, A::Error> {
-        RadiusArray::deserialize(MapAccessDeserializer::new(map)).map(SphereRadius::Array)
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PointRadius, A::Error> {
+        RadiusArray::deserialize(MapAccessDeserializer::new(map)).map(PointRadius::Array)
     }
 }

@@ -10,6 +10,7 @@ mod cost_mode;
 mod file;
 mod film;
 mod generator;
+mod tube;
 mod image;
 mod object;
 mod outputs;
@@ -25,7 +26,9 @@ use serde::Deserialize;
 pub use acceleration::{Acceleration, Quality, Structure};
 pub use adaptive::{Adaptive, MAX_SAMPLES};
 pub use cost_mode::CostMode;
-pub use file::{GeometryFile, MeshFile, MeshNormals, RadiusArray, SphereRadius, SpheresFile};
+pub use file::{
+    GeometryFile, MeshFile, MeshNormals, PointRadius, RadiusArray, SpheresFile, TubesFile,
+};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
@@ -34,6 +37,7 @@ pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use repeats::Repeats;
 pub use shading::{LightSampling, Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
+pub use tube::Tube;
 
 use crate::background::Background;
 use crate::camera::Camera;

@@ -8,6 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 
 use super::file::GeometryFile;
 use super::generator::Generator;
+use super::tube::Tube;
 use crate::geometry::{Shape, TransformStep};
 use crate::yaml;
 
@@ -45,6 +46,8 @@ pub enum Geometry {
     Shape(Shape),
     /// Many shapes from a generator.
     Generator(Generator),
+    /// A tube through points.
+    Tube(Tube),
     /// Many shapes from a file.
     File(GeometryFile),
 }
@@ -59,6 +62,7 @@ impl fmt::Display for Geometry {
         match self {
             Self::Shape(shape) => shape.fmt(f),
             Self::Generator(generator) => generator.fmt(f),
+            Self::Tube(_) => f.write_str(Tube::KEY),
             Self::File(file) => file.fmt(f),
         }
     }
@@ -68,8 +72,15 @@ impl fmt::Display for Geometry {
 const COMMON: [&str; 3] = ["material", "name", "transform"];
 
 /// The keys of geometries.
-static GEOMETRIES: LazyLock<Vec<&str>> =
-    LazyLock::new(|| [Shape::KEYS, Generator::KEYS, GeometryFile::KEYS].concat());
+static GEOMETRIES: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    [
+        Shape::KEYS,
+        &[Tube::KEY],
+        Generator::KEYS,
+        GeometryFile::KEYS,
+    ]
+    .concat()
+});
 
 /// All keys.
 static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| [&GEOMETRIES, &COMMON[..]].concat());
@@ -133,6 +144,9 @@ fn next_geometry<'de, A: MapAccess<'de>>(
 ) -> Result<Option<Geometry>, A::Error> {
     if let Some(shape) = Shape::next_value(key, map)? {
         return Ok(Some(Geometry::Shape(shape)));
+    }
+    if key == Tube::KEY {
+        return map.next_value().map(|tube| Some(Geometry::Tube(tube)));
     }
     if let Some(generator) = Generator::next_value(key, map)? {
         return Ok(Some(Geometry::Generator(generator)));

@@ -1,6 +1,6 @@
 //! Geometry files → checked values.
 //!
-//! Takes the path of a file; returns a [`Mesh`] or [`Spheres`] whose numbers are
+//! Takes the path of a file; returns a [`Mesh`], [`Spheres`] or [`Tubes`] whose numbers are
 //! finite and whose indices are in range, or a [`FileFault`] with the line or the
 //! element. To add a mesh format, write its file, its `mod` line
 //! and its line in `FORMATS`.
@@ -12,6 +12,7 @@ mod obj;
 mod picture;
 mod ply;
 mod spheres;
+mod tubes;
 mod stl;
 mod vtk;
 
@@ -25,6 +26,7 @@ pub use fault::{FileFault, FileLocation};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
 pub use spheres::Spheres;
+pub use tubes::Tubes;
 pub use vtk::{ArrayChoice, ArrayOf, RadiusChoice};
 
 /// The result of a reader.
@@ -102,7 +104,7 @@ pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> 
     let read = read_any_mesh(path, array).and_then(|mesh| {
         if mesh.triangles.is_empty() {
             let expected = if is_vtk(path) {
-                "faces of cells; points are for `spheres`"
+                "faces of cells; points are for `spheres`, lines for `tubes`"
             } else {
                 "faces"
             };
@@ -160,6 +162,29 @@ pub fn read_points(
         }
     });
     read.map_err(|fault| fault.in_file(path))
+}
+
+/// Reads tubes from a table of comma-separated values. `radius` is the radius of all tubes
+/// if the table has no column of radii.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no radius or has no line.
+pub fn read_tubes(path: &Path, radius: Option<f32>) -> Result<Tubes> {
+    open(path)
+        .and_then(|file| tubes::read(file, radius))
+        .map_err(|fault| fault.in_file(path))
+}
+
+/// Reads the lines of a VTK file as tubes, with the numbers of an array.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array or no line.
+pub fn read_lines(
+    path: &Path,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Tubes> {
+    vtk::read_tubes(path, radius, array).map_err(|fault| fault.in_file(path))
 }
 
 /// Whether the file's extension is one of VTK's.

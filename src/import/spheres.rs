@@ -38,11 +38,11 @@ impl Spheres {
 
 pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Spheres> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let columns = SphereColumns::of(table.byte_headers().map_err(of_table)?, radius)
+    let columns = Columns::of(table.byte_headers().map_err(of_table)?, "color", radius)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     let mut found = Spheres {
         spheres: Vec::new(),
-        colors: columns.color.map(|_| Vec::new()),
+        colors: columns.extra.map(|_| Vec::new()),
         scalars: None,
     };
     let mut row = ByteRecord::new();
@@ -50,7 +50,7 @@ pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Sphe
         let line = row.position().map_or(0, Position::line);
         let at_line = |fault: FileFault| fault.at(FileLocation::Line(line));
         found.spheres.push(columns.sphere(&row).map_err(at_line)?);
-        if let (Some(column), Some(colors)) = (columns.color, &mut found.colors) {
+        if let (Some(column), Some(colors)) = (columns.extra, &mut found.colors) {
             colors.push(color(word(&row, column)).map_err(at_line)?);
         }
     }
@@ -61,11 +61,11 @@ pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Sphe
     }
 }
 
-/// The positions of a table's columns.
-struct SphereColumns {
+/// The positions of a table's columns of points with radii, and of one more column.
+pub(super) struct Columns {
     center: [usize; 3],
     radius: Radius,
-    color: Option<usize>,
+    pub(super) extra: Option<usize>,
 }
 
 enum Radius {
@@ -73,27 +73,26 @@ enum Radius {
     OfAll(f32),
 }
 
-impl SphereColumns {
-    /// The names of all columns.
-    const NAMES: [&str; 5] = ["x", "y", "z", "r", "color"];
-
-    /// Reads the table's first line. `radius` is the radius of all spheres if there
-    /// is no column of radii.
-    fn of(header: &ByteRecord, radius: Option<f32>) -> Result<Self> {
+impl Columns {
+    /// Reads the table's first line, in which there may be a column named `extra`. `radius`
+    /// is the radius of all points if there is no column of radii.
+    pub(super) fn of(header: &ByteRecord, extra: &str, radius: Option<f32>) -> Result<Self> {
+        let names = ["x", "y", "z", "r", extra];
         let mut columns = [None; 5];
         for (i, name) in header.iter().enumerate() {
             let name = String::from_utf8_lossy(name);
-            let known = Self::NAMES.iter().position(|known| *known == name);
-            let column = &mut columns[known.ok_or_else(|| unknown_column(&name))?];
+            let known = names.iter().position(|known| *known == name);
+            let column = &mut columns[known.ok_or_else(|| unknown_column(&name, names))?];
             if column.replace(i).is_some() {
                 let problem = format!("two columns are named `{}`", cut(&name));
                 return Err(FileFault::new(problem, "different names"));
             }
         }
-        let [x, y, z, r, color] = columns;
+        let [x, y, z, r, extra_column] = columns;
         let column = |column: Option<usize>, name: &str| {
             let problem = || format!("there is no column `{name}`");
-            column.ok_or_else(|| FileFault::new(problem(), "a first line such as `x,y,z,r,color`"))
+            let expected = || format!("a first line such as `x,y,z,r,{extra}`");
+            column.ok_or_else(|| FileFault::new(problem(), expected()))
         };
         Ok(Self {
             center: [column(x, "x")?, column(y, "y")?, column(z, "z")?],
@@ -101,15 +100,16 @@ impl SphereColumns {
                 (Some(column), _) => Radius::Column(column),
                 (None, Some(radius)) => Radius::OfAll(radius),
                 (None, None) => {
-                    let expected = "one, or a `radius` for all spheres in the scene";
+                    let expected = "one, or a `radius` for all in the scene";
                     return Err(FileFault::new("there is no column `r`", expected));
                 }
             },
-            color,
+            extra: extra_column,
         })
     }
 
-    fn sphere(&self, row: &ByteRecord) -> Result<Sphere> {
+    /// The point of a row, as a sphere.
+    pub(super) fn sphere(&self, row: &ByteRecord) -> Result<Sphere> {
         let [x, y, z] = self.center.map(|column| number(word(row, column)));
         let radius = match self.radius {
             Radius::OfAll(radius) => radius,
@@ -126,12 +126,14 @@ impl SphereColumns {
     }
 }
 
-fn unknown_column(name: &str) -> FileFault {
-    let problem = match did_you_mean(name, SphereColumns::NAMES) {
+fn unknown_column(name: &str, names: [&str; 5]) -> FileFault {
+    let problem = match did_you_mean(name, names) {
         Some(suggestion) => format!("unknown column `{name}`, {suggestion}"),
         None => format!("unknown column `{}`", cut(name)),
     };
-    FileFault::new(problem, "a first line of `x`, `y`, `z`, `r` and `color`")
+    let [x, y, z, r, extra] = names;
+    let expected = format!("a first line of `{x}`, `{y}`, `{z}`, `{r}` and `{extra}`");
+    FileFault::new(problem, expected)
 }
 
 /// One field of a row, all of which are as long as the header.
@@ -149,7 +151,7 @@ fn color(word: &str) -> Result<[u8; 3]> {
         .ok_or_else(|| FileFault::new(format!("`{}` is no color", cut(word)), "`#rrggbb`"))
 }
 
-fn of_table(error: csv::Error) -> FileFault {
+pub(super) fn of_table(error: csv::Error) -> FileFault {
     let line = error
         .position()
         .map(|position| FileLocation::Line(position.line()));

@@ -39,7 +39,7 @@ struct Surface<'a> {
 
 /// Writes the scene's primitives except planes as an UnstructuredGrid of one
 /// cell each, in their order: triangles, polygons for disks, hexahedra for
-/// boxes, triangle strips for ellipsoids, and vertices with a `radius` for
+/// boxes, triangle strips for ellipsoids, cylinders, cones and capsules, and vertices with a `radius` for
 /// spheres. `visits` are those of all primitives; times are written only if
 /// `cost` has any.
 pub fn write(

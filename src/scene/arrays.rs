@@ -73,6 +73,6 @@ fn has_none(config: &Config, object: usize, material: &str, choice: &ArrayChoice
     Fault::new(
         path.key("material"),
         message,
-        "expected a mesh or spheres of a VTK file",
+        "expected a mesh, spheres or tubes of a VTK file",
     )
 }

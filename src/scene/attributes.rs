@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::geometry::{N_PARAMETERS, barycentrics, corners};
+use crate::geometry::{Capsule, N_PARAMETERS, barycentrics, corners};
 use crate::import::CornerValues;
 use crate::material::TexturePoint;
 use crate::simd::{Real, Vector};
@@ -20,6 +20,8 @@ pub(super) enum Attributes {
     Colors(Vec<[u8; 3]>),
     /// The number of an array per primitive.
     Scalars(Vec<f32>),
+    /// The numbers of an array at both ends of each capsule.
+    Ends(Vec<[f32; 2]>),
 }
 
 /// Attributes of the corners of triangles, at least one.
@@ -49,11 +51,13 @@ pub enum AttributeKind {
     Colors,
     /// Numbers of primitives.
     Scalars,
+    /// Numbers at the ends of capsules.
+    Ends,
 }
 
 impl AttributeKind {
     /// How many kinds there are.
-    pub(super) const COUNT: u32 = 10;
+    pub(super) const COUNT: u32 = 11;
 
     /// Its number, less than [`COUNT`](Self::COUNT).
     pub(super) fn number(self) -> u32 {
@@ -65,6 +69,7 @@ impl AttributeKind {
             } => u32::from(normals) + 2 * u32::from(uvs) + 4 * u32::from(scalars),
             Self::Colors => 8,
             Self::Scalars => 9,
+            Self::Ends => 10,
         }
     }
 
@@ -73,6 +78,7 @@ impl AttributeKind {
         match number {
             8 => Self::Colors,
             9 => Self::Scalars,
+            10 => Self::Ends,
             _ => Self::Corners {
                 normals: number & 1 != 0,
                 uvs: number & 2 != 0,
@@ -104,6 +110,7 @@ impl Attributes {
             Self::Corners(corners) => corners,
             Self::Colors(_) => return AttributeKind::Colors,
             Self::Scalars(_) => return AttributeKind::Scalars,
+            Self::Ends(_) => return AttributeKind::Ends,
         };
         AttributeKind::Corners {
             normals: corners.normals.is_some(),
@@ -136,6 +143,18 @@ pub fn interpolated_scalar<R: Real>(
 ) -> R {
     let [u, v, w] = barycentrics(triangle, point);
     a * u + b * v + c * w
+}
+
+/// The number at a point of a capsule, or of one per lane: the interpolation of those at its
+/// ends.
+#[inline(always)]
+pub fn scalar_along<R: Real>(
+    capsule: &[R; N_PARAMETERS],
+    [from, to]: [R; 2],
+    point: Vector<R>,
+) -> R {
+    let fraction = Capsule::fraction(capsule, point);
+    from * (fraction.splat(1.0) - fraction) + to * fraction
 }
 
 /// A point of a triangle, or of one per lane, with texture coordinates: the interpolation

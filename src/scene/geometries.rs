@@ -7,7 +7,7 @@ use super::arrays;
 use super::pictures::Pictures;
 use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
 use crate::geometry::Shape;
-use crate::import::{self, ArrayChoice, Mesh, Spheres};
+use crate::import::{self, ArrayChoice, Mesh, Spheres, Tubes};
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
@@ -24,6 +24,7 @@ pub(super) enum ObjectGeometry {
     Generator(Generator),
     Mesh(Mesh),
     Spheres(Spheres),
+    Tubes(Tubes),
 }
 
 impl ObjectGeometry {
@@ -31,7 +32,7 @@ impl ObjectGeometry {
     pub(super) fn has_uvs(&self) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.uvs.is_some(),
-            Self::Shape(_) | Self::Generator(_) | Self::Spheres(_) => false,
+            Self::Shape(_) | Self::Generator(_) | Self::Spheres(_) | Self::Tubes(_) => false,
         }
     }
 
@@ -40,6 +41,7 @@ impl ObjectGeometry {
         match self {
             Self::Mesh(mesh) => mesh.scalars.as_ref().map(|scalars| &scalars.values[..]),
             Self::Spheres(spheres) => spheres.scalars.as_deref(),
+            Self::Tubes(tubes) => tubes.scalars.as_ref().map(|scalars| scalars.as_flattened()),
             Self::Shape(_) | Self::Generator(_) => None,
         }
     }
@@ -66,6 +68,7 @@ impl Geometries {
             found.objects.push(match &object.geometry {
                 Geometry::Shape(shape) => ObjectGeometry::Shape(shape.clone()),
                 Geometry::Generator(generator) => ObjectGeometry::Generator(generator.clone()),
+                Geometry::Tube(tube) => ObjectGeometry::Tubes(tube.tubes().clone()),
                 Geometry::File(file) => {
                     let path = FieldPath::default().key("objects").index(index);
                     let path = path.key(file.to_string()).key("file");
@@ -88,6 +91,7 @@ impl Geometries {
             ObjectGeometry::Generator(generator) => generator.n_spheres(),
             ObjectGeometry::Mesh(mesh) => mesh.triangles.len(),
             ObjectGeometry::Spheres(spheres) => spheres.spheres.len(),
+            ObjectGeometry::Tubes(tubes) => tubes.capsules().len(),
         };
         self.objects.iter().map(of_object).sum()
     }
@@ -103,6 +107,7 @@ impl Geometries {
             ObjectGeometry::Shape(_) | ObjectGeometry::Generator(_) => 0,
             ObjectGeometry::Mesh(mesh) => mesh.n_bytes(),
             ObjectGeometry::Spheres(spheres) => spheres.n_bytes(),
+            ObjectGeometry::Tubes(tubes) => tubes.n_bytes(),
         };
         self.objects.iter().map(of_object).sum()
     }
@@ -133,6 +138,7 @@ fn read(
     match file {
         GeometryFile::Mesh(file) => read_mesh(file, &path, array).map(ObjectGeometry::Mesh),
         GeometryFile::Spheres(file) => file.read(&path, array).map(ObjectGeometry::Spheres),
+        GeometryFile::Tubes(file) => file.read(&path, array).map(ObjectGeometry::Tubes),
     }
 }
 

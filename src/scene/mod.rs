@@ -27,7 +27,9 @@ use crate::text::{did_you_mean, keyword_name};
 use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
-pub use attributes::{AttributeKind, interpolated_normal, interpolated_scalar, with_uv};
+pub use attributes::{
+    AttributeKind, interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+};
 use placement::Placement;
 
 pub use emitter::Emitter;
@@ -259,11 +261,25 @@ impl Scene {
         }
     }
 
+    /// The numbers of an array at the ends of the primitive, a capsule, if it has any.
+    #[inline]
+    pub fn end_scalars(&self, primitive: u32) -> Option<[f32; 2]> {
+        match self.attributes(primitive) {
+            (Attributes::Ends(scalars), i) => Some(scalars[i]),
+            _ => None,
+        }
+    }
+
     /// The number of an array at a point of a primitive, if it has one; else NaN.
     pub fn scalar(&self, primitive: u32, point: Vec3) -> f32 {
         if let Some(scalars) = self.vertex_scalars(primitive) {
             let triangle = self.primitives[primitive as usize].parameters();
             return interpolated_scalar(&triangle, scalars, point.into());
+        }
+        if let Some(scalars) = self.end_scalars(primitive) {
+            let primitive = &self.primitives[primitive as usize];
+            let point = primitive.object_point(point);
+            return scalar_along(&primitive.parameters(), scalars, point.into());
         }
         self.own_scalar(primitive).unwrap_or(f32::NAN)
     }

@@ -85,6 +85,12 @@ impl<'a> Placement<'a> {
                     .or(scalars.map(Attributes::Scalars))
                     .unwrap_or_default());
             }
+            ObjectGeometry::Tubes(tubes) => {
+                for capsule in tubes.capsules() {
+                    self.add(Shape::Capsule(capsule), 0, primitives)?;
+                }
+                return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
+            }
             ObjectGeometry::Mesh(mesh) => return self.add_mesh(mesh, primitives, n_degenerate),
         }
         Ok(Attributes::None)

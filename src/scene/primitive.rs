@@ -87,6 +87,14 @@ impl Primitive {
         }
     }
 
+    /// A point of world space in the space of its [`parameters`](Self::parameters).
+    pub(super) fn object_point(&self, point: Vec3) -> Vec3 {
+        match &self.placement {
+            None => point,
+            Some(placement) => placement.object_point(point),
+        }
+    }
+
     /// The smallest known box around it; [`Aabb::ALL`] for a plane.
     pub fn bounds(&self) -> Aabb {
         match &self.placement {

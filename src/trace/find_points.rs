@@ -6,7 +6,9 @@ use super::surface_point::{on_side_of, side, width};
 use crate::accel::Hit;
 use crate::geometry::RayStream;
 use crate::material::TexturePoint;
-use crate::scene::{AttributeKind, Scene, interpolated_normal, interpolated_scalar, with_uv};
+use crate::scene::{
+    AttributeKind, Scene, interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
 };
@@ -72,6 +74,14 @@ impl FindPoints<'_> {
             at_point.scalar = interpolated_scalar(&parameters, scalars, position);
         } else if group.attributes == AttributeKind::Scalars {
             at_point.scalar = self.own_scalars(set, &hits.primitives);
+        } else if group.attributes == AttributeKind::Ends {
+            at_point.scalar = match group.shape {
+                Some(_) => {
+                    let scalars = self.end_scalars(set, &hits.primitives);
+                    scalar_along(&parameters, scalars, position)
+                }
+                None => self.placed_scalars(set, &hits.primitives, position),
+            };
         }
         if let Some(cone) = self.scene.cone {
             let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
@@ -208,6 +218,34 @@ impl FindPoints<'_> {
         let mut column = [f32::NAN; N_LANES];
         for (scalar, &primitive) in column.iter_mut().zip(primitives) {
             *scalar = self.scene.own_scalar(primitive).unwrap_or(f32::NAN);
+        }
+        set.load(&column)
+    }
+
+    /// The numbers of an array at the ends of eight capsules.
+    #[inline(always)]
+    fn end_scalars<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> [I::Lanes; 2] {
+        let mut columns = [[f32::NAN; N_LANES]; 2];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let scalars = self.scene.end_scalars(primitive);
+            let [from, to] = scalars.unwrap_or([f32::NAN; 2]);
+            (columns[0][lane], columns[1][lane]) = (from, to);
+        }
+        [set.load(&columns[0]), set.load(&columns[1])]
+    }
+
+    /// The numbers of an array at points of primitives under a transform, one by one.
+    #[inline(always)]
+    fn placed_scalars<I: InstructionSet>(
+        &self,
+        set: I,
+        primitives: &[u32; N_LANES],
+        points: Vector<I::Lanes>,
+    ) -> I::Lanes {
+        let points = to_arrays(points);
+        let mut column = [f32::NAN; N_LANES];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            column[lane] = self.scene.scalar(primitive, lane_of(&points, lane));
         }
         set.load(&column)
     }

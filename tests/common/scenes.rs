@@ -25,8 +25,10 @@ pub struct RandomScene {
     pub colors: [&'static str; 3],
     /// More keys of their materials.
     pub bumps: [&'static str; 3],
-    /// The colors of a mesh and of spheres of VTK files by arrays.
-    pub arrays: [&'static str; 2],
+    /// The colors of a mesh, of spheres and of tubes of VTK files by arrays.
+    pub arrays: [&'static str; 3],
+    /// The scale of the tubes.
+    pub wire_scale: &'static str,
     pub reflections: [f32; 3],
     pub specular: f32,
     /// For each light, whether it is a point light.
@@ -52,7 +54,8 @@ impl RandomScene {
             has_holes,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
-            arrays: [field_color, grain_color],
+            arrays: [field_color, grain_color, wire_color],
+            wire_scale,
             reflections: [floor, ball, cloud],
             specular,
             lights,
@@ -110,6 +113,7 @@ materials:
   lamp: {{ color: 0.2{emission} }}
   field: {{ color: {field_color}, specular: 0.1 }}
   grains: {{ color: {grain_color} }}
+  wires: {{ color: {wire_color}, specular: 0.2 }}
 {media}objects:
   - plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}
     material: floor
@@ -117,6 +121,17 @@ materials:
     material: ball
   - box: {{ min: [1, -1, -1], max: [2, 0.5, 0] }}
     material: {lamp}
+  - cylinder: {{ ends: [[-1.2, -1, -2], [-1, 1, -2.2]], radius: 0.3 }}
+    material: {lamp}
+  - cone: {{ ends: [[2, -1, 1], [2.2, 0.4, 1]], radius: [0.5, 0.1] }}
+    material: ball
+  - capsule: {{ ends: [[-2, -0.6, 0.5], [-1, -0.8, 1.5]], radius: [0.2, 0.1] }}
+    material: {lamp}
+  - capsule: {{ ends: [[-1, -0.8, 1.5], [0.4, -0.7, 1.8]], radius: [0.1, 0.15] }}
+    material: ball
+  - capsule: {{ ends: [[0.4, -0.7, 1.8], [1, -0.9, 0.8]], radius: 0.15 }}
+    material: ball
+    transform: [{{ scale: [1, 1.2, 1] }}]
   - mesh: {{ file: ../tests/files/tile.obj }}
     material: roof
   - mesh: {{ file: ../tests/files/vtk/curvilinear_raw.vts, normals: smooth }}
@@ -125,6 +140,9 @@ materials:
   - spheres: {{ file: ../tests/files/vtk/block_zlib.vtu, radius: 0.12 }}
     material: grains
     transform: [{{ scale: 0.7 }}, {{ translate: [0.6, 0.6, 1] }}]
+  - tubes: {{ file: ../tests/files/vtk/lines_zlib.vtp, radius: {{ array: thickness }} }}
+    material: wires
+    transform: [{{ scale: {wire_scale} }}, {{ translate: [-0.5, 0.3, 1.6] }}]
 {lamps}  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
     material: {of_cloud}
 lights:"
@@ -226,6 +244,13 @@ const GRAIN_COLORS: [&str; 2] = [
     "{ array: { name: speed, of: points, map: cividis } }",
 ];
 
+/// Colors for tubes with arrays.
+const WIRE_COLORS: [&str; 3] = [
+    "0.4",
+    "{ array: { name: speed, map: viridis } }",
+    "{ array: { name: number, map: set2 } }",
+];
+
 /// Holes in the floor, the cloud and the mesh.
 const HOLES: [&str; 3] = [
     ", cutout: { image: { file: pictures/planks.png, mapping: planar }, threshold: 0.1 }",
@@ -280,6 +305,8 @@ prop_compose! {
         roof_bumps in prop::sample::select(&BUMPS[2][..]),
         field_color in prop::sample::select(&FIELD_COLORS[..]),
         grain_color in prop::sample::select(&GRAIN_COLORS[..]),
+        wire_color in prop::sample::select(&WIRE_COLORS[..]),
+        wire_scale in prop::sample::select(&["0.4", "[0.4, 0.5, 0.4]"][..]),
         reflections in [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
             .prop_map(|shares| shares.map(|share| if share < 0.3 { 0.0 } else { share })),
         specular in prop_oneof![Just(0.0_f32), 0.0_f32..1.0],
@@ -293,7 +320,7 @@ prop_compose! {
             model, size, samples, max_depth, seed, has_media, has_lamps, has_holes,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
-            arrays: [field_color, grain_color], reflections, specular, lights, acceleration, camera, sampling,
+            arrays: [field_color, grain_color, wire_color], wire_scale, reflections, specular, lights, acceleration, camera, sampling,
             background,
         }
     }

@@ -1,7 +1,8 @@
-"""Shows the surface of a data set by an array in flat colors, with VTK.
+"""Shows a data set by an array in flat colors, with VTK.
 
-    python picture.py FILE ARRAY LOW HIGH WIDTH HEIGHT FOV_Y_DEG EYE TARGET OUT
+    python picture.py FILE HOW ARRAY LOW HIGH WIDTH HEIGHT FOV_Y_DEG EYE TARGET OUT
 
+HOW is `surface`, or `tubes=RADIUS` for the lines of the file with a sphere at each point.
 EYE and TARGET are numbers with commas. OUT gets three bytes for each pixel, the upper row
 first. The color map is Cool to Warm between LOW and HIGH.
 """
@@ -10,8 +11,10 @@ import sys
 
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.vtkCommonCore import vtkLookupTable
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkGlyph3D, vtkTubeFilter
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 from vtkmodules.vtkRenderingCore import (
     vtkActor,
     vtkColorTransferFunction,
@@ -22,11 +25,37 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 
-def main(file, array, low, high, width, height, fov, eye, target, out):
-    reader = vtkXMLUnstructuredGridReader()
+READERS = dict(vtp=vtkXMLPolyDataReader, vtu=vtkXMLUnstructuredGridReader)
+
+
+def shown(file, how):
+    """What is shown of a file."""
+    reader = READERS[file.rsplit(".", 1)[1]]()
     reader.SetFileName(file)
-    surface = vtkDataSetSurfaceFilter()
-    surface.SetInputConnection(reader.GetOutputPort())
+    how, _, value = how.partition("=")
+    if how == "surface":
+        surface = vtkDataSetSurfaceFilter()
+        surface.SetInputConnection(reader.GetOutputPort())
+        return surface
+    tubes, sphere, spheres = vtkTubeFilter(), vtkSphereSource(), vtkGlyph3D()
+    tubes.SetInputConnection(reader.GetOutputPort())
+    tubes.SetRadius(float(value))
+    tubes.SetNumberOfSides(90)
+    sphere.SetRadius(float(value))
+    sphere.SetThetaResolution(60)
+    sphere.SetPhiResolution(60)
+    spheres.SetInputConnection(reader.GetOutputPort())
+    spheres.SetSourceConnection(sphere.GetOutputPort())
+    spheres.SetScaleModeToDataScalingOff()
+    spheres.SetScaleFactor(1)
+    both = vtkAppendPolyData()
+    both.AddInputConnection(tubes.GetOutputPort())
+    both.AddInputConnection(spheres.GetOutputPort())
+    return both
+
+
+def main(file, how, array, low, high, width, height, fov, eye, target, out):
+    surface = shown(file, how)
     colors = cool_to_warm(float(low), float(high))
     mapper = vtkPolyDataMapper()
     mapper.SetInputConnection(surface.GetOutputPort())

@@ -197,13 +197,37 @@ impl Cells {
         Ok(())
     }
 
+    /// The points of a cell in their order along it, if it is a line.
+    pub(super) fn line(&self, cell: usize) -> Option<impl ExactSizeIterator<Item = u32> + '_> {
+        let (cell_type, points) = (self.types[cell], self.points(cell));
+        // Curves have their ends before the points between them.
+        let is_curve = match cell_type {
+            3 | POLY_LINE => false,
+            21 | 35 | 68 => true,
+            _ => return None,
+        };
+        let n = points.len();
+        let at = move |i| match i {
+            0 => 0,
+            _ if !is_curve => i,
+            _ if i == n - 1 => 1,
+            _ => i + 1,
+        };
+        Some((0..n).map(move |i| points[at(i)]))
+    }
+
+    /// The points of a cell.
+    fn points(&self, cell: usize) -> &[u32] {
+        let begin = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.corners[begin..self.ends[cell]]
+    }
+
     /// The shape and the points of a cell.
     ///
     /// # Errors
     /// A cell of an unknown type, or with too few points.
     pub(super) fn get(&self, cell: usize) -> Result<(CellShape, &[u32])> {
-        let begin = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
-        let corners = &self.corners[begin..self.ends[cell]];
+        let corners = self.points(cell);
         let (cell_type, n) = (self.types[cell], corners.len());
         let shape = CellShape::of(cell_type, n).ok_or_else(|| {
             let what = match cell_type {

@@ -14,12 +14,14 @@ mod legacy;
 mod xml;
 mod mesh;
 mod points;
+mod lines;
 
 use std::io::Read;
 use std::path::Path;
 
 use super::mesh::Mesh;
 use super::spheres::Spheres;
+use super::tubes::Tubes;
 use super::{FileFault, Result, extension, open};
 use budget::Budget;
 use piece::{Piece, Wanted};
@@ -58,7 +60,7 @@ pub(super) fn read_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh
     Ok(mesh.finish())
 }
 
-/// The radii of spheres.
+/// The radii of spheres, or of tubes at their points.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RadiusChoice {
     /// The same for all.
@@ -78,12 +80,7 @@ pub(super) fn read_spheres(
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
-    let of_radius = match radius {
-        RadiusChoice::Same(_) => None,
-        RadiusChoice::Array { array, .. } => Some(array),
-    };
-    let wanted = array.into_iter().chain(of_radius);
-    let wanted: Vec<&str> = wanted.map(|array| array.name.as_str()).collect();
+    let wanted = wanted(radius, array);
     let mut spheres = Spheres {
         scalars: array.map(|_| Vec::new()),
         ..Spheres::default()
@@ -92,6 +89,29 @@ pub(super) fn read_spheres(
         points::add(piece, radius, array, &mut spheres, budget)
     })?;
     Ok(spheres)
+}
+
+/// Reads the lines of a data set as tubes, with the numbers of an array.
+pub(super) fn read_tubes(
+    path: &Path,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Tubes> {
+    let mut tubes = Tubes::with_scalars(array.is_some());
+    for_each_piece(path, &wanted(radius, array), &mut |piece, budget| {
+        lines::add(piece, radius, array, &mut tubes, budget)
+    })?;
+    tubes.at_least_one()
+}
+
+/// The names of the arrays of radii and of colors.
+fn wanted<'a>(radius: &'a RadiusChoice, array: Option<&'a ArrayChoice>) -> Vec<&'a str> {
+    let of_radius = match radius {
+        RadiusChoice::Same(_) => None,
+        RadiusChoice::Array { array, .. } => Some(array),
+    };
+    let wanted = array.into_iter().chain(of_radius);
+    wanted.map(|array| array.name.as_str()).collect()
 }
 
 /// What is done with each piece of a data set.

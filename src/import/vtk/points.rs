@@ -20,29 +20,64 @@ pub(super) fn add(
 ) -> Result<()> {
     let n = piece.n_points();
     budget.take_of::<[f32; 16]>(n)?;
-    let (radii, factor) = match radius {
-        RadiusChoice::Same(radius) => (None, *radius),
-        RadiusChoice::Array { array, factor } => (Some(of_points(piece, array)?), *factor),
-    };
+    let radii = Radii::of(piece, radius)?;
     let scalars = array.map(|array| of_points(piece, array)).transpose()?;
     let ghosts = piece.point_data.get(GHOSTS);
     for point in 0..n {
         if ghosts.is_some_and(|ghosts| ghosts.at(point) != 0.0) {
             continue;
         }
-        let at = |fault: FileFault| fault.at(FileLocation::Element("point".into(), point as u64));
-        let radius = factor * radii.as_ref().map_or(1.0, |radii| radii[point]);
-        if !(radius.is_finite() && radius > 0.0) {
-            let problem = format!("a radius is {radius}");
-            return Err(at(FileFault::new(problem, "a number greater than 0")));
-        }
-        let center = piece.position(point).map_err(at)?;
+        let radius = radii.at(point)?;
+        let center = piece.position(point);
+        let center = center.map_err(|fault| fault.at(at_point(point)))?;
         spheres.spheres.push(Sphere { center, radius });
         if let (Some(scalars), Some(found)) = (&scalars, &mut spheres.scalars) {
             found.push(scalars[point]);
         }
     }
     Ok(())
+}
+
+/// The radii at the points of a piece.
+pub(super) struct Radii {
+    of_points: Option<Vec<f32>>,
+    factor: f32,
+}
+
+impl Radii {
+    /// # Errors
+    /// The array is missing, or is one of cells.
+    pub(super) fn of(piece: &Piece, choice: &RadiusChoice) -> Result<Self> {
+        Ok(match choice {
+            RadiusChoice::Same(radius) => Self {
+                of_points: None,
+                factor: *radius,
+            },
+            RadiusChoice::Array { array, factor } => Self {
+                of_points: Some(of_points(piece, array)?),
+                factor: *factor,
+            },
+        })
+    }
+
+    /// The radius at a point.
+    ///
+    /// # Errors
+    /// It is not a number greater than 0.
+    pub(super) fn at(&self, point: usize) -> Result<f32> {
+        let number = self.of_points.as_ref().map_or(1.0, |radii| radii[point]);
+        let radius = self.factor * number;
+        if radius.is_finite() && radius > 0.0 {
+            return Ok(radius);
+        }
+        let problem = format!("a radius is {radius}");
+        Err(FileFault::new(problem, "a number greater than 0").at(at_point(point)))
+    }
+}
+
+/// The position of a point in a file.
+pub(super) fn at_point(point: usize) -> FileLocation {
+    FileLocation::Element("point".into(), point as u64)
 }
 
 fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
@@ -56,7 +91,7 @@ fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
             let problem = format!("`{}` is an array of cells", array.name);
             Err(FileFault::new(
                 problem,
-                "one of points, for spheres at the points",
+                "one of points, for the radii or the colors at points",
             ))
         }
     }

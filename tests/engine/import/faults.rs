@@ -217,7 +217,7 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         ),
         (
             "x,y,z\n",
-            ", line 1: there is no column `r`, expected one, or a `radius` for all spheres in the scene",
+            ", line 1: there is no column `r`, expected one, or a `radius` for all in the scene",
         ),
         (
             "x,y,z,r,x\n",

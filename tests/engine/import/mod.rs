@@ -2,7 +2,9 @@
 //! at its place.
 
 mod faults;
+mod lines;
 mod vtk;
+mod vtk_pictures;
 mod write;
 
 use std::path::{Path, PathBuf};

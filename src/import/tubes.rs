@@ -1,0 +1,112 @@
+//! Tubes: lines through points with a radius at each.
+
+use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+
+use super::mesh::count;
+use super::spheres::{Columns, of_table};
+use super::{FileFault, FileLocation, GeometryFileReader, Result};
+use crate::geometry::{Capsule, Sphere};
+
+/// The tubes of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tubes {
+    /// The points of all lines, each as the sphere that the tube touches there.
+    points: Vec<Sphere>,
+    /// The segments between points that differ: indices of `points`.
+    segments: Vec<[u32; 2]>,
+    /// The numbers of an array at the two ends of each segment, if one was read; NaN for
+    /// missing ones.
+    pub scalars: Option<Vec<[f32; 2]>>,
+}
+
+impl Tubes {
+    /// No tubes yet, with or without the numbers of an array.
+    pub(super) fn with_scalars(has_scalars: bool) -> Self {
+        Self {
+            scalars: has_scalars.then(Vec::new),
+            ..Self::default()
+        }
+    }
+
+    /// The tube through these points.
+    ///
+    /// # Errors
+    /// All points are the same.
+    pub fn of_line(points: impl IntoIterator<Item = Sphere>) -> Result<Self> {
+        let mut tubes = Self::default();
+        tubes.add_line(points.into_iter().map(|point| (point, 0.0)))?;
+        tubes.at_least_one()
+    }
+
+    /// Adds the tube through points with a number each. It leaves out points that are equal
+    /// to the one before.
+    pub(super) fn add_line(&mut self, points: impl Iterator<Item = (Sphere, f32)>) -> Result<()> {
+        let mut before: Option<(Sphere, f32)> = None;
+        for (point, number) in points {
+            let is_same = |(before, _): &(Sphere, f32)| before.center == point.center;
+            if before.as_ref().is_some_and(is_same) {
+                continue;
+            }
+            let index = count(self.points.len() + 1)? - 1;
+            self.points.push(point);
+            if let Some((_, number_before)) = before {
+                self.segments.push([index - 1, index]);
+                if let Some(scalars) = &mut self.scalars {
+                    scalars.push([number_before, number]);
+                }
+            }
+            before = Some((point, number));
+        }
+        Ok(())
+    }
+
+    /// Checks that there is a segment.
+    ///
+    /// # Errors
+    /// There is none.
+    pub(super) fn at_least_one(self) -> Result<Self> {
+        if self.segments.is_empty() {
+            let expected = "lines through at least two different points";
+            return Err(FileFault::new("no line in the file", expected));
+        }
+        Ok(self)
+    }
+
+    /// The segments.
+    pub fn capsules(&self) -> impl ExactSizeIterator<Item = Capsule> + '_ {
+        self.segments.iter().map(|segment| {
+            let [from, to] = segment.map(|point| self.points[point as usize]);
+            Capsule::new([from.center, to.center], [from.radius, to.radius])
+        })
+    }
+
+    /// Their memory in bytes.
+    pub fn n_bytes(&self) -> u64 {
+        let of_scalars = self.scalars.as_deref().map_or(0, size_of_val);
+        (size_of_val(&self.points[..]) + size_of_val(&self.segments[..]) + of_scalars) as u64
+    }
+}
+
+/// Reads a table: a line goes through the points of consecutive rows with the same number or
+/// name in the column `line`. `radius` is that of all points if there is no column of radii.
+pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Tubes> {
+    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let columns = Columns::of(table.byte_headers().map_err(of_table)?, "line", radius)
+        .map_err(|fault| fault.at(FileLocation::Line(1)))?;
+    let mut tubes = Tubes::default();
+    let (mut line, mut name) = (Vec::new(), Vec::new());
+    let mut row = ByteRecord::new();
+    while table.read_byte_record(&mut row).map_err(of_table)? {
+        let number = row.position().map_or(0, Position::line);
+        let point = columns.sphere(&row);
+        let point = point.map_err(|fault| fault.at(FileLocation::Line(number)))?;
+        let name_of_row = columns.extra.map_or(&b""[..], |column| &row[column]);
+        if name != name_of_row {
+            tubes.add_line(line.drain(..))?;
+            name = name_of_row.to_vec();
+        }
+        line.push((point, 0.0));
+    }
+    tubes.add_line(line.drain(..))?;
+    tubes.at_least_one()
+}

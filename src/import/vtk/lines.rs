@@ -1,0 +1,54 @@
+//! The lines of a piece as tubes.
+
+use super::super::Result;
+use super::super::tubes::Tubes;
+use super::budget::Budget;
+use super::piece::{GHOSTS, Piece, Topology};
+use super::points::{Radii, at_point};
+use super::{ArrayChoice, ArrayOf, RadiusChoice};
+use crate::geometry::Sphere;
+
+/// Adds a tube for each line, except for copies of other pieces' lines and hidden ones.
+///
+/// # Errors
+/// An array that is missing, a radius that is none, or too many lines for the memory.
+pub(super) fn add(
+    piece: &Piece,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+    tubes: &mut Tubes,
+    budget: &mut Budget,
+) -> Result<()> {
+    let Topology::Cells(cells) = &piece.topology else {
+        return Ok(());
+    };
+    budget.take_of::<f32>(piece.n_points())?;
+    let radii = Radii::of(piece, radius)?;
+    let scalars = array.map(|array| piece.scalars(array)).transpose()?;
+    let ghosts = piece.cell_data.get(GHOSTS);
+    for cell in 0..cells.len() {
+        let Some(points) = cells.line(cell) else {
+            continue;
+        };
+        if ghosts.is_some_and(|ghosts| ghosts.at(cell) != 0.0) {
+            continue;
+        }
+        budget.take_of::<[f32; 16]>(points.len())?;
+        let number = |point: usize| match &scalars {
+            None => 0.0,
+            Some((ArrayOf::Points, values)) => values[point],
+            Some((ArrayOf::Cells, values)) => values[cell],
+        };
+        let mut line = Vec::with_capacity(points.len());
+        for point in points {
+            let point = point as usize;
+            let center = piece
+                .position(point)
+                .map_err(|fault| fault.at(at_point(point)))?;
+            let radius = radii.at(point)?;
+            line.push((Sphere { center, radius }, number(point)));
+        }
+        tubes.add_line(line.into_iter())?;
+    }
+    Ok(())
+}
