@@ -22,7 +22,8 @@ const SOURCES: [&str; 6] = [
 ];
 
 /// The folders whose doc comments describe the keys of scene files.
-const DOCUMENTED: [&str; 11] = [
+const DOCUMENTED: [&str; 12] = [
+    "src/animation",
     "src/background",
     "src/config",
     "src/camera",

@@ -62,6 +62,7 @@ pub mod camera;
 pub mod light;
 pub mod material;
 pub mod background;
+pub mod animation;
 pub mod config;
 pub mod scene;
 pub mod cost;
@@ -95,6 +96,8 @@ pub mod view;
 pub mod diff;
 #[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
+pub mod series;
 #[doc(hidden)]
 pub mod schema;
 #[doc(hidden)]

@@ -29,6 +29,10 @@ use crate::text::{self, Diagnostic};
 pub(super) struct CheckArguments {
     #[command(flatten)]
     scene: SceneArguments,
+
+    /// Frame of an animated scene [default: the first]
+    #[arg(long, value_name = "N")]
+    frame: Option<u32>,
 }
 
 impl CheckArguments {
@@ -41,7 +45,8 @@ impl CheckArguments {
             document,
             config,
             geometries,
-        } = self.scene.load()?;
+            ..
+        } = self.scene.load(self.frame)?;
         let scene = Scene::new(&config, geometries);
         scene.map(|_| ()).map_err(|fault| document.point_at(fault))
     }
@@ -59,7 +64,8 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         document,
         config,
         geometries,
-    } = arguments.scene.load()?;
+        ..
+    } = arguments.scene.load(arguments.frame)?;
     let memory = Memory::of(&config, &geometries);
     let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     let report = report(&arguments.scene, &config, &scene, &memory);

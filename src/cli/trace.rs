@@ -63,6 +63,10 @@ pub(super) struct TraceArguments {
     )]
     by: Option<Metric>,
 
+    /// Frame of an animated scene [default: the first]
+    #[arg(long, value_name = "N")]
+    frame: Option<u32>,
+
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -87,7 +91,8 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         document,
         config,
         geometries,
-    } = arguments.scene.load_for(needed)?;
+        ..
+    } = arguments.scene.load_for(arguments.frame, needed)?;
     let image = config.image;
     for rectangle in &arguments.pixel {
         rectangle.check(&image)?;

@@ -39,6 +39,7 @@ pub use shading::{LightSampling, Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
 pub use tube::Tube;
 
+use crate::animation::Animation;
 use crate::background::Background;
 use crate::camera::Camera;
 use crate::light::Light;
@@ -81,6 +82,9 @@ pub struct Config {
     /// The shading model and its parameters.
     #[serde(default)]
     pub shading: Shading,
+    /// The frames of a moving picture; a still if not given.
+    #[serde(default)]
+    pub animation: Option<Animation>,
     /// How light becomes the numbers of the picture.
     #[serde(default)]
     pub film: FilmSettings,

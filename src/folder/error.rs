@@ -14,6 +14,9 @@ pub struct WriteError {
     help: Option<&'static str>,
 }
 
+/// Why a folder that another run has locked is refused.
+pub(super) const LOCKED: &str = "another run is writing to this folder";
+
 impl WriteError {
     pub(super) fn new(path: impl Into<PathBuf>, error: io::Error) -> Self {
         Self {
@@ -30,6 +33,11 @@ impl WriteError {
             error: io::Error::other(why),
             help: Some(help),
         }
+    }
+
+    /// Whether another run has locked the folder.
+    pub(super) fn is_locked(&self) -> bool {
+        self.help.is_some() && self.error.to_string() == LOCKED
     }
 
     /// Advice on how to correct it.

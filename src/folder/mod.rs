@@ -85,6 +85,8 @@ pub struct OutputFolder {
 
 /// Longest time that a reader waits for a commit of another run.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Longest time that a run waits for its turn to write files.
+const PATIENCE_OF_WRITERS: Duration = Duration::from_secs(60);
 
 impl OutputFolder {
     /// Creates the folder if it does not exist, locks it, rolls back a killed run, and
@@ -199,12 +201,27 @@ pub(crate) fn lock_folder(path: &Path) -> Result<File, WriteError> {
     Ok(lock)
 }
 
+/// Locks a folder as [`lock_folder`] does, but waits while another run has locked it.
+///
+/// # Errors
+/// Another run holds the lock for a minute, or an error of the system.
+pub(crate) fn lock_folder_in_turn(path: &Path) -> Result<File, WriteError> {
+    let begin = Instant::now();
+    loop {
+        match lock_folder(path) {
+            Err(error) if error.is_locked() && begin.elapsed() < PATIENCE_OF_WRITERS => {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            other => return other,
+        }
+    }
+}
+
 fn lock_of(path: &Path, place: &Path) -> Result<File, WriteError> {
     let lock = lock::lock(place).map_err(|error| WriteError::new(path, error))?;
     lock.ok_or_else(|| {
-        let why = "another run is writing to this folder";
         let help = "wait for it, or choose another folder with `--out`";
-        WriteError::refused(path, why, help)
+        WriteError::refused(path, error::LOCKED, help)
     })
 }
 

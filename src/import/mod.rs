@@ -18,7 +18,7 @@ mod vtk;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::stop;
 
@@ -190,6 +190,21 @@ pub fn read_lines(
 /// Whether the file's extension is one of VTK's.
 pub fn is_vtk(path: &Path) -> bool {
     vtk::EXTENSIONS.contains(&extension(path).as_str())
+}
+
+/// The files of its pieces that a VTK file names, and others that its quoted texts happen
+/// to name; none for a file of another kind.
+pub fn pieces_of(path: &Path) -> Vec<PathBuf> {
+    let extension = extension(path);
+    if extension != "vtm" && !(is_vtk(path) && extension.starts_with('p')) {
+        return Vec::new();
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let text = std::fs::read(path).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    let named = text.split('"').skip(1).step_by(2);
+    let files = named.map(|name| folder.join(name));
+    files.filter(|file| file.is_file()).collect()
 }
 
 /// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in

@@ -44,8 +44,9 @@ pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 
 use rayon::prelude::*;
 
-use file::Job;
+use file::{FileContent, Job};
 use states::States;
+pub(crate) use states::StateValues;
 
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
@@ -58,7 +59,7 @@ use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::statistics::upper_median;
-use crate::summary::Threads;
+use crate::summary::{FrameSection, Threads};
 use crate::vtk::{Codec, compressed};
 
 /// Upper bound of the bytes per pixel to write pictures and files: a copy of the
@@ -125,6 +126,14 @@ pub fn files() -> impl Iterator<Item = &'static OutputFile> {
     GROUPS.iter().flat_map(|group| group.files)
 }
 
+/// The template of a ParaView state; `None` for another file.
+pub(crate) fn state_template(name: &str) -> Option<&'static str> {
+    match files().find(|file| file.name == name)?.content {
+        FileContent::State(template) => Some(template),
+        FileContent::Written(_) => None,
+    }
+}
+
 /// A finished rendering with its inputs and measurements, as the writers see it.
 #[derive(Debug)]
 pub struct RenderingView<'a> {
@@ -134,6 +143,8 @@ pub struct RenderingView<'a> {
     pub settings: Vec<String>,
     /// The scene's name: the file's stem.
     pub name: &'a str,
+    /// The frame of an animated scene.
+    pub frame: Option<&'a FrameSection>,
     /// The settings of the scene file, as changed by the command line.
     pub config: &'a Config,
     /// The scene in world space.

@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::folder::SUMMARY;
 use crate::instruments::peak_memory_bytes;
 use crate::summary::{
-    AccelerationSection, Build, CostSection, FileEntry, FilmSection, Machine, ObjectEntry,
+    AccelerationSection, Build, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
     RepeatsSection, SceneSection, StageEntry, Summary,
 };
 use crate::text::numbers::milliseconds;
@@ -35,6 +35,10 @@ fn of(job: &Job) -> Summary {
             file: rendering.scene_file.to_owned(),
             set: rendering.settings.clone(),
         },
+        frame: rendering.frame.map(|frame| FrameSection {
+            states: serde_json::to_value(job.states.values()).unwrap_or_default(),
+            ..frame.clone()
+        }),
         image: (&config.image).into(),
         film: FilmSection::new(&config.film, config.shading.model),
         camera: Some((&rendering.scene.image_plane).into()),

@@ -1,11 +1,14 @@
 //! Color scales and axes of ParaView: a formula over an array, a title with a unit, a range and a
 //! few round labels.
 
+use serde::{Deserialize, Serialize};
+
 use super::template::StateValue;
 use crate::chart::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
 
 /// The scale of colors or of an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub(crate) enum ColorScale {
     /// For positive values.
     Logarithmic,
@@ -16,7 +19,8 @@ pub(crate) enum ColorScale {
 }
 
 /// An array of a file that determines colors or positions along an axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "StoredAxis", into = "StoredAxis")]
 pub(crate) struct Axis {
     /// The array's name in the file.
     array: String,
@@ -28,6 +32,18 @@ pub(crate) struct Axis {
     /// The value at the high end, in the unit shown.
     high: f64,
     /// Maximum number of labels.
+    n_labels: usize,
+}
+
+/// An axis as `summary.json` stores it.
+#[derive(Serialize, Deserialize)]
+struct StoredAxis {
+    array: String,
+    name: String,
+    is_time: bool,
+    scale: ColorScale,
+    /// In the array's own unit.
+    ends: [f64; 2],
     n_labels: usize,
 }
 
@@ -89,6 +105,13 @@ impl Axis {
             high: self.high / unit.ns,
             ..self
         }
+    }
+
+    /// The same axis from the lower of both low ends to the higher of both high ends.
+    pub(crate) fn spanning(&self, other: &Self) -> Self {
+        let [a, b] = [self, other].map(|axis| StoredAxis::from(axis.clone()));
+        let ends = [a.ends[0].min(b.ends[0]), a.ends[1].max(b.ends[1])];
+        StoredAxis { ends, ..a }.into()
     }
 
     /// Sets the maximum number of labels.
@@ -166,6 +189,28 @@ impl Axis {
         let ticks = log_ticks(self.low, self.high, min_gap.min(0.14)).major;
         let position = |value: f64| (value / self.low).ln() / (self.high / self.low).ln();
         Ticks::spaced(&ticks, min_gap, position).major
+    }
+}
+
+impl From<StoredAxis> for Axis {
+    fn from(stored: StoredAxis) -> Self {
+        let StoredAxis { array, name, scale, ends, .. } = stored;
+        let axis = Self::new(&array, &name, scale, ends).with_labels(stored.n_labels);
+        if stored.is_time { axis.of_time() } else { axis }
+    }
+}
+
+impl From<Axis> for StoredAxis {
+    fn from(axis: Axis) -> Self {
+        let ns = axis.unit.map_or(1.0, |unit| unit.ns);
+        Self {
+            is_time: axis.unit.is_some(),
+            scale: axis.scale,
+            ends: [axis.low, axis.high].map(|end| end * ns),
+            n_labels: axis.n_labels,
+            array: axis.array,
+            name: axis.name,
+        }
     }
 }
 

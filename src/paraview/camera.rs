@@ -1,6 +1,7 @@
 //! Cameras of ParaView's render views.
 
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 use super::panels::{Panel, Panels};
 use super::template::StateValue;
@@ -8,6 +9,7 @@ use crate::camera::{ImagePlane, Projection};
 
 /// The scene's camera, converted to ParaView's: on-axis and right-handed. Positions and directions
 /// are in world space.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ViewCamera {
     position: Vec3,
     focal_point: Vec3,

@@ -5,12 +5,14 @@
 //! reader supports only the VTK XML files that [`crate::output`] writes: arrays in
 //! appended raw data, with or without compressed blocks.
 
+mod frame;
 mod objects;
 mod verify;
 mod data;
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use frame::complete_frame;
 pub use data::{ArrayInfo, FrameFile, HitsFile, LoadedArray};
 pub use objects::ObjectsTable;
 pub use verify::{Verdict, verify};

@@ -14,6 +14,7 @@ mod placement;
 mod emitter;
 mod environment;
 mod lights;
+mod timeline;
 
 use glam::Vec3;
 
@@ -38,6 +39,7 @@ pub use geometries::Geometries;
 pub use lights::{LightNumbers, LightOrigin, Lights};
 pub use primitive::{MaterialId, ObjectId, Primitive};
 pub use surface_class::SurfaceClass;
+pub use timeline::{SceneFrame, Timeline};
 
 /// A scene in world space.
 #[derive(Debug, Clone)]

@@ -4,6 +4,7 @@ use super::Memory;
 use crate::config::Config;
 use crate::memory;
 use crate::scene::Geometries;
+use crate::summary::FrameSection;
 use crate::text::Diagnostic;
 use crate::yaml::Document;
 
@@ -16,9 +17,28 @@ pub struct Input {
     pub config: Config,
     /// The geometries.
     pub geometries: Geometries,
+    /// The frame of an animated scene.
+    pub frame: Option<FrameSection>,
 }
 
 impl Input {
+    /// Reads a frame of an animated scene, as [`read`](Self::read) does.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(crate) fn read_frame(
+        document: Document,
+        config: Config,
+        frame: FrameSection,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Self, Diagnostic> {
+        let input = Self::read(document, config, needed)?;
+        Ok(Self {
+            frame: Some(frame),
+            ..input
+        })
+    }
+
     /// Checks the config, reads the files that it names, and checks that the memory
     /// that `needed` estimates is free.
     ///
@@ -46,6 +66,7 @@ impl Input {
             document,
             config,
             geometries,
+            frame: None,
         })
     }
 }

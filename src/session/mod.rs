@@ -5,6 +5,8 @@
 //! `raycost render` does: the command line is a user of this module, too.
 
 mod error;
+mod fingerprint;
+mod frames;
 mod input;
 mod options;
 mod rendering;
@@ -25,7 +27,7 @@ use crate::output;
 use crate::render::{N_RENDERINGS, TilePlan, least_repeats, repeat};
 use crate::scene::Scene;
 use crate::stop;
-use crate::summary::Threads;
+use crate::summary::{FrameSection, Threads};
 use crate::yaml::{Document, Source};
 
 #[doc(inline)]
@@ -39,6 +41,7 @@ pub use crate::stop::{Cancellation, Stopped};
 #[doc(inline)]
 pub use crate::text::Diagnostic;
 pub use error::RenderError;
+pub(crate) use frames::Frames;
 pub(crate) use input::Input;
 pub use options::{Event, Options};
 pub(crate) use options::{Report, thread_pool};
@@ -50,6 +53,8 @@ pub use rendering::Rendering;
 pub struct Session {
     document: Document,
     name: String,
+    /// The frame of an animated scene.
+    frame: Option<FrameSection>,
     config: Config,
     scene: Scene,
     /// The index of the acceleration structure, built by the first rendering.
@@ -59,7 +64,8 @@ pub struct Session {
 }
 
 impl Session {
-    /// Reads and checks a scene file and the files that it names.
+    /// Reads and checks a scene file and the files that it names; of an animated scene
+    /// this is the first frame.
     ///
     /// # Errors
     /// The first mistake in the scene, with its line; or the scene does not fit
@@ -80,7 +86,7 @@ impl Session {
     ) -> Result<Self, Diagnostic> {
         let stages = Stages::default();
         let document = Document::new(Source::read(path.as_ref())?, Config::MERGING)?;
-        let mut config: Config = document.parse()?;
+        let (document, mut config) = Frames::first(document)?;
         change(&mut config);
         Self::new(Input::read(document, config, Memory::of)?, stages)
     }
@@ -98,7 +104,7 @@ impl Session {
         // JSON is YAML.
         let text = serde_json::to_string_pretty(scene).map_err(cannot)?;
         let document = Document::new(Source::new(name, text), Config::MERGING)?;
-        let config = document.parse()?;
+        let (document, config) = Frames::first(document)?;
         Self::new(Input::read(document, config, Memory::of)?, stages)
     }
 
@@ -111,12 +117,14 @@ impl Session {
             document,
             config,
             geometries,
+            frame,
         } = input;
         let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
         let name = Path::new(document.name()).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             document,
+            frame,
             config,
             scene,
             index: OnceLock::new(),

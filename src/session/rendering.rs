@@ -98,6 +98,7 @@ impl Rendering<'_> {
             scene_file: self.session.scene_file(),
             settings: self.session.settings(),
             name: self.session.name(),
+            frame: self.session.frame.as_ref(),
             config: self.session.config(),
             scene: self.session.scene(),
             bvh: measured.bvh,

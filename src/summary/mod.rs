@@ -18,7 +18,7 @@ pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
 pub use program::{Build, Machine, Threads};
 pub(crate) use read::{MAX_BYTES, read_json};
 pub use scene::{
-    AccelerationSection, CameraSection, FilmSection, ImageSection, ObjectEntry, SceneSection,
+    AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry, SceneSection,
 };
 pub use timing::{OverheadSection, RepeatsSection, StageEntry, ThreadTime};
 pub(crate) use write::is_whole;
@@ -40,6 +40,9 @@ pub struct Summary {
     pub run: Option<RunId>,
     /// The scene file.
     pub scene: SceneSection,
+    /// The frame of an animated scene; left out for a still.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameSection>,
     /// Size and sampling of the picture.
     pub image: ImageSection,
     /// How light became the numbers of the picture; left out if they are proportional to

@@ -8,6 +8,7 @@ use crate::color::{Development, ToneCurve, Transfer};
 use crate::config::{
     Acceleration, Adaptive, FilmSettings, Image, PixelFilter, PixelPattern, Quality, ShadingModel,
 };
+use crate::provenance::Checksum;
 use crate::text::keyword_name;
 
 /// The scene file.
@@ -20,6 +21,22 @@ pub struct SceneSection {
     /// The values that the command line set, such as `image.seed=7`; left out if none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
+}
+
+/// The frame of an animated scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameSection {
+    /// Its number; that of the first is 0.
+    pub number: u32,
+    /// The number of all frames.
+    pub n_frames: u32,
+    /// Its time, by the data series or in seconds of the video.
+    pub time: f64,
+    /// A hash of all that determines its files: a frame with another one is rendered again.
+    pub fingerprint: Checksum,
+    /// The values of its ParaView states, of which those of the series are made.
+    #[serde(default)]
+    pub states: serde_json::Value,
 }
 
 /// Size and sampling of the picture.

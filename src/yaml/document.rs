@@ -87,7 +87,31 @@ impl Document {
     /// # Errors
     /// The text is no setting, or the scene has no such value.
     pub fn set(&mut self, setting: &str) -> Result<(), Diagnostic> {
-        let source = Source::setting(setting)?;
+        self.set_source(Source::setting(setting)?)
+    }
+
+    /// Sets the value at `path`, in YAML, as [`set`](Self::set) does. The scene's key `by`
+    /// is why: messages point at it.
+    ///
+    /// # Errors
+    /// The path is not valid, or the scene has no such value.
+    pub fn set_for(&mut self, path: &str, value: &str, by: FieldPath) -> Result<(), Diagnostic> {
+        let source = Source::setting_by(path, value, by);
+        self.set_source(source.map_err(|fault| self.point_at(fault))?)
+    }
+
+    /// The value at a path; `None` if there is none of this type.
+    pub fn value_at<T: DeserializeOwned>(&self, path: &FieldPath) -> Option<T> {
+        let mut text = String::new();
+        let mut tree = match &self.composition {
+            Some(composition) => composition.tree.clone(),
+            None => Tree::of(self.sources[0].text()),
+        };
+        tree.at(&path.0)?.write(&mut text);
+        deserialize(&text).ok()
+    }
+
+    fn set_source(&mut self, source: Source) -> Result<(), Diagnostic> {
         let composition = match &mut self.composition {
             Some(composition) => composition,
             none => {
@@ -100,10 +124,21 @@ impl Document {
             let value = text.tree(source.text());
             composition
                 .set(text, value, self.sources.len(), self.merging)
-                .map_err(|fault| source.point_at(fault))?;
+                .map_err(|fault| self.diagnose(&source, fault))?;
         }
         self.sources.push(source);
         Ok(())
+    }
+
+    /// Shows the line of a fault in a source, or the key for which that was set.
+    fn diagnose(&self, source: &Source, fault: Fault) -> Diagnostic {
+        match source.set_by() {
+            Some(key) => self.point_at(Fault {
+                spot: Spot::Key(key.clone()),
+                ..fault
+            }),
+            None => source.point_at(fault),
+        }
     }
 
     /// The settings of the command line.
@@ -111,7 +146,7 @@ impl Document {
         let settings = self
             .sources
             .iter()
-            .filter(|source| source.as_setting().is_some());
+            .filter(|source| source.as_setting().is_some() && source.set_by().is_none());
         settings.map(Source::text)
     }
 
@@ -131,7 +166,7 @@ impl Document {
             }
             let ValuePlace { source, path } = composition.origins.of(&path);
             let source = &self.sources[source];
-            source.point_at(translate::fault(&source.located(), path, &error))
+            self.diagnose(source, translate::fault(&source.located(), path, &error))
         })
     }
 
@@ -157,7 +192,7 @@ impl Document {
             let fault = no_such_key(setting, n_steps, siblings.keys());
             let without = Composition::new(tree, Origins::default()).text();
             let is_fine = is_above && deserialize::<T>(&without).is_ok();
-            is_fine.then(|| source.point_at(fault))
+            is_fine.then(|| self.diagnose(source, fault))
         })
     }
 
@@ -178,7 +213,7 @@ impl Document {
             }
             bytes => (0, bytes),
         };
-        self.sources[source].point_at(Fault { spot, ..fault })
+        self.diagnose(&self.sources[source], Fault { spot, ..fault })
     }
 
     /// The name of the scene file in messages.

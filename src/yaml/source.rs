@@ -29,8 +29,10 @@ const WORTH_A_CHECK: u64 = 1 << 20;
 pub struct Source {
     name: String,
     text: String,
-    /// The path and the value of the text if it is a setting of the command line.
+    /// The path and the value of the text if it is a setting.
     setting: Option<SettingText>,
+    /// The key of the scene for which it was set; `None` for the command line.
+    set_by: Option<FieldPath>,
 }
 
 impl Source {
@@ -41,11 +43,11 @@ impl Source {
         if text.contains('\r') {
             text = text.replace("\r\n", "\n").replace('\r', "\n");
         }
-        let setting = None;
         Self {
             name,
             text,
-            setting,
+            setting: None,
+            set_by: None,
         }
     }
 
@@ -57,6 +59,22 @@ impl Source {
         let mut source = Self::new("--set", text);
         let setting = SettingText::parse(&source.text);
         source.setting = Some(setting.map_err(|fault| source.point_at(fault))?);
+        Ok(source)
+    }
+
+    /// A setting of the value at `path`, for the sake of the scene's key `by`.
+    ///
+    /// # Errors
+    /// The path is not valid: a fault at that key.
+    pub(super) fn setting_by(path: &str, value: &str, by: FieldPath) -> Result<Self, Fault> {
+        let mut source = Self::new("keyframes", format!("{path}={value}"));
+        let setting = SettingText::parse(&source.text).map_err(|fault| Fault {
+            spot: Spot::Key(by.clone()),
+            help: Some("write the path of a value, such as `objects[0].sphere.radius`".to_owned()),
+            ..fault
+        })?;
+        source.setting = Some(setting);
+        source.set_by = Some(by);
         Ok(source)
     }
 
@@ -151,6 +169,11 @@ impl Source {
         self.setting.as_ref()
     }
 
+    /// The key of the scene for which it was set.
+    pub(super) fn set_by(&self) -> Option<&FieldPath> {
+        self.set_by.as_ref()
+    }
+
     /// Converts the fault to a diagnostic that shows its line.
     pub fn point_at(&self, fault: Fault) -> Diagnostic {
         let location_of = |path| self.locate(path);
@@ -206,11 +229,11 @@ fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let fault = Fault::of_bytes(at..at, message, "not a UTF-8 character");
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     // Not through `new`, which may shift the byte.
-    let (name, setting) = (name.to_owned(), None);
     let source = Source {
-        name,
+        name: name.to_owned(),
         text,
-        setting,
+        setting: None,
+        set_by: None,
     };
     source.point_at(fault.with_help("save the scene as UTF-8"))
 }

@@ -2,6 +2,8 @@
 
 use std::iter::zip;
 
+use serde::{Deserialize, Serialize};
+
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode};
@@ -17,13 +19,14 @@ const MAX_FRAMES: usize = 200;
 const MAX_EDGES: usize = 100;
 
 /// The values of the keys that begin with `bvh.` and `surface.`.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct AttributionValues {
     bvh: Option<Boxes>,
     surface: Option<Primitives>,
 }
 
 /// The cost of the primitives.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Primitives {
     has_edges: bool,
     cost: Axis,
@@ -31,6 +34,7 @@ struct Primitives {
 }
 
 /// The boxes shown, and their cost.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Boxes {
     level: Level,
     n: usize,
@@ -39,7 +43,8 @@ struct Boxes {
 }
 
 /// The level of the hierarchy that is shown.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 enum Level {
     Leaves,
     Depth(u32),
@@ -64,6 +69,16 @@ impl AttributionValues {
         }
     }
 
+    /// The values of both renderings.
+    pub(super) fn spanning(&self, other: &Self) -> Self {
+        let boxes = self.bvh.as_ref().zip(other.bvh.as_ref());
+        let surfaces = self.surface.as_ref().zip(other.surface.as_ref());
+        Self {
+            bvh: boxes.map(|(a, b)| a.spanning(b)),
+            surface: surfaces.map(|(a, b)| a.spanning(b)),
+        }
+    }
+
     /// Returns the value of a key.
     pub(super) fn value(&self, key: &str) -> Option<StateValue> {
         let (what, key) = key.split_once('.')?;
@@ -85,6 +100,14 @@ impl Primitives {
                 "Tests per primitive that met nothing",
                 "wasted_tests",
             ),
+        }
+    }
+
+    fn spanning(&self, other: &Self) -> Self {
+        Self {
+            has_edges: self.has_edges && other.has_edges,
+            cost: self.cost.spanning(&other.cost),
+            wasted: self.wasted.spanning(&other.wasted),
         }
     }
 
@@ -116,6 +139,16 @@ impl Boxes {
                 }
             },
             wasted: wasted_axis(&visits, "Visits per box that met nothing", "wasted_visits"),
+        }
+    }
+
+    /// Those of the first at its level; captions count its boxes.
+    fn spanning(&self, other: &Self) -> Self {
+        Self {
+            level: self.level,
+            n: self.n,
+            cost: self.cost.spanning(&other.cost),
+            wasted: self.wasted.spanning(&other.wasted),
         }
     }
 

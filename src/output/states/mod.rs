@@ -4,6 +4,10 @@ mod attribution;
 mod tiles;
 mod rays;
 
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
 use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
@@ -20,14 +24,20 @@ use crate::text::numbers::capitalized;
 /// The template of `geometry.pvsm`.
 pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("../../../paraview/geometry.pvsm");
 
-/// The values of a rendering for all states.
+/// The states of a rendering's folder.
 pub(super) struct States<'a> {
     folder: &'a OutputFolder,
+    values: StateValues,
+    /// The range of the preferred cost metric.
+    cost_range: Range,
+}
+
+/// The values of a rendering, or of several, for all states.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct StateValues {
     /// The axis of the preferred cost metric, or of the distance if no cost was
     /// measured.
     cost: Axis,
-    /// Its values.
-    cost_range: Range,
     counter: Option<Axis>,
     camera: ViewCamera,
     /// Width and height of the picture.
@@ -42,6 +52,38 @@ pub(super) struct States<'a> {
 impl<'a> States<'a> {
     /// Computes the values for this rendering's files in this folder.
     pub(super) fn new(rendering: &RenderingView, folder: &'a OutputFolder) -> Self {
+        let (values, cost_range) = StateValues::of(rendering);
+        Self {
+            folder,
+            values,
+            cost_range,
+        }
+    }
+
+    /// The range of the preferred cost metric.
+    pub(super) fn cost_range(&self) -> &Range {
+        &self.cost_range
+    }
+
+    /// The values without the paths of the files.
+    pub(super) fn values(&self) -> &StateValues {
+        &self.values
+    }
+
+    /// The state `geometry.pvsm`.
+    pub(super) fn geometry(&self) -> String {
+        self.filled(GEOMETRY_TEMPLATE)
+    }
+
+    /// Returns a template with its keys replaced by values, in ASCII.
+    pub(super) fn filled(&self, template: &str) -> String {
+        self.values.filled(template, |file| self.folder.path_of(file))
+    }
+}
+
+impl StateValues {
+    /// The values of a rendering, and the range of its preferred cost metric.
+    fn of(rendering: &RenderingView) -> (Self, Range) {
         let film = rendering.film;
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
@@ -56,10 +98,8 @@ impl<'a> States<'a> {
             || cost_axis(film, metrics.map(|[first, _]| first)),
         );
         let (cost, cost_range) = cost;
-        Self {
-            folder,
+        let values = Self {
             cost: cost.with_labels(n_labels),
-            cost_range,
             counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: ViewCamera::of(&rendering.scene.image_plane, distances.median),
             size,
@@ -67,29 +107,38 @@ impl<'a> States<'a> {
             has_hits: distances.median.is_some(),
             max_distance: distances.max_shown,
             attribution: AttributionValues::of(rendering),
+        };
+        (values, cost_range)
+    }
+
+    /// The values for the files of both: axes that span all values, and the camera of the
+    /// first.
+    pub(crate) fn spanning(&self, other: &Self) -> Self {
+        let counters = self.counter.as_ref().zip(other.counter.as_ref());
+        Self {
+            cost: self.cost.spanning(&other.cost),
+            counter: counters.map(|(a, b)| a.spanning(b)),
+            camera: self.camera.clone(),
+            size: self.size,
+            schedule: self.schedule.spanning(&other.schedule),
+            has_hits: self.has_hits || other.has_hits,
+            max_distance: self.max_distance.max(other.max_distance),
+            attribution: self.attribution.spanning(&other.attribution),
         }
     }
 
-    /// The range of the preferred cost metric.
-    pub(super) fn cost_range(&self) -> &Range {
-        &self.cost_range
-    }
-
-    /// The state `geometry.pvsm`.
-    pub(super) fn geometry(&self) -> String {
-        self.filled(GEOMETRY_TEMPLATE)
-    }
-
-    /// Returns a template with its keys replaced by values, in ASCII.
-    pub(super) fn filled(&self, template: &str) -> String {
-        fill(template, |key| self.value(key))
+    /// Returns a template with its keys replaced by values, in ASCII; `path_of` returns the
+    /// path of a file.
+    pub(crate) fn filled(&self, template: &str, path_of: impl Fn(&str) -> PathBuf) -> String {
+        fill(template, |key| {
+            if files().any(|file| file.name == key) {
+                return Some(path_of(key).to_string_lossy().into_owned().into());
+            }
+            self.value(key)
+        })
     }
 
     fn value(&self, key: &str) -> Option<StateValue> {
-        if files().any(|file| file.name == key) {
-            let path = self.folder.path_of(key);
-            return Some(path.to_string_lossy().into_owned().into());
-        }
         match key {
             "hits.max_distance" => return Some(self.max_distance.to_string().into()),
             "hits.caption" if !self.has_hits => {

@@ -1,10 +1,13 @@
 //! The values of `schedule.pvsm`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::chart::Range;
 use crate::paraview::{Axis, ColorScale, StateValue};
 use crate::schedule::Schedule;
 
 /// The values of the keys that begin with `tiles.`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct TileValues {
     n_threads: usize,
     duration: Axis,
@@ -40,6 +43,16 @@ impl TileValues {
                 [0.0, last_start],
             )
             .of_time(),
+        }
+    }
+
+    /// The values of both schedules.
+    pub(super) fn spanning(&self, other: &Self) -> Self {
+        Self {
+            n_threads: self.n_threads.max(other.n_threads),
+            duration: self.duration.spanning(&other.duration),
+            thread: self.thread.spanning(&other.thread),
+            start: self.start.spanning(&other.start),
         }
     }
 

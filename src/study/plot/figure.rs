@@ -105,6 +105,37 @@ impl Figure {
         (!figure.series.is_empty()).then_some(figure)
     }
 
+    /// A line through points from left to right, with the titles of both axes.
+    pub fn line(
+        title: &str,
+        [x_title, y_title]: [&str; 2],
+        points: impl Iterator<Item = [f64; 2]>,
+    ) -> Self {
+        let point = |[x, y]: [f64; 2]| PlotPoint {
+            x,
+            y,
+            interval: [y; 2],
+            label: String::new(),
+            limit: None,
+            oversubscribed: false,
+        };
+        Self {
+            title: title.to_owned(),
+            x_title: x_title.to_owned(),
+            y_title: y_title.to_owned(),
+            scale: AxisScale::Linear,
+            categories: Vec::new(),
+            series: vec![Series {
+                label: String::new(),
+                points: points.map(point).collect(),
+                law: None,
+            }],
+            is_joined: true,
+            has_levels: false,
+            ceilings: Vec::new(),
+        }
+    }
+
     /// Shortens the labels, sorts the points, fits a law to each series if `fit`, and
     /// selects a linear scale if a value is not positive.
     pub(super) fn finish(&mut self, fit: bool) {

@@ -1,12 +1,16 @@
 //! `raycost render`.
 
+mod frames;
+
 use std::io;
 
-use super::progress::Bars;
-use super::scene::SceneArguments;
-use super::{Failure, run_summary};
+use crate::cli::progress::Bars;
+use crate::cli::scene::SceneArguments;
+use crate::cli::{Failure, run_summary};
+use crate::animation::FrameRange;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
-use crate::session::{Options, Session};
+use crate::memory::Memory;
+use crate::session::{Event, Input, Options, Session};
 use crate::stop;
 use crate::text::{self, Diagnostic};
 
@@ -18,6 +22,11 @@ use crate::text::{self, Diagnostic};
 pub(super) struct RenderArguments {
     #[command(flatten)]
     scene: SceneArguments,
+
+    /// Frames of an animated scene to render, such as 7 or 10..19, both ends included
+    /// [default: all]
+    #[arg(long, value_name = "FRAMES")]
+    frames: Option<FrameRange>,
 
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -58,25 +67,23 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             stop::request();
         });
     }
+    let stages = arguments.start_stages();
+    let scene = arguments.scene.open()?;
+    if let Some(frames) = &scene.frames {
+        return frames::render(arguments, &scene, frames);
+    }
+    if let Some(range) = &arguments.frames {
+        scene.check_frame(*range.0.start())?;
+    }
     let profiler = arguments.profile.then(start_profiler).transpose()?;
-    let hardware = if arguments.hardware_counters {
-        HardwareCounters::start()
-    } else {
-        HardwareCounters::none()
-    };
-    let stages = Stages::with_start(hardware);
-    let session = Session::new(arguments.scene.load()?, stages)?;
+    let (document, config) = scene.at(0)?;
+    let session = Session::new(Input::read(document, config, Memory::of)?, stages)?;
     let folder = session.folder(&arguments.scene.out())?;
     let folder = folder.synced(arguments.sync);
     stop::check()?;
     let bars = Bars::new(arguments.quiet);
-    let options = Options {
-        threads: arguments.threads,
-        measure_overhead: arguments.measure_overhead,
-        on_event: Some(&|event| bars.show(event)),
-        ..Options::default()
-    };
-    let mut rendering = session.render(&options)?;
+    let on_event = |event| bars.show(event);
+    let mut rendering = session.render(&arguments.options(&on_event))?;
     let written = rendering.write_to(&folder, profiler.as_ref())?;
     if !arguments.quiet {
         let view = rendering.view(profiler.as_ref());
@@ -86,6 +93,27 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     // The process ends: the system frees all memory at once.
     std::mem::forget(rendering);
     Ok(())
+}
+
+impl RenderArguments {
+    /// Starts the first stage.
+    fn start_stages(&self) -> Stages {
+        Stages::with_start(if self.hardware_counters {
+            HardwareCounters::start()
+        } else {
+            HardwareCounters::none()
+        })
+    }
+
+    /// How a session renders.
+    fn options<'a>(&self, on_event: &'a (dyn Fn(Event) + Sync)) -> Options<'a> {
+        Options {
+            threads: self.threads,
+            measure_overhead: self.measure_overhead,
+            on_event: Some(on_event),
+            ..Options::default()
+        }
+    }
 }
 
 fn start_profiler() -> Result<Profiler, Failure> {

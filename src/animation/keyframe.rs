@@ -1,0 +1,145 @@
+//! Keyframes and their values.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+
+use super::MAX_FRAMES;
+use super::track::Interpolation;
+use crate::yaml;
+
+/// A value at a frame.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a keyframe such as { frame: 0, value: 1 }"
+)]
+pub struct Keyframe {
+    /// The number of the frame; the first is 0.
+    #[serde(deserialize_with = "frame")]
+    pub frame: u32,
+    /// The value there.
+    pub value: KeyframeValue,
+    /// How the value changes until the next keyframe.
+    #[serde(default)]
+    pub interpolation: Option<Interpolation>,
+}
+
+fn frame<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    yaml::whole(d, 0..=MAX_FRAMES - 1)
+}
+
+/// A number, or a list of numbers: a vector or a color.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KeyframeValue {
+    /// One number.
+    Number(f64),
+    /// At least one.
+    List(Vec<f64>),
+}
+
+/// Most numbers of a list; the entries of a 4 x 4 matrix.
+const MAX_NUMBERS: usize = 16;
+/// Largest magnitude of a number, as in all of a scene.
+const MAX_MAGNITUDE: f64 = 1e15;
+const EXPECTED: &str = "a number, a list of numbers or a color \"#rrggbb\"";
+
+impl KeyframeValue {
+    /// Its numbers.
+    pub fn numbers(&self) -> &[f64] {
+        match self {
+            Self::Number(number) => std::slice::from_ref(number),
+            Self::List(numbers) => numbers,
+        }
+    }
+
+    /// What it is, for messages.
+    pub(super) fn kind(&self) -> String {
+        match self {
+            Self::Number(_) => "a number".to_owned(),
+            Self::List(numbers) => format!("a list of {}", numbers.len()),
+        }
+    }
+
+    /// A value of the same kind.
+    pub(super) fn with_numbers(&self, numbers: impl Iterator<Item = f64>) -> Self {
+        match self {
+            Self::Number(number) => Self::Number(numbers.into_iter().next().unwrap_or(*number)),
+            Self::List(_) => Self::List(numbers.collect()),
+        }
+    }
+}
+
+/// As YAML.
+impl fmt::Display for KeyframeValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::List(numbers) => {
+                let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+                write!(f, "[{}]", numbers.join(", "))
+            }
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for KeyframeValue {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(ValueVisitor)
+    }
+}
+
+struct ValueVisitor;
+
+impl<'de> Visitor<'de> for ValueVisitor {
+    type Value = KeyframeValue;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(EXPECTED)
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<KeyframeValue, E> {
+        number_of(number).map(KeyframeValue::Number)
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<KeyframeValue, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<KeyframeValue, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<KeyframeValue, E> {
+        let rgb = yaml::hex_color(text)
+            .ok_or_else(|| E::invalid_type(serde::de::Unexpected::Str(text), &self))?;
+        let channels = rgb.map(|channel| f64::from(f32::from(channel) / 255.0));
+        Ok(KeyframeValue::List(channels.to_vec()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<KeyframeValue, A::Error> {
+        let mut numbers = Vec::new();
+        while let Some(number) = list.next_element::<f64>()? {
+            if numbers.len() == MAX_NUMBERS {
+                return Err(A::Error::invalid_length(
+                    numbers.len() + 1,
+                    &format!("at most {MAX_NUMBERS} numbers").as_str(),
+                ));
+            }
+            numbers.push(number_of(number)?);
+        }
+        if numbers.is_empty() {
+            return Err(A::Error::invalid_length(0, &EXPECTED));
+        }
+        Ok(KeyframeValue::List(numbers))
+    }
+}
+
+fn number_of<E: Error>(number: f64) -> Result<f64, E> {
+    if number.abs() <= MAX_MAGNITUDE {
+        return Ok(number);
+    }
+    let found = serde::de::Unexpected::Float(number);
+    Err(E::invalid_value(found, &"a number from -1e15 to 1e15"))
+}

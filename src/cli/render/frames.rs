@@ -1,0 +1,193 @@
+//! `raycost render` of an animated scene.
+
+use std::ops::RangeInclusive;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::{RenderArguments, start_profiler};
+use crate::cli::progress::Bars;
+use crate::cli::scene::OpenScene;
+use crate::cli::{Failure, shell_word, shown};
+use crate::config::Config;
+use crate::memory::Memory;
+use crate::results::complete_frame;
+use crate::series::{FrameSeries, Video, frame_folder};
+use crate::session::{Frames, Input, Session};
+use crate::stop;
+use crate::summary::FrameSection;
+use crate::text::numbers::{counted, duration};
+use crate::text;
+use crate::yaml::Document;
+
+/// The frames that a run did and did not render.
+#[derive(Default)]
+struct Tally {
+    n_rendered: u64,
+    n_kept: u64,
+}
+
+/// Renders the frames that are not complete, and writes what plays all complete ones.
+pub(super) fn render(
+    arguments: &RenderArguments,
+    scene: &OpenScene,
+    frames: &Frames,
+) -> Result<(), Failure> {
+    let start = Instant::now();
+    let out = arguments.scene.out();
+    let wanted = wanted(arguments, scene, frames)?;
+    // All frames are checked before the first ray.
+    for number in wanted.clone() {
+        scene.at(number)?;
+        stop::check()?;
+    }
+    FrameSeries::refuse_foreign(&out)?;
+    let run = Run {
+        arguments,
+        scene,
+        frames,
+        out: &out,
+    };
+    let mut tally = Tally::default();
+    for number in wanted {
+        let folder = out.join(frame_folder(number));
+        let (document, config, section) = run.frame(number)?;
+        if complete_frame(&folder, &section).is_some() {
+            tally.n_kept += 1;
+            continue;
+        }
+        run.render(&folder, document, config, section)?;
+        tally.n_rendered += 1;
+    }
+    let lines = run.finish()?;
+    if !arguments.quiet {
+        let Tally { n_rendered, n_kept } = tally;
+        let kept = match n_kept {
+            0 => String::new(),
+            n => format!(", {n} complete from an earlier run"),
+        };
+        let rendered = counted(n_rendered, "frame");
+        let took = duration(start.elapsed());
+        text::print(&format!("frames  {rendered} rendered in {took}{kept}\n{lines}"))?;
+    }
+    Ok(())
+}
+
+/// The numbers of the frames that the command line asks for.
+fn wanted(
+    arguments: &RenderArguments,
+    scene: &OpenScene,
+    frames: &Frames,
+) -> Result<RangeInclusive<u32>, Failure> {
+    let Some(range) = &arguments.frames else {
+        return Ok(0..=frames.n_frames() - 1);
+    };
+    scene.check_frame(*range.0.start())?;
+    scene.check_frame(*range.0.end())?;
+    Ok(range.0.clone())
+}
+
+/// A run that renders frames.
+struct Run<'a> {
+    arguments: &'a RenderArguments,
+    scene: &'a OpenScene<'a>,
+    frames: &'a Frames,
+    /// The folder of the series.
+    out: &'a Path,
+}
+
+impl Run<'_> {
+    /// The scene at a frame, and the section of its summary.
+    fn frame(&self, number: u32) -> Result<(Document, Config, FrameSection), Failure> {
+        let (document, config) = self.scene.at(number)?;
+        let RenderArguments {
+            measure_overhead,
+            hardware_counters,
+            profile,
+            ..
+        } = self.arguments;
+        let flags = format!("{:?}", (measure_overhead, hardware_counters, profile));
+        let section = self.frames.section(number, (&document, &config), &flags);
+        Ok((document, config, section))
+    }
+
+    /// Renders a frame into its folder.
+    fn render(
+        &self,
+        folder: &Path,
+        document: Document,
+        config: Config,
+        section: FrameSection,
+    ) -> Result<(), Failure> {
+        let arguments = self.arguments;
+        let stages = arguments.start_stages();
+        let profiler = arguments.profile.then(start_profiler).transpose()?;
+        let (number, n_frames) = (section.number, section.n_frames);
+        let input = Input::read_frame(document, config, section, Memory::of)?;
+        let session = Session::new(input, stages)?;
+        let output = session.folder(folder)?.synced(arguments.sync);
+        stop::check()?;
+        let bars = Bars::new(arguments.quiet);
+        let on_event = |event| bars.show(event);
+        let mut rendering = session.render(&arguments.options(&on_event))?;
+        rendering.write_to(&output, profiler.as_ref())?;
+        if !arguments.quiet {
+            let stages = rendering.stages().ended.iter();
+            let times = stages.map(|stage| {
+                let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
+                format!("{} {}", stage.name, duration(wall))
+            });
+            let times: Vec<String> = times.collect();
+            text::print(&format!(
+                "frame   {number} of {n_frames}: {}\n",
+                times.join(", ")
+            ))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the files that play all complete frames; returns the lines about them.
+    fn finish(&self) -> Result<String, Failure> {
+        let n_frames = self.frames.n_frames();
+        let mut series = FrameSeries::new(self.arguments.scene.name());
+        for number in 0..n_frames {
+            let folder = self.out.join(frame_folder(number));
+            if !folder.exists() {
+                continue;
+            }
+            let (.., section) = self.frame(number)?;
+            if let Some(summary) = complete_frame(&folder, &section) {
+                series.add(&summary);
+            }
+            stop::check()?;
+        }
+        let written = series.write(self.out)?;
+        let out = shown(self.out);
+        let mut lines = format!("wrote   {out}: {}\n", written.join(", "));
+        if series.n_frames() < n_frames {
+            let missing = counted((n_frames - series.n_frames()).into(), "frame");
+            lines += &format!("missing {missing}: the series plays the others; no video yet\n");
+        } else {
+            lines += &self.video(&series)?;
+        }
+        if let Some(state) = series.state() {
+            let state = shell_word(&self.out.join(state));
+            lines += &format!("next    paraview --state={state}\n");
+        }
+        Ok(lines)
+    }
+
+    /// Makes the video; returns the line about it.
+    fn video(&self, series: &FrameSeries) -> Result<String, Failure> {
+        let video = series.write_video(self.out, self.frames.fps())?;
+        stop::check()?;
+        Ok(match video {
+            Video::Written(name) => format!("video   {}\n", shown(&self.out.join(name))),
+            Video::NoFfmpeg(command) => {
+                format!("video   ffmpeg is not installed; where it is: {command}\n")
+            }
+            Video::Failed(why, command) => {
+                format!("video   ffmpeg failed: {}\n        {command}\n", text::one_line(&why))
+            }
+        })
+    }
+}

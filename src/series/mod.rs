@@ -1,0 +1,176 @@
+//! The complete frames of an animated scene → files that show them one after the other.
+//!
+//! Takes the summaries of the frames; writes beside `frames/` what plays them: a `.pvd`
+//! for each of their VTK files and one for all, the ParaView states with one range of
+//! colors for all frames, a table and a plot of their costs, and a video. Each file takes
+//! its place when it is complete.
+
+mod table;
+mod pvd;
+mod states;
+mod video;
+
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+pub use video::Video;
+
+use crate::folder::{Replace, WriteError, lock_folder_in_turn, refuse_file, target, write_file};
+use crate::output::{self, StateValues};
+use crate::provenance::{Hasher, RunId};
+use crate::study::RunMetrics;
+use crate::summary::Summary;
+use crate::text::one_line;
+
+/// The folder of the frames' folders.
+const FRAMES: &str = "frames";
+/// The prefix of the names of all other files.
+const PREFIX: &str = "series";
+/// The table.
+const TABLE: &str = "series.csv";
+/// The video.
+const VIDEO: &str = "series.mp4";
+
+/// The path of a frame's folder, in the folder of the series.
+pub fn frame_folder(number: u32) -> PathBuf {
+    Path::new(FRAMES).join(format!("{number:04}"))
+}
+
+/// The complete frames of an animated scene.
+#[derive(Debug)]
+pub struct FrameSeries {
+    /// The scene's name.
+    name: String,
+    frames: Vec<SeriesFrame>,
+    /// The values of the states for all frames.
+    states: Option<StateValues>,
+}
+
+/// A complete frame.
+#[derive(Debug)]
+struct SeriesFrame {
+    number: u32,
+    time: f64,
+    run: Option<RunId>,
+    /// The names of its files.
+    files: Vec<String>,
+    metrics: RunMetrics,
+}
+
+impl FrameSeries {
+    /// Without frames; `name` is that of the scene.
+    pub fn new(name: String) -> Self {
+        Self {
+            name,
+            frames: Vec::new(),
+            states: None,
+        }
+    }
+
+    /// Checks that no file of another program is where those of a series would be.
+    ///
+    /// # Errors
+    /// The first such file.
+    pub fn refuse_foreign(folder: &Path) -> Result<(), WriteError> {
+        let of_frames = output::files().flat_map(|file| {
+            let state = format!("{PREFIX}_{}", file.name);
+            [state, pvd::name_of(file.name)]
+        });
+        let own = [TABLE, "series.svg", "series.pvd"].map(str::to_owned);
+        for name in own.into_iter().chain(of_frames) {
+            target(&folder.join(name), Replace::Marked)?;
+        }
+        // A video cannot say whose it is; the table beside it does.
+        let video = folder.join(VIDEO);
+        if video.symlink_metadata().is_ok() && !folder.join(TABLE).exists() {
+            return Err(refuse_file(&video));
+        }
+        Ok(())
+    }
+
+    /// Adds a frame, whose number is greater than those of the frames before it.
+    pub fn add(&mut self, summary: &Summary) {
+        let Some(frame) = &summary.frame else {
+            return;
+        };
+        let stages = summary.stages.iter().map(|stage| stage.wall_ms);
+        self.frames.push(SeriesFrame {
+            number: frame.number,
+            time: frame.time,
+            run: summary.run,
+            files: summary.files.iter().map(|file| file.name.clone()).collect(),
+            metrics: RunMetrics::of(summary, stages.sum()),
+        });
+        let values: Option<StateValues> = serde_json::from_value(frame.states.clone()).ok();
+        self.states = match (&self.states, values) {
+            (Some(before), Some(values)) => Some(before.spanning(&values)),
+            (before, values) => before.clone().or(values),
+        };
+    }
+
+    /// The number of frames.
+    pub fn n_frames(&self) -> u32 {
+        self.frames.len() as u32
+    }
+
+    /// Writes the files into the folder of the series; waits while another run does so.
+    /// Returns their names.
+    ///
+    /// # Errors
+    /// A file of another program that has one of their names, or an error of the system.
+    pub fn write(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
+        let _lock: File = lock_folder_in_turn(folder)?;
+        let mut written = Vec::new();
+        let mut write = |name: String, bytes: &[u8]| {
+            write_file(&folder.join(&name), Replace::Marked, |out| out.write_all(bytes))?;
+            written.push(name);
+            Ok::<(), WriteError>(())
+        };
+        let run = self.id();
+        write(TABLE.to_owned(), &table::csv(&self.frames))?;
+        if let Some(plot) = table::plot(&self.name, &self.frames, run) {
+            write(format!("{PREFIX}.svg"), plot.as_bytes())?;
+        }
+        for (name, text) in pvd::collections(&self.frames, run) {
+            write(name, text.as_bytes())?;
+        }
+        for (name, text) in self.states(folder, run) {
+            write(name, text.as_bytes())?;
+        }
+        Ok(written)
+    }
+
+    /// A hash of the frames' runs.
+    fn id(&self) -> RunId {
+        let mut hasher = Hasher::new();
+        for frame in &self.frames {
+            hasher.add(format!("{:?}", (frame.number, frame.time, frame.run)).as_bytes());
+        }
+        hasher.checksum().into()
+    }
+
+    /// The states, by their names.
+    fn states(&self, folder: &Path, run: RunId) -> Vec<(String, String)> {
+        let (Some(values), Some(first)) = (&self.states, self.frames.first()) else {
+            return Vec::new();
+        };
+        // Absolute, because ParaView may be started in any folder.
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+        let path_of = |file: &str| folder.join(pvd::name_of(file));
+        states::of_files(&first.files, values, path_of, run)
+    }
+
+    /// The command that shows the frames in ParaView; `None` without states.
+    pub fn state(&self) -> Option<String> {
+        let first = self.frames.first()?;
+        let has = |name: &&&str| first.files.iter().any(|file| file == **name);
+        let state = ["heatmap.pvsm", "geometry.pvsm"].iter().find(has)?;
+        Some(format!("{PREFIX}_{state}"))
+    }
+
+    /// The scene's name for titles.
+    pub fn title(&self) -> String {
+        one_line(&self.name).into_owned()
+    }
+}

@@ -1,0 +1,84 @@
+//! The frames of an animated scene, each of which is a scene.
+
+use super::fingerprint;
+use crate::config::Config;
+use crate::scene::{SceneFrame, Timeline};
+use crate::summary::FrameSection;
+use crate::text::Diagnostic;
+use crate::yaml::Document;
+
+/// A scene that changes over time.
+#[derive(Debug)]
+pub(crate) struct Frames {
+    document: Document,
+    timeline: Timeline,
+}
+
+impl Frames {
+    /// The frames of a scene; `None` for a still.
+    ///
+    /// # Errors
+    /// The first mistake in the section `animation`.
+    pub(crate) fn of(document: &Document, config: &Config) -> Result<Option<Self>, Diagnostic> {
+        let timeline = Timeline::of(config, document);
+        let timeline = timeline.map_err(|fault| document.point_at(fault))?;
+        Ok(timeline.map(|timeline| Self {
+            document: document.clone(),
+            timeline,
+        }))
+    }
+
+    /// The first frame of a scene, which may be a still.
+    ///
+    /// # Errors
+    /// The first mistake in the scene.
+    pub(crate) fn first(document: Document) -> Result<(Document, Config), Diagnostic> {
+        let config: Config = document.parse()?;
+        match Self::of(&document, &config)? {
+            None => Ok((document, config)),
+            Some(frames) => frames.at(0),
+        }
+    }
+
+    /// The number of frames, at least 1.
+    pub(crate) fn n_frames(&self) -> u32 {
+        self.timeline.n_frames
+    }
+
+    /// Frames per second of a video.
+    pub(crate) fn fps(&self) -> f32 {
+        self.timeline.animation.fps
+    }
+
+    /// The number and the time of a frame.
+    pub(crate) fn frame(&self, number: u32) -> SceneFrame {
+        self.timeline.frame(number)
+    }
+
+    /// The section of a frame in its summary, for the scene that [`at`](Self::at) returned.
+    /// `flags` are those of the command line that change its files, besides those that
+    /// change the config.
+    pub(crate) fn section(
+        &self,
+        number: u32,
+        (document, config): (&Document, &Config),
+        flags: &str,
+    ) -> FrameSection {
+        fingerprint::section_of(document, config, self.frame(number), flags)
+    }
+
+    /// The scene at a frame: a still.
+    ///
+    /// # Errors
+    /// A keyframe's path that the scene does not have, or a value that it cannot have.
+    pub(crate) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
+        let Timeline {
+            animation,
+            n_frames,
+        } = &self.timeline;
+        let document = animation.at_frame(&self.document, number, *n_frames)?;
+        let mut config: Config = document.parse()?;
+        config.animation = None;
+        Ok((document, config))
+    }
+}
