@@ -52,7 +52,11 @@ impl FlyThrough {
         }
         if let Some(index) = (1..n).find(|&i| self.eyes[i] == self.eyes[i - 1]) {
             let message = "the path has the same point twice in a row";
-            return Err(Fault::new(eyes.index(index), message, "expected another point"));
+            return Err(Fault::new(
+                eyes.index(index),
+                message,
+                "expected another point",
+            ));
         }
         if ![0, 1, n].contains(&self.targets.len()) {
             let message = format!("a path of {n} eyes has {} targets", self.targets.len());
@@ -109,9 +113,8 @@ impl Spline {
 
     /// The point of a segment at `u` from 0 to 1, by Barry's and Goldman's pyramid.
     fn point(&self, points: &[[f64; 3]], segment: usize, u: f64) -> [f64; 3] {
-        let mirrored = |at: usize, beyond: usize| {
-            [0, 1, 2].map(|i| 2.0 * points[at][i] - points[beyond][i])
-        };
+        let mirrored =
+            |at: usize, beyond: usize| [0, 1, 2].map(|i| 2.0 * points[at][i] - points[beyond][i]);
         let last = points.len() - 1;
         let at = |k: usize| match k {
             0 => mirrored(0, 1),
@@ -188,7 +191,12 @@ mod tests {
 
     #[test]
     fn a_bent_path_passes_through_its_points_at_constant_speed() {
-        let eyes = [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0], [5.0, 2.0, 1.0], [5.0, -1.0, 3.0]];
+        let eyes = [
+            [0.0, 0.0, 0.0],
+            [1.0, 2.0, 0.0],
+            [5.0, 2.0, 1.0],
+            [5.0, -1.0, 3.0],
+        ];
         let path = path(&eyes, &eyes);
         assert_eq!(path.pose(0, 1000)[0], eyes[0]);
         assert!(distance(path.pose(999, 1000)[0], eyes[3]) < 1e-9);

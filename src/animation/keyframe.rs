@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
 use super::MAX_FRAMES;
-use super::track::Interpolation;
+use super::interpolation::Interpolation;
 use crate::yaml;
 
 /// A value at a frame.
@@ -120,19 +120,29 @@ impl<'de> Visitor<'de> for ValueVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<KeyframeValue, A::Error> {
         let mut numbers = Vec::new();
-        while let Some(number) = list.next_element::<f64>()? {
+        while let Some(Entry(number)) = list.next_element()? {
             if numbers.len() == MAX_NUMBERS {
                 return Err(A::Error::invalid_length(
                     numbers.len() + 1,
                     &format!("at most {MAX_NUMBERS} numbers").as_str(),
                 ));
             }
-            numbers.push(number_of(number)?);
+            numbers.push(number);
         }
         if numbers.is_empty() {
             return Err(A::Error::invalid_length(0, &EXPECTED));
         }
         Ok(KeyframeValue::List(numbers))
+    }
+}
+
+/// A number of a list.
+struct Entry(f64);
+
+impl<'de> Deserialize<'de> for Entry {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let number = f64::deserialize(d)?;
+        number_of(number).map(Self)
     }
 }
 

@@ -5,6 +5,7 @@
 //! [`Animation::at_frame`] sets them in the scene's text, so that each value is read and
 //! checked as any other, and a message about it points at its keyframes.
 
+mod interpolation;
 mod keyframe;
 mod track;
 mod orbit;
@@ -17,9 +18,9 @@ use serde::de::Deserializer;
 
 pub use fly_through::FlyThrough;
 pub use frame_range::FrameRange;
+pub use interpolation::Interpolation;
 pub use keyframe::{Keyframe, KeyframeValue};
 pub use orbit::Orbit;
-pub use track::Interpolation;
 
 use crate::text::Diagnostic;
 use crate::yaml::{self, Document, Fault, FieldPath, Number};

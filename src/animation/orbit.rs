@@ -62,7 +62,10 @@ mod tests {
         let pose = [[1.0, 2.0, 5.0], [1.0, 1.0, 1.0], [0.0, 3.0, 0.0]];
         let eye = orbit.eye(pose, 1, 4);
         let expected = [5.0, 2.0, 1.0];
-        assert!((0..3).all(|i| (eye[i] - expected[i]).abs() < 1e-12), "{eye:?}");
+        assert!(
+            (0..3).all(|i| (eye[i] - expected[i]).abs() < 1e-12),
+            "{eye:?}"
+        );
         assert_eq!(orbit.eye(pose, 0, 4), pose[0]);
         assert_eq!(orbit.eye(pose, 4, 4), pose[0]);
     }

@@ -1,20 +1,8 @@
 //! The keyframes of one value, and the values between them.
 
-use serde::Deserialize;
-
+use super::interpolation::Interpolation;
 use super::keyframe::{Keyframe, KeyframeValue};
 use crate::yaml::{Fault, FieldPath};
-
-/// How a value changes from one keyframe to the next.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "`linear` or `smooth`")]
-pub enum Interpolation {
-    /// By the same amount in each frame.
-    #[default]
-    Linear,
-    /// By a cubic curve that begins and ends at rest and never goes beyond the two values.
-    Smooth,
-}
 
 /// Checks the keyframes of the value at `path`.
 pub(super) fn check(track: &[Keyframe], n_frames: u32, path: &FieldPath) -> Result<(), Fault> {
@@ -99,7 +87,10 @@ fn slope(track: &[Keyframe], index: usize, i: usize) -> f64 {
     let (before, at) = (&track[before], &track[index]);
     let side = |from: &Keyframe, to: &Keyframe| {
         let span = f64::from(to.frame - from.frame);
-        (span, (to.value.numbers()[i] - from.value.numbers()[i]) / span)
+        (
+            span,
+            (to.value.numbers()[i] - from.value.numbers()[i]) / span,
+        )
     };
     let ((left, rise_before), (right, rise_after)) = (side(before, at), side(at, after));
     if rise_before * rise_after <= 0.0 {

@@ -1,10 +1,11 @@
 //! `raycost check`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::run_summary::primitives;
-use super::scene::SceneArguments;
+use super::scene::{OpenScene, SceneArguments};
 use super::{Failure, on_threads, shown};
+use crate::animation::MAX_FRAMES;
 use crate::color::{ToneCurve, Transfer};
 use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
 use crate::folder::SUMMARY;
@@ -14,7 +15,9 @@ use crate::render::most_repeats;
 use crate::results::{read_unchanged, verify};
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
-use crate::session::Input;
+use crate::series::frame_folder;
+use crate::session::{Frames, Input};
+use crate::stop;
 use crate::text::numbers::{bytes, count, counted};
 use crate::text::{self, Diagnostic};
 
@@ -36,19 +39,18 @@ pub(super) struct CheckArguments {
 }
 
 impl CheckArguments {
-    /// Checks the scene without printing a report.
+    /// Checks a scene that a study measures, without printing a report.
     ///
     /// # Errors
-    /// The first fault of the scene.
+    /// The first fault of the scene; or it has many frames.
     pub(super) fn find_fault(&self) -> Result<(), Diagnostic> {
-        let Input {
-            document,
-            config,
-            geometries,
-            ..
-        } = self.scene.load(self.frame)?;
-        let scene = Scene::new(&config, geometries);
-        scene.map(|_| ()).map_err(|fault| document.point_at(fault))
+        let scene = self.scene.open()?;
+        if scene.frames.is_some() {
+            let message = format!("the scene {} is animated", shown(&self.scene.scene));
+            return Err(Diagnostic::new(message)
+                .with_help("a study measures stills: leave out `animation` and data series"));
+        }
+        placed(&scene, 0).map(drop)
     }
 }
 
@@ -57,37 +59,81 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
-    if arguments.scene.scene.join(SUMMARY).exists() {
-        return verified(&arguments.scene.scene);
+    let folder = &arguments.scene.scene;
+    if folder.join(SUMMARY).exists() {
+        return verified(folder, std::slice::from_ref(folder));
     }
+    let frames = frame_folders(folder);
+    if !frames.is_empty() {
+        return verified(folder, &frames);
+    }
+    let scene = arguments.scene.open()?;
+    if let Some(frame) = arguments.frame {
+        scene.check_frame(frame)?;
+    }
+    let n_frames = scene.frames.as_ref().map_or(1, Frames::n_frames);
+    for number in 0..n_frames {
+        scene.at(number)?;
+        stop::check()?;
+    }
+    let (config, placed, memory) = placed(&scene, arguments.frame.unwrap_or(0))?;
+    let report = report(arguments, &scene, &config, &placed, &memory);
+    Ok(text::print(&report)?)
+}
+
+/// The config of a frame, or of a still, the scene in world space, and the memory of its
+/// rendering.
+fn placed(scene: &OpenScene, frame: u32) -> Result<(Config, Scene, Memory), Diagnostic> {
+    let (document, config) = scene.at(frame)?;
+    let input = Input::read(document, config, Memory::of)?;
     let Input {
         document,
         config,
         geometries,
         ..
-    } = arguments.scene.load(arguments.frame)?;
+    } = input;
     let memory = Memory::of(&config, &geometries);
-    let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
-    let report = report(&arguments.scene, &config, &scene, &memory);
-    Ok(text::print(&report)?)
+    let placed = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
+    Ok((config, placed, memory))
 }
 
-/// Compares the files of an output folder with its summary.
-fn verified(folder: &Path) -> Result<(), Failure> {
-    let verdicts = read_unchanged(&[folder], || verify(folder))?;
-    let broken: Vec<String> = verdicts
-        .iter()
-        .filter_map(|verdict| Some(format!("{}: {}", verdict.name, verdict.fault.as_ref()?)))
-        .collect();
-    let (n, shown) = (verdicts.len() as u64, shown(folder));
+/// The folders of the frames in the output of an animated scene.
+fn frame_folders(folder: &Path) -> Vec<PathBuf> {
+    let folders = (0..MAX_FRAMES).map(|number| folder.join(frame_folder(number)));
+    folders
+        .take_while(|folder| folder.join(SUMMARY).exists())
+        .collect()
+}
+
+/// Compares the files of output folders, which are `folder` or its frames, with their
+/// summaries.
+fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> {
+    let (mut n, mut broken) = (0, Vec::new());
+    for part in parts {
+        let within = part.strip_prefix(folder).unwrap_or(Path::new(""));
+        let verdicts = read_unchanged(&[part], || verify(part))?;
+        n += verdicts.len() as u64;
+        broken.extend(verdicts.iter().filter_map(|verdict| {
+            let name = within.join(&verdict.name);
+            Some(format!("{}: {}", name.display(), verdict.fault.as_ref()?))
+        }));
+    }
+    let shown = shown(folder);
+    let files = match parts {
+        [one] if one == folder => counted(n, "file"),
+        frames => format!(
+            "{} in {}",
+            counted(n, "file"),
+            counted(frames.len() as u64, "frame")
+        ),
+    };
     if broken.is_empty() {
-        let text = format!("output  {shown} is whole: {}\n", counted(n, "file"));
+        let text = format!("output  {shown} is whole: {files}\n");
         return Ok(text::print(&text)?);
     }
     let message = format!(
-        "`{shown}` is damaged, {} of {}:\n{}",
+        "`{shown}` is damaged, {} of {files}:\n{}",
         broken.len(),
-        counted(n, "file"),
         broken.join("\n")
     );
     Err(Diagnostic::new(message)
@@ -95,7 +141,22 @@ fn verified(folder: &Path) -> Result<(), Failure> {
         .into())
 }
 
-fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &Memory) -> String {
+fn report(
+    arguments: &CheckArguments,
+    open: &OpenScene,
+    config: &Config,
+    scene: &Scene,
+    memory: &Memory,
+) -> String {
+    let arguments = &arguments.scene;
+    let frames = open
+        .frames
+        .as_ref()
+        .map(|frames| ("frames", frames_of(frames, config)));
+    let folder = match &open.frames {
+        None => arguments.out(),
+        Some(_) => arguments.out().join("frames/NNNN"),
+    };
     let image = &config.image;
     let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
     let structure = match config.acceleration {
@@ -157,12 +218,28 @@ fn report(arguments: &SceneArguments, config: &Config, scene: &Scene, memory: &M
                 bytes(memory::available())
             ),
         ),
-        ("files", files(config, &arguments.out())),
+        ("files", files(config, &folder)),
     ];
+    // Behind the line about the scene.
+    let (first, others) = lines.split_at(1);
+    let lines = first.iter().chain(&frames).chain(others);
     lines
-        .iter()
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect()
+}
+
+/// The number of frames, their times, and the rays of all.
+fn frames_of(frames: &Frames, config: &Config) -> String {
+    let n_frames = frames.n_frames();
+    let image = &config.image;
+    let n_samples = image.n_pixels() as u64 * u64::from(image.samples_per_pixel);
+    let [first, last] = [0, n_frames - 1].map(|number| frames.frame(number).time);
+    format!(
+        "{}, times {first} to {last}, {} per second in the video; in all {} from the camera",
+        counted(n_frames.into(), "frame"),
+        frames.fps(),
+        counted(u64::from(n_frames) * n_samples, "ray"),
+    )
 }
 
 /// The files that would be written.

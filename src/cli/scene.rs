@@ -151,16 +151,8 @@ impl OpenScene<'_> {
 }
 
 impl SceneArguments {
-    /// Reads the scene, of an animation the first frame or this one, and checks that it fits
-    /// into memory with its film.
-    ///
-    /// # Errors
-    /// The first fault of the scene.
-    pub(super) fn load(&self, frame: Option<u32>) -> Result<Input, Diagnostic> {
-        self.load_for(frame, Memory::of)
-    }
-
-    /// Reads the scene and checks that the memory that a command needs is available.
+    /// Reads the scene, of an animation the first frame or this one, and checks that the
+    /// memory that a command needs is available.
     ///
     /// # Errors
     /// The first fault of the scene.

@@ -39,12 +39,20 @@ impl GeometryFile {
         }
     }
 
-    /// The file, relative to the scene file's folder.
+    /// The file, relative to the scene file's folder, or a series of files.
     pub fn file(&self) -> &Path {
         match self {
             Self::Mesh(mesh) => &mesh.file,
             Self::Spheres(spheres) => &spheres.file,
             Self::Tubes(tubes) => &tubes.file,
+        }
+    }
+
+    /// The same with another file.
+    pub fn with_file(&self, file: PathBuf) -> Self {
+        match self.clone() {
+            Self::Mesh(mesh) => Self::Mesh(MeshFile { file, ..mesh }),
+            Self::Spheres(spheres) => Self::Spheres(SpheresFile { file, ..spheres }),
         }
     }
 }
@@ -74,7 +82,8 @@ impl fmt::Display for GeometryFile {
     expecting = "a mesh such as { file: meshes/spot.obj }"
 )]
 pub struct MeshFile {
-    /// The file, relative to the scene file's folder.
+    /// The file, relative to the scene file's folder; or one for each time step:
+    /// `step_%04d.vtu`, or a list of ParaView, `.pvd` or `.vtu.series`.
     pub file: PathBuf,
     /// The shading normals.
     #[serde(default)]
@@ -113,7 +122,8 @@ pub enum MeshNormals {
     expecting = "spheres such as { file: particles.csv, radius: 0.01 }"
 )]
 pub struct SpheresFile {
-    /// The file, relative to the scene file's folder.
+    /// The file, relative to the scene file's folder; or one for each time step:
+    /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
     pub file: PathBuf,
     /// The radius of all spheres, greater than 0, if the table has no column `r`; of the
     /// points of a VTK file also an array of radii.

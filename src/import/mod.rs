@@ -15,6 +15,7 @@ mod spheres;
 mod tubes;
 mod stl;
 mod vtk;
+mod series;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -25,6 +26,7 @@ use crate::stop;
 pub use fault::{FileFault, FileLocation};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
+pub use series::{DataSeries, TimeStep, is_series, read_series};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
 pub use vtk::{ArrayChoice, ArrayOf, RadiusChoice};

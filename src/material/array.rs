@@ -210,27 +210,48 @@ impl ArrayTexture {
         if let ArrayRange::Given(ends) = self.range {
             return ends;
         }
+        let [low, high] = self.shown_ends(numbers).unwrap_or([1.0; 2]);
+        // One number has the middle color.
+        match (low < high, self.scale) {
+            (true, _) => [low, high],
+            (false, ArrayScale::Log) => [low / 2.0, low * 2.0],
+            (false, ArrayScale::Linear) => {
+                let margin = (low.abs() * 1e-3).max(0.5);
+                [low - margin, low + margin]
+            }
+        }
+    }
+
+    /// Whether the colors depend on all numbers of the data.
+    pub fn is_of_data(&self) -> bool {
+        self.map.n_categories().is_none() && !matches!(self.range, ArrayRange::Given(_))
+    }
+
+    /// Gives the array the range from the least to the greatest of these ends of several
+    /// lists of numbers, and returns it.
+    pub fn span(&mut self, ends: &[[f32; 2]]) -> [f32; 2] {
+        self.range = ArrayRange::Data;
+        let ends = self.ends(ends.as_flattened());
+        self.range = ArrayRange::Given(ends);
+        ends
+    }
+
+    /// The least and the greatest of the numbers that have colors, or their quantiles;
+    /// `None` if none has.
+    pub fn shown_ends(&self, numbers: &[f32]) -> Option<[f32; 2]> {
         let is_log = self.scale == ArrayScale::Log;
         let is_shown = |x: &f32| x.is_finite() && (!is_log || *x >= f32::MIN_POSITIVE);
         let mut shown: Vec<f32> = numbers.iter().copied().filter(is_shown).collect();
         shown.sort_unstable_by(f32::total_cmp);
         let at = |share: f64| {
             let index = share * (shown.len().max(1) - 1) as f64;
-            shown.get(index.round() as usize).copied().unwrap_or(1.0)
+            shown.get(index.round() as usize).copied()
         };
         let [low, high] = match self.range {
-            ArrayRange::Quantiles => [at(0.01), at(0.99)],
-            _ => [at(0.0), at(1.0)],
+            ArrayRange::Quantiles => [0.01, 0.99].map(at),
+            _ => [0.0, 1.0].map(at),
         };
-        // One number has the middle color.
-        match (low < high, is_log) {
-            (true, _) => [low, high],
-            (false, true) => [low / 2.0, low * 2.0],
-            (false, false) => {
-                let margin = (low.abs() * 1e-3).max(0.5);
-                [low - margin, low + margin]
-            }
-        }
+        Some([low?, high?])
     }
 }
 

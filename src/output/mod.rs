@@ -45,8 +45,8 @@ pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 use rayon::prelude::*;
 
 use file::{FileContent, Job};
-use states::States;
 pub(crate) use states::StateValues;
+use states::States;
 
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;

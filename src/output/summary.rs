@@ -11,8 +11,8 @@ use crate::film::Film;
 use crate::folder::SUMMARY;
 use crate::instruments::peak_memory_bytes;
 use crate::summary::{
-    AccelerationSection, Build, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
-    RepeatsSection, SceneSection, StageEntry, Summary,
+    AccelerationSection, Build, CostSection, FileEntry, FilmSection, FrameSection, Machine,
+    ObjectEntry, RepeatsSection, SceneSection, StageEntry, Summary,
 };
 use crate::text::numbers::milliseconds;
 

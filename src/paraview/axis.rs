@@ -194,7 +194,13 @@ impl Axis {
 
 impl From<StoredAxis> for Axis {
     fn from(stored: StoredAxis) -> Self {
-        let StoredAxis { array, name, scale, ends, .. } = stored;
+        let StoredAxis {
+            array,
+            name,
+            scale,
+            ends,
+            ..
+        } = stored;
         let axis = Self::new(&array, &name, scale, ends).with_labels(stored.n_labels);
         if stored.is_time { axis.of_time() } else { axis }
     }

@@ -12,8 +12,8 @@ mod data;
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use frame::complete_frame;
 pub use data::{ArrayInfo, FrameFile, HitsFile, LoadedArray};
+pub(crate) use frame::complete_frame;
 pub use objects::ObjectsTable;
 pub use verify::{Verdict, verify};
 
@@ -24,6 +24,9 @@ use crate::provenance::checksum;
 use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::text::Diagnostic;
 use crate::text::numbers::{count, counted};
+
+/// The folder of the first frame in that of an animated scene's output.
+const FIRST_FRAME: &str = "frames/0000";
 
 /// An output folder whose summary has been read.
 #[derive(Debug, Clone)]
@@ -55,7 +58,11 @@ impl Results {
         let path = folder.join(summary::FILE);
         if !path.exists() {
             let message = format!("`{shown}` holds no output: it has no summary.json");
-            return Err(Diagnostic::new(message).with_help(hint));
+            let help = match folder.join(FIRST_FRAME) {
+                frame if frame.is_dir() => format!("give one of its frames: {}", frame.display()),
+                _ => hint.to_owned(),
+            };
+            return Err(Diagnostic::new(message).with_help(help));
         }
         Ok(Self {
             folder: folder.to_owned(),
@@ -159,8 +166,17 @@ impl Results {
 
     fn advice(&self) -> String {
         let scene = &self.summary.scene.file;
-        let folder = self.folder.display();
-        format!("render it again: raycost render {scene} --out {folder}")
+        let (folder, frame) = match &self.summary.frame {
+            None => (Some(self.folder.as_path()), String::new()),
+            // A frame's folder is `frames/NNNN` in that of the series.
+            Some(frame) => (
+                self.folder.ancestors().nth(2),
+                format!(" --frames {}", frame.number),
+            ),
+        };
+        let folder = folder.filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new(".")).display();
+        format!("render it again: raycost render {scene} --out {folder}{frame}")
     }
 }
 

@@ -7,7 +7,7 @@ use super::arrays;
 use super::pictures::Pictures;
 use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
 use crate::geometry::Shape;
-use crate::import::{self, ArrayChoice, Mesh, Spheres, Tubes};
+use crate::import::{self, ArrayChoice, DataSeries, Mesh, Spheres, Tubes};
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
@@ -74,10 +74,8 @@ impl Geometries {
                     let path = path.key(file.to_string()).key("file");
                     let folder = folders.folder_of(&path);
                     let available = available.saturating_sub(found.n_bytes());
-                    check_size(&folder.join(file.file()), available, &path).and_then(|()| {
-                        let array = arrays::choice(config, object)?;
-                        read(file, folder, array).map_err(|fault| fault.at_value(&path))
-                    })?
+                    let array = arrays::choice(config, object)?;
+                    read_checked(file, folder, array, available, &path)?
                 }
             });
         }
@@ -111,6 +109,28 @@ impl Geometries {
         };
         self.objects.iter().map(of_object).sum()
     }
+}
+
+/// Reads a file that fits into memory; of a series the first one. `path` is that of the
+/// value that names it.
+pub(super) fn read_checked(
+    file: &GeometryFile,
+    folder: &Path,
+    array: Option<&ArrayChoice>,
+    available: u64,
+    path: &FieldPath,
+) -> Result<ObjectGeometry, Fault> {
+    let of_series;
+    let file = if import::is_series(file.file()) {
+        let series = import::read_series(folder, file.file());
+        let DataSeries(steps) = series.map_err(|fault| fault.at_value(path))?;
+        of_series = file.with_file(steps[0].file.clone());
+        &of_series
+    } else {
+        file
+    };
+    check_size(&folder.join(file.file()), available, path)?;
+    read(file, folder, array).map_err(|fault| fault.at_value(path))
 }
 
 /// Makes sure that the file fits into memory, whatever it contains.

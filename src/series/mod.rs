@@ -123,7 +123,9 @@ impl FrameSeries {
         let _lock: File = lock_folder_in_turn(folder)?;
         let mut written = Vec::new();
         let mut write = |name: String, bytes: &[u8]| {
-            write_file(&folder.join(&name), Replace::Marked, |out| out.write_all(bytes))?;
+            write_file(&folder.join(&name), Replace::Marked, |out| {
+                out.write_all(bytes)
+            })?;
             written.push(name);
             Ok::<(), WriteError>(())
         };
@@ -152,13 +154,14 @@ impl FrameSeries {
 
     /// The states, by their names.
     fn states(&self, folder: &Path, run: RunId) -> Vec<(String, String)> {
-        let (Some(values), Some(first)) = (&self.states, self.frames.first()) else {
+        let (Some(values), [first, ..]) = (&self.states, self.frames.as_slice()) else {
             return Vec::new();
         };
+        let end = self.frames.last().map_or(first.time, |last| last.time);
         // Absolute, because ParaView may be started in any folder.
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         let path_of = |file: &str| folder.join(pvd::name_of(file));
-        states::of_files(&first.files, values, path_of, run)
+        states::of_files(&first.files, values, [first.time, end], path_of, run)
     }
 
     /// The command that shows the frames in ParaView; `None` without states.

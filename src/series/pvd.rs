@@ -26,7 +26,9 @@ pub(super) fn collections(frames: &[SeriesFrame], run: RunId) -> Vec<(String, St
     }
     let all = (format!("{PREFIX}.pvd"), collection(frames, &names, run));
     let single = |name: &&str| (name_of(name), collection(frames, &[name], run));
-    std::iter::once(all).chain(names.iter().map(single)).collect()
+    std::iter::once(all)
+        .chain(names.iter().map(single))
+        .collect()
 }
 
 /// A collection whose parts are these files of each frame.

@@ -17,7 +17,10 @@ const PLOTTED: [(&str, &str, f64); 4] = [
 
 /// A row for each frame: its number, its time, the ID of its run, and its metrics.
 pub(super) fn csv(frames: &[SeriesFrame]) -> Vec<u8> {
-    let names: IndexSet<&String> = frames.iter().flat_map(|frame| frame.metrics.0.keys()).collect();
+    let names: IndexSet<&String> = frames
+        .iter()
+        .flat_map(|frame| frame.metrics.0.keys())
+        .collect();
     let mut table = vec![format!("frame,time,{KEY}")];
     names.iter().for_each(|name| {
         table[0].push(',');
@@ -40,13 +43,16 @@ pub(super) fn csv(frames: &[SeriesFrame]) -> Vec<u8> {
 /// The cost of the frames over time as SVG; `None` if nothing was measured.
 pub(super) fn plot(title: &str, frames: &[SeriesFrame], run: RunId) -> Option<String> {
     let value = |frame: &SeriesFrame, name: &str| frame.metrics.0.get(name).copied();
-    let is_measured = |(name, ..): &&(&str, &str, f64)| {
-        frames.iter().any(|frame| value(frame, name).is_some())
-    };
+    let is_measured =
+        |(name, ..): &&(&str, &str, f64)| frames.iter().any(|frame| value(frame, name).is_some());
     let (name, y_title, factor) = PLOTTED.iter().find(is_measured)?;
     let point = |frame: &SeriesFrame| Some([frame.time, factor * value(frame, name)?]);
     let points = frames.iter().filter_map(point);
-    let figure = Figure::line(&format!("{title}: cost over time"), ["Time", y_title], points);
+    let figure = Figure::line(
+        &format!("{title}: cost over time"),
+        ["Time", y_title],
+        points,
+    );
     let svg = figure.to_svg().ok()?;
     Some(stamped(&svg, run))
 }

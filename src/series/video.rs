@@ -72,8 +72,21 @@ impl FrameSeries {
         let pictures = format!("{FRAMES}/%04d/image.png");
         let (fps, n_frames) = (fps.to_string(), self.n_frames().to_string());
         [
-            &["-y", "-loglevel", "error", "-framerate", &fps, "-i", &pictures][..],
-            &["-frames:v", &n_frames, "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"],
+            &[
+                "-y",
+                "-loglevel",
+                "error",
+                "-framerate",
+                &fps,
+                "-i",
+                &pictures,
+            ][..],
+            &[
+                "-frames:v",
+                &n_frames,
+                "-vf",
+                "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            ],
             &["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"],
             &["-movflags", "+faststart"],
         ]

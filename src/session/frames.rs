@@ -2,6 +2,7 @@
 
 use super::fingerprint;
 use crate::config::Config;
+use crate::memory;
 use crate::scene::{SceneFrame, Timeline};
 use crate::summary::FrameSection;
 use crate::text::Diagnostic;
@@ -20,9 +21,13 @@ impl Frames {
     /// # Errors
     /// The first mistake in the section `animation`.
     pub(crate) fn of(document: &Document, config: &Config) -> Result<Option<Self>, Diagnostic> {
-        let timeline = Timeline::of(config, document);
-        let timeline = timeline.map_err(|fault| document.point_at(fault))?;
-        Ok(timeline.map(|timeline| Self {
+        let point_at = |fault| document.point_at(fault);
+        let Some(mut timeline) = Timeline::of(config, document).map_err(point_at)? else {
+            return Ok(None);
+        };
+        let found = timeline.find_ranges(config, document, memory::available());
+        found.map_err(point_at)?;
+        Ok(Some(Self {
             document: document.clone(),
             timeline,
         }))
@@ -72,13 +77,10 @@ impl Frames {
     /// # Errors
     /// A keyframe's path that the scene does not have, or a value that it cannot have.
     pub(crate) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
-        let Timeline {
-            animation,
-            n_frames,
-        } = &self.timeline;
-        let document = animation.at_frame(&self.document, number, *n_frames)?;
+        let (animation, n_frames) = (&self.timeline.animation, self.timeline.n_frames);
+        let document = animation.at_frame(&self.document, number, n_frames)?;
         let mut config: Config = document.parse()?;
-        config.animation = None;
+        self.timeline.make_still(&mut config, number);
         Ok((document, config))
     }
 }

@@ -18,7 +18,8 @@ pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
 pub use program::{Build, Machine, Threads};
 pub(crate) use read::{MAX_BYTES, read_json};
 pub use scene::{
-    AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry, SceneSection,
+    AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry,
+    SceneSection,
 };
 pub use timing::{OverheadSection, RepeatsSection, StageEntry, ThreadTime};
 pub(crate) use write::is_whole;

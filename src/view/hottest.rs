@@ -46,8 +46,10 @@ pub(super) fn json(
 /// The command that traces pixels of this rendering, without `--pixel`.
 pub(super) fn trace_command(summary: &Summary) -> String {
     let image = &summary.image;
+    let frame = summary.frame.as_ref();
+    let frame = frame.map_or(String::new(), |frame| format!(" --frame {}", frame.number));
     format!(
-        "raycost trace {} --width {} --height {} --spp {} --seed {}",
+        "raycost trace {}{frame} --width {} --height {} --spp {} --seed {}",
         shell_word(Path::new(&summary.scene.file)),
         image.width,
         image.height,

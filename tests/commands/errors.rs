@@ -21,7 +21,7 @@ use std::path::PathBuf;
 
 use raycost::config::Config;
 use raycost::memory::Memory;
-use raycost::scene::{Geometries, Scene};
+use raycost::scene::{Geometries, Scene, Timeline};
 use raycost::text::Diagnostic;
 use raycost::yaml::Source;
 
@@ -117,6 +117,7 @@ fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let source = Source::new("scene.yaml", text);
     let config: Config = source.parse()?;
     let check = || {
+        Timeline::of(&config, source.folder())?;
         let geometries = Geometries::read(&config, source.folder(), available)?;
         Memory::of(&config, &geometries).check(available)?;
         Scene::new(&config, geometries).map(drop)

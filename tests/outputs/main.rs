@@ -33,6 +33,7 @@ mod paraview_states;
 mod paraview_window;
 mod picture;
 mod results;
+mod series;
 mod view;
 mod vtk_files;
 mod vtk_rays;

@@ -9,22 +9,16 @@ use crate::cli::progress::Bars;
 use crate::cli::scene::OpenScene;
 use crate::cli::{Failure, shell_word, shown};
 use crate::config::Config;
+use crate::instruments::Stages;
 use crate::memory::Memory;
 use crate::results::complete_frame;
 use crate::series::{FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
 use crate::stop;
 use crate::summary::FrameSection;
-use crate::text::numbers::{counted, duration};
 use crate::text;
+use crate::text::numbers::{counted, duration};
 use crate::yaml::Document;
-
-/// The frames that a run did and did not render.
-#[derive(Default)]
-struct Tally {
-    n_rendered: u64,
-    n_kept: u64,
-}
 
 /// Renders the frames that are not complete, and writes what plays all complete ones.
 pub(super) fn render(
@@ -41,33 +35,34 @@ pub(super) fn render(
         stop::check()?;
     }
     FrameSeries::refuse_foreign(&out)?;
-    let run = Run {
+    let job = FrameJob {
         arguments,
         scene,
         frames,
         out: &out,
     };
-    let mut tally = Tally::default();
+    let (mut n_rendered, mut n_kept) = (0, 0);
     for number in wanted {
         let folder = out.join(frame_folder(number));
-        let (document, config, section) = run.frame(number)?;
+        let (document, config, section) = job.frame(number)?;
         if complete_frame(&folder, &section).is_some() {
-            tally.n_kept += 1;
+            n_kept += 1;
             continue;
         }
-        run.render(&folder, document, config, section)?;
-        tally.n_rendered += 1;
+        job.render(&folder, document, config, section)?;
+        n_rendered += 1;
     }
-    let lines = run.finish()?;
+    let lines = job.finish()?;
     if !arguments.quiet {
-        let Tally { n_rendered, n_kept } = tally;
         let kept = match n_kept {
             0 => String::new(),
             n => format!(", {n} complete from an earlier run"),
         };
         let rendered = counted(n_rendered, "frame");
         let took = duration(start.elapsed());
-        text::print(&format!("frames  {rendered} rendered in {took}{kept}\n{lines}"))?;
+        text::print(&format!(
+            "frames  {rendered} rendered in {took}{kept}\n{lines}"
+        ))?;
     }
     Ok(())
 }
@@ -87,7 +82,7 @@ fn wanted(
 }
 
 /// A run that renders frames.
-struct Run<'a> {
+struct FrameJob<'a> {
     arguments: &'a RenderArguments,
     scene: &'a OpenScene<'a>,
     frames: &'a Frames,
@@ -95,7 +90,7 @@ struct Run<'a> {
     out: &'a Path,
 }
 
-impl Run<'_> {
+impl FrameJob<'_> {
     /// The scene at a frame, and the section of its summary.
     fn frame(&self, number: u32) -> Result<(Document, Config, FrameSection), Failure> {
         let (document, config) = self.scene.at(number)?;
@@ -119,7 +114,7 @@ impl Run<'_> {
         section: FrameSection,
     ) -> Result<(), Failure> {
         let arguments = self.arguments;
-        let stages = arguments.start_stages();
+        let stages = Stages::start(arguments.hardware());
         let profiler = arguments.profile.then(start_profiler).transpose()?;
         let (number, n_frames) = (section.number, section.n_frames);
         let input = Input::read_frame(document, config, section, Memory::of)?;
@@ -186,7 +181,10 @@ impl Run<'_> {
                 format!("video   ffmpeg is not installed; where it is: {command}\n")
             }
             Video::Failed(why, command) => {
-                format!("video   ffmpeg failed: {}\n        {command}\n", text::one_line(&why))
+                format!(
+                    "video   ffmpeg failed: {}\n        {command}\n",
+                    text::one_line(&why)
+                )
             }
         })
     }

@@ -4,10 +4,10 @@ mod frames;
 
 use std::io;
 
+use crate::animation::FrameRange;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, run_summary};
-use crate::animation::FrameRange;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::Memory;
 use crate::session::{Event, Input, Options, Session};
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             stop::request();
         });
     }
-    let stages = arguments.start_stages();
+    let stages = Stages::with_start(arguments.hardware());
     let scene = arguments.scene.open()?;
     if let Some(frames) = &scene.frames {
         return frames::render(arguments, &scene, frames);
@@ -96,13 +96,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 }
 
 impl RenderArguments {
-    /// Starts the first stage.
-    fn start_stages(&self) -> Stages {
-        Stages::with_start(if self.hardware_counters {
+    /// The hardware counters, if they are asked for.
+    fn hardware(&self) -> HardwareCounters {
+        if self.hardware_counters {
             HardwareCounters::start()
         } else {
             HardwareCounters::none()
-        })
+        }
     }
 
     /// How a session renders.

@@ -7,6 +7,7 @@ mod budget;
 mod numbers;
 mod encoded;
 mod document;
+mod collection;
 mod cells;
 mod piece;
 mod surface;
@@ -24,6 +25,7 @@ use super::spheres::Spheres;
 use super::tubes::Tubes;
 use super::{FileFault, Result, extension, open};
 use budget::Budget;
+pub(super) use collection::read as read_collection;
 use piece::{Piece, Wanted};
 use xml::Contents;
 

@@ -77,7 +77,8 @@ impl<'a> States<'a> {
 
     /// Returns a template with its keys replaced by values, in ASCII.
     pub(super) fn filled(&self, template: &str) -> String {
-        self.values.filled(template, |file| self.folder.path_of(file))
+        self.values
+            .filled(template, |file| self.folder.path_of(file))
     }
 }
 
