@@ -43,6 +43,7 @@ pub enum KeyframeValue {
 const MAX_NUMBERS: usize = 16;
 /// Largest magnitude of a number, as in all of a scene.
 const MAX_MAGNITUDE: f64 = 1e15;
+const NUMBER: &str = "a number from -1e15 to 1e15";
 const EXPECTED: &str = "a number, a list of numbers or a color \"#rrggbb\"";
 
 impl KeyframeValue {
@@ -120,7 +121,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<KeyframeValue, A::Error> {
         let mut numbers = Vec::new();
-        while let Some(Entry(number)) = list.next_element()? {
+        while let Some(Coordinate(number)) = list.next_element()? {
             if numbers.len() == MAX_NUMBERS {
                 return Err(A::Error::invalid_length(
                     numbers.len() + 1,
@@ -137,12 +138,33 @@ impl<'de> Visitor<'de> for ValueVisitor {
 }
 
 /// A number of a list.
-struct Entry(f64);
+struct Coordinate(f64);
 
-impl<'de> Deserialize<'de> for Entry {
+impl<'de> Deserialize<'de> for Coordinate {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        let number = f64::deserialize(d)?;
-        number_of(number).map(Self)
+        d.deserialize_any(CoordinateVisitor)
+    }
+}
+
+struct CoordinateVisitor;
+
+impl Visitor<'_> for CoordinateVisitor {
+    type Value = Coordinate;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(NUMBER)
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Coordinate, E> {
+        number_of(number).map(Coordinate)
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<Coordinate, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<Coordinate, E> {
+        self.visit_f64(number as f64)
     }
 }
 
@@ -151,5 +173,5 @@ fn number_of<E: Error>(number: f64) -> Result<f64, E> {
         return Ok(number);
     }
     let found = serde::de::Unexpected::Float(number);
-    Err(E::invalid_value(found, &"a number from -1e15 to 1e15"))
+    Err(E::invalid_value(found, &NUMBER))
 }

@@ -6,7 +6,7 @@ use std::time::UNIX_EPOCH;
 use crate::background::Background;
 use crate::config::{Config, Geometry};
 use crate::import;
-use crate::provenance::Hasher;
+use crate::provenance::{Checksum, Hasher};
 use crate::scene::SceneFrame;
 use crate::summary::{Build, FrameSection};
 use crate::yaml::{Document, FieldPath, Folders};
@@ -32,7 +32,8 @@ pub(super) fn section_of(
     let program = (version, commit, flags);
     let mut hasher = Hasher::new();
     hasher.add(format!("{program:?}{scene:?}{:?}", (number, time)).as_bytes());
-    for file in files(document, config) {
+    let files = picture_files(document, config).into_iter();
+    for file in files.chain(geometry_files(document, config)) {
         hasher.add(format!("{:?}", state_of(&file)).as_bytes());
     }
     FrameSection {
@@ -54,8 +55,20 @@ fn state_of(file: &Path) -> (&Path, u64, u128) {
     (file, metadata.len(), since.unwrap_or_default().as_nanos())
 }
 
-/// All files that the config names, with the pieces of data sets.
-fn files(document: &Document, config: &Config) -> Vec<PathBuf> {
+/// A hash of all that determines the primitives of the scene and the acceleration structure
+/// over them.
+pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
+    let materials: Vec<&String> = config.materials.keys().collect();
+    let mut hasher = Hasher::new();
+    hasher.add(format!("{:?}", (&config.objects, materials, config.acceleration)).as_bytes());
+    for file in geometry_files(document, config) {
+        hasher.add(format!("{:?}", state_of(&file)).as_bytes());
+    }
+    hasher.checksum()
+}
+
+/// The files of pictures that the config names.
+fn picture_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     let root = FieldPath::default;
     let mut found = Vec::new();
     for (name, material) in &config.materials {
@@ -66,9 +79,15 @@ fn files(document: &Document, config: &Config) -> Vec<PathBuf> {
         let folder = document.folder_of(&root().key("background"));
         found.push(folder.join(&map.file));
     }
+    found
+}
+
+/// The files of objects that the config names, with the pieces of data sets.
+fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
+    let mut found = Vec::new();
     for (index, object) in config.objects.iter().enumerate() {
         if let Geometry::File(file) = &object.geometry {
-            let path = root().key("objects").index(index);
+            let path = FieldPath::default().key("objects").index(index);
             let path = path.key(file.to_string()).key("file");
             let file = document.folder_of(&path).join(file.file());
             found.extend(import::pieces_of(&file));

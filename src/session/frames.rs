@@ -3,6 +3,7 @@
 use super::fingerprint;
 use crate::config::Config;
 use crate::memory;
+use crate::provenance::Checksum;
 use crate::scene::{SceneFrame, Timeline};
 use crate::summary::FrameSection;
 use crate::text::Diagnostic;
@@ -70,6 +71,12 @@ impl Frames {
         flags: &str,
     ) -> FrameSection {
         fingerprint::section_of(document, config, self.frame(number), flags)
+    }
+
+    /// A hash of all that determines the primitives of a frame and the acceleration structure
+    /// over them.
+    pub(crate) fn geometry(document: &Document, config: &Config) -> Checksum {
+        fingerprint::of_geometry(document, config)
     }
 
     /// The scene at a frame: a still.

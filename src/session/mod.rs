@@ -230,6 +230,16 @@ impl Session {
         })
     }
 
+    /// Takes over the index of the acceleration structure over the same primitives.
+    pub(crate) fn keep_index(&self, index: Arc<AccelIndex>) {
+        let _ = self.index.set(index);
+    }
+
+    /// The index of the acceleration structure, once there is one.
+    pub(crate) fn index(&self) -> Option<Arc<AccelIndex>> {
+        self.index.get().cloned()
+    }
+
     /// Returns the acceleration structure, after building it if there is none.
     fn accel(&self, options: &Options, stages: &mut Stages) -> Result<Accel<'_>, RenderError> {
         let primitives = &self.scene.primitives;

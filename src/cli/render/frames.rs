@@ -2,15 +2,18 @@
 
 use std::ops::RangeInclusive;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{RenderArguments, start_profiler};
+use crate::accel::AccelIndex;
 use crate::cli::progress::Bars;
 use crate::cli::scene::OpenScene;
 use crate::cli::{Failure, shell_word, shown};
 use crate::config::Config;
 use crate::instruments::Stages;
 use crate::memory::Memory;
+use crate::provenance::Checksum;
 use crate::results::complete_frame;
 use crate::series::{FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
@@ -35,11 +38,12 @@ pub(super) fn render(
         stop::check()?;
     }
     FrameSeries::refuse_foreign(&out)?;
-    let job = FrameJob {
+    let mut job = FrameJob {
         arguments,
         scene,
         frames,
         out: &out,
+        hierarchy: None,
     };
     let (mut n_rendered, mut n_kept) = (0, 0);
     for number in wanted {
@@ -88,6 +92,8 @@ struct FrameJob<'a> {
     frames: &'a Frames,
     /// The folder of the series.
     out: &'a Path,
+    /// The index of the last frame's acceleration structure, and the hash of its geometry.
+    hierarchy: Option<(Checksum, Arc<AccelIndex>)>,
 }
 
 impl FrameJob<'_> {
@@ -107,7 +113,7 @@ impl FrameJob<'_> {
 
     /// Renders a frame into its folder.
     fn render(
-        &self,
+        &mut self,
         folder: &Path,
         document: Document,
         config: Config,
@@ -118,13 +124,25 @@ impl FrameJob<'_> {
         let profiler = arguments.profile.then(start_profiler).transpose()?;
         let (number, n_frames) = (section.number, section.n_frames);
         let input = Input::read_frame(document, config, section, Memory::of)?;
+        let geometry = Frames::geometry(&input.document, &input.config);
         let session = Session::new(input, stages)?;
+        // The same primitives have the same hierarchy, so that a frame is the same whether
+        // another one came before it or not.
+        let kept = self
+            .hierarchy
+            .take()
+            .filter(|(known, _)| *known == geometry);
+        let is_kept = kept.is_some();
+        if let Some((_, index)) = kept {
+            session.keep_index(index);
+        }
         let output = session.folder(folder)?.synced(arguments.sync);
         stop::check()?;
         let bars = Bars::new(arguments.quiet);
         let on_event = |event| bars.show(event);
         let mut rendering = session.render(&arguments.options(&on_event))?;
         rendering.write_to(&output, profiler.as_ref())?;
+        self.hierarchy = session.index().map(|index| (geometry, index));
         if !arguments.quiet {
             let stages = rendering.stages().ended.iter();
             let times = stages.map(|stage| {
@@ -132,10 +150,13 @@ impl FrameJob<'_> {
                 format!("{} {}", stage.name, duration(wall))
             });
             let times: Vec<String> = times.collect();
-            text::print(&format!(
-                "frame   {number} of {n_frames}: {}\n",
-                times.join(", ")
-            ))?;
+            let times = times.join(", ");
+            let kept = if is_kept {
+                ", hierarchy kept from the frame before"
+            } else {
+                ""
+            };
+            text::print(&format!("frame   {number} of {n_frames}: {times}{kept}\n"))?;
         }
         Ok(())
     }
