@@ -577,7 +577,7 @@ fn mistakes_in_keyframes_are_shown_at_their_path() {
     for (animation, expected) in [
         (
             "keyframes: { 'objects[0].sphere.radios': [{ frame: 0, value: 1 }] }",
-            "no `objects[0].sphere.radios`",
+            "unknown key `radios`",
         ),
         (
             "keyframes: { 'objects[7].sphere.radius': [{ frame: 0, value: 1 }] }",
@@ -585,7 +585,7 @@ fn mistakes_in_keyframes_are_shown_at_their_path() {
         ),
         (
             "keyframes: { objekts: [{ frame: 0, value: 1 }] }",
-            "no `objekts`",
+            "unknown key `objekts`",
         ),
         (
             "keyframes: { materials.blue.color: [{ frame: 0, value: 1 }] }",
@@ -625,7 +625,7 @@ fn mistakes_in_keyframes_are_shown_at_their_path() {
         assert!(message.contains(expected), "{animation}: {message}");
         // The line with the path.
         assert!(
-            message.contains("--> scene.yaml:17:"),
+            message.contains("--> scene.yaml:16:"),
             "{animation}: {message}"
         );
         assert!(!scene.path("out").exists());
