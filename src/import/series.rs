@@ -68,11 +68,15 @@ fn checked(steps: NamedSteps, folder: &Path) -> Result<NamedSteps> {
         let problem = format!("it has {} time steps", steps.len());
         return Err(FileFault::new(problem, format!("at most {MAX_STEPS}")));
     }
+    if let Some((file, time)) = steps.iter().find(|(_, time)| !time.is_finite()) {
+        let problem = format!("the time of `{}` is {time}", cut(file));
+        return Err(FileFault::new(problem, "a number"));
+    }
     for pair in steps.windows(2) {
         let [(_, before), (file, time)] = pair else {
             continue;
         };
-        if !(before < time) {
+        if before >= time {
             let problem = format!("the time of `{}` is {time}, after {before}", cut(file));
             return Err(FileFault::new(
                 problem,
