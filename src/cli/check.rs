@@ -1,21 +1,19 @@
 //! `raycost check`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use super::open_scene::OpenScene;
 use super::run_summary::primitives;
-use super::scene::{OpenScene, SceneArguments};
+use super::scene::SceneArguments;
+use super::verify_output::{outputs_in, verified};
 use super::{Failure, on_threads, shown};
-use crate::animation::MAX_FRAMES;
 use crate::color::{ToneCurve, Transfer};
 use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
-use crate::folder::SUMMARY;
 use crate::memory::{self, Memory};
 use crate::output::{self, Request};
 use crate::render::most_repeats;
-use crate::results::{read_unchanged, verify};
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
-use crate::series::frame_folder;
 use crate::session::{Frames, Input};
 use crate::stop;
 use crate::text::numbers::{bytes, count, counted};
@@ -44,13 +42,13 @@ impl CheckArguments {
     /// # Errors
     /// The first fault of the scene; or it has many frames.
     pub(super) fn find_fault(&self) -> Result<(), Diagnostic> {
-        let scene = self.scene.open()?;
+        let scene = OpenScene::read(&self.scene)?;
         if scene.frames.is_some() {
             let message = format!("the scene {} is animated", shown(&self.scene.scene));
             return Err(Diagnostic::new(message)
                 .with_help("a study measures stills: leave out `animation` and data series"));
         }
-        placed(&scene, 0).map(drop)
+        placed(&scene, None).map(drop)
     }
 }
 
@@ -59,86 +57,32 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
-    let folder = &arguments.scene.scene;
-    if folder.join(SUMMARY).exists() {
-        return verified(folder, std::slice::from_ref(folder));
+    if let Some(parts) = outputs_in(&arguments.scene.scene) {
+        return verified(&arguments.scene.scene, &parts);
     }
-    let frames = frame_folders(folder);
-    if !frames.is_empty() {
-        return verified(folder, &frames);
-    }
-    let scene = arguments.scene.open()?;
-    if let Some(frame) = arguments.frame {
-        scene.check_frame(frame)?;
-    }
+    let scene = OpenScene::read(&arguments.scene)?;
     let n_frames = scene.frames.as_ref().map_or(1, Frames::n_frames);
     for number in 0..n_frames {
         scene.at(number)?;
         stop::check()?;
     }
-    let (config, placed, memory) = placed(&scene, arguments.frame.unwrap_or(0))?;
+    let (config, placed, memory) = placed(&scene, arguments.frame)?;
     let report = report(arguments, &scene, &config, &placed, &memory);
     Ok(text::print(&report)?)
 }
 
 /// The config of a frame, or of a still, the scene in world space, and the memory of its
 /// rendering.
-fn placed(scene: &OpenScene, frame: u32) -> Result<(Config, Scene, Memory), Diagnostic> {
-    let (document, config) = scene.at(frame)?;
-    let input = Input::read(document, config, Memory::of)?;
+fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memory), Diagnostic> {
     let Input {
         document,
         config,
         geometries,
         ..
-    } = input;
+    } = scene.load(frame, Memory::of)?;
     let memory = Memory::of(&config, &geometries);
     let placed = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     Ok((config, placed, memory))
-}
-
-/// The folders of the frames in the output of an animated scene.
-fn frame_folders(folder: &Path) -> Vec<PathBuf> {
-    let folders = (0..MAX_FRAMES).map(|number| folder.join(frame_folder(number)));
-    folders
-        .take_while(|folder| folder.join(SUMMARY).exists())
-        .collect()
-}
-
-/// Compares the files of output folders, which are `folder` or its frames, with their
-/// summaries.
-fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> {
-    let (mut n, mut broken) = (0, Vec::new());
-    for part in parts {
-        let within = part.strip_prefix(folder).unwrap_or(Path::new(""));
-        let verdicts = read_unchanged(&[part], || verify(part))?;
-        n += verdicts.len() as u64;
-        broken.extend(verdicts.iter().filter_map(|verdict| {
-            let name = within.join(&verdict.name);
-            Some(format!("{}: {}", name.display(), verdict.fault.as_ref()?))
-        }));
-    }
-    let shown = shown(folder);
-    let files = match parts {
-        [one] if one == folder => counted(n, "file"),
-        frames => format!(
-            "{} in {}",
-            counted(n, "file"),
-            counted(frames.len() as u64, "frame")
-        ),
-    };
-    if broken.is_empty() {
-        let text = format!("output  {shown} is whole: {files}\n");
-        return Ok(text::print(&text)?);
-    }
-    let message = format!(
-        "`{shown}` is damaged, {} of {files}:\n{}",
-        broken.len(),
-        broken.join("\n")
-    );
-    Err(Diagnostic::new(message)
-        .with_help("render the scene again, or copy the folder again")
-        .into())
 }
 
 fn report(

@@ -7,6 +7,7 @@ mod diff;
 mod failure;
 mod hottest;
 mod new;
+mod open_scene;
 mod progress;
 mod rectangle;
 mod render;
@@ -17,6 +18,7 @@ mod study;
 mod timing_quality;
 mod trace;
 mod tree;
+mod verify_output;
 mod view;
 
 use std::ffi::OsString;

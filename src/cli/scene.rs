@@ -11,9 +11,6 @@ use crate::config::{
     Structure, TileOrder, Tiling,
 };
 use crate::import;
-use crate::memory::Memory;
-use crate::scene::Geometries;
-use crate::session::{Frames, Input};
 use crate::starter;
 use crate::text::{Diagnostic, keyword_name};
 use crate::vtk::Codec;
@@ -104,88 +101,12 @@ pub(super) struct SceneArguments {
     compress: Option<Codec>,
 }
 
-/// A scene whose text was read: a still, or all frames of an animation.
-pub(super) struct OpenScene<'a> {
-    arguments: &'a SceneArguments,
-    document: Document,
-    config: Config,
-    /// `None` for a still.
-    pub(super) frames: Option<Frames>,
-}
-
-impl OpenScene<'_> {
-    /// Checks that the animation has a frame of this number.
-    ///
-    /// # Errors
-    /// It has not, or the scene is a still.
-    pub(super) fn check_frame(&self, number: u32) -> Result<(), Diagnostic> {
-        let n_frames = match &self.frames {
-            Some(frames) if number < frames.n_frames() => return Ok(()),
-            Some(frames) => frames.n_frames(),
-            None => {
-                let message = format!("there is no frame {number}: the scene is a still");
-                return Err(Diagnostic::new(message)
-                    .with_help("give it a section `animation`, or leave out the frame"));
-            }
-        };
-        let message = format!("there is no frame {number}");
-        let help = match n_frames {
-            1 => "the scene has one frame, 0".to_owned(),
-            n => format!("the scene has {n} frames, 0 to {}", n - 1),
-        };
-        Err(Diagnostic::new(message).with_help(help))
-    }
-
-    /// The scene at a frame, or the still, with the settings of the command line.
-    ///
-    /// # Errors
-    /// The first fault in it.
-    pub(super) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
-        let (document, mut config) = match &self.frames {
-            Some(frames) => frames.at(number)?,
-            None => (self.document.clone(), self.config.clone()),
-        };
-        self.arguments.override_settings(&mut config, &document)?;
-        Ok((document, config))
-    }
-}
-
 impl SceneArguments {
-    /// Reads the scene, of an animation the first frame or this one, and checks that the
-    /// memory that a command needs is available.
-    ///
-    /// # Errors
-    /// The first fault of the scene.
-    pub(super) fn load_for(
-        &self,
-        frame: Option<u32>,
-        needed: impl Fn(&Config, &Geometries) -> Memory,
-    ) -> Result<Input, Diagnostic> {
-        let scene = self.open()?;
-        if let Some(frame) = frame {
-            scene.check_frame(frame)?;
-        }
-        let (document, config) = scene.at(frame.unwrap_or(0))?;
-        Input::read(document, config, needed)
-    }
-
-    /// Reads the text of the scene.
-    ///
-    /// # Errors
-    /// The first mistake in it.
-    pub(super) fn open(&self) -> Result<OpenScene<'_>, Diagnostic> {
-        let document = self.document()?;
-        let config: Config = document.parse()?;
-        Ok(OpenScene {
-            arguments: self,
-            frames: Frames::of(&document, &config)?,
-            document,
-            config,
-        })
-    }
-
     /// Gives the config the settings of the command line.
-    fn override_settings(
+    ///
+    /// # Errors
+    /// A setting that the scene does not allow.
+    pub(super) fn override_settings(
         &self,
         config: &mut Config,
         document: &Document,
@@ -237,8 +158,11 @@ impl SceneArguments {
         Some(format!("raycost new --mesh {mesh} {}", shell_word(&file)))
     }
 
-    /// The scene with its settings.
-    fn document(&self) -> Result<Document, Diagnostic> {
+    /// The text of the scene with its settings.
+    ///
+    /// # Errors
+    /// The first mistake in it.
+    pub(super) fn document(&self) -> Result<Document, Diagnostic> {
         let source = if self.is_standard_input() {
             Source::read_standard_input()?
         } else if import::is_mesh(&self.scene) {

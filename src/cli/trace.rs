@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::open_scene::OpenScene;
 use super::progress::{BuildBar, PixelBar};
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
@@ -92,7 +93,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         config,
         geometries,
         ..
-    } = arguments.scene.load_for(arguments.frame, needed)?;
+    } = OpenScene::read(&arguments.scene)?.load(arguments.frame, needed)?;
     let image = config.image;
     for rectangle in &arguments.pixel {
         rectangle.check(&image)?;

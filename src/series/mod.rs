@@ -24,7 +24,7 @@ use crate::summary::Summary;
 use crate::text::one_line;
 
 /// The folder of the frames' folders.
-const FRAMES: &str = "frames";
+pub const FRAMES: &str = "frames";
 /// The prefix of the names of all other files.
 const PREFIX: &str = "series";
 /// The table.

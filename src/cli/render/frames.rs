@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use super::{RenderArguments, start_profiler};
 use crate::accel::AccelIndex;
+use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
-use crate::cli::scene::OpenScene;
 use crate::cli::{Failure, shell_word, shown};
 use crate::config::Config;
 use crate::instruments::Stages;

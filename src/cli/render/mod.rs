@@ -5,12 +5,13 @@ mod frames;
 use std::io;
 
 use crate::animation::FrameRange;
+use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, run_summary};
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::Memory;
-use crate::session::{Event, Input, Options, Session};
+use crate::session::{Event, Options, Session};
 use crate::stop;
 use crate::text::{self, Diagnostic};
 
@@ -68,7 +69,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         });
     }
     let stages = Stages::with_start(arguments.hardware());
-    let scene = arguments.scene.open()?;
+    let scene = OpenScene::read(&arguments.scene)?;
     if let Some(frames) = &scene.frames {
         return frames::render(arguments, &scene, frames);
     }
@@ -76,8 +77,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         scene.check_frame(*range.0.start())?;
     }
     let profiler = arguments.profile.then(start_profiler).transpose()?;
-    let (document, config) = scene.at(0)?;
-    let session = Session::new(Input::read(document, config, Memory::of)?, stages)?;
+    let session = Session::new(scene.load(None, Memory::of)?, stages)?;
     let folder = session.folder(&arguments.scene.out())?;
     let folder = folder.synced(arguments.sync);
     stop::check()?;

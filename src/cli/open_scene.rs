@@ -1,0 +1,87 @@
+//! A scene of the command line and its frames.
+
+use super::scene::SceneArguments;
+use crate::config::Config;
+use crate::memory::Memory;
+use crate::scene::Geometries;
+use crate::session::{Frames, Input};
+use crate::text::Diagnostic;
+use crate::yaml::Document;
+
+/// A scene whose text was read: a still, or all frames of an animation.
+pub(super) struct OpenScene<'a> {
+    arguments: &'a SceneArguments,
+    document: Document,
+    config: Config,
+    /// `None` for a still.
+    pub(super) frames: Option<Frames>,
+}
+
+impl<'a> OpenScene<'a> {
+    /// Reads the text of a scene.
+    ///
+    /// # Errors
+    /// The first mistake in it, or in a data series.
+    pub(super) fn read(arguments: &'a SceneArguments) -> Result<Self, Diagnostic> {
+        let document = arguments.document()?;
+        let config: Config = document.parse()?;
+        Ok(Self {
+            arguments,
+            frames: Frames::of(&document, &config)?,
+            document,
+            config,
+        })
+    }
+
+    /// Reads the files of a frame, by default the first one, or of the still; checks that
+    /// the memory that a command needs is available.
+    ///
+    /// # Errors
+    /// The first fault of the scene.
+    pub(super) fn load(
+        &self,
+        frame: Option<u32>,
+        needed: impl Fn(&Config, &Geometries) -> Memory,
+    ) -> Result<Input, Diagnostic> {
+        if let Some(frame) = frame {
+            self.check_frame(frame)?;
+        }
+        let (document, config) = self.at(frame.unwrap_or(0))?;
+        Input::read(document, config, needed)
+    }
+
+    /// Checks that the animation has a frame of this number.
+    ///
+    /// # Errors
+    /// It has not, or the scene is a still.
+    pub(super) fn check_frame(&self, number: u32) -> Result<(), Diagnostic> {
+        let n_frames = match &self.frames {
+            Some(frames) if number < frames.n_frames() => return Ok(()),
+            Some(frames) => frames.n_frames(),
+            None => {
+                let message = format!("there is no frame {number}: the scene is a still");
+                return Err(Diagnostic::new(message)
+                    .with_help("give it a section `animation`, or leave out the frame"));
+            }
+        };
+        let message = format!("there is no frame {number}");
+        let help = match n_frames {
+            1 => "the scene has one frame, 0".to_owned(),
+            n => format!("the scene has {n} frames, 0 to {}", n - 1),
+        };
+        Err(Diagnostic::new(message).with_help(help))
+    }
+
+    /// The scene at a frame, or the still, with the settings of the command line.
+    ///
+    /// # Errors
+    /// The first fault in it.
+    pub(super) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
+        let (document, mut config) = match &self.frames {
+            Some(frames) => frames.at(number)?,
+            None => (self.document.clone(), self.config.clone()),
+        };
+        self.arguments.override_settings(&mut config, &document)?;
+        Ok((document, config))
+    }
+}
