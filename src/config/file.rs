@@ -53,6 +53,7 @@ impl GeometryFile {
         match self.clone() {
             Self::Mesh(mesh) => Self::Mesh(MeshFile { file, ..mesh }),
             Self::Spheres(spheres) => Self::Spheres(SpheresFile { file, ..spheres }),
+            Self::Tubes(tubes) => Self::Tubes(TubesFile { file, ..tubes }),
         }
     }
 }
