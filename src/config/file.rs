@@ -7,6 +7,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+use super::isosurface::Isosurface;
 use crate::import::{self, ArrayChoice, ArrayOf, FileFault, RadiusChoice, Spheres, Tubes};
 use crate::yaml;
 
@@ -89,13 +90,18 @@ pub struct MeshFile {
     /// The shading normals.
     #[serde(default)]
     pub normals: MeshNormals,
+    /// Instead of the surface of the data set in a VTK file, the surface within it where an
+    /// array has a value.
+    #[serde(default)]
+    pub isosurface: Option<Isosurface>,
 }
 
 /// The shading normals of a mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`file`, `smooth` or `flat`")]
 pub enum MeshNormals {
-    /// Those of the file, or flat normals if it has none.
+    /// Those of the file, or flat normals if it has none; of an isosurface those of the
+    /// gradient.
     #[default]
     File,
     /// At each vertex the mean of the adjacent triangles' normals.

@@ -7,6 +7,7 @@
 mod acceleration;
 mod adaptive;
 mod cost_mode;
+mod isosurface;
 mod file;
 mod film;
 mod generator;
@@ -32,6 +33,7 @@ pub use file::{
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
+pub use isosurface::Isosurface;
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use repeats::Repeats;

@@ -1,15 +1,12 @@
 //! A tube through points that the scene file gives.
 
-use std::fmt;
-
 use glam::Vec3;
 use serde::Deserialize;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::de::Deserializer;
 
 use crate::geometry::Sphere;
 use crate::import::Tubes;
-use crate::yaml;
+use crate::yaml::{self, OneOrList};
 
 /// A tube along the line through points, with round joints and ends.
 ///
@@ -32,25 +29,21 @@ struct TubeKeys {
     /// The points, of which two or more differ.
     points: Vec<LinePoint>,
     /// The radius, greater than 0, or a list with one for each point.
-    radius: LineRadius,
+    #[serde(deserialize_with = "radius")]
+    radius: OneOrList,
 }
 
 #[derive(Deserialize)]
 struct LinePoint(#[serde(deserialize_with = "yaml::point")] Vec3);
-
-enum LineRadius {
-    Same(f32),
-    Each(Vec<f32>),
-}
 
 impl TryFrom<TubeKeys> for Tube {
     type Error = String;
 
     fn try_from(TubeKeys { points, radius }: TubeKeys) -> Result<Self, String> {
         let radii = match radius {
-            LineRadius::Same(radius) => vec![radius; points.len()],
-            LineRadius::Each(radii) if radii.len() == points.len() => radii,
-            LineRadius::Each(radii) => {
+            OneOrList::One(radius) => vec![radius; points.len()],
+            OneOrList::List(radii) if radii.len() == points.len() => radii,
+            OneOrList::List(radii) => {
                 let (n, n_points) = (radii.len(), points.len());
                 return Err(format!(
                     "cannot have {n} radii for {n_points} points, expected one radius for each \
@@ -76,39 +69,9 @@ impl Tube {
     }
 }
 
-impl<'de> Deserialize<'de> for LineRadius {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(LineRadiusVisitor)
-    }
-}
-
-struct LineRadiusVisitor;
-
-impl<'de> Visitor<'de> for LineRadiusVisitor {
-    type Value = LineRadius;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a radius greater than 0, or a list with one for each point")
-    }
-
-    fn visit_f64<E: Error>(self, found: f64) -> Result<LineRadius, E> {
-        yaml::positive(found.into_deserializer()).map(LineRadius::Same)
-    }
-
-    fn visit_i64<E: Error>(self, found: i64) -> Result<LineRadius, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<LineRadius, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<LineRadius, A::Error> {
-        #[derive(Deserialize)]
-        struct PositiveRadius(#[serde(deserialize_with = "yaml::positive")] f32);
-
-        let radii = Vec::<PositiveRadius>::deserialize(SeqAccessDeserializer::new(list))?;
-        let radii = radii.into_iter().map(|PositiveRadius(radius)| radius);
-        Ok(LineRadius::Each(radii.collect()))
-    }
+fn radius<'de, D: Deserializer<'de>>(d: D) -> Result<OneOrList, D::Error> {
+    yaml::positive_or_list(
+        d,
+        "a radius greater than 0, or a list with one for each point",
+    )
 }

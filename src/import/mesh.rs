@@ -21,6 +21,8 @@ pub struct Mesh {
     pub uvs: Option<CornerValues<Vec2>>,
     /// The numbers of an array at the corners, if one was read; NaN for missing ones.
     pub scalars: Option<CornerValues<f32>>,
+    /// The names of the arrays of the file that may give colors, those of points first.
+    pub arrays: Vec<String>,
 }
 
 /// A value for each corner of each triangle of a mesh.

@@ -29,7 +29,7 @@ pub use picture::read_picture;
 pub use series::{DataSeries, TimeStep, is_series, read_series};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
-pub use vtk::{ArrayChoice, ArrayOf, RadiusChoice};
+pub use vtk::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 
 /// The result of a reader.
 pub type Result<T> = std::result::Result<T, FileFault>;
@@ -131,6 +131,28 @@ fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
         return Err(FileFault::new(problem, expected));
     }
     read(open(path)?)
+}
+
+/// Reads isosurfaces of an array of a VTK file, with the numbers of another one.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array, or in which the array has the
+/// values nowhere within a cell.
+pub fn read_isosurface(
+    path: &Path,
+    choice: &IsosurfaceChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Mesh> {
+    let read = if is_vtk(path) {
+        vtk::read_isosurface(path, choice, array)
+    } else {
+        let expected = "a VTK file, such as one that ends in .vti or .vtu";
+        Err(FileFault::new(
+            "it has no arrays for an isosurface",
+            expected,
+        ))
+    };
+    read.map_err(|fault| fault.in_file(path))
 }
 
 /// Reads a list of spheres from a table of comma-separated values. `radius` is the

@@ -5,7 +5,7 @@ use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 use super::mesh::count;
 use super::spheres::{Columns, of_table};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
-use crate::geometry::{Capsule, Sphere};
+use crate::geometry::{Aabb, Capsule, Sphere};
 
 /// The tubes of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Tubes {
     /// The numbers of an array at the two ends of each segment, if one was read; NaN for
     /// missing ones.
     pub scalars: Option<Vec<[f32; 2]>>,
+    /// The names of the arrays of the file that may give colors, those of points first.
+    pub arrays: Vec<String>,
 }
 
 impl Tubes {
@@ -70,6 +72,11 @@ impl Tubes {
             return Err(FileFault::new("no line in the file", expected));
         }
         Ok(self)
+    }
+
+    /// The smallest box around all points.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::of_points(self.points.iter().map(|point| point.center))
     }
 
     /// The segments.

@@ -163,7 +163,10 @@ fn read(
 }
 
 fn read_mesh(file: &MeshFile, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Mesh> {
-    let mut mesh = import::read_mesh_with(path, array)?;
+    let mut mesh = match &file.isosurface {
+        None => import::read_mesh_with(path, array)?,
+        Some(isosurface) => import::read_isosurface(path, &isosurface.choice(), array)?,
+    };
     match file.normals {
         MeshNormals::File => {}
         MeshNormals::Smooth => {

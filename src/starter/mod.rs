@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use crate::geometry::Aabb;
 use crate::host::available_memory;
-use crate::import::{self, FileFault, Mesh};
+use crate::import::{self, FileFault, Mesh, RadiusChoice, Tubes};
 use crate::text::{Diagnostic, one_line};
-use crate::yaml::Source;
+use crate::yaml::{MAX_NAME, Source};
 
 /// A commented scene.
 pub const SCENE: &str = include_str!("scene.yaml");
@@ -45,27 +45,100 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
         let message = format!("`{}` may need more memory than is free", mesh.display());
         return Err(Diagnostic::new(message).with_help("use a smaller file"));
     }
-    let read = import::read_mesh(mesh).map_err(of_file)?;
-    Ok(text_of(&read, path_in_scene))
+    let file = path_in_scene;
+    let shown = match import::read_mesh(mesh) {
+        Ok(mesh) => Shown::surface(mesh, file),
+        Err(fault) => {
+            // A data set of lines has no triangle.
+            let radius = RadiusChoice::Same(1.0);
+            let tubes = import::is_vtk(mesh).then(|| import::read_lines(mesh, &radius, None));
+            let tubes = tubes.and_then(Result::ok);
+            Shown::lines(tubes.ok_or_else(|| of_file(fault))?, file)
+        }
+    };
+    Ok(text_of(&shown, file))
 }
 
-fn text_of(mesh: &Mesh, file: &Path) -> String {
-    let corners = mesh.triangles.iter().flatten();
-    let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
+/// What a scene shows.
+struct Shown {
+    bounds: Aabb,
+    /// The name of an array that gives the colors.
+    array: Option<String>,
+    /// The object's geometry, with a comment on its keys.
+    geometry: String,
+}
+
+impl Shown {
+    fn surface(mesh: Mesh, file: &Path) -> Self {
+        let corners = mesh.triangles.iter().flatten();
+        let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
+        let normals = if mesh.normals.is_none() && mesh.triangles.len() >= SMOOTH_FROM {
+            "smooth"
+        } else {
+            "file"
+        };
+        let file = quoted(&file.to_string_lossy());
+        Self {
+            bounds,
+            array: first_array(mesh.arrays),
+            geometry: format!(
+                "\
+    # `normals` are those of the file, `smooth` or `flat`.
+    mesh: {{ file: {file}, normals: {normals} }}"
+            ),
+        }
+    }
+
+    fn lines(tubes: Tubes, file: &Path) -> Self {
+        let bounds = tubes.bounds();
+        let radius = 0.004 * (bounds.max - bounds.min).length();
+        let file = quoted(&file.to_string_lossy());
+        Self {
+            bounds,
+            array: first_array(tubes.arrays),
+            geometry: format!(
+                "\
+    # `radius` may also be that of an array: {{ array: …, scale: … }}.
+    tubes: {{ file: {file}, radius: {} }}",
+                digits(radius.max(1e-15), radius)
+            ),
+        }
+    }
+}
+
+/// The first array that can be named in a scene.
+fn first_array(arrays: Vec<String>) -> Option<String> {
+    let mut arrays = arrays.into_iter();
+    arrays.find(|name| name.chars().count() <= MAX_NAME && !name.chars().any(char::is_control))
+}
+
+/// JSON is YAML.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+fn text_of(shown: &Shown, file: &Path) -> String {
+    let Shown {
+        bounds, geometry, ..
+    } = shown;
     let center = bounds.center();
     // All of the sphere around the box is in view.
     let radius = (0.5 * (bounds.max - bounds.min).length()).max(1e-6);
     let distance = radius / (0.5 * FOV_Y_DEG.to_radians()).sin();
     let eye = center + distance * TO_EYE.normalize();
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    let normals = if mesh.normals.is_none() && mesh.triangles.len() >= SMOOTH_FROM {
-        "smooth"
-    } else {
-        "file"
-    };
-    // JSON is YAML.
-    let quoted = |text: &str| serde_json::Value::from(text).to_string();
     let name: String = stem.chars().take(200).collect();
+    let (material, color) = match &shown.array {
+        None => (
+            "clay",
+            "[0.66, 0.55, 0.46], specular: 0.12, exponent: 40".to_owned(),
+        ),
+        Some(array) => {
+            let array = quoted(array);
+            let color = format!("{{ array: {{ name: {array}, bar: {array} }} }}, specular: 0.05");
+            ("field", color)
+        }
+    };
     format!(
         "\
 # The mesh {title}: the camera sees all of it, with +y up.
@@ -73,35 +146,37 @@ image: {{ width: 800, height: 600, samples_per_pixel: 4 }}
 camera:
   look_at: {{ eye: {eye}, target: {target}, fov_y_deg: {FOV_Y_DEG} }}
 background: {{ gradient: {{ bottom: [0.9, 0.9, 0.9], top: [0.45, 0.55, 0.7] }} }}
-shading: {{ ambient: 0.06, max_depth: 2 }}
+shading: {{ ambient: {ambient}, max_depth: 2 }}
 materials:
-  clay: {{ color: [0.66, 0.55, 0.46], specular: 0.12, exponent: 40 }}
+  {material}: {{ color: {color} }}
 lights:
   # The key light from the upper left, and a weak one that fills its shadows.
   - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.8 }}
   - directional: {{ direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.2 }}
 objects:
   - name: {name}
-    # `normals` are those of the file, `smooth` or `flat`.
-    mesh: {{ file: {file}, normals: {normals} }}
-    material: clay
+{geometry}
+    material: {material}
 ",
         title = one_line(&stem),
         eye = point(eye, radius),
         target = point(center, radius),
+        // The colors of an array are to be read off.
+        ambient = if shown.array.is_some() { 0.3 } else { 0.06 },
         name = quoted(&name),
-        file = quoted(&file.to_string_lossy()),
     )
 }
 
 /// A point with as many digits as its distance from others, `scale`, needs.
 fn point(point: Vec3, scale: f32) -> String {
-    let unit = 10.0_f64.powf(f64::from(scale).log10().floor() - 3.0);
-    let coordinate = |x: f32| {
-        let rounded = (f64::from(x) / unit).round() * unit;
-        // The shortest digits of a 32-bit number.
-        (rounded as f32 + 0.0).to_string()
-    };
-    let [x, y, z] = point.to_array().map(coordinate);
+    let [x, y, z] = point.to_array().map(|x| digits(x, scale));
     format!("[{x}, {y}, {z}]")
+}
+
+/// A number with four digits of `scale`.
+fn digits(x: f32, scale: f32) -> String {
+    let unit = 10.0_f64.powf(f64::from(scale).log10().floor() - 3.0);
+    let rounded = (f64::from(x) / unit).round() * unit;
+    // The shortest digits of a 32-bit number.
+    (rounded as f32 + 0.0).to_string()
 }

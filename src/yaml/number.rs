@@ -79,6 +79,31 @@ pub fn seed<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
     whole(d, 0..=u64::MAX)
 }
 
+/// A number, or a list of at least one.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OneOrList {
+    /// A number.
+    One(f32),
+    /// A list.
+    List(Vec<f32>),
+}
+
+/// Reads a coordinate, or a list of them; the text describes both in messages.
+pub fn coordinate_or_list<'de, D: Deserializer<'de>>(
+    d: D,
+    expected: &'static str,
+) -> Result<OneOrList, D::Error> {
+    d.deserialize_any(OneOrListVisitor(COORDINATE, expected))
+}
+
+/// Reads a length, greater than 0, or a list of them; the text describes both in messages.
+pub fn positive_or_list<'de, D: Deserializer<'de>>(
+    d: D,
+    expected: &'static str,
+) -> Result<OneOrList, D::Error> {
+    d.deserialize_any(OneOrListVisitor(POSITIVE, expected))
+}
+
 /// Reads a whole number in `range`.
 ///
 /// # Errors
@@ -270,6 +295,40 @@ impl<'de, const N: usize> Visitor<'de> for Splat<N> {
     }
 
     fn visit_u64<E: Error>(self, found: u64) -> Result<[f32; N], E> {
+        self.visit_f64(found as f64)
+    }
+}
+
+/// Reads a number, or a list of them; the text describes both in messages.
+struct OneOrListVisitor(Number, &'static str);
+
+impl<'de> Visitor<'de> for OneOrListVisitor {
+    type Value = OneOrList;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.1)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<OneOrList, A::Error> {
+        let mut values = Vec::new();
+        while let Some(value) = list.next_element_seed(self.0)? {
+            values.push(value);
+        }
+        if values.is_empty() {
+            return Err(A::Error::invalid_length(0, &"at least one number"));
+        }
+        Ok(OneOrList::List(values))
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<OneOrList, E> {
+        self.0.visit_f64(found).map(OneOrList::One)
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<OneOrList, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<OneOrList, E> {
         self.visit_f64(found as f64)
     }
 }

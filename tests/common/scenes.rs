@@ -143,6 +143,9 @@ materials:
   - tubes: {{ file: ../tests/files/vtk/lines_zlib.vtp, radius: {{ array: thickness }} }}
     material: wires
     transform: [{{ scale: {wire_scale} }}, {{ translate: [-0.5, 0.3, 1.6] }}]
+  - mesh: {{ file: data/abc_flow.vti, isosurface: {{ array: velocity, value: 3 }} }}
+    material: ball
+    transform: [{{ scale: 0.2 }}, {{ translate: [-2.4, 1.2, -2] }}]
 {lamps}  - sphere_cloud: {{ count: 40, min: [-3, -1, -3], max: [3, 2, 3], radius: [0.1, 0.4], seed: {seed} }}
     material: {of_cloud}
 lights:"

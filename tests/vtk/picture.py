@@ -2,19 +2,21 @@
 
     python picture.py FILE HOW ARRAY LOW HIGH WIDTH HEIGHT FOV_Y_DEG EYE TARGET OUT
 
-HOW is `surface`, or `tubes=RADIUS` for the lines of the file with a sphere at each point.
+HOW is `surface`, or `tubes=RADIUS` for the lines of the file with a sphere at each point, or
+`isosurface=VALUE` for that of the speed. ARRAY may be `NAME, component: N`.
 EYE and TARGET are numbers with commas. OUT gets three bytes for each pixel, the upper row
 first. The color map is Cool to Warm between LOW and HIGH.
 """
 
+import math
 import sys
 
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
-from vtkmodules.vtkCommonCore import vtkLookupTable
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkGlyph3D, vtkTubeFilter
+from vtkmodules.vtkCommonCore import vtkFloatArray, vtkLookupTable
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkFlyingEdges3D, vtkGlyph3D, vtkTubeFilter
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 from vtkmodules.vtkRenderingCore import (
     vtkActor,
     vtkColorTransferFunction,
@@ -25,7 +27,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 
-READERS = dict(vtp=vtkXMLPolyDataReader, vtu=vtkXMLUnstructuredGridReader)
+READERS = dict(vti=vtkXMLImageDataReader, vtp=vtkXMLPolyDataReader, vtu=vtkXMLUnstructuredGridReader)
 
 
 def shown(file, how):
@@ -37,6 +39,17 @@ def shown(file, how):
         surface = vtkDataSetSurfaceFilter()
         surface.SetInputConnection(reader.GetOutputPort())
         return surface
+    if how == "isosurface":
+        reader.Update()
+        data, speed = reader.GetOutput(), vtkFloatArray()
+        for i in range(data.GetNumberOfPoints()):
+            speed.InsertNextValue(math.hypot(*data.GetPointData().GetArray("velocity").GetTuple3(i)))
+        data.GetPointData().SetScalars(speed)
+        contour = vtkFlyingEdges3D()
+        contour.SetInputData(data)
+        contour.SetValue(0, float(value))
+        contour.InterpolateAttributesOn()
+        return contour
     tubes, sphere, spheres = vtkTubeFilter(), vtkSphereSource(), vtkGlyph3D()
     tubes.SetInputConnection(reader.GetOutputPort())
     tubes.SetRadius(float(value))
@@ -55,8 +68,12 @@ def shown(file, how):
 
 
 def main(file, how, array, low, high, width, height, fov, eye, target, out):
+    array, _, component = array.partition(", component: ")
     surface = shown(file, how)
     colors = cool_to_warm(float(low), float(high))
+    if component:
+        colors.SetVectorModeToComponent()
+        colors.SetVectorComponent(int(component))
     mapper = vtkPolyDataMapper()
     mapper.SetInputConnection(surface.GetOutputPort())
     surface.Update()

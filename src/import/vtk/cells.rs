@@ -35,7 +35,7 @@ pub(super) enum CellShape {
 }
 
 const TETRA: &[&[u8]] = &[&[0, 1, 3], &[1, 2, 3], &[2, 0, 3], &[0, 2, 1]];
-const VOXEL: &[&[u8]] = &[
+pub(super) const VOXEL: &[&[u8]] = &[
     &[0, 4, 6, 2],
     &[1, 3, 7, 5],
     &[0, 1, 5, 4],
@@ -94,7 +94,7 @@ pub(super) const POLYGON: u8 = 7;
 impl CellShape {
     /// The shape of a cell of a type with `n` points; `None` for other types. Curved cells
     /// have their corners before the points on their edges.
-    fn of(cell_type: u8, n: usize) -> Option<Self> {
+    pub(super) fn of(cell_type: u8, n: usize) -> Option<Self> {
         Some(match cell_type {
             // Nothing, vertices, lines; curves.
             0..=4 | 21 | 35 | 68 | 75 => Self::Thin,
@@ -116,7 +116,7 @@ impl CellShape {
     }
 
     /// The least number of points of such a cell.
-    fn min_points(self) -> usize {
+    pub(super) fn min_points(self) -> usize {
         match self {
             Self::Thin => 0,
             Self::Polygon(n) => n.max(3),

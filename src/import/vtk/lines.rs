@@ -22,6 +22,9 @@ pub(super) fn add(
     let Topology::Cells(cells) = &piece.topology else {
         return Ok(());
     };
+    if tubes.arrays.is_empty() {
+        tubes.arrays = piece.color_arrays();
+    }
     budget.take_of::<f32>(piece.n_points())?;
     let radii = Radii::of(piece, radius)?;
     let scalars = array.map(|array| piece.scalars(array)).transpose()?;

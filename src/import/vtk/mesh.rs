@@ -40,6 +40,9 @@ impl<'a> Pieces<'a> {
     /// # Errors
     /// Numbers that are not finite, an array that is missing, or too many of them.
     pub(super) fn add(&mut self, piece: &Piece, budget: &mut Budget) -> Result<()> {
+        if self.mesh.arrays.is_empty() {
+            self.mesh.arrays = piece.color_arrays();
+        }
         let PieceSurface {
             mut triangles,
             cells,

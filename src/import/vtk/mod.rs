@@ -16,6 +16,7 @@ mod xml;
 mod mesh;
 mod points;
 mod lines;
+mod isosurface;
 
 use std::io::Read;
 use std::path::Path;
@@ -60,6 +61,30 @@ pub(super) fn read_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh
     let wanted: Vec<&str> = array.iter().map(|array| array.name.as_str()).collect();
     for_each_piece(path, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
     Ok(mesh.finish())
+}
+
+/// Isosurfaces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IsosurfaceChoice {
+    /// The array of points.
+    pub array: ArrayChoice,
+    /// Its value on each surface.
+    pub values: Vec<f32>,
+}
+
+/// Reads the isosurfaces of an array of a data set, with the numbers of another one.
+pub(super) fn read_isosurface(
+    path: &Path,
+    choice: &IsosurfaceChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Mesh> {
+    let mut surfaces = isosurface::Isosurfaces::new(choice, array);
+    let wanted = array.into_iter().chain([&choice.array]);
+    let wanted: Vec<&str> = wanted.map(|array| array.name.as_str()).collect();
+    for_each_piece(path, &wanted, &mut |piece, budget| {
+        surfaces.add(piece, budget)
+    })?;
+    surfaces.finish()
 }
 
 /// The radii of spheres, or of tubes at their points.

@@ -121,7 +121,7 @@ impl Piece {
     }
 
     /// Number of cells.
-    fn n_cells(&self) -> usize {
+    pub(super) fn n_cells(&self) -> usize {
         match &self.topology {
             Topology::Grid(size) => size.iter().map(|n| (n - 1).max(1)).product(),
             Topology::Cells(cells) => cells.len(),
@@ -193,6 +193,21 @@ impl Piece {
         })
     }
 
+    /// The names of the arrays that may give colors, those of points first: not those that
+    /// VTK and ParaView add for their own use.
+    pub(super) fn color_arrays(&self) -> Vec<String> {
+        let own = |of: &PieceArrays, name: &String| {
+            let active = [&of.normals, &of.uvs].contains(&&Some(name.clone()));
+            let is_known = is_wanted(name, &[]) || name.starts_with("vtk");
+            active || is_known || name.ends_with("Ids") || name.is_empty()
+        };
+        let of_one = |of: &PieceArrays| {
+            let names = of.names.iter().filter(|name| !own(of, name));
+            names.cloned().collect::<Vec<_>>()
+        };
+        [of_one(&self.point_data), of_one(&self.cell_data)].concat()
+    }
+
     fn unknown(&self, choice: &ArrayChoice) -> FileFault {
         let lists = match choice.of {
             None => vec![&self.point_data.names, &self.cell_data.names],
@@ -239,7 +254,7 @@ impl Lattice {
 }
 
 /// The indices along the axes of a point of a grid.
-fn grid_index([nx, ny, _]: [usize; 3], point: usize) -> [usize; 3] {
+pub(super) fn grid_index([nx, ny, _]: [usize; 3], point: usize) -> [usize; 3] {
     [point % nx, point / nx % ny, point / nx / ny]
 }
 

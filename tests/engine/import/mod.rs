@@ -2,6 +2,7 @@
 //! at its place.
 
 mod faults;
+mod isosurfaces;
 mod lines;
 mod vtk;
 mod vtk_pictures;
@@ -70,6 +71,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
                     normals,
                     uvs,
                     scalars: None,
+                    arrays: Vec::new(),
                 }
             })
         })
@@ -147,6 +149,7 @@ fn tetrahedron() -> Mesh {
         normals: Some(normals),
         uvs: None,
         scalars: None,
+        arrays: Vec::new(),
     }
 }
 

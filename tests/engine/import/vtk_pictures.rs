@@ -28,7 +28,7 @@ const PIPE: View = View {
     target: "1,0.7,0",
 };
 
-const VIEWS: [View; 4] = [
+const VIEWS: [View; 5] = [
     View {
         array: "temperature",
         range: [290.0, 345.0],
@@ -50,6 +50,15 @@ const VIEWS: [View; 4] = [
         object: "tubes: { file: data/abc_streamlines.vtp, radius: 0.2 }",
         array: "velocity",
         range: [0.0, 3.5],
+        eye: "11,8,12",
+        target: "3.2,3.2,3.1",
+    },
+    View {
+        file: "abc_flow.vti",
+        how: "isosurface=2.8",
+        object: "mesh: { file: data/abc_flow.vti, isosurface: { array: velocity, value: 2.8 } }",
+        array: "velocity, component: 1",
+        range: [-3.0, 3.0],
         eye: "11,8,12",
         target: "3.2,3.2,3.1",
     },

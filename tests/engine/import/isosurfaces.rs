@@ -1,0 +1,235 @@
+//! Isosurfaces of VTK files: closed, where the array has the value, and those of VTK.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+use glam::Vec3;
+use proptest::prelude::*;
+use raycost::import::{ArrayChoice, ArrayOf, FileFault, IsosurfaceChoice, Mesh, read_isosurface};
+
+use super::{message, reading};
+use crate::common::in_repository;
+
+fn choice(name: &str) -> ArrayChoice {
+    ArrayChoice {
+        name: name.to_owned(),
+        component: None,
+        of: Some(ArrayOf::Points),
+    }
+}
+
+fn surface_of(name: &str, values: &[f32]) -> IsosurfaceChoice {
+    IsosurfaceChoice {
+        array: choice(name),
+        values: values.to_vec(),
+    }
+}
+
+/// The text of an image with a field at its points.
+fn image([nx, ny, nz]: [usize; 3], field: &[f32]) -> String {
+    let mut values = String::new();
+    for value in field {
+        write!(values, "{value} ").unwrap();
+    }
+    let array = |name: &str, values: &str| {
+        format!("<DataArray type='Float32' Name='{name}' format='ascii'>{values}</DataArray>")
+    };
+    let cells = "3 ".repeat((nx - 1) * (ny - 1) * (nz - 1));
+    let extent = format!("0 {} 0 {} 0 {}", nx - 1, ny - 1, nz - 1);
+    format!(
+        "<VTKFile type='ImageData' byte_order='LittleEndian'>\
+         <ImageData WholeExtent='{extent}' Origin='0 0 0' Spacing='1 1 1'>\
+         <Piece Extent='{extent}'><PointData>{}</PointData><CellData>{}</CellData>\
+         </Piece></ImageData></VTKFile>",
+        array("field", &values),
+        array("rank", &cells),
+    )
+}
+
+fn read(text: &str, values: &[f32], color: &str) -> Result<Mesh, FileFault> {
+    let color = ArrayChoice {
+        of: None,
+        ..choice(color)
+    };
+    let read = |path: &Path| read_isosurface(path, &surface_of("field", values), Some(&color));
+    reading("a.vti", text.as_bytes(), read)
+}
+
+/// The edges of triangles, each with how often it is used in its direction less how often in
+/// the other one.
+fn open_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
+    let mut edges = HashMap::<[u32; 2], i32>::new();
+    for &[a, b, c] in &mesh.triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let sign = if from < to { 1 } else { -1 };
+            *edges.entry([from.min(to), from.max(to)]).or_default() += sign;
+        }
+    }
+    let open = edges.into_iter().filter(|(_, n)| *n != 0);
+    open.map(|(edge, _)| edge).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
+
+    /// Open edges are on the boundary of the grid alone, whatever the field, and every vertex
+    /// is where the field has the value.
+    #[test]
+    fn isosurfaces_are_closed(
+        field in prop::collection::vec(
+            prop_oneof![6 => -1.0_f32..1.0, 1 => Just(0.25), 1 => Just(0.0), 1 => Just(1.0)],
+            4 * 5 * 3,
+        ),
+    ) {
+        let size = [4, 5, 3];
+        let Ok(mesh) = read(&image(size, &field), &[0.25], "field") else {
+            return Ok(());
+        };
+        for edge in open_edges(&mesh) {
+            let [a, b] = edge.map(|vertex| mesh.vertices[vertex as usize]);
+            let last = [3.0, 4.0, 2.0];
+            let on_side = |axis: usize| [0.0, last[axis]].iter().any(|x| a[axis] == *x && b[axis] == *x);
+            prop_assert!((0..3).any(on_side), "{a} {b}");
+        }
+        for value in &mesh.scalars.as_ref().unwrap().values {
+            prop_assert!((value - 0.25).abs() < 1e-6, "{value}");
+        }
+        for &[a, b, c] in &mesh.triangles {
+            prop_assert!(a != b && b != c && c != a);
+        }
+    }
+}
+
+/// A ball in a grid of `n³` points from -1 to 1: the field is 1 less the distance.
+fn ball(n: usize) -> String {
+    let along = |i: usize| 2.0 * i as f32 / (n - 1) as f32 - 1.0;
+    let field: Vec<f32> = (0..n * n * n)
+        .map(|i| 1.0 - Vec3::new(along(i % n), along(i / n % n), along(i / n / n)).length())
+        .collect();
+    let text = image([n; 3], &field);
+    let spacing = along(1) - along(0);
+    let place = format!("Origin='-1 -1 -1' Spacing='{spacing} {spacing} {spacing}'");
+    text.replace("Origin='0 0 0' Spacing='1 1 1'", &place)
+}
+
+#[test]
+fn a_ball_has_its_area_and_normals_that_point_out_of_it() {
+    let mesh = read(&ball(33), &[0.5, 0.2], "rank").unwrap();
+    assert_eq!(open_edges(&mesh), [] as [[u32; 2]; 0]);
+    let corners = |triangle: &[u32; 3]| mesh.triangle(*triangle).vertices;
+    let areas = mesh.triangles.iter().map(|triangle| {
+        let [a, b, c] = corners(triangle);
+        let area = 0.5 * (b - a).cross(c - a);
+        assert!(area.dot(a) > 0.0);
+        f64::from(area.length())
+    });
+    let expected = 4.0 * std::f64::consts::PI * (0.5 * 0.5 + 0.8 * 0.8);
+    assert!((areas.sum::<f64>() / expected - 1.0).abs() < 2e-3);
+    let normals = mesh.normals.unwrap();
+    assert_eq!(normals.triangles, mesh.triangles);
+    for (normal, vertex) in normals.values.iter().zip(&mesh.vertices) {
+        assert!(normal.dot(vertex.normalize()) > 0.999, "{normal} {vertex}");
+    }
+    assert!(mesh.scalars.unwrap().values.iter().all(|rank| *rank == 3.0));
+}
+
+#[test]
+fn what_has_no_isosurface_is_refused() {
+    let text = ball(5);
+    assert_eq!(
+        message(read(&text, &[1.5], "rank")),
+        ": `field` is nowhere 1.5 in a solid cell, expected a value between -0.7320508 and 1, \
+         in a grid or other cells with a volume"
+    );
+    assert_eq!(
+        message(read(&text.replace("'field'", "'other'"), &[0.5], "rank")),
+        ": it has no array of points `field`, expected one of its arrays, such as `other`"
+    );
+    // Missing values leave out their cells.
+    let with_nan = text.replacen("0.13397461 ", "nan ", 1);
+    assert_ne!(text, with_nan);
+    let [whole, part] = [&text, &with_nan].map(|text| read(text, &[0.25], "field").unwrap());
+    assert!(part.triangles.len() < whole.triangles.len());
+    let read = |path: &Path| read_isosurface(path, &surface_of("field", &[0.5]), None);
+    assert_eq!(
+        message(reading("a.ply", b"ply", read)),
+        ": it has no arrays for an isosurface, expected a VTK file, such as one that ends in \
+         .vti or .vtu"
+    );
+}
+
+#[test]
+#[ignore = "needs VTK: tests/with-paraview"]
+fn isosurfaces_are_those_of_vtk() {
+    let python = std::env::var("RAYCOST_PYTHON").expect("run tests/with-paraview");
+    let folder = tempfile::tempdir().unwrap();
+    let script = in_repository("tests/vtk/isosurfaces.py");
+    let output = Command::new(python).arg(script).arg(folder.path()).output();
+    let output = output.unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let lines = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(lines.lines().count(), 20);
+    for line in lines.lines() {
+        let expected: serde_json::Value = serde_json::from_str(line).unwrap();
+        let file = folder.path().join(expected["file"].as_str().unwrap());
+        let value = expected["value"].as_f64().unwrap() as f32;
+        let mesh = read_isosurface(
+            &file,
+            &surface_of("field", &[value]),
+            Some(&choice("color")),
+        );
+        let mesh = mesh.unwrap_or_else(|fault| panic!("{fault}"));
+        let near = |found: f64, expected: &serde_json::Value, tolerance: f64, what: &str| {
+            let expected = expected.as_f64().unwrap();
+            let error = (found - expected).abs() / (1.0 + expected.abs());
+            assert!(
+                error <= tolerance,
+                "{what} of {file:?}, {value}: {found} {expected}"
+            );
+        };
+        let ends = |values: &mut dyn Iterator<Item = f32>| {
+            values.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            })
+        };
+        for axis in 0..3 {
+            let [low, high] = ends(&mut mesh.vertices.iter().map(|vertex| vertex[axis]));
+            near(low.into(), &expected["low"][axis], 1e-5, "the lower end");
+            near(high.into(), &expected["high"][axis], 1e-5, "the upper end");
+        }
+        let colors = ends(&mut mesh.scalars.as_ref().unwrap().values.iter().copied());
+        for (i, color) in colors.into_iter().enumerate() {
+            near(color.into(), &expected["color"][i], 1e-5, "the color");
+        }
+        let area = |triangle: &[u32; 3]| {
+            let [a, b, c] = mesh.triangle(*triangle).vertices.map(|v| v.as_dvec3());
+            0.5 * (b - a).cross(c - a).length()
+        };
+        // The polygons of a cell are not flat: their triangulation matters a little.
+        let is_smooth = expected["file"].as_str().unwrap().contains("eddies");
+        let tolerance = if is_smooth { 3e-3 } else { 3e-2 };
+        near(
+            mesh.triangles.iter().map(area).sum(),
+            &expected["area"],
+            tolerance,
+            "the area",
+        );
+        let n_points = expected["points"].as_u64().unwrap();
+        let n_triangles = expected["triangles"].as_u64().unwrap();
+        println!(
+            "{:?} {value}: {} {n_points}, {} {n_triangles}, {} {}",
+            file.file_name().unwrap(),
+            mesh.vertices.len(),
+            mesh.triangles.len(),
+            mesh.triangles.iter().map(area).sum::<f64>(),
+            expected["area"]
+        );
+        assert_eq!(mesh.vertices.len() as u64, n_points, "{file:?}, {value}");
+    }
+}
