@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 
 use raycost::config::Config;
 use raycost::diff::{Diff, Side};
-use raycost::import::{MAX_BYTES_PER_BYTE, read_mesh, read_picture, read_spheres};
+use raycost::import::{
+    ArrayChoice, IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface,
+    read_lines, read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,
+};
 use raycost::memory::Memory;
 use raycost::results::{self, FrameFile, HitsFile};
 use raycost::scene::{Geometries, Scene};
@@ -53,7 +56,8 @@ fn build(text: &str) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-/// Meshes, tables of spheres and pictures; the first byte picks the format.
+/// Meshes, tables of spheres and tubes, VTK data sets and pictures; the first byte picks the
+/// format.
 pub fn geometry(input: &[u8]) {
     let Some((format, bytes)) = input.split_first() else {
         return;
@@ -63,10 +67,7 @@ pub fn geometry(input: &[u8]) {
         b'o' | b'p' => {
             let name = if *format == b'o' { "a.obj" } else { "a.ply" };
             if let Ok(mesh) = read_mesh(&folder.write(name, bytes)) {
-                let n_vertices = mesh.vertices.len() as u32;
-                let mut indices = mesh.triangles.iter().flatten();
-                assert!(indices.all(|&index| index < n_vertices));
-                assert!(mesh.vertices.iter().all(|vertex| vertex.is_finite()));
+                check_mesh(&mesh);
                 assert!(mesh.n_bytes() <= most, "{} of {most}", mesh.n_bytes());
             }
         }
@@ -76,6 +77,13 @@ pub fn geometry(input: &[u8]) {
                 assert!(spheres.n_bytes() <= most, "{} of {most}", spheres.n_bytes());
             }
         }
+        b't' => {
+            let path = folder.write("a.csv", bytes);
+            if let Ok(tubes) = read_tubes(&path, Some(1.0)) {
+                assert!(tubes.n_bytes() <= most, "{} of {most}", tubes.n_bytes());
+            }
+        }
+        b'v' => data_set(&folder.write("a.vtk", bytes)),
         b'i' => {
             if let Ok(found) = read_picture(&folder.write("a.png", bytes), None, AVAILABLE) {
                 assert!(found.n_bytes() <= AVAILABLE);
@@ -83,6 +91,41 @@ pub fn geometry(input: &[u8]) {
         }
         _ => {}
     });
+}
+
+fn check_mesh(mesh: &Mesh) {
+    let n_vertices = mesh.vertices.len() as u32;
+    let mut indices = mesh.triangles.iter().flatten();
+    assert!(indices.all(|&index| index < n_vertices));
+    assert!(mesh.vertices.iter().all(|vertex| vertex.is_finite()));
+}
+
+/// A VTK file in each of the ways that objects read it, with an array if it has one.
+fn data_set(path: &Path) {
+    let surface = read_mesh(path);
+    surface.iter().for_each(check_mesh);
+    let names = surface.map(|mesh| mesh.arrays).unwrap_or_default();
+    let array = names.into_iter().next().map(|name| ArrayChoice {
+        name,
+        component: None,
+        of: None,
+    });
+    if let Ok(mesh) = read_mesh_with(path, array.as_ref()) {
+        check_mesh(&mesh);
+    }
+    let radius = RadiusChoice::Same(1.0);
+    let _ = read_points(path, &radius, None);
+    if let Ok(tubes) = read_lines(path, &radius, None) {
+        assert!(tubes.capsules().len() > 0);
+    }
+    if let Some(array) = array {
+        let choice = IsosurfaceChoice {
+            array: array.clone(),
+            values: vec![0.5],
+        };
+        let surface = read_isosurface(path, &choice, Some(&array));
+        surface.iter().for_each(check_mesh);
+    }
 }
 
 /// VTK files: `frame.vti` and `hits.vtu`, with all their arrays.

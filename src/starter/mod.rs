@@ -46,21 +46,21 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
         return Err(Diagnostic::new(message).with_help("use a smaller file"));
     }
     let file = path_in_scene;
-    let shown = match import::read_mesh(mesh) {
-        Ok(mesh) => Shown::surface(mesh, file),
+    let subject = match import::read_mesh(mesh) {
+        Ok(mesh) => Subject::surface(mesh, file),
         Err(fault) => {
             // A data set of lines has no triangle.
             let radius = RadiusChoice::Same(1.0);
             let tubes = import::is_vtk(mesh).then(|| import::read_lines(mesh, &radius, None));
             let tubes = tubes.and_then(Result::ok);
-            Shown::lines(tubes.ok_or_else(|| of_file(fault))?, file)
+            Subject::lines(tubes.ok_or_else(|| of_file(fault))?, file)
         }
     };
-    Ok(text_of(&shown, file))
+    Ok(text_of(&subject, file))
 }
 
 /// What a scene shows.
-struct Shown {
+struct Subject {
     bounds: Aabb,
     /// The name of an array that gives the colors.
     array: Option<String>,
@@ -68,7 +68,7 @@ struct Shown {
     geometry: String,
 }
 
-impl Shown {
+impl Subject {
     fn surface(mesh: Mesh, file: &Path) -> Self {
         let corners = mesh.triangles.iter().flatten();
         let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
@@ -117,10 +117,10 @@ fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-fn text_of(shown: &Shown, file: &Path) -> String {
-    let Shown {
+fn text_of(subject: &Subject, file: &Path) -> String {
+    let Subject {
         bounds, geometry, ..
-    } = shown;
+    } = subject;
     let center = bounds.center();
     // All of the sphere around the box is in view.
     let radius = (0.5 * (bounds.max - bounds.min).length()).max(1e-6);
@@ -128,7 +128,7 @@ fn text_of(shown: &Shown, file: &Path) -> String {
     let eye = center + distance * TO_EYE.normalize();
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name: String = stem.chars().take(200).collect();
-    let (material, color) = match &shown.array {
+    let (material, color) = match &subject.array {
         None => (
             "clay",
             "[0.66, 0.55, 0.46], specular: 0.12, exponent: 40".to_owned(),
@@ -162,7 +162,7 @@ objects:
         eye = point(eye, radius),
         target = point(center, radius),
         // The colors of an array are to be read off.
-        ambient = if shown.array.is_some() { 0.3 } else { 0.06 },
+        ambient = if subject.array.is_some() { 0.3 } else { 0.06 },
         name = quoted(&name),
     )
 }

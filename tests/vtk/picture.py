@@ -13,7 +13,7 @@ import sys
 
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkLookupTable
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkFlyingEdges3D, vtkGlyph3D, vtkTubeFilter
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkContourFilter, vtkGlyph3D, vtkTubeFilter
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
@@ -45,10 +45,10 @@ def shown(file, how):
         for i in range(data.GetNumberOfPoints()):
             speed.InsertNextValue(math.hypot(*data.GetPointData().GetArray("velocity").GetTuple3(i)))
         data.GetPointData().SetScalars(speed)
-        contour = vtkFlyingEdges3D()
+        # vtkFlyingEdges3D of VTK 9.7 interpolates vectors wrongly.
+        contour = vtkContourFilter()
         contour.SetInputData(data)
         contour.SetValue(0, float(value))
-        contour.InterpolateAttributesOn()
         return contour
     tubes, sphere, spheres = vtkTubeFilter(), vtkSphereSource(), vtkGlyph3D()
     tubes.SetInputConnection(reader.GetOutputPort())
@@ -71,12 +71,11 @@ def main(file, how, array, low, high, width, height, fov, eye, target, out):
     array, _, component = array.partition(", component: ")
     surface = shown(file, how)
     colors = cool_to_warm(float(low), float(high))
-    if component:
-        colors.SetVectorModeToComponent()
-        colors.SetVectorComponent(int(component))
     mapper = vtkPolyDataMapper()
     mapper.SetInputConnection(surface.GetOutputPort())
     surface.Update()
+    if component:
+        array = add_component(surface.GetOutput().GetPointData(), array, int(component))
     of_points = surface.GetOutput().GetPointData().HasArray(array)
     if of_points:
         mapper.SetScalarModeToUsePointFieldData()
@@ -114,6 +113,16 @@ def main(file, how, array, low, high, width, height, fov, eye, target, out):
     rows = [pixels[i : i + row] for i in range(0, len(pixels), row)]
     with open(out, "wb") as picture:
         picture.write(b"".join(reversed(rows)))
+
+
+def add_component(data, name, component):
+    """Adds a component of an array as an array, and returns its name."""
+    found, vectors = vtkFloatArray(), data.GetArray(name)
+    found.SetName("component")
+    for i in range(vectors.GetNumberOfTuples()):
+        found.InsertNextValue(vectors.GetComponent(i, component))
+    data.AddArray(found)
+    return "component"
 
 
 def cool_to_warm(low, high):

@@ -6,6 +6,7 @@
 use super::super::{FileFault, FileLocation, Result};
 use super::budget::Budget;
 use super::numbers::Numbers;
+use super::polyhedra::Polyhedra;
 
 /// Cells of any types.
 #[derive(Debug, Default)]
@@ -17,6 +18,8 @@ pub(super) struct Cells {
     ends: Vec<usize>,
     /// Indices of points.
     corners: Vec<u32>,
+    /// The faces of polyhedra.
+    pub(super) polyhedra: Polyhedra,
 }
 
 /// The shape of a cell without the points on its edges.
@@ -32,6 +35,8 @@ pub(super) enum CellShape {
     Strip,
     /// Faces by the numbers of their corners, counter-clockwise as seen from outside.
     Solid(&'static [&'static [u8]]),
+    /// Flat faces in any number, which [`Cells::polyhedra`] has.
+    Polyhedron,
 }
 
 const TETRA: &[&[u8]] = &[&[0, 1, 3], &[1, 2, 3], &[2, 0, 3], &[0, 2, 1]];
@@ -90,6 +95,7 @@ pub(super) const POLY_VERTEX: u8 = 2;
 pub(super) const POLY_LINE: u8 = 4;
 pub(super) const STRIP: u8 = 6;
 pub(super) const POLYGON: u8 = 7;
+const POLYHEDRON: u8 = 42;
 
 impl CellShape {
     /// The shape of a cell of a type with `n` points; `None` for other types. Curved cells
@@ -111,6 +117,7 @@ impl CellShape {
             15 => Self::Solid(PENTAGONAL_PRISM),
             16 => Self::Solid(HEXAGONAL_PRISM),
             36 => Self::Polygon(n / 2),
+            POLYHEDRON => Self::Polyhedron,
             _ => return None,
         })
     }
@@ -118,7 +125,7 @@ impl CellShape {
     /// The least number of points of such a cell.
     pub(super) fn min_points(self) -> usize {
         match self {
-            Self::Thin => 0,
+            Self::Thin | Self::Polyhedron => 0,
             Self::Polygon(n) => n.max(3),
             Self::Pixel => 4,
             Self::Strip => 3,
@@ -197,6 +204,11 @@ impl Cells {
         Ok(())
     }
 
+    /// Whether there are polyhedra.
+    pub(super) fn has_polyhedra(&self) -> bool {
+        self.types.contains(&POLYHEDRON)
+    }
+
     /// The points of a cell in their order along it, if it is a line.
     pub(super) fn line(&self, cell: usize) -> Option<impl ExactSizeIterator<Item = u32> + '_> {
         let (cell_type, points) = (self.types[cell], self.points(cell));
@@ -222,6 +234,12 @@ impl Cells {
         &self.corners[begin..self.ends[cell]]
     }
 
+    /// The fault of a cell that is a polyhedron.
+    pub(super) fn polyhedron(&self, cell: usize) -> FileFault {
+        let expected = "cells of other types (ParaView's filter Tetrahedralize makes those)";
+        FileFault::new("it is a polyhedron", expected).at(at_cell(cell))
+    }
+
     /// The shape and the points of a cell.
     ///
     /// # Errors
@@ -229,14 +247,16 @@ impl Cells {
     pub(super) fn get(&self, cell: usize) -> Result<(CellShape, &[u32])> {
         let corners = self.points(cell);
         let (cell_type, n) = (self.types[cell], corners.len());
-        let shape = CellShape::of(cell_type, n).ok_or_else(|| {
+        let is_bare = cell_type == POLYHEDRON && self.polyhedra.faces(cell).len() == 0;
+        let shape = CellShape::of(cell_type, n).filter(|_| !is_bare);
+        let shape = shape.ok_or_else(|| {
             let what = match cell_type {
                 41 => "a convex point set".to_owned(),
-                42 => "a polyhedron".to_owned(),
+                POLYHEDRON => "a polyhedron without faces".to_owned(),
                 _ => format!("of the type {cell_type}"),
             };
             let expected = "triangles, quads, polygons, strips, pixels, tetrahedra, voxels, \
-                 hexahedra, wedges, pyramids or prisms (ParaView's filter Extract Surface makes \
+                 hexahedra, wedges, pyramids, prisms or, in XML files, polyhedra (ParaView's filter Extract Surface makes \
                  polygons of all cells)";
             FileFault::new(format!("it is {what}"), expected).at(at_cell(cell))
         })?;

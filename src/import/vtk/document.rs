@@ -78,6 +78,12 @@ impl Element<'_> {
             })
     }
 
+    /// Whether a child has this name as an array.
+    pub(super) fn has_array(&self, name: &str) -> bool {
+        let mut children = self.children.iter();
+        children.any(|child| child.attribute("Name") == Some(name))
+    }
+
     /// Its child of this name.
     pub(super) fn child(&self, name: &str) -> Option<&Self> {
         self.children.iter().find(|child| child.name == name)

@@ -152,8 +152,12 @@ impl Contour<'_, '_> {
                         stop::check().map_err(std::io::Error::other)?;
                     }
                     let (shape, corners) = cells.get(cell)?;
-                    if let CellShape::Solid(faces) = shape {
-                        self.add_cell(cell, faces, &corners[..shape.min_points()])?;
+                    match shape {
+                        CellShape::Solid(faces) => {
+                            self.add_cell(cell, faces, &corners[..shape.min_points()])?;
+                        }
+                        CellShape::Polyhedron => return Err(cells.polyhedron(cell)),
+                        _ => {}
                     }
                 }
             }

@@ -8,6 +8,7 @@ mod numbers;
 mod encoded;
 mod document;
 mod collection;
+mod polyhedra;
 mod cells;
 mod piece;
 mod surface;
@@ -24,7 +25,7 @@ use std::path::Path;
 use super::mesh::Mesh;
 use super::spheres::Spheres;
 use super::tubes::Tubes;
-use super::{FileFault, Result, extension, open};
+use super::{FileFault, Result, extension, max_bytes, open};
 use budget::Budget;
 pub(super) use collection::read as read_collection;
 use piece::{Piece, Wanted};
@@ -175,6 +176,8 @@ fn for_each_piece(path: &Path, wanted: &Wanted, visit: &mut Visit) -> Result<()>
 }
 
 fn read_file(path: &Path, wanted: &Wanted, budget: &mut Budget) -> Result<Contents> {
+    // A piece may be named like a device, which never ends.
+    max_bytes(path)?;
     let mut file = open(path)?;
     let length = file.get_ref().length()?;
     budget.take(length)?;

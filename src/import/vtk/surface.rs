@@ -52,7 +52,7 @@ impl PieceSurface {
         ghost: impl Fn(usize) -> u8,
         budget: &mut Budget,
     ) -> Result<()> {
-        let mut faces = Vec::new();
+        let (mut faces, mut polygon) = (Vec::new(), Vec::new());
         for cell in 0..cells.len() {
             if cell.is_multiple_of(1 << 16) {
                 stop::check().map_err(std::io::Error::other)?;
@@ -62,13 +62,22 @@ impl PieceSurface {
             if ghost & HIDDEN != 0 {
                 continue;
             }
+            let is_shown = ghost & COPY == 0;
             if let CellShape::Solid(of_cell) = shape {
                 budget.take_of::<CellFace>(2 * of_cell.len())?;
-                let numbers = 0..of_cell.len() as u8;
-                let is_shown = ghost & COPY == 0;
-                faces.extend(
-                    numbers.map(|face| CellFace::new(cell, face, of_cell, corners, is_shown)),
-                );
+                for (number, of_face) in of_cell.iter().enumerate() {
+                    polygon.clear();
+                    polygon.extend(of_face.iter().map(|corner| corners[*corner as usize]));
+                    faces.push(CellFace::new(cell, number, &mut polygon, is_shown));
+                }
+            } else if shape == CellShape::Polyhedron {
+                let of_cell = cells.polyhedra.faces(cell);
+                budget.take_of::<CellFace>(2 * of_cell.len())?;
+                for (number, of_face) in of_cell.enumerate() {
+                    polygon.clear();
+                    polygon.extend_from_slice(of_face);
+                    faces.push(CellFace::new(cell, number, &mut polygon, is_shown));
+                }
             } else if ghost & COPY == 0 {
                 budget.take_of::<[u32; 8]>(corners.len())?;
                 self.add_flat(cell, shape, corners);
@@ -76,7 +85,6 @@ impl PieceSurface {
         }
         keep_external(&mut faces);
         budget.take_of::<[u32; 16]>(faces.len())?;
-        let mut polygon = Vec::new();
         for face in faces.iter().filter(|face| face.is_shown) {
             let (shape, corners) = cells.get(face.cell as usize)?;
             if let CellShape::Solid(of_cell) = shape {
@@ -84,6 +92,13 @@ impl PieceSurface {
                 let of_face = of_cell[face.number as usize].iter();
                 polygon.extend(of_face.map(|corner| corners[*corner as usize]));
                 self.polygon(face.cell as usize, &polygon);
+            } else if let Some(of_face) = cells
+                .polyhedra
+                .faces(face.cell as usize)
+                .nth(face.number as usize)
+            {
+                budget.take_of::<[u32; 8]>(of_face.len())?;
+                self.polygon(face.cell as usize, of_face);
             }
         }
         Ok(())
@@ -103,7 +118,7 @@ impl PieceSurface {
                     self.polygon(cell, &[corners[odd], corners[1 - odd], corners[2]]);
                 }
             }
-            CellShape::Thin | CellShape::Solid(_) => {}
+            CellShape::Thin | CellShape::Solid(_) | CellShape::Polyhedron => {}
         }
     }
 
@@ -165,23 +180,22 @@ struct CellFace {
     key: [u32; 4],
     cell: u32,
     /// Its number among those of the cell.
-    number: u8,
+    number: u32,
     is_shown: bool,
 }
 
 impl CellFace {
-    fn new(cell: usize, number: u8, faces: &[&[u8]], corners: &[u32], is_shown: bool) -> Self {
-        let of_face = faces[number as usize].iter();
-        let mut points = [u32::MAX; 6];
-        for (point, corner) in points.iter_mut().zip(of_face) {
-            *point = corners[*corner as usize];
-        }
+    /// The face with these points, which are sorted.
+    fn new(cell: usize, number: usize, points: &mut [u32], is_shown: bool) -> Self {
         points.sort_unstable();
-        let [a, b, c, d, ..] = points;
+        let mut key = [u32::MAX; 4];
+        for (of_key, point) in key.iter_mut().zip(points) {
+            *of_key = *point;
+        }
         Self {
-            key: [a, b, c, d],
+            key,
             cell: cell as u32,
-            number,
+            number: number as u32,
             is_shown,
         }
     }

@@ -126,7 +126,7 @@ fn a_ball_has_its_area_and_normals_that_point_out_of_it() {
         f64::from(area.length())
     });
     let expected = 4.0 * std::f64::consts::PI * (0.5 * 0.5 + 0.8 * 0.8);
-    assert!((areas.sum::<f64>() / expected - 1.0).abs() < 2e-3);
+    assert!((areas.sum::<f64>() / expected - 1.0).abs() < 1e-2);
     let normals = mesh.normals.unwrap();
     assert_eq!(normals.triangles, mesh.triangles);
     for (normal, vertex) in normals.values.iter().zip(&mesh.vertices) {
@@ -213,7 +213,7 @@ fn isosurfaces_are_those_of_vtk() {
         };
         // The polygons of a cell are not flat: their triangulation matters a little.
         let is_smooth = expected["file"].as_str().unwrap().contains("eddies");
-        let tolerance = if is_smooth { 3e-3 } else { 3e-2 };
+        let tolerance = if is_smooth { 1e-2 } else { 3e-2 };
         near(
             mesh.triangles.iter().map(area).sum(),
             &expected["area"],
@@ -222,14 +222,8 @@ fn isosurfaces_are_those_of_vtk() {
         );
         let n_points = expected["points"].as_u64().unwrap();
         let n_triangles = expected["triangles"].as_u64().unwrap();
-        println!(
-            "{:?} {value}: {} {n_points}, {} {n_triangles}, {} {}",
-            file.file_name().unwrap(),
-            mesh.vertices.len(),
-            mesh.triangles.len(),
-            mesh.triangles.iter().map(area).sum::<f64>(),
-            expected["area"]
-        );
-        assert_eq!(mesh.vertices.len() as u64, n_points, "{file:?}, {value}");
+        // The same edges are crossed, and the same corners are kept apart on a face.
+        let found = [mesh.vertices.len(), mesh.triangles.len()].map(|n| n as u64);
+        assert_eq!(found, [n_points, n_triangles], "{file:?}, {value}");
     }
 }

@@ -112,7 +112,7 @@ fn surfaces_are_those_that_vtk_sees() {
 }
 
 /// Small files of VTK, in all formats, with their numbers of triangles.
-const FILES: [(&str, usize); 11] = [
+const FILES: [(&str, usize); 13] = [
     ("block_binary_51.vtk", 48),
     ("block_lz4.vtu", 48),
     ("block_zlib.vtu", 48),
@@ -122,6 +122,8 @@ const FILES: [(&str, usize); 11] = [
     ("image_base64.vti", 224),
     ("polygons_ascii_42.vtk", 7),
     ("polygons_inline.vtp", 7),
+    ("polyhedra_ascii.vtu", 18),
+    ("polyhedra_old.vtu", 18),
     ("rectilinear_ascii_51.vtk", 104),
     ("rectilinear_zlib.vtr", 104),
 ];
@@ -171,6 +173,44 @@ fn damaged_files_are_refused_or_meshes() {
     }
 }
 
+/// Nor does a damaged file of pieces or blocks, whatever files it names then.
+#[test]
+fn damaged_files_of_pieces_are_refused_or_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.vtu"), tetrahedron()).unwrap();
+    let pieces = "<VTKFile type='PUnstructuredGrid' byte_order='LittleEndian'>\
+        <PUnstructuredGrid GhostLevel='0'><PPoints><PDataArray type='Float32'/></PPoints>\
+        <Piece Source='a.vtu'/><Piece Source='a.vtu'/></PUnstructuredGrid></VTKFile>";
+    let blocks = "<VTKFile type='vtkMultiBlockDataSet'><vtkMultiBlockDataSet>\
+        <Block index='0'><DataSet index='0' file='a.vtu'/></Block>\
+        <DataSet index='1' file='a.vtu'/></vtkMultiBlockDataSet></VTKFile>";
+    for (name, whole) in [("a.pvtu", pieces), ("a.vtm", blocks)] {
+        let path = folder.path().join(name);
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            read_mesh_with(&path, Some(&choice("rank")))
+        };
+        assert_eq!(read(whole.as_bytes()).unwrap().triangles.len(), 8);
+        for at in 0..whole.len() {
+            let mut wrong = [whole.as_bytes().to_vec(), whole.as_bytes().to_vec()];
+            wrong[0].truncate(at);
+            wrong[1][at] ^= 0x10;
+            for bytes in wrong {
+                if let Ok(mesh) = read(&bytes) {
+                    assert!([4, 8].contains(&mesh.triangles.len()));
+                }
+            }
+        }
+    }
+    #[cfg(unix)]
+    {
+        let path = folder.path().join("a.pvtu");
+        std::fs::write(&path, pieces.replace("'a.vtu'", "'/dev/zero'")).unwrap();
+        let fault = read_mesh(&path).unwrap_err().to_string();
+        assert!(fault.contains("`/dev/zero`: it is no file"), "{fault}");
+    }
+}
+
 /// A tetrahedron with an array of points and one of cells.
 fn tetrahedron() -> String {
     let array = |kind: &str, name: &str, n: usize, values: &str| {
@@ -213,7 +253,11 @@ fn each_mistake_of_a_vtk_file_is_reported() {
             ", cell 0: it has 3 points, expected at least 4",
         ),
         (">10<", ">99<", ", cell 0: it is of the type 99, expected "),
-        (">10<", ">42<", ", cell 0: it is a polyhedron, expected "),
+        (
+            ">10<",
+            ">42<",
+            ", cell 0: it is a polyhedron without faces, expected ",
+        ),
         (
             ">10<",
             "><",

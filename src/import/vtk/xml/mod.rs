@@ -4,6 +4,8 @@
 //! does not know raw appended data, panics on some damaged files, and has no names for
 //! what it skips.
 
+mod arrays;
+
 use std::path::PathBuf;
 
 use super::super::fault::cut;
@@ -11,12 +13,12 @@ use super::super::{FileFault, Result};
 use super::budget::Budget;
 use super::cells::{Cells, POLY_LINE, POLY_VERTEX, POLYGON, STRIP};
 use super::document::{Element, parse};
-use super::encoded::{ArrayEncoding, Base64, Encoded};
-use super::numbers::{ByteOrder, NumberType, Numbers};
+use super::numbers::Numbers;
 use super::piece::{
     Lattice, Piece, PieceArrays, PointPositions, Topology, Wanted, grid_size, is_wanted,
 };
-use crate::vtk::Compressor;
+use super::polyhedra::Polyhedra;
+use arrays::XmlArrays;
 
 /// What a file has.
 #[derive(Debug)]
@@ -42,8 +44,7 @@ pub(super) fn read(bytes: &[u8], wanted: &Wanted, budget: &mut Budget) -> Result
         return Ok(Contents::Files(files));
     }
     let reader = XmlReader {
-        storage: storage(&root)?,
-        appended: Appended::of(&root, appended),
+        arrays: XmlArrays::new(&root, appended)?,
         data_set,
         wanted,
     };
@@ -70,69 +71,9 @@ fn collect_files(element: &Element, files: &mut Vec<PathBuf>) {
     }
 }
 
-fn storage(root: &Element) -> Result<ArrayEncoding> {
-    let order = match root.attribute("byte_order") {
-        Some("BigEndian") => ByteOrder::Big,
-        _ => ByteOrder::Little,
-    };
-    let length_bytes = match root.attribute("header_type") {
-        Some("UInt64") => 8,
-        _ => 4,
-    };
-    let compressor = root.attribute("compressor").map(|name| {
-        <dyn Compressor>::of_vtk_class(name).ok_or_else(|| {
-            let problem = format!("its arrays are compressed by `{}`", cut(name));
-            FileFault::new(
-                problem,
-                "vtkZLibDataCompressor, vtkLZ4DataCompressor or none",
-            )
-        })
-    });
-    Ok(ArrayEncoding {
-        order,
-        length_bytes,
-        compressor: compressor.transpose()?,
-    })
-}
-
-/// The data behind the elements.
-#[derive(Debug, Clone, Copy)]
-struct Appended<'a> {
-    bytes: &'a [u8],
-    is_base64: bool,
-}
-
-impl<'a> Appended<'a> {
-    fn of(root: &Element, bytes: &'a [u8]) -> Self {
-        let element = root.child("AppendedData");
-        let encoding = element.and_then(|element| element.attribute("encoding"));
-        Self {
-            bytes,
-            is_base64: encoding == Some("base64"),
-        }
-    }
-
-    /// The bytes from an offset on.
-    fn at(self, offset: usize) -> Result<Encoded<'a>> {
-        let bytes = self.bytes.get(offset..).ok_or_else(|| {
-            let problem = format!(
-                "it begins at byte {offset} of {} appended ones",
-                self.bytes.len()
-            );
-            FileFault::new(problem, "a whole file")
-        })?;
-        Ok(if self.is_base64 {
-            Encoded::Base64(Base64::new(bytes))
-        } else {
-            Encoded::Raw(bytes)
-        })
-    }
-}
-
 /// Reads the pieces of a file.
 struct XmlReader<'a> {
-    storage: ArrayEncoding,
-    appended: Appended<'a>,
+    arrays: XmlArrays<'a>,
     data_set: &'a Element<'a>,
     wanted: &'a Wanted<'a>,
 }
@@ -176,7 +117,7 @@ impl XmlReader<'_> {
             .child("Points")
             .and_then(|points| points.child("DataArray"));
         let points = match array {
-            Some(array) => self.numbers("Points", array, budget)?,
+            Some(array) => self.arrays.numbers("Points", array, budget)?,
             None => Numbers::of_text(&[]),
         };
         Ok(PointPositions::Explicit(points.in_tuples_of(3)))
@@ -187,11 +128,37 @@ impl XmlReader<'_> {
         let n_cells = piece.number("NumberOfCells")?;
         if n_cells > 0 {
             let element = piece.child("Cells").unwrap_or(piece);
-            let types = self.named(element, "types", budget)?;
+            let types = self.arrays.named(element, "types", budget)?;
             types.check("types", n_cells)?;
             self.add_cells(&mut cells, element, |cell| types.at(cell), n_cells, budget)?;
+            if cells.has_polyhedra() {
+                cells.polyhedra = self.polyhedra(element, cells.n_points, budget)?;
+            }
         }
         Ok(cells)
+    }
+
+    fn polyhedra(
+        &self,
+        element: &Element,
+        n_points: usize,
+        budget: &mut Budget,
+    ) -> Result<Polyhedra> {
+        let mut array = |name: &str| self.arrays.named(element, name, budget);
+        if element.has_array("polyhedron_offsets") {
+            let arrays = [
+                array("face_connectivity")?,
+                array("face_offsets")?,
+                array("polyhedron_to_faces")?,
+                array("polyhedron_offsets")?,
+            ];
+            return Polyhedra::of_arrays(arrays.each_ref(), n_points, budget);
+        }
+        if element.has_array("faceoffsets") {
+            let arrays = [array("faces")?, array("faceoffsets")?];
+            return Polyhedra::of_stream(arrays.each_ref(), n_points, budget);
+        }
+        Ok(Polyhedra::default())
     }
 
     /// The cells of polydata, in the order of the cells' arrays.
@@ -220,8 +187,8 @@ impl XmlReader<'_> {
         n_cells: usize,
         budget: &mut Budget,
     ) -> Result<()> {
-        let ends = self.named(element, "offsets", budget)?;
-        let connectivity = self.named(element, "connectivity", budget)?;
+        let ends = self.arrays.named(element, "offsets", budget)?;
+        let connectivity = self.arrays.named(element, "connectivity", budget)?;
         cells.add(types, n_cells, &ends, &connectivity, budget)
     }
 
@@ -238,7 +205,7 @@ impl XmlReader<'_> {
             return Err(FileFault::new(problem, "three"));
         };
         let axis = |i: usize, array: &Element, budget: &mut Budget| {
-            let numbers = self.numbers("Coordinates", array, budget)?;
+            let numbers = self.arrays.numbers("Coordinates", array, budget)?;
             numbers.check("Coordinates", size[i]).map(|()| numbers)
         };
         let axes = [
@@ -282,86 +249,13 @@ impl XmlReader<'_> {
             let name = array.attribute("Name").unwrap_or_default().to_owned();
             let is_active = [&attributes.normals, &attributes.uvs].contains(&&Some(name.clone()));
             if is_active || is_wanted(&name, self.wanted) {
-                let numbers = self.numbers(&name, array, budget)?;
+                let numbers = self.arrays.numbers(&name, array, budget)?;
                 attributes.arrays.push((name.clone(), numbers));
             }
             attributes.names.push(name);
         }
         Ok(attributes)
     }
-
-    /// The array of this name within an element.
-    fn named(&self, element: &Element, name: &str, budget: &mut Budget) -> Result<Numbers> {
-        let mut arrays = element.children.iter();
-        let array = arrays.find(|array| array.attribute("Name") == Some(name));
-        let missing = || {
-            let problem = format!("its element `{}` has no array `{name}`", element.name);
-            FileFault::new(problem, "a VTK file as VTK writes it")
-        };
-        self.numbers(name, array.ok_or_else(missing)?, budget)
-    }
-
-    /// The numbers of an array.
-    fn numbers(&self, name: &str, array: &Element, budget: &mut Budget) -> Result<Numbers> {
-        let decoded = self.decode(array, budget).map_err(|fault| {
-            let problem = format!("the array `{}`: {}", cut(name), fault.problem);
-            FileFault { problem, ..fault }
-        })?;
-        let n_components = array.attribute("NumberOfComponents");
-        let n_components = match n_components {
-            Some(_) => array.number("NumberOfComponents")?,
-            None => 1,
-        };
-        if n_components == 0 || !decoded.len().is_multiple_of(n_components) {
-            let problem = format!("the array `{}` has {} numbers", cut(name), decoded.len());
-            let expected = format!("a multiple of its {n_components} components");
-            return Err(FileFault::new(problem, expected));
-        }
-        Ok(decoded.in_tuples_of(n_components))
-    }
-
-    fn decode(&self, array: &Element, budget: &mut Budget) -> Result<Numbers> {
-        let kind = array.required("type")?;
-        let kind = NumberType::named(kind).ok_or_else(|| {
-            let problem = format!("it has values of the type `{}`", cut(kind));
-            FileFault::new(problem, "numbers of 8 to 64 bits")
-        })?;
-        let bytes = match array.attribute("format").unwrap_or("ascii") {
-            "ascii" => return ascii(array.text, budget),
-            "binary" => {
-                let text = Encoded::Base64(Base64::new(array.text));
-                self.storage.decode(text, budget)?
-            }
-            "appended" => {
-                let [offset] = array.numbers("offset")?;
-                self.storage.decode(self.appended.at(offset)?, budget)?
-            }
-            other => {
-                let problem = format!("its format is `{}`", cut(other));
-                return Err(FileFault::new(problem, "ascii, binary or appended"));
-            }
-        };
-        if !bytes.len().is_multiple_of(kind.n_bytes()) {
-            let problem = format!("it has {} bytes", bytes.len());
-            let expected = format!("a multiple of {}", kind.n_bytes());
-            return Err(FileFault::new(problem, expected));
-        }
-        Ok(Numbers::new(kind, self.storage.order, bytes))
-    }
-}
-
-/// The numbers of a text.
-fn ascii(text: &[u8], budget: &mut Budget) -> Result<Numbers> {
-    budget.take_of::<[f64; 2]>(text.len() / 2)?;
-    let words = text
-        .split(u8::is_ascii_whitespace)
-        .filter(|word| !word.is_empty());
-    let numbers = words.map(|word| {
-        let word = String::from_utf8_lossy(word);
-        let no_number = |_| FileFault::new(format!("`{}` is no number", cut(&word)), "a number");
-        word.parse::<f64>().map_err(no_number)
-    });
-    Ok(Numbers::of_text(&numbers.collect::<Result<Vec<f64>>>()?))
 }
 
 /// The axes of images without a direction.

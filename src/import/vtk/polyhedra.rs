@@ -1,0 +1,133 @@
+//! The faces of polyhedra.
+
+use super::super::mesh::count;
+use super::super::{FileFault, Result};
+use super::budget::Budget;
+use super::numbers::Numbers;
+
+/// The faces of the cells of a piece that are polyhedra.
+#[derive(Debug, Default)]
+pub(super) struct Polyhedra {
+    /// The end of each cell's faces.
+    ends: Vec<usize>,
+    /// The faces of all cells: indices of the faces below.
+    faces: Vec<u32>,
+    /// The end of each face's points.
+    face_ends: Vec<usize>,
+    /// Indices of points.
+    points: Vec<u32>,
+}
+
+impl Polyhedra {
+    /// Those of the four arrays that VTK has written since version 9.4: the points of faces
+    /// and where those of each face end, the faces of cells and where those of each cell end.
+    ///
+    /// # Errors
+    /// Points, faces or ends that do not exist, or too many of them for the memory.
+    pub(super) fn of_arrays(
+        [points, face_ends, faces, ends]: [&Numbers; 4],
+        n_points: usize,
+        budget: &mut Budget,
+    ) -> Result<Self> {
+        budget.take_of::<u32>(points.len() + faces.len())?;
+        budget.take_of::<usize>(face_ends.len() + ends.len())?;
+        Ok(Self {
+            ends: ascending(ends.iter(), faces.len())?,
+            faces: indices(faces.iter(), face_ends.len(), "face")?,
+            face_ends: ascending(face_ends.iter(), points.len())?,
+            points: indices(points.iter(), n_points, "point")?,
+        })
+    }
+
+    /// Those of the two arrays that older versions write: for each cell the number of its
+    /// faces, and for each face the number of its points and the points; and where that of
+    /// each cell ends, or -1 for cells of other types.
+    ///
+    /// # Errors
+    /// Those of [`of_arrays`](Self::of_arrays).
+    pub(super) fn of_stream(
+        [stream, ends]: [&Numbers; 2],
+        n_points: usize,
+        budget: &mut Budget,
+    ) -> Result<Self> {
+        budget.take_of::<[usize; 4]>(stream.len())?;
+        budget.take_of::<usize>(ends.len())?;
+        let mut found = Self::default();
+        let mut at = 0;
+        let mut next = || {
+            at += 1;
+            (at <= stream.len())
+                .then(|| stream.at(at - 1))
+                .ok_or_else(|| {
+                    let problem =
+                        format!("the faces of its polyhedra end early, at {}", stream.len());
+                    FileFault::new(problem, "the points of each face")
+                })
+        };
+        for end in ends.iter() {
+            if end >= 0.0 {
+                let n_faces = next()?;
+                let mut n = 0.0;
+                while n < n_faces {
+                    let n_corners = next()?;
+                    let mut k = 0.0;
+                    while k < n_corners {
+                        found.points.extend(indices([next()?], n_points, "point")?);
+                        k += 1.0;
+                    }
+                    found.faces.push(count(found.face_ends.len() + 1)? - 1);
+                    found.face_ends.push(found.points.len());
+                    n += 1.0;
+                }
+            }
+            found.ends.push(found.faces.len());
+        }
+        Ok(found)
+    }
+
+    /// The faces of a cell, each as its points in their order around it; none if it is no
+    /// polyhedron.
+    pub(super) fn faces(&self, cell: usize) -> impl ExactSizeIterator<Item = &[u32]> {
+        let of_cell = match self.ends.get(cell) {
+            Some(end) => &self.faces[begin(&self.ends, cell)..*end],
+            None => &[],
+        };
+        let points = |face: &u32| {
+            let face = *face as usize;
+            &self.points[begin(&self.face_ends, face)..self.face_ends[face]]
+        };
+        of_cell.iter().map(points)
+    }
+}
+
+/// Where the part begins that has this index, by the ends of all parts.
+fn begin(ends: &[usize], index: usize) -> usize {
+    index.checked_sub(1).map_or(0, |before| ends[before])
+}
+
+/// Numbers that do not descend, each of at most `most`.
+fn ascending(numbers: impl Iterator<Item = f64>, most: usize) -> Result<Vec<usize>> {
+    let mut last = 0.0;
+    let in_order = numbers.map(|number| {
+        if !(number >= last && number <= most as f64) {
+            let problem = format!("the faces of its polyhedra end at {number} of {most}");
+            return Err(FileFault::new(problem, format!("at {last} or later")));
+        }
+        last = number;
+        Ok(number as usize)
+    });
+    in_order.collect()
+}
+
+/// Indices of `n` things of a kind.
+fn indices(numbers: impl IntoIterator<Item = f64>, n: usize, kind: &str) -> Result<Vec<u32>> {
+    let in_range = numbers.into_iter().map(|number| {
+        if number >= 0.0 && number < n as f64 {
+            return Ok(number as u32);
+        }
+        let problem = format!("a polyhedron has the {kind} {number}");
+        let expected = format!("one of the {n} {kind}s, of which the first is 0");
+        Err(FileFault::new(problem, expected))
+    });
+    in_range.collect()
+}
