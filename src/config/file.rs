@@ -158,7 +158,8 @@ pub struct SpheresFile {
     expecting = "tubes such as { file: streamlines.vtp, radius: 0.01 }"
 )]
 pub struct TubesFile {
-    /// The file, relative to the scene file's folder.
+    /// The file, relative to the scene file's folder; or one for each time step:
+    /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
     pub file: PathBuf,
     /// The radius of all tubes, greater than 0, if the table has no column `r`; of the lines
     /// of a VTK file also an array of radii at their points.
