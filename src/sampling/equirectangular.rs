@@ -1,61 +1,130 @@
 //! Directions with a density that is given by a map of all of them.
 //!
-//! Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, A.5.6 and
-//! 12.5.2.
+//! Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, 12.5.2 and
+//! A.5.
 
 use crate::simd::{LookupTable, Real};
 
-/// A density of directions that is the same everywhere in a cell of a grid, whose columns
-/// are at equal steps of longitude, and rows of latitude.
+/// A density of directions that is bilinear between the centers of the texels of a map,
+/// whose columns are at equal steps of longitude, and rows of latitude. Between two rows it is
+/// linear in the sine of the latitude; from the first and the last row to the poles it does
+/// not change.
 ///
-/// Two numbers in [0, 1) choose a direction: the second one its row, the first one its
-/// column, by the inverse of the cumulative distributions. So numbers that are well
+/// Two numbers in [0, 1) choose a direction: the second one its latitude, the first one its
+/// longitude, by the inverse of the cumulative distributions. So numbers that are well
 /// distributed give such directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EquirectangularDistribution {
     n_columns: usize,
-    /// The cumulative shares of the rows: from 0 to 1, row 0 on top.
-    rows: Vec<f32>,
-    /// The cumulative shares of the columns of each row, row by row: from 0 to 1.
+    /// The densities at the centers of texels, row by row, per steradian.
+    texels: Vec<f32>,
+    /// The sums of the rows.
+    sums: Vec<f32>,
+    /// The cumulative shares of each row up to the center of each column, from that of the
+    /// first column on around all directions: from 0 to 1, row by row.
     columns: Vec<f32>,
-    /// The sines of the latitudes at the edges of the rows, from 1 to -1.
+    /// The cumulative shares of the bands between two rows or a row and a pole: from 0 to 1.
+    bands: Vec<f32>,
+    /// The sines of the latitudes at the edges of the bands, from 1 to -1.
     heights: Vec<f32>,
+}
+
+/// A place in a band.
+struct BandPlace {
+    /// The texel rows above and below.
+    rows: [usize; 2],
+    /// How far it is from the upper to the lower one, from 0 to 1.
+    down: f32,
 }
 
 impl EquirectangularDistribution {
     /// The distribution with densities in proportion to these numbers, row by row, row 0
     /// on top; `None` unless their sum is greater than 0 and finite.
-    pub fn new(n_columns: usize, densities: &[f32]) -> Option<Self> {
-        let n_rows = densities.len() / n_columns.max(1);
-        let height = |row: usize| (std::f64::consts::PI * (0.5 - row as f64 / n_rows as f64)).sin();
+    pub fn new(n_columns: usize, texels: &[f32]) -> Option<Self> {
+        let n_rows = texels.len() / n_columns.max(1);
         let mut columns = Vec::with_capacity(n_rows * (n_columns + 1));
-        let mut weights = Vec::with_capacity(n_rows);
-        for (row, of_row) in densities.chunks_exact(n_columns.max(1)).enumerate() {
-            let sum = push_cumulative(of_row.iter().map(|&density| density.into()), &mut columns);
-            weights.push(sum * (height(row) - height(row + 1)));
+        let mut sums = Vec::with_capacity(n_rows);
+        for row in texels.chunks_exact(n_columns.max(1)) {
+            let next = row.iter().cycle().skip(1);
+            let steps = row
+                .iter()
+                .zip(next)
+                .map(|(a, b)| 0.5 * (f64::from(*a) + f64::from(*b)));
+            sums.push(push_cumulative(steps, &mut columns));
         }
-        let mut rows = Vec::with_capacity(n_rows + 1);
-        let sum = push_cumulative(weights.into_iter(), &mut rows);
+        let heights = heights(n_rows);
+        let band = |i: usize| {
+            let [above, below] = around(i, n_rows).map(|row| sums[row]);
+            0.5 * (above + below) * (heights[i] - heights[i + 1])
+        };
+        let mut bands = Vec::with_capacity(n_rows + 2);
+        let n_bands = if n_rows == 0 { 0 } else { n_rows + 1 };
+        let sum = push_cumulative((0..n_bands).map(band), &mut bands);
+        let scale = n_columns as f64 / (std::f64::consts::TAU * sum);
         (sum > 0.0 && sum.is_finite()).then(|| Self {
             n_columns,
-            rows,
+            texels: texels
+                .iter()
+                .map(|texel| (f64::from(*texel) * scale) as f32)
+                .collect(),
+            sums: sums.iter().map(|sum| (sum * scale) as f32).collect(),
             columns,
-            heights: (0..=n_rows).map(|row| height(row) as f32).collect(),
+            bands,
+            heights: heights.iter().map(|height| *height as f32).collect(),
         })
     }
 
-    /// The cumulative shares of the columns of a row.
-    fn columns(&self, row: usize) -> &[f32] {
-        &self.columns[row * (self.n_columns + 1)..][..=self.n_columns]
+    /// Where a band's place is.
+    fn place(&self, band: usize, down: f32) -> BandPlace {
+        BandPlace {
+            rows: around(band, self.sums.len()),
+            down,
+        }
     }
 
-    /// The density in a cell, per steradian.
-    fn density(&self, row: usize, column: usize) -> f32 {
-        let columns = self.columns(row);
-        let share = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);
-        let height = self.heights[row] - self.heights[row + 1];
-        share * self.n_columns as f32 / (std::f32::consts::TAU * height)
+    /// The density at a place of a band above or below the center of a column.
+    fn at_center(&self, BandPlace { rows, down }: &BandPlace, column: usize) -> f32 {
+        let column = column % self.n_columns;
+        let [above, below] = rows.map(|row| self.texels[row * self.n_columns + column]);
+        above + (below - above) * down
     }
+
+    /// The cumulative density at a place of a band, from the center of the first column to
+    /// that of another one.
+    fn up_to_center(&self, BandPlace { rows, down }: &BandPlace, column: usize) -> f32 {
+        let of = |row: usize| self.sums[row] * self.columns[row * (self.n_columns + 1) + column];
+        let [above, below] = rows.map(of);
+        above * (1.0 - down) + below * down
+    }
+
+    /// The column in which the cumulative density at a place of a band reaches a target.
+    fn column(&self, place: &BandPlace, target: f32) -> usize {
+        let (mut low, mut high) = (0, self.n_columns);
+        while high - low > 1 {
+            let middle = low.midpoint(high);
+            if self.up_to_center(place, middle) <= target {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}
+
+/// The sines of the latitudes of the poles and the centers of the rows, from 1 to -1.
+fn heights(n_rows: usize) -> Vec<f64> {
+    let center = |row: usize| {
+        let turns = 0.5 - (row as f64 + 0.5) / n_rows as f64;
+        (std::f64::consts::PI * turns).sin()
+    };
+    let (top, bottom) = (std::iter::once(1.0), std::iter::once(-1.0));
+    top.chain((0..n_rows).map(center)).chain(bottom).collect()
+}
+
+/// The rows above and below a band.
+fn around(band: usize, n_rows: usize) -> [usize; 2] {
+    [band.saturating_sub(1), band.min(n_rows - 1)]
 }
 
 /// Appends the cumulative shares of weights, one more than there are; returns their sum.
@@ -75,31 +144,48 @@ fn push_cumulative(weights: impl Iterator<Item = f64> + Clone, to: &mut Vec<f32>
     sum
 }
 
-/// The direction that two numbers choose: its longitude, as the fraction of the grid's
-/// width, the sine of its latitude, and the density there, per steradian.
+/// The direction that two numbers choose: its longitude, as the fraction of the map's
+/// width, which may be greater than 1, the sine of its latitude, and the density there, per
+/// steradian.
 impl LookupTable<2, 3> for EquirectangularDistribution {
     #[inline]
     fn values_at(&self, [u, v]: [f32; 2]) -> [f32; 3] {
-        let (row, down) = inverse(&self.rows, v);
-        let (column, across) = inverse(self.columns(row), u);
-        let [upper, lower] = [self.heights[row], self.heights[row + 1]];
+        let (band, share) = inverse(&self.bands, v);
+        let ends = around(band, self.sums.len()).map(|row| self.sums[row]);
+        let place = self.place(band, linear(ends, share));
+        let target = u * self.up_to_center(&place, self.n_columns);
+        let column = self.column(&place, target);
+        let [from, to] = [column, column + 1].map(|column| self.up_to_center(&place, column));
+        let share = if to > from {
+            (target - from) / (to - from)
+        } else {
+            0.5
+        };
+        let [left, right] = [column, column + 1].map(|column| self.at_center(&place, column));
+        let across = linear([left, right], share.clamp(0.0, 1.0));
+        let [upper, lower] = [self.heights[band], self.heights[band + 1]];
         [
-            (column as f32 + across) / self.n_columns as f32,
-            upper + (lower - upper) * down,
-            self.density(row, column),
+            (column as f32 + 0.5 + across) / self.n_columns as f32,
+            upper + (lower - upper) * place.down,
+            left + (right - left) * across,
         ]
     }
 }
 
-/// The density at a place: the fraction of the grid's width, or that and a whole number,
-/// and of its height from the lower edge.
-impl LookupTable<2, 1> for EquirectangularDistribution {
+/// The density at a place: the fraction of the map's width, or that and a whole number, that
+/// of its height from the lower edge, and the sine of the latitude.
+impl LookupTable<3, 1> for EquirectangularDistribution {
     #[inline]
-    fn values_at(&self, [u, v]: [f32; 2]) -> [f32; 1] {
-        let n_rows = self.heights.len() - 1;
-        let index = |place: f32, n: usize| ((place * n as f32) as usize).min(n - 1);
-        let column = index(u - Real::floor(u), self.n_columns);
-        [self.density(index(1.0 - v, n_rows), column)]
+    fn values_at(&self, [u, v, height]: [f32; 3]) -> [f32; 1] {
+        let n_rows = self.sums.len();
+        let band = (((1.0 - v) * n_rows as f32 + 0.5) as usize).min(n_rows);
+        let [upper, lower] = [self.heights[band], self.heights[band + 1]];
+        let down = ((upper - height) / (upper - lower)).clamp(0.0, 1.0);
+        let place = self.place(band, down);
+        let column = (u - Real::floor(u)) * self.n_columns as f32 + self.n_columns as f32 - 0.5;
+        let left = Real::floor(column);
+        let [from, to] = [0, 1].map(|i| self.at_center(&place, left as usize + i));
+        [from + (to - from) * (column - left)]
     }
 }
 
@@ -112,21 +198,42 @@ fn inverse(cumulative: &[f32], number: f32) -> (usize, f32) {
     (cell, (number - from) / (to - from))
 }
 
+/// The place from 0 to 1 up to which a share of the density lies that is linear between its
+/// values at both ends.
+fn linear([from, to]: [f32; 2], share: f32) -> f32 {
+    let root = (from * from + (to * to - from * from) * share)
+        .max(0.0)
+        .sqrt();
+    if from + root > 0.0 {
+        (share * (from + to) / (from + root)).min(1.0)
+    } else {
+        share
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::{PI, TAU};
+
     use proptest::prelude::*;
 
     use super::*;
 
-    /// The direction that numbers choose, as a place of the grid, and its density.
+    /// The direction that numbers choose, as its longitude and the sine of its latitude, and
+    /// its density.
     fn chosen(of: &EquirectangularDistribution, numbers: [f32; 2]) -> ([f32; 2], f32) {
         let [u, height, density] = f32::look_up(of, numbers);
-        ([u, 0.5 + height.asin() / std::f32::consts::PI], density)
+        ([u, height], density)
+    }
+
+    fn density(of: &EquirectangularDistribution, [u, height]: [f32; 2]) -> f32 {
+        let [density] = f32::look_up(of, [u, 0.5 + height.asin() / PI, height]);
+        density
     }
 
     proptest! {
         #[test]
-        fn shares_of_cells_are_their_densities_times_their_areas(
+        fn parts_of_all_directions_are_chosen_by_their_density(
             n_columns in 1_usize..6,
             densities in prop::collection::vec(prop_oneof![Just(0.0), 0.01_f32..10.0], 6..30),
         ) {
@@ -136,26 +243,27 @@ mod tests {
                 prop_assert!(densities.iter().all(|density| *density == 0.0));
                 return Ok(());
             };
-            let mut counts = vec![0; densities.len()];
             const N: u32 = 300;
+            const PARTS: usize = 4;
+            let part = |[u, height]: [f32; 2]| {
+                let index = |x: f32| ((x * PARTS as f32) as usize).min(PARTS - 1);
+                index(u.fract()) * PARTS + index(0.5 * (1.0 + height))
+            };
+            let (mut chosen_in, mut expected) = ([0.0; PARTS * PARTS], [0.0; PARTS * PARTS]);
             for i in 0..N * N {
                 let numbers = [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32);
-                let ([u, v], density) = chosen(&of, numbers);
-                let row = (((1.0 - v) * n_rows as f32) as usize).min(n_rows - 1);
-                let column = ((u * n_columns as f32) as usize).min(n_columns - 1);
-                counts[row * n_columns + column] += 1;
-                let [found] = f32::look_up(&of, [u - 3.0, v]);
-                prop_assert!((found / density - 1.0).abs() < 1e-5, "{} {}", found, density);
+                let (place, found) = chosen(&of, numbers);
+                chosen_in[part(place)] += 1.0 / (N * N) as f32;
+                let again = density(&of, [place[0] - 3.0, place[1]]);
+                prop_assert!(
+                    (found - again).abs() < 1e-3 * found + 1e-3,
+                    "{:?} {} {}", place, found, again
+                );
+                let place = [numbers[0], 2.0 * numbers[1] - 1.0];
+                expected[part(place)] += density(&of, place) * 2.0 * TAU / (N * N) as f32;
             }
-            let area = |row: usize| {
-                let height = |row: usize| (std::f32::consts::PI * row as f32 / n_rows as f32).cos();
-                (height(row) - height(row + 1)) / n_columns as f32
-            };
-            let sum: f32 = (0..).zip(densities).map(|(i, d)| d * area(i / n_columns)).sum();
-            for (i, (count, density)) in counts.into_iter().zip(densities).enumerate() {
-                let expected = density * area(i / n_columns) / sum;
-                let found = count as f32 / (N * N) as f32;
-                prop_assert!((found - expected).abs() < 0.015, "{}: {} {}", i, found, expected);
+            for (found, expected) in chosen_in.into_iter().zip(expected) {
+                prop_assert!((found - expected).abs() < 0.01, "{} {}", found, expected);
             }
         }
     }
@@ -164,11 +272,9 @@ mod tests {
     fn the_same_everywhere_is_uniform() {
         let of = EquirectangularDistribution::new(7, &[2.0; 35]).unwrap();
         for i in 0..1000_u16 {
-            let (_, density) = chosen(
-                &of,
-                [f32::from(i) / 1000.0, f32::from(i * 7 % 1000) / 1000.0],
-            );
-            assert!((density * 4.0 * std::f32::consts::PI - 1.0).abs() < 1e-5);
+            let numbers = [f32::from(i) / 1000.0, f32::from(i * 7 % 1000) / 1000.0];
+            let (_, density) = chosen(&of, numbers);
+            assert!((density * 2.0 * TAU - 1.0).abs() < 1e-5);
         }
         for nothing in [&[][..], &[0.0; 6], &[f32::INFINITY, 1.0, 1.0]] {
             assert_eq!(EquirectangularDistribution::new(3, nothing), None);

@@ -19,20 +19,20 @@ pub struct EnvironmentLight {
     mean_luminance: f32,
 }
 
-/// Most cells of the distribution: enough for pictures of 2048 x 1024 texels, and a fraction
+/// Most texels of the distribution: enough for pictures of 2048 x 1024 texels, and a fraction
 /// of the memory of larger ones.
-const MAX_CELLS: usize = 1 << 21;
+const MAX_TEXELS: usize = 1 << 21;
 
 impl EnvironmentLight {
     /// The light of a map; `None` if it is black.
     pub(super) fn new(map: &EnvironmentMap) -> Option<Self> {
-        let ([width, _], texels) = map.picture.reduced(MAX_CELLS);
+        let ([width, _], texels) = map.picture.reduced(MAX_TEXELS);
         let luminance = |[r, g, b, _]: [f32; 4]| map.brightness(luminance(Vec3::new(r, g, b)));
         let texels: Vec<f32> = texels.map(luminance).collect();
         let width = width as usize;
         let mean_luminance = mean(width, &texels);
         Some(Self {
-            distribution: EquirectangularDistribution::new(width, &between(width, &texels))?,
+            distribution: EquirectangularDistribution::new(width, &texels)?,
             map: map.clone(),
             mean_luminance,
         })
@@ -57,8 +57,14 @@ impl EnvironmentLight {
     /// The density with which a direction is chosen, per steradian.
     #[inline(always)]
     pub fn density<R: Real>(&self, direction: Vector<R>) -> R {
-        let [density] = R::look_up(&self.distribution, self.map.place(direction));
+        let [u, v] = self.map.place(direction);
+        let [density] = R::look_up(&self.distribution, [u, v, direction.y]);
         density
+    }
+
+    /// The mean of the luminance over all directions.
+    pub(super) fn mean_luminance(&self) -> f32 {
+        self.mean_luminance
     }
 
     /// The power that a sphere of this radius gets.
@@ -77,27 +83,4 @@ fn mean(width: usize, texels: &[f32]) -> f32 {
         n += area * width as f64;
     }
     (sum / n) as f32
-}
-
-/// The means over the texels of what is linear between their centers: nowhere 0 where
-/// that is not.
-fn between(width: usize, texels: &[f32]) -> Vec<f32> {
-    let n_rows = texels.len() / width;
-    let mean = |before: f32, texel: f32, after: f32| 0.125 * before + 0.75 * texel + 0.125 * after;
-    let mut across = Vec::with_capacity(texels.len());
-    for row in texels.chunks_exact(width) {
-        let texel = |i: usize| row[i % width];
-        across.extend((0..width).map(|i| mean(texel(i + width - 1), row[i], texel(i + 1))));
-    }
-    let texel = |row: usize, i: usize| across[row.min(n_rows - 1) * width + i];
-    let of_row = |row: usize| {
-        (0..width).map(move |i| {
-            mean(
-                texel(row.saturating_sub(1), i),
-                texel(row, i),
-                texel(row + 1, i),
-            )
-        })
-    };
-    (0..n_rows).flat_map(of_row).collect()
 }
