@@ -83,7 +83,8 @@ impl TryFrom<ShadingKeys> for Shading {
 pub enum LightSampling {
     /// Each light, one ray for each.
     Each,
-    /// One light, chosen with a probability in proportion to its power.
+    /// One light, chosen with a probability in proportion to the light that would arrive at
+    /// the point if nothing were in the way; of more than 16 lights, to its power.
     Power,
 }
 

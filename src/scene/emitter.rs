@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::primitive::MaterialId;
-use crate::geometry::{N_PARAMETERS, Seen, ShapeKind};
+use crate::geometry::{Aabb, N_PARAMETERS, Seen, ShapeKind};
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::sampling::AliasTable;
@@ -24,6 +24,13 @@ pub struct Emitter {
     by_area: AliasTable,
     /// The sum of the areas.
     area: f32,
+    /// The center of a sphere around the shapes.
+    center: glam::Vec3,
+    /// The square of its radius.
+    square_radius: f32,
+    /// The luminance of a white surface that faces them at a distance of 1, in the mean over
+    /// all directions from them.
+    intensity: f32,
 }
 
 impl Emitter {
@@ -34,17 +41,28 @@ impl Emitter {
         material: &Material,
         kind: ShapeKind,
         shapes: Vec<[f32; N_PARAMETERS]>,
+        bounds: Aabb,
     ) -> Option<Self> {
         let area = |shape: &[f32; N_PARAMETERS]| f64::from(kind.area(shape));
         let areas: Vec<f64> = shapes.iter().map(area).collect();
+        let area = areas.iter().sum::<f64>() as f32;
+        // The mean of the area that is seen, over all directions.
+        let share = match kind {
+            ShapeKind::Sphere | ShapeKind::Cuboid => 0.25,
+            _ if material.two_sided => 0.5,
+            _ => 0.25,
+        };
         Some(Self {
             material: id,
             kind,
             radiance: material.emission,
             is_two_sided: material.two_sided,
             by_area: AliasTable::new(&areas)?,
-            area: areas.iter().sum::<f64>() as f32,
+            area,
             shapes,
+            center: bounds.center(),
+            square_radius: 0.25 * (bounds.max - bounds.min).length_squared(),
+            intensity: share * FRAC_1_PI * area * luminance(material.emission),
         })
     }
 
@@ -96,6 +114,14 @@ impl Emitter {
         area / area.splat(self.area)
     }
 
+    /// An estimate of the luminance of a white surface at this point that faces the shapes.
+    #[inline(always)]
+    pub(super) fn arrival<R: Real>(&self, point: Vector<R>) -> R {
+        let to_center = Vector::splat(point.x, self.center) - point;
+        let square = to_center.dot(to_center);
+        point.x.splat(self.intensity) / square.max(square.splat(self.square_radius))
+    }
+
     /// The emitted power.
     pub(super) fn power(&self) -> f64 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
@@ -105,5 +131,14 @@ impl Emitter {
 
 /// The luminance of linear light with the primaries of sRGB (ITU-R BT.709).
 pub(super) fn luminance(color: glam::Vec3) -> f32 {
-    color.dot(glam::Vec3::new(0.2126, 0.7152, 0.0722))
+    luminance_of_lanes(color.into())
+}
+
+/// [`luminance`], or one per lane.
+#[inline(always)]
+pub(super) fn luminance_of_lanes<R: Real>(color: Vector<R>) -> R {
+    color.dot(Vector::splat(
+        color.x,
+        glam::Vec3::new(0.2126, 0.7152, 0.0722),
+    ))
 }

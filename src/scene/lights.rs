@@ -1,23 +1,25 @@
 //! The lights of a scene: those of its `lights` section, then the surfaces that emit
 //! light, then the picture around it and its sun.
 
-use super::emitter::{Emitter, luminance};
+use std::collections::BTreeMap;
+
+use super::emitter::Emitter;
 use super::environment::EnvironmentLight;
+use super::light_choice::{Chosen, LightChoice};
+use super::light_source::LightSource;
 use super::primitive::{MaterialId, Primitive};
-use crate::background::{Background, Sun};
+use crate::background::Background;
 use crate::config::LightSampling;
 use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
 use crate::light::{Illumination, Light};
 use crate::material::Material;
-use crate::sampling::{AliasTable, hemisphere};
 use crate::simd::{Mask, Real, Vector};
 
 /// See the file's documentation.
 #[derive(Debug, Clone, Default)]
 pub struct Lights {
     sources: Vec<LightSource>,
-    /// The sources by power, unless each is sampled.
-    by_power: Option<AliasTable>,
+    choice: LightChoice,
     /// The index of the source of each material and kind of shape.
     emitters: Vec<Option<u32>>,
     /// The index of the picture around the scene.
@@ -37,16 +39,6 @@ pub enum LightOrigin {
     Background,
     /// The sun of the `background` section.
     Sun,
-}
-
-#[derive(Debug, Clone)]
-enum LightSource {
-    Light(Light),
-    Emitter(Box<Emitter>),
-    Environment(Box<EnvironmentLight>),
-    Sun(Sun),
-    /// The space around a point, up to a distance.
-    Surroundings(f32),
 }
 
 /// The random numbers that choose the light at a point.
@@ -80,10 +72,10 @@ impl Lights {
             lights.iter().copied().map(LightSource::Light).collect();
         let n_kinds = ShapeKind::ALL.len();
         let mut emitters = vec![None; materials.len() * n_kinds];
-        for (key, shapes) in emitting_shapes(materials, primitives) {
+        for (key, (shapes, bounds)) in emitting_shapes(materials, primitives) {
             let (material, kind) = (key / n_kinds, ShapeKind::ALL[key % n_kinds]);
             let id = MaterialId(material as u32);
-            if let Some(emitter) = Emitter::new(id, &materials[material], kind, shapes) {
+            if let Some(emitter) = Emitter::new(id, &materials[material], kind, shapes, bounds) {
                 emitters[key] = Some(sources.len() as u32);
                 sources.push(LightSource::Emitter(Box::new(emitter)));
             }
@@ -97,17 +89,9 @@ impl Lights {
             sources.push(LightSource::Sun(*sun));
             sources.len() as u32 - 1
         });
-        let by_power = match sampling {
-            LightSampling::Each => None,
-            LightSampling::Power => {
-                let bounds = bounds(primitives);
-                let powers: Vec<f64> = sources.iter().map(|of| of.power(&bounds)).collect();
-                AliasTable::new(&powers)
-            }
-        };
         Self {
+            choice: LightChoice::new(sampling, &sources, &bounds(primitives)),
             sources,
-            by_power,
             emitters,
             environment,
             sun,
@@ -131,24 +115,24 @@ impl Lights {
 
     /// Number of lights that are sampled at each point.
     pub fn n_samples(&self) -> usize {
-        match self.by_power {
-            Some(_) => 1,
-            None => self.sources.len(),
+        match self.choice {
+            LightChoice::Each => self.sources.len(),
+            LightChoice::ByArrival | LightChoice::ByPower(_) => 1,
         }
     }
 
     /// Whether the choice of light at a point needs random numbers.
     pub fn are_random(&self) -> bool {
         let is_plain = |source: &LightSource| matches!(source, LightSource::Light(_));
-        self.by_power.is_some() || !self.sources.iter().all(is_plain)
+        !self.samples_each() || !self.sources.iter().all(is_plain)
     }
 
-    /// The light of sample `i`, if it is always the same one and has no surface, so that
+    /// The light of sample `i`, if it is always the same one, has no surface, so that
     /// it needs no random numbers.
     #[inline]
     pub fn plain(&self, i: usize) -> Option<&Light> {
         match &self.sources[i] {
-            LightSource::Light(light) if self.by_power.is_none() => Some(light),
+            LightSource::Light(light) if self.samples_each() => Some(light),
             _ => None,
         }
     }
@@ -162,21 +146,25 @@ impl Lights {
         at: [Vector<R>; 2],
         numbers: &LightNumbers<R>,
     ) -> (Illumination<R>, R) {
-        let one = numbers.source.splat(1.0);
-        let (source, probability) = match &self.by_power {
-            None => (one.splat(i as f32), one),
-            Some(by_power) => {
-                let source = by_power.choose(numbers.source);
-                (source, by_power.probability(source))
-            }
+        let [number, v] = numbers.point;
+        let Chosen {
+            index,
+            probability,
+            number,
+        } = self
+            .choice
+            .choose(i, &self.sources, at[0], [numbers.source, number]);
+        let numbers = LightNumbers {
+            point: [number, v],
+            ..*numbers
         };
-        let light = self.of_sources(source, at, numbers);
+        let light = self.of_sources(index, at, &numbers);
         let light = Illumination {
             radiance: light.radiance / probability,
             density: light.density * probability,
             ..light
         };
-        (light, source)
+        (light, index)
     }
 
     /// The light of these sources.
@@ -210,109 +198,56 @@ impl Lights {
         light
     }
 
-    /// The light that shapes of this material and kind are, and the probability of its
-    /// choice; `None` if they are not sampled.
+    /// The light that shapes of this material and kind are, and its index; `None` if they are
+    /// not sampled.
     #[inline]
     pub fn emitter(
         &self,
         material: MaterialId,
         kind: Option<ShapeKind>,
-    ) -> Option<(&Emitter, f32)> {
+    ) -> Option<(&Emitter, u32)> {
         let key = material.0 as usize * ShapeKind::ALL.len() + kind? as usize;
         let index = (*self.emitters.get(key)?)?;
         let LightSource::Emitter(emitter) = &self.sources[index as usize] else {
             return None;
         };
-        Some((emitter, self.probability(index)))
+        Some((emitter, index))
     }
 
-    /// The picture around the scene and the probability of its choice; `None` if it is not
-    /// sampled.
+    /// The picture around the scene and its index; `None` if it is not sampled.
     #[inline]
-    pub fn environment(&self) -> Option<(&EnvironmentLight, f32)> {
+    pub fn environment(&self) -> Option<(&EnvironmentLight, u32)> {
         let index = self.environment?;
         let LightSource::Environment(environment) = &self.sources[index as usize] else {
             return None;
         };
-        Some((environment, self.probability(index)))
+        Some((environment, index))
     }
 
-    /// The sun and the probability of its choice; `None` if it is not sampled.
+    /// The index of the sun; `None` if it is not sampled.
     #[inline]
-    pub fn sun(&self) -> Option<(&Sun, f32)> {
-        let index = self.sun?;
-        let LightSource::Sun(sun) = &self.sources[index as usize] else {
-            return None;
-        };
-        Some((sun, self.probability(index)))
+    pub fn sun(&self) -> Option<u32> {
+        self.sun
     }
 
-    /// The probability of the choice of a light.
-    fn probability(&self, index: u32) -> f32 {
-        let by_power = self.by_power.as_ref();
-        by_power.map_or(1.0, |by_power| by_power.probability(index as f32))
-    }
-}
-
-impl LightSource {
+    /// The probability with which the light of this index is sampled at a point.
     #[inline(always)]
-    fn illuminate<R: Real>(
-        &self,
-        [point, normal]: [Vector<R>; 2],
-        numbers: &LightNumbers<R>,
-    ) -> Illumination<R> {
-        match self {
-            Self::Surroundings(distance) => surroundings(normal, *distance, numbers.point),
-            Self::Light(light) => light.illuminate(point),
-            Self::Emitter(emitter) => emitter.illuminate(point, numbers.shape, numbers.point),
-            Self::Environment(environment) => environment.illuminate(numbers.point),
-            Self::Sun(sun) => sun.illuminate(numbers.point),
-        }
+    pub fn probability<R: Real>(&self, index: u32, point: Vector<R>) -> R {
+        self.choice.probability(index, &self.sources, point)
     }
 
-    /// The power, of a light without surface that which a sphere around the scene gets.
-    fn power(&self, scene: &Aabb) -> f64 {
-        let center = scene.center();
-        let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
-        let radiance = match self {
-            Self::Surroundings(_) => return 0.0,
-            Self::Emitter(emitter) => return emitter.power(),
-            Self::Environment(environment) => return environment.power(radius),
-            Self::Sun(sun) => luminance(sun.of_white()),
-            Self::Light(light) => match light.position() {
-                // At this distance, whatever the falloff.
-                Some(position) => {
-                    let point = position + radius * glam::Vec3::Y;
-                    4.0 * luminance(light.illuminate(point.into()).radiance.into())
-                }
-                None => luminance(light.illuminate(center.into()).radiance.into()),
-            },
-        };
-        let pi = std::f64::consts::PI;
-        pi * pi * f64::from(radius).powi(2) * f64::from(radiance)
+    fn samples_each(&self) -> bool {
+        matches!(self.choice, LightChoice::Each)
     }
 }
 
-/// White light of radiance 1 from the directions around a normal, in proportion to their
-/// cosine, and as far as nothing is nearer than a distance.
-#[inline(always)]
-fn surroundings<R: Real>(normal: Vector<R>, distance: f32, numbers: [R; 2]) -> Illumination<R> {
-    let [x, y, cos] = hemisphere(numbers);
-    Illumination {
-        direction: normal.around([x, y, cos]).normalize(),
-        distance: cos.splat(distance),
-        radiance: Vector::splat(cos, glam::Vec3::ONE),
-        density: cos * cos.splat(std::f32::consts::FRAC_1_PI),
-    }
-}
+/// Shapes and their bounds.
+type Shapes = (Vec<[f32; N_PARAMETERS]>, Aabb);
 
 /// The shapes that emit light, by material and kind: its key is
 /// `material * n_kinds + kind`.
-fn emitting_shapes(
-    materials: &[Material],
-    primitives: &[Primitive],
-) -> std::collections::BTreeMap<usize, Vec<[f32; N_PARAMETERS]>> {
-    let mut shapes = std::collections::BTreeMap::<_, Vec<_>>::new();
+fn emitting_shapes(materials: &[Material], primitives: &[Primitive]) -> BTreeMap<usize, Shapes> {
+    let mut shapes = BTreeMap::<usize, Shapes>::new();
     if !materials.iter().any(Material::emits) {
         return shapes;
     }
@@ -322,7 +257,10 @@ fn emitting_shapes(
             && materials[material].emits()
         {
             let key = material * ShapeKind::ALL.len() + kind as usize;
-            shapes.entry(key).or_default().push(primitive.parameters());
+            let (bounds, parameters) = (primitive.bounds(), primitive.parameters());
+            let of_key = shapes.entry(key).or_insert((Vec::new(), bounds));
+            of_key.0.push(parameters);
+            of_key.1 = of_key.1.union(bounds);
         }
     }
     shapes

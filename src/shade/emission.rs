@@ -7,7 +7,7 @@ use super::path_tracing::power_heuristic;
 use super::paths::PathWave;
 use crate::geometry::{N_PARAMETERS, Seen};
 use crate::material::Material;
-use crate::scene::{Emitter, Scene};
+use crate::scene::{Emitter, Lights, Scene};
 use crate::simd::{InstructionSet, N_LANES, Real, SimdKernel, Vector, VectorColumn, set_lane};
 use crate::trace::{PointGroup, PointLanes, Points};
 
@@ -32,36 +32,46 @@ pub(super) fn emitted<R: Real>(material: &Material, side: R) -> Vector<R> {
     Vector::select(side.splat(0.0).lt(side), radiance, none)
 }
 
-/// The weight of the emitted light that a ray has found, beside that of light samples,
-/// which choose the emitter with a probability.
+/// The weight of the light of an emitter, with this index, that a ray has found, beside that
+/// of light samples.
 #[inline(always)]
-pub(super) fn weight<R: Real>((emitter, probability): (&Emitter, f32), arrival: &Arrival<R>) -> R {
+pub(super) fn weight<R: Real>(
+    lights: &Lights,
+    (emitter, index): (&Emitter, u32),
+    arrival: &Arrival<R>,
+) -> R {
     let Arrival {
         from,
         density,
         seen,
         shape,
     } = arrival;
-    let of_light = emitter.density(shape, *from, seen) * density.splat(probability);
+    let of_light = emitter.density(shape, *from, seen) * lights.probability(index, *from);
     power_heuristic(*density, of_light)
 }
 
-/// The radiance of the background that a ray finds whose direction was chosen with a density,
-/// weighted beside that of light samples.
+/// The radiance of the background that a ray finds, from a point in a direction that was
+/// chosen with a density, weighted beside that of light samples.
 #[inline(always)]
-pub(super) fn of_background<R: Real>(scene: &Scene, direction: Vector<R>, density: R) -> Vector<R> {
+pub(super) fn of_background<R: Real>(
+    scene: &Scene,
+    [from, direction]: [Vector<R>; 2],
+    density: R,
+) -> Vector<R> {
     let (background, lights) = (&scene.background, &scene.lights);
     let density = density.max(density.splat(f32::MIN_POSITIVE));
     let mut radiance = background.without_sun(direction);
-    if let Some((environment, probability)) = lights.environment() {
-        let of_light = environment.density(direction) * density.splat(probability);
+    if let Some((environment, index)) = lights.environment() {
+        let of_light = environment.density(direction) * lights.probability(index, from);
         radiance = radiance * power_heuristic(density, of_light);
     }
     let Some(sun) = background.sun() else {
         return radiance;
     };
-    let probability = lights.sun().map_or(0.0, |(_, probability)| probability);
-    let of_light = sun.density(direction) * density.splat(probability);
+    let of_light = match lights.sun() {
+        Some(index) => sun.density(direction) * lights.probability(index, from),
+        None => density.splat(0.0),
+    };
     radiance + sun.radiance(direction) * power_heuristic(density, of_light)
 }
 
@@ -117,6 +127,6 @@ impl AddEmission<'_> {
             },
             shape: self.points.parameters(set, self.scene, at),
         };
-        weight(emitter, &arrival)
+        weight(&self.scene.lights, emitter, &arrival)
     }
 }

@@ -63,8 +63,10 @@ impl<M: Model> EndPoints<'_, M> {
         let (slots, weights) =
             self.wave
                 .of_rays(set, self.points.rays(at), self.scene.splits_paths());
-        self.colors
-            .add_to(set, &slots, radiance.times(weights), lanes);
+        let added = self
+            .wave
+            .with_gained(set, self.points.rays(at), radiance.times(weights));
+        self.colors.add_to(set, &slots, added, lanes);
     }
 
     /// Collects the reflected rays of these lanes.
@@ -176,12 +178,12 @@ impl SimdKernel for AddBackground<'_> {
                     *density = branch.density;
                 }
             }
-            let [_, direction] = self.wave.rays.gather(set, &rays);
-            let radiance = of_background(self.scene, direction, set.load(&densities));
+            let ray = self.wave.rays.gather(set, &rays);
+            let radiance = of_background(self.scene, ray, set.load(&densities));
             let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());
             let lanes = u8::MAX >> (N_LANES - missed.len());
-            self.colors
-                .add_to(set, &slots, radiance.times(weights), lanes);
+            let added = self.wave.with_gained(set, &rays, radiance.times(weights));
+            self.colors.add_to(set, &slots, added, lanes);
         }
     }
 }

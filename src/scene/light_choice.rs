@@ -1,0 +1,135 @@
+//! The choice of the light that is sampled at a point.
+
+use super::light_source::LightSource;
+use crate::config::LightSampling;
+use crate::geometry::Aabb;
+use crate::sampling::AliasTable;
+use crate::simd::{Mask, Real, Vector};
+
+/// How lights are chosen.
+#[derive(Debug, Clone, Default)]
+pub(super) enum LightChoice {
+    /// Each light, or the only one, is sampled.
+    #[default]
+    Each,
+    /// One light, in proportion to what would arrive at the point from each.
+    ByArrival,
+    /// One light, in proportion to their power.
+    ByPower(AliasTable),
+}
+
+/// One light per point.
+pub(super) struct Chosen<R> {
+    /// The index of the light.
+    pub(super) index: R,
+    /// The probability of this choice.
+    pub(super) probability: R,
+    /// A number in [0, 1) that does not depend on the choice.
+    pub(super) number: R,
+}
+
+/// Most lights for which the light that would arrive is computed at each point.
+const MAX_COMPARED: usize = 16;
+
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+impl LightChoice {
+    pub(super) fn new(sampling: LightSampling, sources: &[LightSource], scene: &Aabb) -> Self {
+        match (sampling, sources.len()) {
+            (LightSampling::Each, _) | (LightSampling::Power, 0 | 1) => Self::Each,
+            (LightSampling::Power, 2..=MAX_COMPARED) => Self::ByArrival,
+            (LightSampling::Power, _) => {
+                let powers: Vec<f64> = sources.iter().map(|of| of.power(scene)).collect();
+                AliasTable::new(&powers).map_or(Self::Each, Self::ByPower)
+            }
+        }
+    }
+
+    /// The light of sample `i` at a point. Two numbers in [0, 1) choose it; by its arrival, the
+    /// second one alone does.
+    #[inline(always)]
+    pub(super) fn choose<R: Real>(
+        &self,
+        i: usize,
+        sources: &[LightSource],
+        point: Vector<R>,
+        [number, second]: [R; 2],
+    ) -> Chosen<R> {
+        let one = number.splat(1.0);
+        match self {
+            Self::Each => Chosen {
+                index: one.splat(i as f32),
+                probability: one,
+                number: second,
+            },
+            Self::ByArrival => by_arrival(sources, point, second),
+            Self::ByPower(table) => {
+                let index = table.choose(number);
+                Chosen {
+                    index,
+                    probability: table.probability(index),
+                    number: second,
+                }
+            }
+        }
+    }
+
+    /// The probability with which the light of this index is chosen at a point.
+    #[inline(always)]
+    pub(super) fn probability<R: Real>(
+        &self,
+        index: u32,
+        sources: &[LightSource],
+        point: Vector<R>,
+    ) -> R {
+        let one = point.x.splat(1.0);
+        match self {
+            Self::Each => one,
+            Self::ByArrival => {
+                sources[index as usize].arrival(point) / sum_of_arrivals(sources, point)
+            }
+            Self::ByPower(table) => table.probability(one.splat(index as f32)),
+        }
+    }
+}
+
+/// The sum of what would arrive at a point.
+#[inline(always)]
+fn sum_of_arrivals<R: Real>(sources: &[LightSource], point: Vector<R>) -> R {
+    let mut sum = point.x.splat(0.0);
+    for source in sources {
+        sum = sum + source.arrival(point);
+    }
+    sum
+}
+
+/// Inverts the cumulative distribution of what would arrive, so that the numbers that choose
+/// one light are as well distributed as all are.
+#[inline(always)]
+fn by_arrival<R: Real>(sources: &[LightSource], point: Vector<R>, number: R) -> Chosen<R> {
+    let (zero, one) = (number.splat(0.0), number.splat(1.0));
+    let sum = sum_of_arrivals(sources, point);
+    let target = number * sum;
+    let (mut chosen, mut share, mut below) = (zero, one, zero);
+    let mut before = zero;
+    let mut is_open = zero.equals(zero);
+    for (i, source) in sources.iter().enumerate() {
+        let of_source = source.arrival(point);
+        chosen = R::select(is_open, zero.splat(i as f32), chosen);
+        share = R::select(is_open, of_source, share);
+        below = R::select(is_open, before, below);
+        before = before + of_source;
+        is_open = is_open & before.le(target);
+        if is_open.bits() == 0 {
+            break;
+        }
+    }
+    Chosen {
+        index: chosen,
+        probability: share / sum,
+        number: ((target - below) / share)
+            .max(zero)
+            .min(one.splat(BELOW_ONE)),
+    }
+}
