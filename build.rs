@@ -22,12 +22,13 @@ const SOURCES: [&str; 6] = [
 ];
 
 /// The folders whose doc comments describe the keys of scene files.
-const DOCUMENTED: [&str; 12] = [
+const DOCUMENTED: [&str; 13] = [
     "src/animation",
     "src/background",
     "src/config",
     "src/camera",
     "src/color",
+    "src/fog",
     "src/geometry",
     "src/light",
     "src/material",

@@ -63,6 +63,7 @@ pub mod light;
 pub mod material;
 pub mod background;
 pub mod animation;
+pub mod fog;
 pub mod config;
 pub mod scene;
 pub mod cost;

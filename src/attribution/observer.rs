@@ -116,7 +116,7 @@ impl<'a> Observer<'a> {
             };
             n_traced += 1;
             let (number, hit) = self.trace(start, tree);
-            match hit {
+            match self.view.shader.met_in_fog(&path, hit) {
                 Some(point) => {
                     self.shade(eye, &path, number, &point, &mut paths, tree);
                 }

@@ -44,6 +44,7 @@ pub use tube::Tube;
 use crate::animation::Animation;
 use crate::background::Background;
 use crate::camera::Camera;
+use crate::fog::Fog;
 use crate::light::Light;
 use crate::material::Material;
 pub use crate::sampling::{PixelFilter, PixelPattern};
@@ -81,6 +82,9 @@ pub struct Config {
     /// What rays see that hit nothing; black if not given.
     #[serde(default)]
     pub background: Background,
+    /// The fog around the objects; none if not given.
+    #[serde(default)]
+    pub fog: Option<Fog>,
     /// The shading model and its parameters.
     #[serde(default)]
     pub shading: Shading,

@@ -29,6 +29,7 @@ pub use rough_surface::RoughSurface;
 pub use texture::*;
 pub use texture_point::TexturePoint;
 
+use crate::fog::HenyeyGreenstein;
 use crate::optics::Ggx;
 use crate::simd::{Real, Vector};
 use crate::yaml;
@@ -91,9 +92,34 @@ pub struct Material {
     pub normal_map: Option<NormalMap>,
     /// The holes in the surface, if it has any.
     pub cutout: Option<Cutout>,
+    /// How the particles scatter light, if it is not a surface but fog.
+    pub particles: Option<HenyeyGreenstein>,
 }
 
 impl Material {
+    /// Particles of fog, with these colors.
+    pub fn of_particles(color: Vec3, phase: HenyeyGreenstein) -> Self {
+        Self {
+            color: Texture::Color(color),
+            ambient: 0.0,
+            diffuse: 1.0,
+            specular: 0.0,
+            exponent: 0.0,
+            reflection: 0.0,
+            dielectric: None,
+            conductor: None,
+            principled: None,
+            roughness: 0.0,
+            multiple_scattering: false,
+            rough: None,
+            emission: Vec3::ZERO,
+            two_sided: true,
+            normal_map: None,
+            cutout: None,
+            particles: Some(phase),
+        }
+    }
+
     /// Whether it emits light.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
@@ -283,6 +309,7 @@ impl TryFrom<MaterialKeys> for Material {
             two_sided: keys.two_sided,
             normal_map: keys.normal_map,
             cutout: keys.cutout,
+            particles: None,
         })
     }
 }

@@ -134,13 +134,12 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// Renders these samples of all pixels.
     fn render_samples(&mut self, samples: Range<u32>) {
         self.start(samples.clone());
-        self.trace();
-        if samples.contains(&self.view.middle) {
-            self.store_surfaces((self.view.middle - samples.start) as usize, samples.len());
-        }
+        let middle = samples.contains(&self.view.middle);
+        let stored = middle.then(|| (self.view.middle - samples.start) as usize);
+        self.trace(stored.map(|sample| (sample, samples.len())));
         self.shade();
         while !self.wave.rays.is_empty() {
-            self.trace();
+            self.trace(None);
             self.shade();
         }
         if self.view.rounds.are_adaptive() {
@@ -189,22 +188,35 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Finds the surface points that the wave's rays hit.
-    fn trace(&mut self) {
-        let Self {
-            view: View { tracer, .. },
-            wave,
-            hits,
-            points,
-            ..
-        } = self;
-        let probe = ByPixel::new(&mut self.probe, wave.pixels());
-        tracer.nearest_stream(&wave.rays, hits, probe);
-        tracer.surface_points(wave.lengths(), &wave.rays, hits, points);
+    /// Finds the points that the wave's rays meet; first stores the surfaces that the camera
+    /// rays of a sample hit, if one of so many is given.
+    fn trace(&mut self, stored: Option<(usize, usize)>) {
+        let probe = ByPixel::new(&mut self.probe, self.wave.pixels());
+        let tracer = &self.view.tracer;
+        tracer.nearest_stream(&self.wave.rays, &mut self.hits, probe);
+        let has_particles = self.shader.has_particles();
+        if stored.is_some() || !has_particles {
+            self.find_points();
+        }
+        if let Some(sample) = stored {
+            self.store_surfaces(sample);
+        }
+        if has_particles {
+            self.shader
+                .meet_particles(&self.ids, &self.wave, &mut self.hits);
+            self.find_points();
+        }
+    }
+
+    /// Computes the points of the wave's hits.
+    fn find_points(&mut self) {
+        let Self { wave, hits, .. } = self;
+        let tracer = &self.view.tracer;
+        tracer.surface_points(wave.lengths(), &wave.rays, hits, &mut self.points);
     }
 
     /// Stores the surfaces that the camera rays of one of `n_samples` samples hit.
-    fn store_surfaces(&mut self, sample: usize, n_samples: usize) {
+    fn store_surfaces(&mut self, (sample, n_samples): (usize, usize)) {
         for i in 0..self.places.len() {
             let (block, lane) = (i / N_LANES, i % N_LANES);
             let ray = N_LANES * n_samples * block + sample * self.places.in_block(block) + lane;

@@ -239,7 +239,7 @@ fn radiance<P: Probe>(
 ) -> Vec3 {
     let View { tracer, shader, .. } = view;
     let mut color = Vec3::ZERO;
-    let (mut path, mut met) = (camera_path, first);
+    let (mut path, mut met) = (camera_path, shader.met_in_fog(&camera_path, first));
     let eye = camera_path.ray.origin;
     paths.clear();
     // All rays of a depth before those of the next, as in waves.
@@ -261,7 +261,8 @@ fn radiance<P: Probe>(
         n_traced += 1;
         path = next;
         probe.bounce(path.depth);
-        met = tracer.trace_after(path.length, &path.ray, path.kind, probe);
+        let hit = tracer.trace_after(path.length, &path.ray, path.kind, probe);
+        met = shader.met_in_fog(&path, hit);
     }
 }
 

@@ -10,6 +10,7 @@ use super::light_source::LightSource;
 use super::primitive::{MaterialId, Primitive};
 use crate::background::Background;
 use crate::config::LightSampling;
+use crate::fog::FogSphere;
 use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
 use crate::light::{Illumination, Light};
 use crate::material::Material;
@@ -20,6 +21,8 @@ use crate::simd::{Mask, Real, Vector};
 pub struct Lights {
     sources: Vec<LightSource>,
     choice: LightChoice,
+    /// The fog that weakens their light.
+    fog: Option<FogSphere>,
     /// The index of the source of each material and kind of shape.
     emitters: Vec<Option<u32>>,
     /// The index of the picture around the scene.
@@ -67,6 +70,7 @@ impl Lights {
         primitives: &[Primitive],
         background: Option<&Background>,
         sampling: LightSampling,
+        fog: Option<FogSphere>,
     ) -> Self {
         let mut sources: Vec<LightSource> =
             lights.iter().copied().map(LightSource::Light).collect();
@@ -92,6 +96,7 @@ impl Lights {
         Self {
             choice: LightChoice::new(sampling, &sources, &bounds(primitives)),
             sources,
+            fog,
             emitters,
             environment,
             sun,
@@ -127,12 +132,12 @@ impl Lights {
         !self.samples_each() || !self.sources.iter().all(is_plain)
     }
 
-    /// The light of sample `i`, if it is always the same one, has no surface, so that
-    /// it needs no random numbers.
+    /// The light of sample `i`, if it is always the same one, has no surface and shines
+    /// through no fog, so that it needs no random numbers.
     #[inline]
     pub fn plain(&self, i: usize) -> Option<&Light> {
         match &self.sources[i] {
-            LightSource::Light(light) if self.samples_each() => Some(light),
+            LightSource::Light(light) if self.samples_each() && self.fog.is_none() => Some(light),
             _ => None,
         }
     }
@@ -159,11 +164,15 @@ impl Lights {
             ..*numbers
         };
         let light = self.of_sources(index, at, &numbers);
-        let light = Illumination {
+        let mut light = Illumination {
             radiance: light.radiance / probability,
             density: light.density * probability,
             ..light
         };
+        if let Some(fog) = &self.fog {
+            let transmittance = fog.transmittance([at[0], light.direction], light.distance);
+            light.radiance = light.radiance * transmittance;
+        }
         (light, index)
     }
 
@@ -267,7 +276,7 @@ fn emitting_shapes(materials: &[Material], primitives: &[Primitive]) -> BTreeMap
 }
 
 /// The bounds of all primitives that have some.
-fn bounds(primitives: &[Primitive]) -> Aabb {
+pub(super) fn bounds(primitives: &[Primitive]) -> Aabb {
     let bounded = primitives
         .iter()
         .filter(|primitive| !primitive.is_unbounded());

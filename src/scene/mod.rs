@@ -13,6 +13,9 @@ mod surface_class;
 mod placement;
 mod emitter;
 mod environment;
+mod fog;
+mod light_source;
+mod light_choice;
 mod lights;
 mod timeline;
 
@@ -22,6 +25,7 @@ use crate::background::Background;
 use crate::camera::{ImagePlane, RayCone};
 use crate::color::Development;
 use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
+use crate::fog::FogSphere;
 use crate::material::{Material, TexturePoint};
 use crate::simd::Vector;
 use crate::text::{did_you_mean, keyword_name};
@@ -56,6 +60,8 @@ pub struct Scene {
     pub development: Development,
     /// What the film keeps besides what every film keeps.
     pub extra_arrays: ExtraArrays,
+    /// The fog around the objects.
+    pub fog: Option<FogSphere>,
     /// The lights.
     pub lights: Lights,
     /// The materials, by [`MaterialId`].
@@ -96,6 +102,7 @@ impl Scene {
             .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
         }
         check_materials(config)?;
+        fog::check(config)?;
         config.image.check_sampling()?;
         let plane = config
             .camera
@@ -108,6 +115,7 @@ impl Scene {
             shading: config.shading,
             development: config.film.development(config.shading.model),
             extra_arrays: config.extra_arrays(),
+            fog: None,
             lights: Lights::default(),
             materials: config.materials.values().cloned().collect(),
             has_media: config
@@ -149,6 +157,7 @@ impl Scene {
                 .attributes
                 .push(ObjectAttributes { first, attributes });
         }
+        scene.add_fog(config);
         scene.lights = match config.shading.model {
             ShadingModel::AmbientOcclusion => {
                 Lights::surroundings(config.shading.occlusion_distance)
@@ -159,6 +168,7 @@ impl Scene {
                 &scene.primitives,
                 scene.scatters_paths().then_some(&scene.background),
                 config.shading.light_sampling,
+                scene.scattering_fog().copied(),
             ),
         };
         Ok(scene)

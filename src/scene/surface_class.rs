@@ -22,6 +22,11 @@ impl SurfaceClass {
         Self((material * N_ATTRIBUTES + attributes.number()) * N_SHAPES + shape)
     }
 
+    /// The class of particles of a material: without a shape and attributes.
+    pub(super) fn of_particles(material: MaterialId) -> Self {
+        Self(material.0 * N_ATTRIBUTES * N_SHAPES)
+    }
+
     /// Its number: classes of few materials have small numbers.
     #[inline(always)]
     pub fn number(self) -> usize {

@@ -5,6 +5,7 @@ use super::model::Model;
 use super::models::lit_groups;
 use super::paths::PathWave;
 use crate::accel::ShadowStream;
+use crate::material::Material;
 use crate::scene::Scene;
 use crate::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
 use crate::trace::{PointLanes, Points};
@@ -56,7 +57,7 @@ impl<M: Model> SimdKernel for CastShadows<'_, M> {
             let material = self.scene.material(group.material);
             for at in group.lanes() {
                 let lanes = at.bits() & self.points.scattering_sides(set, at, material);
-                self.cast(set, at, lanes);
+                self.cast(set, material, at, lanes);
             }
         }
     }
@@ -65,10 +66,10 @@ impl<M: Model> SimdKernel for CastShadows<'_, M> {
 impl<M: Model> CastShadows<'_, M> {
     /// Collects the shadow rays of these lanes.
     #[inline(always)]
-    fn cast<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
+    fn cast<I: InstructionSet>(&mut self, set: I, material: &Material, at: PointLanes, lanes: u8) {
         let point = self.points.shading(set, at);
         let light = self.light.at(set, at.first, point.position);
-        let mut lanes = self.model.may_arrive(&point, &light).bits() & lanes;
+        let mut lanes = self.model.may_arrive(material, &point, &light).bits() & lanes;
         let mask = set.mask(lanes);
         let origin = self.model.origin(&point, light.direction);
         let shadows = &mut *self.shadows;

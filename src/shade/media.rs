@@ -28,6 +28,11 @@ pub(super) struct Interface {
 }
 
 impl Media {
+    /// Whether it is in none.
+    pub(super) fn is_none(self) -> bool {
+        self == Self::default()
+    }
+
     /// The surface of this material, which the ray enters or leaves. A ray that leaves
     /// what it did not enter started inside.
     pub(super) fn cross(self, material: MaterialId, enters: bool, all: &[Material]) -> Interface {

@@ -28,6 +28,7 @@ mod arriving_light;
 mod cast_shadows;
 mod add_light;
 mod end_paths;
+mod fog;
 mod scatter;
 mod wave;
 
@@ -124,6 +125,7 @@ impl<'a> Shader<'a> {
         point: &SurfacePoint,
     ) -> Option<LightSample> {
         let at = point.shading();
+        let material = self.scene.material(point.material);
         let lights = &self.scene.lights;
         let (light, index) = match lights.plain(i) {
             Some(light) => (light.illuminate(at.position), i as f32),
@@ -133,15 +135,17 @@ impl<'a> Shader<'a> {
             }
         };
         let direction = light.direction;
-        model.may_arrive(&at, &light).then(|| LightSample {
-            light,
-            index: index as u32,
-            shadow: ShadowRay {
-                ray: departing(model, &at, direction),
-                t_max: model.end(&light),
-                ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
-            },
-        })
+        model
+            .may_arrive(material, &at, &light)
+            .then(|| LightSample {
+                light,
+                index: index as u32,
+                shadow: ShadowRay {
+                    ray: departing(model, &at, direction),
+                    t_max: model.end(&light),
+                    ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
+                },
+            })
     }
 
     /// The random numbers of the point that a ray hits.
@@ -197,7 +201,7 @@ impl<'a> Shader<'a> {
         if !is_lit {
             return Vec3::ZERO;
         }
-        let arriving = self.weakened(path, point.distance);
+        let (arriving, gained) = self.weakened(path, point.distance);
         if scatters && path.depth < u32::from(self.scene.shading.max_depth) {
             match M::BOUNCE {
                 Bounce::None => {}
@@ -205,7 +209,7 @@ impl<'a> Shader<'a> {
                 Bounce::Scattered => next.extend(self.scattered(model, &arriving, point)),
             }
         }
-        arriving.weight * Vec3::from(color)
+        arriving.weight * Vec3::from(color) + gained
     }
 
     /// The light that the point emits toward the ray, weighted.
@@ -228,7 +232,7 @@ impl<'a> Shader<'a> {
             },
             shape: primitive.parameters(),
         };
-        emitted * emission::weight(emitter, &arrival)
+        emitted * emission::weight(&self.scene.lights, emitter, &arrival)
     }
 
     /// The ray that continues a path in a direction chosen at random.
@@ -277,14 +281,22 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The ray after a distance: with the weight that is left, and its path as long.
-    fn weakened(&self, path: &PathRay, distance: f32) -> PathRay {
-        let transmittance = path.media.transmittance(distance, &self.scene.materials);
-        PathRay {
-            weight: path.weight * transmittance,
+    /// The ray after a distance: with the weight that is left, and its path as long; and the
+    /// light that it gains on the way.
+    fn weakened(&self, path: &PathRay, distance: f32) -> (PathRay, Vec3) {
+        let mut weight = path.weight * path.media.transmittance(distance, &self.scene.materials);
+        let mut gained = Vec3::ZERO;
+        if let Some(fog) = self.scene.fading_fog().filter(|_| path.media.is_none()) {
+            let (transmittance, light) = fog::fade(fog, &path.ray, distance);
+            gained = weight * light;
+            weight *= transmittance;
+        }
+        let arriving = PathRay {
+            weight,
             length: path.length + distance,
             ..*path
-        }
+        };
+        (arriving, gained)
     }
 
     /// Appends the rays that continue a path from a point.
@@ -326,9 +338,10 @@ impl<'a> Shader<'a> {
     /// Returns the radiance of the background that a ray which hit nothing adds to its
     /// path.
     pub fn miss(&self, path: &PathRay) -> Vec3 {
-        let direction = path.ray.direction.into();
-        let color = emission::of_background(self.scene, direction, path.density);
-        self.weakened(path, f32::INFINITY).weight * Vec3::from(color)
+        let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
+        let color = emission::of_background(self.scene, ray, path.density);
+        let (arriving, gained) = self.weakened(path, f32::INFINITY);
+        arriving.weight * Vec3::from(color) + gained
     }
 }
 

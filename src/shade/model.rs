@@ -42,7 +42,12 @@ pub(super) trait Model: Copy {
     }
 
     /// Whether the light may arrive: not if the surface itself is in its way.
-    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask;
+    fn may_arrive<R: Real>(
+        self,
+        material: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+    ) -> R::Mask;
 
     /// The origin of a ray that leaves the point in this direction.
     #[inline(always)]

@@ -45,6 +45,14 @@ impl SampleIds {
         *lanes_mut(&mut self.samples, first) = [sample; N_LANES];
     }
 
+    /// The sample of the path in this slot.
+    pub(super) fn of_slot(&self, slot: u32) -> SampleId<u32> {
+        SampleId {
+            pixel: self.pixels[slot as usize],
+            sample: self.samples[slot as usize],
+        }
+    }
+
     /// The samples of the paths of eight rays of a wave.
     #[inline(always)]
     fn of_rays<I: InstructionSet>(
@@ -96,8 +104,11 @@ const LOBE: u32 = 1;
 /// one the point of the shape.
 const FIRST_LIGHT: u32 = 2;
 
+/// Where a ray in fog meets a particle.
+const FLIGHT: u32 = (1 << 20) - 1;
+
 /// Light samples with numbers of their own; the others repeat them.
-const N_LIGHTS: u32 = (1 << 19) - 1;
+const N_LIGHTS: u32 = (1 << 19) - 2;
 
 impl<N: Integer> PointNumbers<N> {
     /// The numbers that choose a direction.
@@ -110,6 +121,13 @@ impl<N: Integer> PointNumbers<N> {
     #[inline(always)]
     pub(super) fn lobe<R: Real<Integer = N>>(&self) -> [R; 2] {
         self.pair(LOBE)
+    }
+
+    /// The number that chooses where the ray to the point meets a particle of fog.
+    #[inline(always)]
+    pub(super) fn flight<R: Real<Integer = N>>(&self) -> R {
+        let [number, _] = self.pair(FLIGHT);
+        number
     }
 
     /// The numbers that choose the light of sample `i`.

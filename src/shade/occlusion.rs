@@ -23,7 +23,12 @@ impl Model for AmbientOcclusion {
     }
 
     #[inline(always)]
-    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
+    fn may_arrive<R: Real>(
+        self,
+        _: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+    ) -> R::Mask {
         point.is_faced_by(light.direction)
     }
 

@@ -35,9 +35,17 @@ impl Model for PathTracing {
     }
 
     #[inline(always)]
-    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
+    fn may_arrive<R: Real>(
+        self,
+        material: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+    ) -> R::Mask {
         let zero = point.side.splat(0.0);
         let is_on = zero.lt(light.radiance.max_element());
+        if material.particles.is_some() {
+            return is_on;
+        }
         point.is_faced_by(light.direction) & is_on
     }
 

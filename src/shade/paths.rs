@@ -2,9 +2,11 @@
 
 use glam::Vec3;
 
+use super::fog::fade;
 use super::media::Media;
 use crate::accel::Hit;
 use crate::cost::RayKind;
+use crate::fog::FogSphere;
 use crate::geometry::RayStream;
 use crate::material::Material;
 use crate::simd::{
@@ -27,6 +29,9 @@ pub struct PathWave {
     lengths: Vec<f32>,
     /// What only paths through media and paths of path tracing have; else empty.
     pub(super) branches: Vec<Branch>,
+    /// What the fog adds to the light that each ray meets, weighted, in a scene whose fog does
+    /// not scatter; else empty.
+    gained: VectorColumn,
     /// The number of bounces so far.
     pub depth: u32,
 }
@@ -109,6 +114,39 @@ impl PathWave {
             let transmittance = branch.media.transmittance(distance, materials);
             self.weights.set(i, self.weights.get(i) * transmittance);
         }
+    }
+
+    /// Lets the light fade in fog on the way to the hits.
+    pub(super) fn fade(&mut self, hits: &[Option<Hit>], fog: &FogSphere) {
+        self.gained.reset(self.rays.len().next_multiple_of(N_LANES));
+        for (i, hit) in hits.iter().enumerate() {
+            if self
+                .branches
+                .get(i)
+                .is_some_and(|branch| !branch.media.is_none())
+            {
+                continue;
+            }
+            let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
+            let (transmittance, light) = fade(fog, &self.rays.get(i), distance);
+            let weight = self.weights.get(i);
+            self.gained.set(i, weight * light);
+            self.weights.set(i, weight * transmittance);
+        }
+    }
+
+    /// The light that these rays bring, and what they gain in fog.
+    #[inline(always)]
+    pub(super) fn with_gained<I: InstructionSet>(
+        &self,
+        set: I,
+        rays: &[u32; N_LANES],
+        light: Vector<I::Lanes>,
+    ) -> Vector<I::Lanes> {
+        if self.gained.is_empty() {
+            return light;
+        }
+        light + self.gained.gather(set, rays)
     }
 
     /// Overwrites `sorted` with its rays in the order of the rays that they continue, of

@@ -29,7 +29,12 @@ impl Model for Seed {
     const BOUNCE: Bounce = Bounce::Mirrored;
 
     #[inline(always)]
-    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, _: &Illumination<R>) -> R::Mask {
+    fn may_arrive<R: Real>(
+        self,
+        _: &Material,
+        point: &ShadingPoint<R>,
+        _: &Illumination<R>,
+    ) -> R::Mask {
         point.side.le(point.side)
     }
 

@@ -22,7 +22,12 @@ impl Model for Standard {
 
     /// Not from behind the surface, and not from a light that is off.
     #[inline(always)]
-    fn may_arrive<R: Real>(self, point: &ShadingPoint<R>, light: &Illumination<R>) -> R::Mask {
+    fn may_arrive<R: Real>(
+        self,
+        _: &Material,
+        point: &ShadingPoint<R>,
+        light: &Illumination<R>,
+    ) -> R::Mask {
         let Vector { x, y, z } = light.radiance;
         let zero = x.splat(0.0);
         let is_off = x.equals(zero) & y.equals(zero) & z.equals(zero);

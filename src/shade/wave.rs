@@ -32,8 +32,8 @@ pub struct PathStarts<'a> {
 /// last `end` adds the points' radiance to their paths.
 #[derive(Debug)]
 pub struct WaveShader<'a> {
-    scene: &'a Scene,
-    sampler: Sampler,
+    pub(super) scene: &'a Scene,
+    pub(super) sampler: Sampler,
     simd: Simd,
     /// The shadow rays toward the current light.
     pub shadows: ShadowWave,
@@ -181,10 +181,13 @@ impl<'a> WaveShader<'a> {
         }));
     }
 
-    /// Weakens the light of rays by the media on the way to their hits.
+    /// Weakens the light of rays by the media and the fog on the way to their hits.
     pub fn weaken(&self, wave: &mut PathWave, hits: &[Option<Hit>]) {
         if self.scene.has_media() {
             wave.weaken(hits, &self.scene.materials);
+        }
+        if let Some(fog) = self.scene.fading_fog() {
+            wave.fade(hits, fog);
         }
     }
 

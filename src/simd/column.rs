@@ -29,6 +29,11 @@ impl VectorColumn {
         }
     }
 
+    /// Whether it has room for none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
     /// The vectors from index `first` on, one per lane.
     #[inline(always)]
     pub(crate) fn load<I: InstructionSet>(&self, set: I, first: usize) -> Vector<I::Lanes> {

@@ -1,5 +1,7 @@
 //! Hits → surface points, in lanes.
 
+use glam::Vec3;
+
 use super::parameters::parameters;
 use super::points::{PointGroup, PointLanes, Points};
 use super::surface_point::{on_side_of, side, width};
@@ -7,7 +9,7 @@ use crate::accel::Hit;
 use crate::geometry::RayStream;
 use crate::material::TexturePoint;
 use crate::scene::{
-    AttributeKind, Scene, interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+    AttributeKind, ObjectId, Scene, interpolated_normal, interpolated_scalar, scalar_along, with_uv,
 };
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
@@ -36,8 +38,13 @@ impl SimdKernel for FindPoints<'_> {
     fn run<I: InstructionSet>(mut self, set: I) {
         for i in 0..self.points.groups.len() {
             let group = self.points.groups[i];
+            let is_fog = self.scene.material(group.material).particles.is_some();
             for at in group.lanes() {
-                self.find(set, &group, at);
+                if is_fog {
+                    self.find_particles(set, &group, at);
+                } else {
+                    self.find(set, &group, at);
+                }
             }
         }
     }
@@ -107,6 +114,27 @@ impl FindPoints<'_> {
         points.color.store(at.first, color);
         points.direction.store(at.first, direction);
         *lanes_mut(&mut points.side, at.first) = side.to_array();
+    }
+
+    /// Computes eight particles of fog: [`SurfacePoint::of_particle`](super::SurfacePoint).
+    #[inline(always)]
+    fn find_particles<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
+        let hits = self.hits(at);
+        let [origin, direction] = self.rays.gather(set, self.points.rays(at));
+        let color = self.scene.fog.map_or(Vec3::ZERO, |fog| fog.color);
+        let (none, first) = (set.splat_vector(Vec3::ZERO), at.first);
+        let points = &mut *self.points;
+        *lanes_mut(&mut points.distance, first) = hits.t;
+        *lanes_mut(&mut points.materials, first) = [group.material; N_LANES];
+        *lanes_mut(&mut points.primitives, first) = hits.primitives;
+        *lanes_mut(&mut points.objects, first) = [ObjectId(0); N_LANES];
+        let position = origin + direction * set.load(&hits.t);
+        points.position.store(first, position);
+        points.normal.store(first, none);
+        points.geometric_normal.store(first, none);
+        points.color.store(first, set.splat_vector(color));
+        points.direction.store(first, direction);
+        *lanes_mut(&mut points.side, first) = [1.0; N_LANES];
     }
 
     /// Collects eight hits.

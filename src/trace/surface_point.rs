@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use crate::camera::RayCone;
-use crate::scene::{MaterialId, ObjectId};
+use crate::geometry::Ray;
+use crate::scene::{MaterialId, ObjectId, Scene};
 use crate::simd::{Mask, Real, Vector};
 
 /// A point of a surface that a ray has hit, in world space.
@@ -47,6 +48,22 @@ pub struct ShadingPoint<R> {
 }
 
 impl SurfacePoint {
+    /// The particle of the scene's fog that a ray meets at a distance. It has no normals.
+    pub fn of_particle(scene: &Scene, ray: &Ray, distance: f32) -> Self {
+        let color = scene.fog.map_or(Vec3::ZERO, |fog| fog.color);
+        Self {
+            position: ray.at(distance),
+            normal: Vec3::ZERO,
+            geometric_normal: Vec3::ZERO,
+            color,
+            distance,
+            object: ObjectId(0),
+            material: scene.class(scene.particles()).material(),
+            primitive: scene.particles(),
+            is_flipped: false,
+        }
+    }
+
     /// What shading reads of it.
     #[inline(always)]
     pub fn shading(&self) -> ShadingPoint<f32> {

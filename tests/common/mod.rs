@@ -13,10 +13,11 @@ pub mod twins;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use glam::Vec3;
 use serde_json::Value;
 
 use raycost::accel::Accel;
-use raycost::config::{Config, CostMode};
+use raycost::config::{Config, CostMode, OptionalOutput};
 use raycost::cost::{self, Counter, Meter, Metric};
 use raycost::film::{Film, Strip};
 use raycost::render::{TilePlan, render};
@@ -110,6 +111,19 @@ pub fn scene_of(config: &Config) -> Scene {
 /// Renders the film of a config on `n_threads` threads.
 pub fn film(config: &Config, n_threads: usize) -> Film {
     film_on(config, n_threads, Simd::best())
+}
+
+/// The radiance of each pixel, of a scene, row by row.
+pub fn radiance(text: &str) -> Vec<Vec3> {
+    let mut config = parse(text);
+    config.output.add(OptionalOutput::Radiance);
+    let film = film(&config, 2);
+    film.values(|strip| &strip.radiance).collect()
+}
+
+/// The mean of vectors.
+pub fn mean(vectors: &[Vec3]) -> Vec3 {
+    vectors.iter().sum::<Vec3>() / vectors.len() as f32
 }
 
 /// Renders the film of a config with an instruction set.

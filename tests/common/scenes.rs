@@ -38,6 +38,8 @@ pub struct RandomScene {
     /// More keys of the image.
     pub sampling: &'static str,
     pub background: &'static str,
+    /// The fog of path tracing, and that of `blinn_phong`.
+    pub fog: [&'static str; 2],
 }
 
 impl RandomScene {
@@ -63,6 +65,7 @@ impl RandomScene {
             camera,
             sampling,
             background,
+            fog,
         } = self;
         // Some of the cloud's spheres overlap.
         let (media, of_cloud) = match *model {
@@ -89,6 +92,11 @@ impl RandomScene {
             _ if *has_holes => HOLES,
             _ => [""; 3],
         };
+        let fog = match *model {
+            "path" | "path_by_power" => fog[0],
+            "blinn_phong" => fog[1],
+            _ => "",
+        };
         let ambient = match *model {
             "path" => ", light_sampling: each",
             "path_by_power" | "ambient_occlusion" => "",
@@ -103,6 +111,7 @@ impl RandomScene {
 image: {{ width: {width}, height: {height}, samples_per_pixel: {samples}, seed: {seed}{sampling} }}
 camera: {{ {camera} }}
 background: {{ {background} }}
+{fog}
 shading: {{ model: {model}, max_depth: {max_depth}{ambient} }}
 acceleration: {acceleration}
 materials:
@@ -270,6 +279,20 @@ const SAMPLING: [&str; 5] = [
     ", sampler: sobol, adaptive: { noise: 0.05, min_samples: 2 }",
 ];
 
+/// Fog that scatters light, and fog that does not.
+const FOGS: [[&str; 2]; 4] = [
+    ["", ""],
+    ["", ""],
+    [
+        "fog: { mean_free_path: 6, color: [0.9, 0.7, 0.4], anisotropy: -0.4, radius: 3 }",
+        "fog: { mean_free_path: 6, color: [0.9, 0.7, 0.4], radius: 3 }",
+    ],
+    [
+        "fog: { mean_free_path: 3, anisotropy: 0.7 }",
+        "fog: { mean_free_path: 3 }",
+    ],
+];
+
 /// Backgrounds.
 pub const BACKGROUNDS: [&str; 3] = [
     "gradient: { bottom: 0.2, top: [0.3, 0.5, 0.9] }",
@@ -318,13 +341,14 @@ prop_compose! {
         camera in prop::sample::select(&CAMERAS[..]),
         sampling in prop::sample::select(&SAMPLING[..]),
         background in prop::sample::select(&BACKGROUNDS[..]),
+        fog in prop::sample::select(&FOGS[..]),
     ) -> RandomScene {
         RandomScene {
             model, size, samples, max_depth, seed, has_media, has_lamps, has_holes,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color, wire_color], wire_scale, reflections, specular, lights, acceleration, camera, sampling,
-            background,
+            background, fog,
         }
     }
 }

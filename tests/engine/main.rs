@@ -11,6 +11,7 @@ mod counters;
 mod cutouts;
 mod determinism;
 mod environment;
+mod fog;
 mod import;
 mod media;
 mod attribution;

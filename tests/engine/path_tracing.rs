@@ -1,21 +1,6 @@
 //! Path tracing, area lights and ambient occlusion, against formulas.
 
-use glam::Vec3;
-use raycost::config::OptionalOutput;
-
-use crate::common::{film, parse};
-
-/// The radiance of each pixel, row by row.
-fn radiance(text: &str) -> Vec<Vec3> {
-    let mut config = parse(text);
-    config.output.add(OptionalOutput::Radiance);
-    let film = film(&config, 2);
-    film.values(|strip| &strip.radiance).collect()
-}
-
-fn mean(radiance: &[Vec3]) -> Vec3 {
-    radiance.iter().sum::<Vec3>() / radiance.len() as f32
-}
+use crate::common::{mean, radiance};
 
 /// A camera above the origin that sees a small part of what is there.
 const DOWN: &str = "image: { width: 4, height: 4, samples_per_pixel: 1024, sampler: sobol }

@@ -56,6 +56,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             camera: CAMERAS[1],
             sampling: "",
             background: BACKGROUNDS[0],
+            fog: [""; 2],
         }
         .config();
         if samples > 1000 {

@@ -37,7 +37,39 @@ def scene(config, width, height, max_depth):
             result[f"object{i}"]["emitter"] = {"type": "area", "radiance": rgb(keys["emission"])}
     if "background" in config:
         result["sky"] = sky(config["background"])
+    if "fog" in config:
+        result["integrator"]["type"] = "volpath"
+        result["fog"] = fog(config)
     return result
+
+
+def fog(config):
+    """A sphere of fog, with a surface that lets all light through."""
+    keys = config["fog"]
+    return {
+        "type": "sphere",
+        "center": center(config["objects"]),
+        "radius": keys["radius"],
+        "bsdf": {"type": "null"},
+        "interior": {
+            "type": "homogeneous",
+            "sigma_t": 1 / keys["mean_free_path"],
+            "albedo": rgb(keys["color"]),
+            "phase": {"type": "hg", "g": keys["anisotropy"]},
+        },
+    }
+
+
+def center(objects):
+    """The center of the bounds of spheres and rectangles."""
+    corners = []
+    for thing in objects:
+        if keys := thing.get("sphere"):
+            corners += [[c + sign * keys["radius"] for c in keys["center"]] for sign in (-1, 1)]
+        else:
+            keys = thing["rectangle"]
+            corners += [keys["corner"], [sum(of_axis) for of_axis in zip(keys["corner"], *keys["edges"])]]
+    return [(low + high) / 2 for low, high in zip(np.min(corners, axis=0), np.max(corners, axis=0))]
 
 
 def sky(background):

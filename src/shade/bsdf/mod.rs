@@ -4,6 +4,7 @@
 mod lobes;
 mod medium;
 mod metal;
+mod particle;
 mod principled;
 
 use glam::Vec3;
@@ -15,6 +16,7 @@ use crate::trace::ShadingPoint;
 use lobes::Lobes;
 use medium::Medium;
 use metal::Metal;
+use particle::Particle;
 use principled::PrincipledBsdf;
 
 /// How the surfaces of a material scatter light.
@@ -24,6 +26,7 @@ pub(super) enum Bsdf<'a> {
     Lobes(Lobes<'a>),
     Metal(Metal<'a>),
     Medium(Medium<'a>),
+    Particle(Particle),
     Principled(PrincipledBsdf<'a>),
 }
 
@@ -54,6 +57,7 @@ macro_rules! by_kind {
             $crate::shade::bsdf::Bsdf::Lobes($kind) => $call,
             $crate::shade::bsdf::Bsdf::Metal($kind) => $call,
             $crate::shade::bsdf::Bsdf::Medium($kind) => $call,
+            $crate::shade::bsdf::Bsdf::Particle($kind) => $call,
             $crate::shade::bsdf::Bsdf::Principled($kind) => $call,
         }
     };
@@ -110,7 +114,9 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub(super) fn of(material: &'a Material) -> Self {
         let rough = material.rough.as_deref();
-        if let (Some(keys), Some(rough)) = (&material.principled, rough) {
+        if let Some(phase) = material.particles {
+            Self::Particle(Particle { phase })
+        } else if let (Some(keys), Some(rough)) = (&material.principled, rough) {
             Self::Principled(PrincipledBsdf::new(keys, rough))
         } else if material.dielectric.is_some() {
             Self::Medium(Medium::new(rough))

@@ -1,0 +1,45 @@
+//! Particles of fog.
+
+use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
+use crate::fog::HenyeyGreenstein;
+use crate::simd::{Real, Vector};
+
+/// A particle that scatters light by a phase function. The color of the point is its albedo.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Particle {
+    pub(super) phase: HenyeyGreenstein,
+}
+
+impl Scatters for Particle {
+    fn is_lit(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
+        let density = self.phase.density(-at.to_viewer.dot(to_light));
+        Scattering {
+            value: at.point.color * (density * density.splat(std::f32::consts::PI)),
+            density,
+        }
+    }
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        _: &Boundary<R>,
+        numbers: [R; 2],
+        _: R,
+    ) -> Scattered<R> {
+        let (direction, cos) = self.phase.sample(-at.to_viewer, numbers);
+        let (zero, one) = (cos.splat(0.0), cos.splat(1.0));
+        Scattered {
+            direction,
+            factor: at.point.color,
+            density: self.phase.density(cos),
+            is_refracted: one.lt(zero),
+            is_diffuse: zero.lt(one),
+        }
+    }
+}

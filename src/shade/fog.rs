@@ -1,0 +1,64 @@
+//! Rays in fog: the particles that they meet, or the light that they lose and gain.
+
+use glam::Vec3;
+
+use super::numbers::{PointNumbers, SampleIds};
+use super::paths::PathWave;
+use super::{PathRay, Shader, WaveShader};
+use crate::accel::Hit;
+use crate::fog::FogSphere;
+use crate::geometry::Ray;
+use crate::simd::Vector;
+use crate::trace::SurfacePoint;
+
+impl Shader<'_> {
+    /// What a ray of a path meets, which would hit this point or nothing: a particle of fog, if
+    /// one is nearer.
+    pub fn met_in_fog(&self, path: &PathRay, hit: Option<SurfacePoint>) -> Option<SurfacePoint> {
+        let Some(fog) = self.scene.scattering_fog().filter(|_| path.media.is_none()) else {
+            return hit;
+        };
+        let distance = hit.as_ref().map_or(f32::INFINITY, |point| point.distance);
+        match fog.flight(&path.ray, distance, self.numbers(path).flight()) {
+            Some(t) => Some(SurfacePoint::of_particle(self.scene, &path.ray, t)),
+            None => hit,
+        }
+    }
+}
+
+impl WaveShader<'_> {
+    /// Whether rays may meet particles of fog.
+    pub fn has_particles(&self) -> bool {
+        self.scene.scattering_fog().is_some()
+    }
+
+    /// Replaces hits by those of particles of fog that rays meet before.
+    pub fn meet_particles(&self, ids: &SampleIds, wave: &PathWave, hits: &mut [Option<Hit>]) {
+        let Some(fog) = self.scene.scattering_fog() else {
+            return;
+        };
+        let primitive = self.scene.particles();
+        for (i, hit) in hits.iter_mut().enumerate() {
+            if !wave.branches[i].media.is_none() {
+                continue;
+            }
+            let numbers = PointNumbers {
+                sampler: self.sampler,
+                id: ids.of_slot(wave.slots()[i]),
+                depth: wave.depth,
+            };
+            let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
+            if let Some(t) = fog.flight(&wave.rays.get(i), distance, numbers.flight()) {
+                *hit = Some(Hit { t, primitive });
+            }
+        }
+    }
+}
+
+/// What fog without scattering does to the light along a ray up to its hit: the fraction of
+/// it that is left, and what the fog adds.
+pub(super) fn fade(fog: &FogSphere, ray: &Ray, distance: f32) -> (f32, Vec3) {
+    let ray = [ray.origin, ray.direction].map(Vector::from);
+    let transmittance = fog.transmittance(ray, distance);
+    (transmittance, fog.color * (1.0 - transmittance))
+}
