@@ -31,6 +31,14 @@ impl FogSphere {
         transmittance
     }
 
+    /// What becomes of the light along a ray up to its hit, if no particle scatters it: the
+    /// fraction that is left, and what the fog adds.
+    pub fn fade(&self, ray: &Ray, distance: f32) -> (f32, Vec3) {
+        let ray = [ray.origin, ray.direction].map(Vector::from);
+        let transmittance = self.transmittance(ray, distance);
+        (transmittance, self.color * (1.0 - transmittance))
+    }
+
     /// The distance along a ray, less than that of its hit, at which it meets a particle;
     /// `None` if it meets none. A number in [0, 1) chooses it.
     pub fn flight(&self, ray: &Ray, hit: f32, number: f32) -> Option<f32> {

@@ -2,7 +2,6 @@
 
 use super::emitter::{Emitter, luminance, luminance_of_lanes as of_lanes};
 use super::environment::EnvironmentLight;
-use super::lights::LightNumbers;
 use crate::background::Sun;
 use crate::geometry::Aabb;
 use crate::light::{Illumination, Light};
@@ -21,6 +20,17 @@ pub(super) enum LightSource {
     Sun(Sun),
     /// The space around a point, up to a distance.
     Surroundings(f32),
+}
+
+/// The random numbers that choose the light at a point.
+#[derive(Debug, Clone, Copy)]
+pub struct LightNumbers<R> {
+    /// Chooses one of the lights.
+    pub source: R,
+    /// Chooses one of the shapes of a light.
+    pub shape: R,
+    /// Choose the point of a shape.
+    pub point: [R; 2],
 }
 
 impl LightSource {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::emitter::Emitter;
 use super::environment::EnvironmentLight;
 use super::light_choice::{Chosen, LightChoice};
-use super::light_source::LightSource;
+use super::light_source::{LightNumbers, LightSource};
 use super::primitive::{MaterialId, Primitive};
 use crate::background::Background;
 use crate::config::LightSampling;
@@ -42,17 +42,6 @@ pub enum LightOrigin {
     Background,
     /// The sun of the `background` section.
     Sun,
-}
-
-/// The random numbers that choose the light at a point.
-#[derive(Debug, Clone, Copy)]
-pub struct LightNumbers<R> {
-    /// Chooses one of the lights.
-    pub source: R,
-    /// Chooses one of the shapes of a light.
-    pub shape: R,
-    /// Choose the point of a shape.
-    pub point: [R; 2],
 }
 
 impl Lights {

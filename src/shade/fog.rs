@@ -1,14 +1,9 @@
-//! Rays in fog: the particles that they meet, or the light that they lose and gain.
-
-use glam::Vec3;
+//! The particles of fog that rays meet.
 
 use super::numbers::{PointNumbers, SampleIds};
 use super::paths::PathWave;
 use super::{PathRay, Shader, WaveShader};
 use crate::accel::Hit;
-use crate::fog::FogSphere;
-use crate::geometry::Ray;
-use crate::simd::Vector;
 use crate::trace::SurfacePoint;
 
 impl Shader<'_> {
@@ -53,12 +48,4 @@ impl WaveShader<'_> {
             }
         }
     }
-}
-
-/// What fog without scattering does to the light along a ray up to its hit: the fraction of
-/// it that is left, and what the fog adds.
-pub(super) fn fade(fog: &FogSphere, ray: &Ray, distance: f32) -> (f32, Vec3) {
-    let ray = [ray.origin, ray.direction].map(Vector::from);
-    let transmittance = fog.transmittance(ray, distance);
-    (transmittance, fog.color * (1.0 - transmittance))
 }

@@ -287,7 +287,7 @@ impl<'a> Shader<'a> {
         let mut weight = path.weight * path.media.transmittance(distance, &self.scene.materials);
         let mut gained = Vec3::ZERO;
         if let Some(fog) = self.scene.fading_fog().filter(|_| path.media.is_none()) {
-            let (transmittance, light) = fog::fade(fog, &path.ray, distance);
+            let (transmittance, light) = fog.fade(&path.ray, distance);
             gained = weight * light;
             weight *= transmittance;
         }

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::fog::fade;
 use super::media::Media;
 use crate::accel::Hit;
 use crate::cost::RayKind;
@@ -128,7 +127,7 @@ impl PathWave {
                 continue;
             }
             let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
-            let (transmittance, light) = fade(fog, &self.rays.get(i), distance);
+            let (transmittance, light) = fog.fade(&self.rays.get(i), distance);
             let weight = self.weights.get(i);
             self.gained.set(i, weight * light);
             self.weights.set(i, weight * transmittance);
