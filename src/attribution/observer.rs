@@ -118,6 +118,9 @@ impl<'a> Observer<'a> {
             let (number, hit) = self.trace(start, tree);
             match self.view.shader.met_in_fog(&path, hit) {
                 Some(point) => {
+                    if self.view.shader.is_particle(&point) {
+                        tree.rays[number as usize].particle = Some(point.distance);
+                    }
                     self.shade(eye, &path, number, &point, &mut paths, tree);
                 }
                 None => self.miss(&path, number, tree),
@@ -233,6 +236,7 @@ impl<'a> Observer<'a> {
             ray: start.ray,
             t_max: start.t_max,
             hit,
+            particle: None,
             node_visits: cost.node_visits as u32,
             primitive_tests: cost.primitive_tests as u32,
             time_ns,

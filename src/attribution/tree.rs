@@ -38,6 +38,9 @@ pub struct TracedRay {
     pub t_max: f32,
     /// Its hit; for a shadow ray the one that occludes it.
     pub hit: Option<Hit>,
+    /// The parameter at which it meets a particle of fog, which is before its hit, and from
+    /// which its path goes on.
+    pub particle: Option<f32>,
     /// Number of BVH nodes visited.
     pub node_visits: u32,
     /// Number of ray-primitive tests.
@@ -53,6 +56,18 @@ pub struct TracedRay {
     pub contribution: Vec3,
     /// The range of its steps in the tree; empty if the observer keeps no steps.
     pub steps: Range<usize>,
+}
+
+impl TracedRay {
+    /// The parameter at which it meets a particle or its hit.
+    pub fn end(&self) -> Option<f32> {
+        self.particle.or(self.hit.map(|hit| hit.t))
+    }
+
+    /// Its hit, if it gets there.
+    pub fn surface(&self) -> Option<Hit> {
+        self.hit.filter(|_| self.particle.is_none())
+    }
 }
 
 impl RayTree {
@@ -78,7 +93,7 @@ impl RayTree {
     }
 
     /// The pixel's color: the mean of the samples, each channel of which is limited
-    /// to `most`, as by [`ShadingModel::sample_limit`](crate::config::ShadingModel::sample_limit).
+    /// to `most`, as by [`Scene::sample_limit`](crate::scene::Scene::sample_limit).
     pub fn limited_color(&self, most: f32) -> Vec3 {
         let n_samples = self.rays.last().map_or(0, |ray| ray.sample + 1);
         let most = Vec3::splat(most / n_samples as f32);

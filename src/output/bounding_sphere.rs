@@ -38,8 +38,8 @@ impl BoundingSphere {
     /// Returns the length of the line that shows a ray: to its hit, to its light,
     /// or to the point where it leaves the sphere.
     pub(super) fn length(&self, ray: &TracedRay) -> f32 {
-        match ray.hit {
-            Some(hit) => hit.t,
+        match ray.end() {
+            Some(end) => end,
             None if ray.t_max <= FAR_LIGHT * self.radius => ray.t_max,
             None => self.exit(&ray.ray).max(SHORTEST * self.radius),
         }

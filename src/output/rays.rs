@@ -93,9 +93,9 @@ impl<'a> Rays<'a> {
             self.array("object", |ray| self.met(ray, |met| met.object.0)),
             self.array("material", |ray| self.met(ray, |met| met.material.0)),
             self.array("primitive", |ray| {
-                ray.hit.map_or(-1, |hit| hit.primitive as i32)
+                ray.surface().map_or(-1, |hit| hit.primitive as i32)
             }),
-            self.array("distance", |ray| ray.hit.map_or(f32::NAN, |hit| hit.t)),
+            self.array("distance", |ray| ray.end().unwrap_or(f32::NAN)),
             self.array("length", |ray| self.bounding_sphere.length(ray)),
             self.array(Metric::NODE_VISITS.name, |ray| ray.node_visits),
             self.array(Metric::PRIMITIVE_TESTS.name, |ray| ray.primitive_tests),
@@ -169,7 +169,7 @@ impl<'a> Rays<'a> {
 
     /// A number of the primitive that each ray hits; -1 for none.
     fn met(&self, ray: &TracedRay, number: impl Fn(&Primitive) -> u32) -> i32 {
-        ray.hit.map_or(-1, |hit| {
+        ray.surface().map_or(-1, |hit| {
             number(&self.traced.scene.primitives[hit.primitive as usize]) as i32
         })
     }

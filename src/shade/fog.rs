@@ -19,6 +19,11 @@ impl Shader<'_> {
             None => hit,
         }
     }
+
+    /// Whether a point is a particle of fog.
+    pub fn is_particle(&self, point: &SurfacePoint) -> bool {
+        point.primitive == self.scene.particles()
+    }
 }
 
 impl WaveShader<'_> {

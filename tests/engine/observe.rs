@@ -74,7 +74,7 @@ fn assert_is_tree(tree: &RayTree, n_lights: u32) {
         let parent = &tree.rays[parent as usize];
         assert_eq!(parent.sample, ray.sample);
         assert!(parent.kind != RayKind::Shadow);
-        let at = parent.ray.at(parent.hit.unwrap().t);
+        let at = parent.ray.at(parent.end().unwrap());
         assert!(at.distance(ray.ray.origin) < 1e-3 * (1.0 + at.length()));
         if is_shadow {
             assert!((ray.contribution - parent.contribution).max_element() < 1e-5);
