@@ -112,10 +112,7 @@ impl<'a> Trees<'a> {
 
     fn ray(&self, ray: &TracedRay, branches: String, tree: &RayTree) -> TreeRow {
         let is_shadow = ray.kind == RayKind::Shadow;
-        let distance = match ray.hit {
-            Some(hit) => hit.t,
-            None => ray.t_max,
-        };
+        let distance = ray.end().unwrap_or(ray.t_max);
         let mut cells = vec![self.meets(ray), significant(distance)];
         cells.extend(self.costs([ray.node_visits, ray.primitive_tests], ray.time_ns));
         cells.extend(match (is_shadow, ray.contribution) {
@@ -149,6 +146,9 @@ impl<'a> Trees<'a> {
 
     /// The name of what the ray hit.
     fn meets(&self, ray: &TracedRay) -> String {
+        if ray.particle.is_some() {
+            return "fog".to_owned();
+        }
         let met = ray.hit.map(|hit| {
             let primitive = &self.traced.scene.primitives[hit.primitive as usize];
             let object = self.object(primitive.object.0);
@@ -192,13 +192,14 @@ impl<'a> Trees<'a> {
             ..TreeRow::of_text(String::new())
         };
         let model = self.config.shading.model;
-        let limited = tree.limited_color(model.sample_limit());
+        let limit = self.config.film.sample_limit(model);
+        let limited = tree.limited_color(limit);
         let [red, green, blue] = self.config.film.development(model).rgb8(limited);
         let shown = format!("#{red:02x}{green:02x}{blue:02x} in the picture");
         let remark = if limited.abs_diff_eq(tree.color(), 1e-5) {
             shown
         } else {
-            format!("{shown}, each sample limited to 1")
+            format!("{shown}, each sample limited to {limit}")
         };
         vec![sums, TreeRow::of_text(remark)]
     }

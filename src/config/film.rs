@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::ShadingModel;
 use crate::color::{Development, ToneCurve, Transfer};
-use crate::yaml::Number;
+use crate::yaml::{self, Number};
 
 /// How the light of a pixel becomes the numbers of the picture.
 ///
@@ -36,6 +36,11 @@ pub struct FilmSettings {
     /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
     #[serde(deserialize_with = "bits")]
     pub bits: u8,
+    /// The greatest value of a channel of a sample, greater than 0: brighter ones are
+    /// limited before the mean is taken, which removes single bright pixels and some light;
+    /// if not given, that of [`ShadingModel::sample_limit`].
+    #[serde(deserialize_with = "limit")]
+    pub sample_limit: Option<f32>,
 }
 
 impl FilmSettings {
@@ -45,6 +50,11 @@ impl FilmSettings {
     /// How light becomes numbers, with this shading model.
     pub fn development(&self, model: ShadingModel) -> Development {
         Development::new(self.exposure, self.tone_curve, self.transfer(model))
+    }
+
+    /// The greatest value of a channel of a sample with this shading model.
+    pub fn sample_limit(&self, model: ShadingModel) -> f32 {
+        self.sample_limit.unwrap_or(model.sample_limit())
     }
 
     /// The transfer function with this shading model.
@@ -59,6 +69,10 @@ fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
         accepts: |stops| FilmSettings::STOPS.contains(&stops),
     };
     number.deserialize(d)
+}
+
+fn limit<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::positive(d).map(Some)
 }
 
 fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
@@ -76,6 +90,7 @@ impl Default for FilmSettings {
             tone_curve: ToneCurve::default(),
             transfer: None,
             bits: 8,
+            sample_limit: None,
         }
     }
 }

@@ -135,8 +135,8 @@ impl ShadingModel {
         }
     }
 
-    /// The greatest value of a channel of a sample, to which brighter ones are
-    /// limited before the mean is taken: infinity, but 1 for the seed's.
+    /// The greatest value of a channel of a sample, to which brighter ones are limited
+    /// before the mean is taken, unless the film has one: infinity, but 1 for the seed's.
     pub fn sample_limit(self) -> f32 {
         match self {
             Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => f32::INFINITY,

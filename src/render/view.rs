@@ -42,7 +42,7 @@ impl<'a> View<'a> {
             shader: Shader::new(scene, sampler),
             rounds: Rounds::new(image, scene.development.gain()),
             middle: sampler.center(),
-            sample_limit: scene.shading.model.sample_limit(),
+            sample_limit: scene.sample_limit,
             plane: scene.image_plane,
             sampler,
             filter: FilterSampler::new(image.filter, image.filter_radius()),
