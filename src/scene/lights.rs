@@ -23,6 +23,8 @@ pub struct Lights {
     choice: LightChoice,
     /// The fog that weakens their light.
     fog: Option<FogSphere>,
+    /// Whether media weaken it, too.
+    has_media: bool,
     /// The index of the source of each material and kind of shape.
     emitters: Vec<Option<u32>>,
     /// The index of the picture around the scene.
@@ -60,6 +62,7 @@ impl Lights {
         background: Option<&Background>,
         sampling: LightSampling,
         fog: Option<FogSphere>,
+        has_media: bool,
     ) -> Self {
         let mut sources: Vec<LightSource> =
             lights.iter().copied().map(LightSource::Light).collect();
@@ -86,6 +89,7 @@ impl Lights {
             choice: LightChoice::new(sampling, &sources, &bounds(primitives)),
             sources,
             fog,
+            has_media,
             emitters,
             environment,
             sun,
@@ -121,12 +125,12 @@ impl Lights {
         !self.samples_each() || !self.sources.iter().all(is_plain)
     }
 
-    /// The light of sample `i`, if it is always the same one, has no surface and shines
-    /// through no fog, so that it needs no random numbers.
+    /// The light of sample `i`, if it is always the same one, has no surface and is
+    /// weakened by nothing, so that it needs no random numbers.
     #[inline]
     pub fn plain(&self, i: usize) -> Option<&Light> {
         match &self.sources[i] {
-            LightSource::Light(light) if self.samples_each() && self.fog.is_none() => Some(light),
+            LightSource::Light(light) if self.samples_each() && !self.is_weakened() => Some(light),
             _ => None,
         }
     }
@@ -232,6 +236,10 @@ impl Lights {
     #[inline(always)]
     pub fn probability<R: Real>(&self, index: u32, point: Vector<R>) -> R {
         self.choice.probability(index, &self.sources, point)
+    }
+
+    fn is_weakened(&self) -> bool {
+        self.fog.is_some() || self.has_media
     }
 
     fn samples_each(&self) -> bool {

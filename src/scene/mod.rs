@@ -59,6 +59,8 @@ pub struct Scene {
     pub shading: Shading,
     /// How light becomes the numbers of the picture.
     pub development: Development,
+    /// The greatest value of a channel of a sample.
+    pub sample_limit: f32,
     /// What the film keeps besides what every film keeps.
     pub extra_arrays: ExtraArrays,
     /// The fog around the objects.
@@ -115,6 +117,7 @@ impl Scene {
             background: geometries.pictures.background(config),
             shading: config.shading,
             development: config.film.development(config.shading.model),
+            sample_limit: config.film.sample_limit(config.shading.model),
             extra_arrays: config.extra_arrays(),
             fog: None,
             lights: Lights::default(),
@@ -170,6 +173,7 @@ impl Scene {
                 scene.scatters_paths().then_some(&scene.background),
                 config.shading.light_sampling,
                 scene.scattering_fog().copied(),
+                scene.weakens_lights(),
             ),
         };
         Ok(scene)
@@ -178,6 +182,11 @@ impl Scene {
     /// Whether any material is a dielectric.
     pub fn has_media(&self) -> bool {
         self.has_media
+    }
+
+    /// Whether media weaken the light of light samples: those of the ray to the point.
+    pub fn weakens_lights(&self) -> bool {
+        self.has_media && self.scatters_paths()
     }
 
     /// Whether any material has holes.

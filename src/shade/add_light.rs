@@ -3,10 +3,12 @@
 use glam::Vec3;
 
 use super::arriving_light::SampledLight;
-use super::model::Model;
+use super::bsdf::Boundary;
+use super::interfaces::Interfaces;
+use super::model::{Bounce, Model};
 use super::paths::PathWave;
 use crate::scene::Scene;
-use crate::simd::{InstructionSet, N_LANES, SimdKernel, Vector, VectorColumn, set_lane};
+use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, set_lane};
 use crate::trace::{PointLanes, Points};
 
 /// Sets the radiance of points to the reflected ambient light.
@@ -75,7 +77,16 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                 let light = self.light.at(set, at.first, point.position);
                 let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
                 let to_viewer = self.model.to_viewer(&point, eye, direction);
-                let reflected = self.model.reflected(material, &point, &light, to_viewer);
+                let boundary = if M::BOUNCE == Bounce::Scattered && material.dielectric.is_some() {
+                    let (rays, flipped) = (self.points.rays(at), point.side.signs());
+                    Interfaces::met(self.scene, self.wave, group.material, rays, flipped)
+                        .boundary(set)
+                } else {
+                    Boundary::of_no_medium(point.side)
+                };
+                let reflected = self
+                    .model
+                    .reflected(material, &boundary, &point, &light, to_viewer);
                 let before = self.radiance.load(set, at.first);
                 let after = Vector::select(set.mask(reached), before + reflected, before);
                 self.radiance.store(at.first, after);

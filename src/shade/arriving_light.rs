@@ -104,7 +104,14 @@ impl SimdKernel for SampleLights<'_> {
             let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
             let numbers = numbers.light(self.sample);
             let at_point = [point.position, point.normal];
-            let (light, _) = lights.illuminate(self.sample, at_point, &numbers);
+            let (mut light, _) = lights.illuminate(self.sample, at_point, &numbers);
+            if self.scene.weakens_lights() {
+                let (rays, distances) = (self.points.rays(at), light.distance.to_array());
+                let left = self
+                    .wave
+                    .transmittances(rays, &distances, &self.scene.materials);
+                light.radiance = light.radiance.times(set.load_vector(&left));
+            }
             self.arriving.store(at.first, &light);
         }
     }

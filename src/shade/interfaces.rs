@@ -1,9 +1,10 @@
 //! The surfaces of media that the rays of a wave meet.
 
+use super::bsdf::Boundary;
 use super::media::Media;
 use super::paths::PathWave;
 use crate::scene::{MaterialId, Scene};
-use crate::simd::N_LANES;
+use crate::simd::{InstructionSet, N_LANES};
 
 /// The surfaces of a medium that eight rays met.
 pub(super) struct Interfaces {
@@ -40,5 +41,14 @@ impl Interfaces {
             interfaces.behind[lane] = interface.behind;
         }
         interfaces
+    }
+
+    /// What scattering reads of them.
+    #[inline(always)]
+    pub(super) fn boundary<I: InstructionSet>(&self, set: I) -> Boundary<I::Lanes> {
+        Boundary {
+            eta: set.load(&self.eta),
+            is_visible: set.mask(self.visible),
+        }
     }
 }

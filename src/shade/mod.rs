@@ -46,6 +46,7 @@ use crate::trace::{ShadingPoint, SurfacePoint};
 use bsdf::{Boundary, Bsdf, Leaving, Scatters, by_kind};
 use emission::{Arrival, emitted};
 use fresnel::{mirrored_share, split_at};
+use media::Interface;
 use model::{Bounce, Model};
 use models::by_model;
 use numbers::PointNumbers;
@@ -131,7 +132,8 @@ impl<'a> Shader<'a> {
             Some(light) => (light.illuminate(at.position), i as f32),
             None => {
                 let numbers = self.numbers(path).light(i);
-                lights.illuminate(i, [at.position, at.normal], &numbers)
+                let (light, index) = lights.illuminate(i, [at.position, at.normal], &numbers);
+                (self.weakened_by_media(light, path), index)
             }
         };
         let direction = light.direction;
@@ -146,6 +148,20 @@ impl<'a> Shader<'a> {
                     ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
                 },
             })
+    }
+
+    /// The light of a sample behind the media that the ray to the point is in.
+    fn weakened_by_media(&self, light: Illumination<f32>, path: &PathRay) -> Illumination<f32> {
+        if !self.scene.weakens_lights() {
+            return light;
+        }
+        let left = path
+            .media
+            .transmittance(light.distance, &self.scene.materials);
+        Illumination {
+            radiance: light.radiance.times(left.into()),
+            ..light
+        }
     }
 
     /// The random numbers of the point that a ray hits.
@@ -193,10 +209,11 @@ impl<'a> Shader<'a> {
         if material.emits() {
             color = color + self.emission(path, point);
         }
+        let boundary = boundary(self.interface(path, point).as_ref());
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
             is_lit = true;
-            color = color + model.reflected(material, &at, &light, to_viewer);
+            color = color + model.reflected(material, &boundary, &at, &light, to_viewer);
         }
         if !is_lit {
             return Vec3::ZERO;
@@ -235,6 +252,14 @@ impl<'a> Shader<'a> {
         emitted * emission::weight(&self.scene.lights, emitter, &arrival)
     }
 
+    /// The surface of a medium that a ray has met at a point, if the point is on one.
+    fn interface(&self, path: &PathRay, point: &SurfacePoint) -> Option<Interface> {
+        let (all, enters) = (&self.scene.materials, !point.is_flipped);
+        let material = self.scene.material(point.material);
+        let is_medium = material.dielectric.is_some();
+        is_medium.then(|| path.media.cross(point.material, enters, all))
+    }
+
     /// The ray that continues a path in a direction chosen at random.
     fn scattered(
         &self,
@@ -246,15 +271,8 @@ impl<'a> Shader<'a> {
         if !material.scatters() {
             return None;
         }
-        let interface = material.dielectric.is_some().then(|| {
-            let enters = !point.is_flipped;
-            path.media
-                .cross(point.material, enters, &self.scene.materials)
-        });
-        let boundary = Boundary {
-            eta: interface.map_or(1.0, |of| of.eta),
-            is_visible: interface.is_none_or(|of| of.is_visible),
-        };
+        let interface = self.interface(path, point);
+        let boundary = boundary(interface.as_ref());
         let at = Leaving::new(point.shading(), -Vector::from(path.ray.direction));
         let numbers = self.numbers(path);
         let [lobe, roulette] = numbers.lobe();
@@ -313,15 +331,12 @@ impl<'a> Shader<'a> {
             let ray = departing(model, &at, at.mirrored(direction));
             path.continued(RayKind::Reflection, ray, share)
         };
-        if material.dielectric.is_none() {
+        let Some(interface) = self.interface(path, point) else {
             if material.mirrors() {
                 next.push(reflected(mirrored_share(material, &at, direction).into()));
             }
             return;
-        }
-        let media = path.media;
-        let enters = !point.is_flipped;
-        let interface = media.cross(point.material, enters, &self.scene.materials);
+        };
         let split = split_at(&at, direction, interface.eta, interface.is_visible);
         let refracted = PathRay {
             media: interface.behind,
@@ -351,6 +366,14 @@ fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) 
         origin: model.origin(at, direction).into(),
         direction: direction.into(),
     }
+}
+
+/// What scattering reads of the surface of a medium, or of another surface.
+fn boundary(interface: Option<&Interface>) -> Boundary<f32> {
+    interface.map_or(Boundary::of_no_medium(1.0), |of| Boundary {
+        eta: of.eta,
+        is_visible: of.is_visible,
+    })
 }
 
 /// Whether a point is on a side of its surface that reflects or refracts light.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::bsdf::Boundary;
 use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
@@ -79,10 +80,11 @@ pub(super) trait Model: Copy {
         Vector::splat(color.x, Vec3::ZERO)
     }
 
-    /// The light that the point reflects to the viewer.
+    /// The light that the point reflects to the viewer. `boundary` is that of a medium.
     fn reflected<R: Real>(
         self,
         material: &Material,
+        boundary: &Boundary<R>,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,
         to_viewer: Vector<R>,

@@ -5,6 +5,7 @@
 //! of its angle with the normal: the mean is the color times the share of the rays that
 //! hit nothing within a distance. No path goes on.
 
+use super::bsdf::Boundary;
 use super::model::{Bounce, Model};
 use crate::light::Illumination;
 use crate::material::Material;
@@ -36,6 +37,7 @@ impl Model for AmbientOcclusion {
     fn reflected<R: Real>(
         self,
         _: &Material,
+        _: &Boundary<R>,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,
         _: Vector<R>,

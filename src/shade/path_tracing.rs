@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::bsdf::{Bsdf, Leaving, Scattering, Scatters, by_kind};
+use super::bsdf::{Boundary, Bsdf, Leaving, Scattering, Scatters, by_kind};
 use super::model::{Bounce, Model};
 use crate::light::Illumination;
 use crate::material::Material;
@@ -53,13 +53,17 @@ impl Model for PathTracing {
     fn reflected<R: Real>(
         self,
         material: &Material,
+        boundary: &Boundary<R>,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,
         to_viewer: Vector<R>,
     ) -> Vector<R> {
         let at = Leaving::new(*point, to_viewer);
-        let Scattering { value, density } =
-            by_kind!(Bsdf::of(material), |of| of.evaluate(&at, light.direction));
+        let Scattering { value, density } = by_kind!(Bsdf::of(material), |of| of.evaluate(
+            &at,
+            boundary,
+            light.direction
+        ));
         let weight = power_heuristic(light.density, density);
         value.times(light.radiance) * weight
     }

@@ -54,14 +54,8 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             None
         };
         let boundary = match &interfaces {
-            None => Boundary {
-                eta: set.splat(1.0),
-                is_visible: set.mask(u8::MAX),
-            },
-            Some(Interfaces { eta, visible, .. }) => Boundary {
-                eta: set.load(eta),
-                is_visible: set.mask(*visible),
-            },
+            None => Boundary::of_no_medium(set.splat(1.0)),
+            Some(interfaces) => interfaces.boundary(set),
         };
         let at_point = Leaving::new(point, -self.points.directions(set, at));
         let numbers = self.numbers.of_rays(set, self.wave, rays);

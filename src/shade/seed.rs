@@ -10,6 +10,7 @@
 use glam::Vec3;
 
 use super::blinn_phong::{Reflected, reflected};
+use super::bsdf::Boundary;
 use super::model::{Bounce, Model};
 use crate::light::Illumination;
 use crate::material::Material;
@@ -68,6 +69,7 @@ impl Model for Seed {
     fn reflected<R: Real>(
         self,
         material: &Material,
+        _: &Boundary<R>,
         point: &ShadingPoint<R>,
         light: &Illumination<R>,
         to_viewer: Vector<R>,

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::common::{parse, scene_of};
+use crate::common::{mean, parse, radiance, scene_of};
 use raycost::accel::Accel;
 use raycost::attribution::{Observer, RayTree};
 use raycost::cost::RayKind;
@@ -88,5 +88,44 @@ fn rays_end_at_the_greatest_depth() {
         let tree = under_white_sky(max_depth, "{ index: 1.5 }", SLAB);
         let deepest = tree.rays.iter().map(|ray| ray.bounce).max();
         assert_eq!(deepest, Some(max_depth));
+    }
+}
+
+#[test]
+fn water_weakens_the_light_of_a_lamp_inside_of_it() {
+    // The lamp is 0.5 above a floor that is seen through 1 of water.
+    let below_water = |absorption: f32, lamp: &str| {
+        let radiance = radiance(&format!(
+            "image: {{ width: 4, height: 4, samples_per_pixel: 256, sampler: sobol }}
+camera: {{ orthographic: {{ eye: [0, 0, 3], target: [0, 0, 0], height: 0.001 }} }}
+shading: {{ model: path, max_depth: 2 }}
+materials:
+  floor: {{ color: 0.5 }}
+  lamp: {{ emission: 40 }}
+  water: {{ dielectric: {{ index: 1, absorption: [0, 0, {absorption}] }} }}
+{lamp}
+  - box: {{ min: [-9, -9, -1], max: [9, 9, 1] }}
+    material: water
+  - disk: {{ center: [0, 0, 0], normal: [0, 0, 1], radius: 5 }}
+    material: floor
+"
+        ));
+        mean(&radiance)
+    };
+    let point = "lights: [point: { position: [0.3, 0, 0.4] }]
+objects:";
+    let sphere = "lights: []
+objects:
+  - sphere: { center: [0.3, 0, 0.4], radius: 0.02 }
+    material: lamp";
+    for lamp in [point, sphere] {
+        let [clear, blue] = [0.0, 0.8].map(|absorption| below_water(absorption, lamp));
+        let left = blue.z / blue.x;
+        let expected = (-0.8_f32 * (0.5 + 1.0)).exp();
+        assert!(
+            clear.x > 0.01 && (clear.x - clear.z).abs() < 1e-6,
+            "{clear}"
+        );
+        assert!((left / expected - 1.0).abs() < 0.02, "{left} {expected}");
     }
 }

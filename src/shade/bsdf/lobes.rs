@@ -57,7 +57,12 @@ impl Scatters for Lobes<'_> {
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
+    fn evaluate<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        _: &Boundary<R>,
+        to_light: Vector<R>,
+    ) -> Scattering<R> {
         let zero = to_light.x.splat(0.0);
         let cos = to_light.dot(at.point.normal).max(zero);
         let diffuse = Scattering {
@@ -81,7 +86,7 @@ impl Scatters for Lobes<'_> {
     fn sample<R: Real>(
         &self,
         at: &Leaving<R>,
-        _: &Boundary<R>,
+        boundary: &Boundary<R>,
         numbers: [R; 2],
         lobe: R,
     ) -> Scattered<R> {
@@ -96,7 +101,7 @@ impl Scatters for Lobes<'_> {
         }
         let scattered = Scattered {
             is_diffuse: !is_glossy,
-            ..at.reflected(direction, self.evaluate(at, direction))
+            ..at.reflected(direction, self.evaluate(at, boundary, direction))
         };
         if self.mirror == 0.0 {
             return scattered;

@@ -33,7 +33,12 @@ impl Scatters for Metal<'_> {
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
+    fn evaluate<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        _: &Boundary<R>,
+        to_light: Vector<R>,
+    ) -> Scattering<R> {
         let Some(rough) = self.rough else {
             return Scattering::none(to_light.x);
         };
@@ -52,7 +57,7 @@ impl Scatters for Metal<'_> {
     fn sample<R: Real>(
         &self,
         at: &Leaving<R>,
-        _: &Boundary<R>,
+        boundary: &Boundary<R>,
         numbers: [R; 2],
         _: R,
     ) -> Scattered<R> {
@@ -67,7 +72,7 @@ impl Scatters for Metal<'_> {
             };
         };
         let direction = at.mirrored_by(rough.facets, numbers);
-        at.reflected(direction, self.evaluate(at, direction))
+        at.reflected(direction, self.evaluate(at, boundary, direction))
     }
 }
 

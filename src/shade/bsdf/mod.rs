@@ -36,8 +36,13 @@ pub(super) trait Scatters: Copy {
     fn is_lit(&self) -> bool;
 
     /// Scattering from a direction on the viewer's side of the surface; only of what
-    /// light samples contribute to.
-    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R>;
+    /// light samples contribute to. `boundary` is read for media alone.
+    fn evaluate<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        boundary: &Boundary<R>,
+        to_light: Vector<R>,
+    ) -> Scattering<R>;
 
     /// Chooses a direction: two numbers in [0, 1) choose it, a third one chooses among the
     /// ways in which the surface scatters. `boundary` is read for media alone.
@@ -124,6 +129,18 @@ impl<'a> Bsdf<'a> {
             Self::Metal(Metal::new(conductor, rough))
         } else {
             Self::Lobes(Lobes::new(material))
+        }
+    }
+}
+
+impl<R: Real> Boundary<R> {
+    /// That of a surface of no medium.
+    #[inline(always)]
+    pub(super) fn of_no_medium(like: R) -> Self {
+        let one = like.splat(1.0);
+        Self {
+            eta: one,
+            is_visible: one.equals(one),
         }
     }
 }

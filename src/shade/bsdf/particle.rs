@@ -16,7 +16,12 @@ impl Scatters for Particle {
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
+    fn evaluate<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        _: &Boundary<R>,
+        to_light: Vector<R>,
+    ) -> Scattering<R> {
         let density = self.phase.density(-at.to_viewer.dot(to_light));
         Scattering {
             value: at.point.color * (density * density.splat(std::f32::consts::PI)),

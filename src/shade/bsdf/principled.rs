@@ -84,12 +84,17 @@ impl<'a> PrincipledBsdf<'a> {
 
 impl Scatters for PrincipledBsdf<'_> {
     fn is_lit(&self) -> bool {
-        self.metal > 0.0 || self.coated > 0.0
+        true
     }
 
-    /// Of metal and coat; light samples do not contribute to the medium.
+    /// Of metal and coat, and of what the medium reflects.
     #[inline(always)]
-    fn evaluate<R: Real>(&self, at: &Leaving<R>, to_light: Vector<R>) -> Scattering<R> {
+    fn evaluate<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        boundary: &Boundary<R>,
+        to_light: Vector<R>,
+    ) -> Scattering<R> {
         let (zero, one) = (to_light.x.splat(0.0), to_light.x.splat(1.0));
         let Reflectances { gains, of_coat } = self.reflectances(at);
         let [of_facets, of_diffuse] = self.choice(of_coat);
@@ -107,10 +112,19 @@ impl Scatters for PrincipledBsdf<'_> {
         let reflected_by_coat = gains[1] * ((coat + (one - coat) * grazing) * coated);
         let cos = to_light.dot(at.point.normal).max(zero);
         let below = color * (coated * (one - of_coat) * cos);
-        Scattering {
+        let opaque = Scattering {
             value: (of_metal + reflected_by_coat) * facets.value + below,
             density: of_facets * facets.density + of_diffuse * cos * one.splat(FRAC_1_PI),
+        };
+        if self.clear == 0.0 {
+            return opaque;
         }
+        let clear = one.splat(self.clear);
+        let of_medium = self.medium.evaluate(at, boundary, to_light);
+        opaque.with(Scattering {
+            value: of_medium.value * clear,
+            density: of_medium.density * clear,
+        })
     }
 
     #[inline(always)]
@@ -129,24 +143,37 @@ impl Scatters for PrincipledBsdf<'_> {
         let [x, y, z] = hemisphere(numbers);
         let diffuse = at.in_world(Vector { x, y, z });
         let glossy = at.mirrored_by(self.rough.facets, numbers);
-        let direction = Vector::select(is_glossy, glossy, diffuse);
-        let opaque = Scattered {
-            is_diffuse: !is_glossy,
-            ..at.reflected(direction, self.evaluate(at, direction))
-        };
+        let mut direction = Vector::select(is_glossy, glossy, diffuse);
         if self.clear == 0.0 {
-            return opaque;
+            return self.reflected(at, boundary, direction, !is_glossy);
         }
         let is_clear = lobe.lt(clear);
-        let white = Vector::splat(zero, Vec3::ONE);
-        let through = self.medium.sample(at, boundary, numbers, lobe / clear);
-        // A ray passes the surface twice.
-        let tint = Vector::select(through.is_refracted, root(at.point.color), white);
-        let through = Scattered {
-            factor: through.factor.times(tint),
-            ..through
+        let of_medium = self.medium.sample(at, boundary, numbers, lobe / clear);
+        direction = Vector::select(is_clear, of_medium.direction, direction);
+        let reflected = self.reflected(at, boundary, direction, !is_glossy);
+        let refracted = Scattered {
+            // A ray passes the surface twice.
+            factor: of_medium.factor.times(root(at.point.color)),
+            ..of_medium
         };
-        Scattered::select(is_clear, through, opaque)
+        Scattered::select(is_clear & of_medium.is_refracted, refracted, reflected)
+    }
+}
+
+impl PrincipledBsdf<'_> {
+    /// Light from a direction that was chosen by any part.
+    #[inline(always)]
+    fn reflected<R: Real>(
+        &self,
+        at: &Leaving<R>,
+        boundary: &Boundary<R>,
+        direction: Vector<R>,
+        is_diffuse: R::Mask,
+    ) -> Scattered<R> {
+        Scattered {
+            is_diffuse,
+            ..at.reflected(direction, self.evaluate(at, boundary, direction))
+        }
     }
 }
 
