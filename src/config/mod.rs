@@ -135,6 +135,7 @@ impl Config {
             radiance: radiance_in_vtk || has_exr || self.film.bits > 8,
             radiance_in_vtk,
             albedo: has_exr,
+            bounces: self.output.has(OptionalOutput::Bounces),
         }
     }
 

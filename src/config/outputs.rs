@@ -43,6 +43,8 @@ pub enum OptionalOutput {
     Bvh,
     /// The linear light of each pixel, as an array of the VTK files
     Radiance,
+    /// The rays of each pixel by bounce, as an array of the VTK files
+    Bounces,
     /// The linear light and all arrays of the pixels as an OpenEXR picture
     Exr,
 }
@@ -56,6 +58,8 @@ pub struct ExtraArrays {
     pub radiance_in_vtk: bool,
     /// The color of the surface that the center sample hit.
     pub albedo: bool,
+    /// The numbers of rays by bounce.
+    pub bounces: bool,
 }
 
 /// The nodes of the hierarchy that are written; all, if not given.

@@ -3,6 +3,7 @@
 //! The kernels are generic over a [`Probe`]. With [`Cost`] they count; with
 //! [`NoProbe`] the same source compiles to a kernel without counters.
 
+mod bounces;
 mod clock;
 mod counter;
 mod counters;
@@ -15,6 +16,7 @@ mod probe;
 mod tsc;
 mod traversals;
 
+pub use bounces::{BounceCounts, N_BOUNCES, RaysByBounce};
 pub use clock::{Clock, Instant};
 pub use counter::Counter;
 pub use counters::Counters;

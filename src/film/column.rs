@@ -115,6 +115,9 @@ impl Column {
     /// The linear light of the pixel, with the primaries of sRGB; on request.
     pub const RADIANCE: Self = column!("radiance", radiance, F32 x 3);
 
+    /// The rays after 0, 1, … 6, and after 7 or more bounces; on request.
+    pub const BOUNCES: Self = column!("rays_by_bounce", bounces, U32 x 8);
+
     /// The color of the surface; not in VTK files.
     pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
 
@@ -182,6 +185,14 @@ mod tests {
                 ..film.extra
             };
             assert_eq!(bytes_per_pixel(mode, radiance), expected + 12);
+            let bounces = ExtraArrays {
+                bounces: true,
+                ..film.extra
+            };
+            assert_eq!(
+                bytes_per_pixel(mode, bounces),
+                expected + Column::BOUNCES.stride()
+            );
         }
     }
 

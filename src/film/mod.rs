@@ -27,7 +27,7 @@ pub use tile::RenderedTile;
 
 use crate::color::Development;
 use crate::config::{CostMode, ExtraArrays, Repeats};
-use crate::cost::Cost;
+use crate::cost::{Cost, RaysByBounce};
 use crate::schedule::TileGrid;
 
 /// Rows of a strip, except for the last one: fewer than a tile has by default, so
@@ -70,7 +70,13 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
     let n_vectors = 1 + usize::from(extra.radiance) + usize::from(extra.albedo);
-    n_vectors * size_of::<Vec3>() + rejected + kept.map(|column| column.stride()).sum::<usize>()
+    let bounces = if extra.bounces {
+        size_of::<RaysByBounce>()
+    } else {
+        0
+    };
+    let extra = n_vectors * size_of::<Vec3>() + bounces;
+    extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
 }
 
 impl Film {
@@ -112,7 +118,10 @@ impl Film {
     /// The arrays of its VTK files, in their order.
     pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
         let radiance = self.extra.radiance_in_vtk.then_some(Column::RADIANCE);
-        all_columns(self.cost, self.repeats, self.counts_samples()).chain(radiance)
+        let bounces = self.extra.bounces.then_some(Column::BOUNCES);
+        all_columns(self.cost, self.repeats, self.counts_samples())
+            .chain(radiance)
+            .chain(bounces)
     }
 
     /// Number of pixels with a hit.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::cost::Counters;
+use crate::cost::{Counters, RaysByBounce};
 use crate::trace::SurfacePoint;
 
 /// Pixels of a tile and their cost, row by row.
@@ -12,6 +12,8 @@ pub struct Rendered<'a> {
     pub pixels: &'a [Pixel],
     /// The counters of the pixels, if they were counted.
     pub counters: Option<&'a Counters>,
+    /// The rays of the pixels by bounce; empty unless the film keeps them.
+    pub bounces: &'a [RaysByBounce],
     /// The times of the pixels; empty if they were not measured.
     pub times: &'a [PixelTime],
     /// Time in which pixels were rendered that count for nothing, in nanoseconds.

@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::{Pixel, Rendered};
 use crate::color::Development;
 use crate::config::{CostMode, ExtraArrays};
+use crate::cost::RaysByBounce;
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
 /// uppermost row first. Arrays of times are empty without times.
@@ -22,6 +23,8 @@ pub struct Strip {
     pub radiance: Vec<Vec3>,
     /// The color of the surface at the pixel's hit; empty if the film does not keep it.
     pub albedo: Vec<Vec3>,
+    /// The rays by bounce; empty if the film does not keep them.
+    pub bounces: Vec<RaysByBounce>,
     /// The point of the pixel's hit in world space; NaN without a hit.
     pub position: Vec<Vec3>,
     pub normal: Vec<Vec3>,
@@ -50,6 +53,7 @@ impl Strip {
             rgb: vec![[0; 3]; n],
             radiance: vec![Vec3::ZERO; n_if(extra.radiance)],
             albedo: vec![Vec3::ZERO; n_if(extra.albedo)],
+            bounces: vec![RaysByBounce::default(); n_if(extra.bounces)],
             position: vec![Vec3::ZERO; n],
             normal: vec![Vec3::ZERO; n],
             distance: vec![0.0; n],
@@ -84,6 +88,9 @@ impl Strip {
             fill(&mut self.albedo[places.clone()], pixels, |pixel| {
                 pixel.albedo
             });
+        }
+        if !rendered.bounces.is_empty() {
+            self.bounces[places.clone()].copy_from_slice(&rendered.bounces[row.clone()]);
         }
         if !rendered.times.is_empty() {
             let times = &rendered.times[row];

@@ -14,7 +14,7 @@ use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
 use super::noisy_pixels::NoisyPixels;
 use super::view::View;
 use crate::accel::Hit;
-use crate::cost::{ByPixel, PixelProbe, RayKind};
+use crate::cost::{BounceCounts, ByPixel, PixelProbe, RayKind};
 use crate::film::{Pixel, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
@@ -35,6 +35,7 @@ pub(super) struct StreamRenderer<'a, P> {
     noisy: NoisyPixels,
     pixels: Vec<Pixel>,
     probe: P,
+    bounces: BounceCounts,
     wave: PathWave,
     /// The next wave.
     next: PathWave,
@@ -65,6 +66,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             noisy: NoisyPixels::default(),
             pixels: Vec::new(),
             probe: P::default(),
+            bounces: BounceCounts::new(view.counts_bounces),
             wave: PathWave::default(),
             next: PathWave::default(),
             hits: Vec::new(),
@@ -87,6 +89,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         let n_pixels = self.places.len();
         self.pixels.resize(n_pixels, Pixel::default());
         self.probe.reset(n_pixels, self.view.rounds.n_uniform());
+        self.bounces.reset(n_pixels);
         self.means.reset(n_pixels);
         self.distances.clear();
         self.distances.resize(n_pixels + N_LANES, f32::NAN);
@@ -134,6 +137,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// Renders these samples of all pixels.
     fn render_samples(&mut self, samples: Range<u32>) {
         self.start(samples.clone());
+        self.count_samples(samples.len() as u32);
         let middle = samples.contains(&self.view.middle);
         let stored = middle.then(|| (self.view.middle - samples.start) as usize);
         self.trace(stored.map(|sample| (sample, samples.len())));
@@ -156,6 +160,16 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             colors: &self.colors,
             sums: &mut self.means,
         });
+    }
+
+    /// Counts the camera rays of all pixels by bounce.
+    fn count_samples(&mut self, n_samples: u32) {
+        if self.bounces.is_kept() {
+            for i in 0..self.places.len() {
+                let (number, _) = self.places.get(i);
+                self.bounces.add(number, 0, n_samples);
+            }
+        }
     }
 
     /// Starts a path for each of these samples of all pixels.
@@ -257,6 +271,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let shadows = &shader.shadows;
             for &pixel in shadows.pixels() {
                 self.probe.rays(RayKind::Shadow, pixel as usize, 1);
+                self.bounces.add(pixel as usize, wave.depth, 1);
             }
             let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
@@ -267,6 +282,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         for (i, &pixel) in self.next.pixels().iter().enumerate() {
             self.probe.rays(self.next.kind(i), pixel as usize, 1);
             self.probe.bounce(pixel as usize, self.next.depth);
+            self.bounces.add(pixel as usize, self.next.depth, 1);
         }
         std::mem::swap(&mut self.wave, &mut self.next);
     }
@@ -293,6 +309,7 @@ impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
         Rendered {
             pixels: &self.pixels[..self.places.len()],
             counters: self.probe.counted(),
+            bounces: self.bounces.get(),
             times: &[],
             warm_up_ns: 0.0,
         }

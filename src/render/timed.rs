@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::view::View;
 use super::{SampleSums, TilePlan, TileRenderer};
 use crate::config::Image;
-use crate::cost::{Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
+use crate::cost::{BounceCounts, Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
 use crate::schedule::Tile;
 use crate::shade::PathRay;
@@ -37,6 +37,7 @@ pub(super) struct SingleRayRenderer<'a> {
     /// kind, which would be part of that pixel's time.
     costs: Vec<Cost>,
     counters: Counters,
+    bounces: BounceCounts,
     times: Vec<PixelTime>,
     /// The rays that continue a camera ray's path.
     paths: Vec<PathRay>,
@@ -63,9 +64,11 @@ impl<'a> SingleRayRenderer<'a> {
             pixels: vec![Pixel::default(); n_pixels],
             costs: vec![written_cost; n_pixels],
             counters: Counters::default(),
+            bounces: BounceCounts::new(view.counts_bounces),
             times: vec![written_time; n_pixels],
             paths: Vec::with_capacity(PATHS),
         };
+        renderer.bounces.reset(n_pixels);
         renderer.warm_up_thread(&plan.image);
         renderer
     }
@@ -115,9 +118,11 @@ impl<'a> SingleRayRenderer<'a> {
             view,
             pixels,
             costs,
+            bounces,
             paths,
             ..
         } = self;
+        bounces.reset_pixel(i);
         let pixel = &mut pixels[i];
         *pixel = Pixel::default();
         // A local variable, which stays in registers.
@@ -134,7 +139,8 @@ impl<'a> SingleRayRenderer<'a> {
                 {
                     pixel.set_surface(&point);
                 }
-                let color = radiance(view, path, met, paths, probe);
+                let mut counted = |bounce| bounces.add(i, bounce, 1);
+                let color = radiance(view, path, met, paths, probe, &mut counted);
                 sums.add(view.limited(Vector::from(color)));
             }
             round = view.rounds.next(&sums, round.end);
@@ -148,6 +154,7 @@ impl<'a> SingleRayRenderer<'a> {
 impl TileRenderer for SingleRayRenderer<'_> {
     fn render(&mut self, tile: &Tile) -> Rendered<'_> {
         let n_pixels = tile.n_pixels();
+        self.bounces.reset(n_pixels);
         let warm_up_ns = self.warm_up(tile);
         if let Some(stopwatch) = &mut self.stopwatch {
             stopwatch.start();
@@ -175,6 +182,7 @@ impl TileRenderer for SingleRayRenderer<'_> {
         Rendered {
             pixels: &self.pixels[..n_pixels],
             counters: Some(&self.counters),
+            bounces: self.bounces.get(),
             times: &self.times[..n_times],
             warm_up_ns,
         }
@@ -228,20 +236,22 @@ impl<'a> Stopwatch<'a> {
     }
 }
 
-/// Returns the radiance along a camera ray, the start of a path, given the point that it hit. `paths` is a
-/// reused buffer.
+/// Returns the radiance along a camera ray, the start of a path, given the point that it
+/// hit. `paths` is a reused buffer; `bounces` gets the bounces before each ray.
 fn radiance<P: Probe>(
     view: &View,
     camera_path: PathRay,
     first: Option<SurfacePoint>,
     paths: &mut Vec<PathRay>,
     probe: &mut P,
+    bounces: &mut impl FnMut(u32),
 ) -> Vec3 {
     let View { tracer, shader, .. } = view;
     let mut color = Vec3::ZERO;
     let (mut path, mut met) = (camera_path, shader.met_in_fog(&camera_path, first));
     let eye = camera_path.ray.origin;
     paths.clear();
+    bounces(0);
     // All rays of a depth before those of the next, as in waves.
     let mut n_traced = 0;
     loop {
@@ -249,6 +259,7 @@ fn radiance<P: Probe>(
             Some(point) => {
                 let lights = shader
                     .light_samples(&path, &point)
+                    .inspect(|_| bounces(path.depth))
                     .filter(|sample| !tracer.is_shadowed(&sample.shadow, probe))
                     .map(|sample| sample.light);
                 shader.shade(eye, &path, &point, lights, paths)
@@ -261,6 +272,7 @@ fn radiance<P: Probe>(
         n_traced += 1;
         path = next;
         probe.bounce(path.depth);
+        bounces(path.depth);
         let hit = tracer.trace_after(path.length, &path.ray, path.kind, probe);
         met = shader.met_in_fog(&path, hit);
     }

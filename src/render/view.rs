@@ -25,6 +25,8 @@ pub(crate) struct View<'a> {
     pub(super) middle: u32,
     /// The greatest value of a channel of a sample.
     sample_limit: f32,
+    /// Whether rays are counted by bounce.
+    pub(super) counts_bounces: bool,
     /// The positions of the pixels in world space.
     plane: ImagePlane,
     sampler: Sampler,
@@ -43,6 +45,7 @@ impl<'a> View<'a> {
             rounds: Rounds::new(image, scene.development.gain()),
             middle: sampler.center(),
             sample_limit: scene.sample_limit,
+            counts_bounces: scene.extra_arrays.bounces,
             plane: scene.image_plane,
             sampler,
             filter: FilterSampler::new(image.filter, image.filter_radius()),

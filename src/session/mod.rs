@@ -284,5 +284,11 @@ fn least_bytes(config: &Config) -> u64 {
     } else {
         0
     };
-    (config.image.n_pixels() * (per_pixel + radiance)) as u64 / config.compress.max_ratio()
+    let bounces = if config.extra_arrays().bounces {
+        Column::BOUNCES.stride()
+    } else {
+        0
+    };
+    (config.image.n_pixels() * (per_pixel + radiance + bounces)) as u64
+        / config.compress.max_ratio()
 }

@@ -12,6 +12,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         radiance: true,
         radiance_in_vtk: true,
         albedo: true,
+        bounces: true,
     };
     let grid = TileGrid::new(width, height, 7);
     let mut film = Film::with_extra(extra, grid, 0x1234_5678, cost);
@@ -24,7 +25,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     film.repeats = Repeats::Auto;
     for strip in &mut film.strips {
         strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
-        let arrays: [&mut [u8]; 12] = [
+        let arrays: [&mut [u8]; 13] = [
             cast_slice_mut(&mut strip.rgb),
             cast_slice_mut(&mut strip.position),
             cast_slice_mut(&mut strip.normal),
@@ -37,6 +38,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             cast_slice_mut(&mut strip.n_rejected),
             cast_slice_mut(&mut strip.radiance),
             cast_slice_mut(&mut strip.albedo),
+            cast_slice_mut(&mut strip.bounces),
         ];
         for array in arrays {
             array.fill_with(&mut noise);

@@ -1,9 +1,9 @@
 //! Streams of rays have the hits and the counters of single rays.
 
 use crate::common::scenes::{BACKGROUNDS, CAMERAS, CHECKER, RandomScene, scenes};
-use crate::common::{film, film_on, lasting, with_cost};
+use crate::common::{film, film_on, lasting, rays, with_cost};
 use proptest::prelude::*;
-use raycost::config::CostMode;
+use raycost::config::{CostMode, OptionalOutput};
 use raycost::simd::Simd;
 
 proptest! {
@@ -11,18 +11,23 @@ proptest! {
 
     #[test]
     fn all_cost_modes_give_the_same_image_and_counters(scene in scenes()) {
-        let config = scene.config();
+        let mut config = scene.config();
+        config.output.add(OptionalOutput::Bounces);
         let in_mode = |mode| film(&with_cost(config.clone(), mode), 2);
         let [none, counters, time] =
             [CostMode::None, CostMode::Counters, CostMode::Time].map(in_mode);
         prop_assert_eq!(counters.totals, time.totals);
         prop_assert!(lasting(none).0 == lasting(time.clone()).0);
+        let n_rays: Vec<u32> = rays(&time);
+        let by_bounce = time.values(|strip| &strip.bounces);
+        prop_assert!(by_bounce.map(|rays| rays.iter().sum::<u32>()).eq(n_rays));
         prop_assert!(lasting(counters) == lasting(time));
     }
 
     #[test]
     fn all_instruction_sets_give_the_same_film(scene in scenes()) {
-        let config = with_cost(scene.config(), CostMode::Counters);
+        let mut config = with_cost(scene.config(), CostMode::Counters);
+        config.output.add(OptionalOutput::Bounces);
         let [first, others @ ..] = &Simd::available()[..] else { unreachable!("portable code runs anywhere") };
         let expected = film_on(&config, 2, *first);
         for simd in others {

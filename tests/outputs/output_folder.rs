@@ -52,7 +52,7 @@ fn every_optional_output_but_an_array_has_a_file() {
     let n_without = expected_of_every_run().len();
     for output in OptionalOutput::value_variants() {
         let n_with = expected(CostMode::Time, &[*output]).len();
-        let is_array = *output == OptionalOutput::Radiance;
+        let is_array = matches!(output, OptionalOutput::Radiance | OptionalOutput::Bounces);
         assert_eq!(n_with > n_without, !is_array, "{output:?}");
     }
 }

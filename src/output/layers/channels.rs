@@ -55,7 +55,7 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
             // The picture of 8 bits, and what is there already.
             "RGB" | "radiance" => {}
             "Normals" => channels.extend(vector("N.", SPACE, column)),
-            _ => channels.push(number(column)),
+            _ => channels.extend((0..column.n_components).map(|i| number(column, i))),
         }
     }
     channels.push(depth(plane));
@@ -71,7 +71,7 @@ pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
         .map(|column| column.n_components)
         .iter()
         .sum::<usize>();
-    numbers.sum::<usize>() + n_in_vectors + 1
+    numbers.sum::<usize>() + n_in_vectors + Column::BOUNCES.n_components + 1
 }
 
 fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item = Channel> {
@@ -87,14 +87,18 @@ fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item =
     names.into_iter().enumerate().map(channel)
 }
 
-fn number(column: Column) -> Channel {
+/// The channel of one of the numbers of an array.
+fn number(column: Column, component: usize) -> Channel {
     let is_float = column.scalar == ScalarType::F32 || is_signed(&column);
     let layer = match column.name {
         "depth" => "path_depth",
         name => name,
     };
     Channel {
-        name: format!("{layer}.X"),
+        name: match column.n_components {
+            1 => format!("{layer}.X"),
+            _ => format!("{layer}.{component}"),
+        },
         kind: if is_float {
             SampleType::F32
         } else {
@@ -102,7 +106,7 @@ fn number(column: Column) -> Channel {
         },
         origin: ChannelOrigin::Array {
             column,
-            component: 0,
+            component,
             miss: if column.name == "distance" { FAR } else { 0.0 },
         },
     }
