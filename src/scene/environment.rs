@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::emitter::luminance;
 use crate::background::EnvironmentMap;
 use crate::light::Illumination;
+use crate::picture::Picture;
 use crate::sampling::EquirectangularDistribution;
 use crate::simd::{Real, Vector};
 
@@ -24,6 +25,13 @@ pub struct EnvironmentLight {
 const MAX_TEXELS: usize = 1 << 21;
 
 impl EnvironmentLight {
+    /// Upper bound of the bytes of the light of a picture, besides the picture.
+    pub(super) fn n_bytes(picture: &Picture) -> u64 {
+        let ([width, height], _) = picture.reduced(MAX_TEXELS);
+        // Each texel has its density and a cumulative share.
+        2 * size_of::<f32>() as u64 * u64::from(width + 1) * u64::from(height)
+    }
+
     /// The light of a map; `None` if it is black.
     pub(super) fn new(map: &EnvironmentMap) -> Option<Self> {
         let ([width, _], texels) = map.picture.reduced(MAX_TEXELS);

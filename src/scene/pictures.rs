@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::environment::EnvironmentLight;
 use super::primitive::MaterialId;
 use crate::background::Background;
 use crate::color::Transfer;
@@ -95,10 +96,12 @@ impl Pictures {
         }
     }
 
-    /// Their memory in bytes.
+    /// Their memory in bytes, with that of the light of the background.
     pub(super) fn n_bytes(&self) -> u64 {
-        let pictures = self.read.values();
-        pictures.map(|picture| picture.n_bytes()).sum()
+        let of_pictures: u64 = self.read.values().map(|picture| picture.n_bytes()).sum();
+        let background = self.of_background.as_ref();
+        let of_light = background.map_or(0, |source| EnvironmentLight::n_bytes(&self.read[source]));
+        of_pictures + of_light
     }
 }
 
