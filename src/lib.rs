@@ -63,7 +63,6 @@ pub mod light;
 pub mod fog;
 pub mod material;
 pub mod background;
-pub mod background;
 pub mod animation;
 pub mod config;
 pub mod scene;
