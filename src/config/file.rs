@@ -132,8 +132,8 @@ pub struct SpheresFile {
     /// The file, relative to the scene file's folder; or one for each time step:
     /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
     pub file: PathBuf,
-    /// The radius of all spheres, greater than 0, if the table has no column `r`; of the
-    /// points of a VTK file also an array of radii.
+    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; of
+    /// a VTK file also an array of radii at its points.
     #[serde(default)]
     pub radius: Option<PointRadius>,
 }
@@ -161,8 +161,8 @@ pub struct TubesFile {
     /// The file, relative to the scene file's folder; or one for each time step:
     /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
     pub file: PathBuf,
-    /// The radius of all tubes, greater than 0, if the table has no column `r`; of the lines
-    /// of a VTK file also an array of radii at their points.
+    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; of
+    /// a VTK file also an array of radii at its points.
     #[serde(default)]
     pub radius: Option<PointRadius>,
 }

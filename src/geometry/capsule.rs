@@ -25,9 +25,10 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Capsule {
-    /// The centers of the two spheres, which differ.
+    /// The centers of the two ends, which differ.
     ends: Ends,
-    /// Their radii, or one for both, greater than 0.
+    /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
+    /// which one may be 0; of a capsule one number, or one for each end.
     #[serde(deserialize_with = "yaml::radii")]
     radius: [f32; 2],
 }

@@ -26,7 +26,8 @@ use crate::yaml;
 pub struct Cone {
     /// The centers of the two ends, which differ.
     ends: Ends,
-    /// The radius at each end, one of which may be 0.
+    /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
+    /// which one may be 0; of a capsule one number, or one for each end.
     #[serde(deserialize_with = "yaml::cone_radii")]
     radius: [f32; 2],
 }

@@ -27,7 +27,8 @@ pub struct Cylinder(Cone);
 struct CylinderKeys {
     /// The centers of the two ends, which differ.
     ends: Ends,
-    /// The radius, greater than 0.
+    /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
+    /// which one may be 0; of a capsule one number, or one for each end.
     #[serde(deserialize_with = "yaml::positive")]
     radius: f32,
 }
