@@ -133,3 +133,51 @@ fn by_arrival<R: Real>(sources: &[LightSource], point: Vector<R>, number: R) -> 
             .min(one.splat(BELOW_ONE)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::yaml;
+
+    #[test]
+    fn lights_are_chosen_as_often_as_their_probability_says() {
+        let sources: Vec<LightSource> = [
+            "point: { position: [1, 0, 0], intensity: 3, falloff: inverse_square }",
+            "directional: { direction: [0, -1, 0], intensity: 0.5 }",
+            "point: { position: [0, 9, 0], color: [0, 0, 0] }",
+            "spot: { position: [0, 2, 0], target: [0, 0, 0], angle_deg: 40, intensity: 2 }",
+        ]
+        .map(|text| LightSource::Light(yaml::from_str(text).unwrap()))
+        .into();
+        const N: u16 = 20_000;
+        for point in [
+            Vec3::ZERO,
+            Vec3::new(0.0, 1.5, 0.0),
+            Vec3::new(90.0, 0.0, 0.0),
+        ] {
+            let (mut shares, mut sums) = ([0.0; 4], [0.0; 4]);
+            for i in 0..N {
+                let numbers = [0.5, (f32::from(i) + 0.5) / f32::from(N)];
+                let chosen = LightChoice::ByArrival.choose(0, &sources, point.into(), numbers);
+                let index = chosen.index as usize;
+                let expected =
+                    LightChoice::ByArrival.probability(index as u32, &sources, point.into());
+                assert_eq!(chosen.probability, expected);
+                assert!((0.0..1.0).contains(&chosen.number));
+                shares[index] += 1.0 / f32::from(N);
+                sums[index] += chosen.number / f32::from(N);
+            }
+            for (i, share) in shares.into_iter().enumerate() {
+                let expected = LightChoice::ByArrival.probability(i as u32, &sources, point.into());
+                assert!(
+                    (share - expected).abs() < 1e-3,
+                    "{point} {i}: {share} {expected}"
+                );
+                // What is left of the number is spread evenly.
+                assert!((sums[i] - 0.5 * share).abs() < 1e-3, "{point} {i}");
+            }
+        }
+    }
+}
