@@ -152,7 +152,7 @@ fn originals() -> Vec<String> {
 }
 
 /// Bytes of memory that there are.
-const MEMORY: u64 = 64 << 20;
+const MEMORY: u64 = 96 << 20;
 
 /// All that `raycost check` does, on a machine with little memory.
 fn check(source: &Source) -> Result<(), Diagnostic> {
