@@ -159,8 +159,10 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     };
     let radiance = [("radiance", Field::Vec3(|strip| &strip.radiance))];
     let radiance = radiance.iter().filter(|_| film.extra.radiance_in_vtk);
-    let fields = geometry.iter().chain(time).chain(counters).chain(radiance);
-    fields.map(array).collect()
+    let bounces = [("rays_by_bounce", Field::Bounces)];
+    let bounces = bounces.iter().filter(|_| film.extra.bounces);
+    let fields = geometry.iter().chain(time).chain(counters);
+    fields.chain(radiance).chain(bounces).map(array).collect()
 }
 
 /// The accessor of an array of the film, by its type.
@@ -170,6 +172,7 @@ enum Field {
     U8(fn(&Strip) -> &Vec<u8>),
     F32(fn(&Strip) -> &Vec<f32>),
     I32(fn(&Strip) -> &Vec<i32>),
+    Bounces,
     /// Of all pixels.
     Counts(Vec<u32>),
     /// By the tile and its number.
@@ -185,6 +188,7 @@ impl Field {
             Self::F32(_) => ("Float32", 1),
             Self::I32(_) => ("Int32", 1),
             Self::Counts(_) => ("UInt32", 1),
+            Self::Bounces => ("UInt32", 8),
             Self::Tile(_) => ("Int32", 1),
         };
         let mut bytes = Vec::new();
@@ -198,6 +202,10 @@ impl Field {
                 Self::U8(field) => bytes.push(pixel.of(film, *field)),
                 Self::F32(field) => bytes.extend(pixel.of(film, *field).to_ne_bytes()),
                 Self::I32(field) => bytes.extend(pixel.of(film, *field).to_ne_bytes()),
+                Self::Bounces => {
+                    let rays = pixel.of(film, |strip| &strip.bounces);
+                    bytes.extend(rays.iter().flat_map(|n| n.to_ne_bytes()));
+                }
                 Self::Counts(counts) => {
                     let count = counts[(pixel.y * film.grid.width + pixel.x) as usize];
                     bytes.extend(count.to_ne_bytes());
