@@ -66,6 +66,11 @@ impl Emitter {
         })
     }
 
+    /// Number of shapes.
+    pub(super) fn n_shapes(&self) -> usize {
+        self.shapes.len()
+    }
+
     /// The light that arrives at `point` from a point of a shape, unless it is occluded;
     /// a number in [0, 1) chooses the shape, two more its point.
     #[inline(always)]

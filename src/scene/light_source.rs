@@ -34,6 +34,11 @@ pub struct LightNumbers<R> {
 }
 
 impl LightSource {
+    /// Whether it has more than one shape.
+    pub(super) fn has_shapes(&self) -> bool {
+        matches!(self, Self::Emitter(emitter) if emitter.n_shapes() > 1)
+    }
+
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,

@@ -21,6 +21,7 @@ use crate::simd::{Mask, Real, Vector};
 pub struct Lights {
     sources: Vec<LightSource>,
     choice: LightChoice,
+    need_choices: bool,
     /// The fog that weakens their light.
     fog: Option<FogSphere>,
     /// Whether media weaken it, too.
@@ -85,8 +86,11 @@ impl Lights {
             sources.push(LightSource::Sun(*sun));
             sources.len() as u32 - 1
         });
+        let choice = LightChoice::new(sampling, &sources, &bounds(primitives));
+        let has_shapes = sources.iter().any(LightSource::has_shapes);
         Self {
-            choice: LightChoice::new(sampling, &sources, &bounds(primitives)),
+            need_choices: has_shapes || matches!(choice, LightChoice::ByPower(_)),
+            choice,
             sources,
             fog,
             has_media,
@@ -123,6 +127,12 @@ impl Lights {
     pub fn are_random(&self) -> bool {
         let is_plain = |source: &LightSource| matches!(source, LightSource::Light(_));
         !self.samples_each() || !self.sources.iter().all(is_plain)
+    }
+
+    /// Whether a number has to choose one of the lights by power, or one of the shapes of a
+    /// light.
+    pub fn need_choices(&self) -> bool {
+        self.need_choices
     }
 
     /// The light of sample `i`, if it is always the same one, has no surface and is

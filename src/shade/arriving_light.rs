@@ -102,7 +102,7 @@ impl SimdKernel for SampleLights<'_> {
         for at in lit_groups(self.scene, self.points).flat_map(PointGroup::lanes) {
             let point = self.points.shading(set, at);
             let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
-            let numbers = numbers.light(self.sample);
+            let numbers = numbers.light(lights, self.sample);
             let at_point = [point.position, point.normal];
             let (mut light, _) = lights.illuminate(self.sample, at_point, &numbers);
             if self.scene.weakens_lights() {

@@ -131,7 +131,7 @@ impl<'a> Shader<'a> {
         let (light, index) = match lights.plain(i) {
             Some(light) => (light.illuminate(at.position), i as f32),
             None => {
-                let numbers = self.numbers(path).light(i);
+                let numbers = self.numbers(path).light(lights, i);
                 let (light, index) = lights.illuminate(i, [at.position, at.normal], &numbers);
                 (self.weakened_by_media(light, path), index)
             }

@@ -2,7 +2,7 @@
 
 use super::paths::PathWave;
 use crate::sampling::{Dimension, Sampler};
-use crate::scene::LightNumbers;
+use crate::scene::{LightNumbers, Lights};
 use crate::simd::{InstructionSet, Integer, N_LANES, Real, lanes_mut};
 
 /// The sample of a picture that a path is, or one per lane.
@@ -132,13 +132,18 @@ impl<N: Integer> PointNumbers<N> {
 
     /// The numbers that choose the light of sample `i`.
     #[inline(always)]
-    pub(super) fn light<R: Real<Integer = N>>(&self, i: usize) -> LightNumbers<R> {
+    pub(super) fn light<R: Real<Integer = N>>(&self, lights: &Lights, i: usize) -> LightNumbers<R> {
         let first = FIRST_LIGHT + 2 * (i as u32 % N_LIGHTS);
-        let [source, shape] = self.pair(first);
+        let point: [R; 2] = self.pair(first + 1);
+        let [source, shape] = if lights.need_choices() {
+            self.pair(first)
+        } else {
+            point
+        };
         LightNumbers {
             source,
             shape,
-            point: self.pair(first + 1),
+            point,
         }
     }
 
