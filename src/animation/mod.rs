@@ -49,7 +49,7 @@ pub struct Animation {
     /// data series.
     #[serde(default, deserialize_with = "frames")]
     pub frames: Option<u32>,
-    /// Frames per second of the video, and of time where no data series tells it; 24 by
+    /// Frames per second of the video, and of time where no data series gives it; 24 by
     /// default.
     #[serde(default = "default_fps", deserialize_with = "fps")]
     pub fps: f32,
@@ -128,7 +128,7 @@ impl Animation {
         fly_through.check(&section().key("fly_through"))
     }
 
-    /// The fault of an animation whose number of frames nothing tells.
+    /// The fault of an animation whose number of frames nothing gives.
     pub fn without_frames(&self) -> Fault {
         let message = "the animation has no number of frames";
         let fault = Fault::of_key(section(), message, "expected `frames` in it");

@@ -5,7 +5,7 @@
 /// the point that they leave.
 pub type RaysByBounce = [u32; N_BOUNCES];
 
-/// How many numbers of bounces are told apart.
+/// How many numbers of bounces are counted separately.
 pub const N_BOUNCES: usize = 8;
 
 /// The rays of many pixels by bounce, if they are asked for.

@@ -36,7 +36,7 @@ impl TryFrom<TwoPoints> for Ends {
 }
 
 impl Ends {
-    /// The images of the ends, and of radii, under a transform that scales all lengths alike.
+    /// The images of the ends, and of radii, under a transform that scales all lengths equally.
     pub(super) fn transformed<const N: usize>(
         self,
         radii: [f32; N],
