@@ -114,13 +114,22 @@ impl FrameSeries {
         self.frames.len() as u32
     }
 
-    /// Writes the files into the folder of the series; waits while another run does so.
-    /// Returns their names.
+    /// Locks the folder of a series; waits while another run has locked it. Whoever holds the
+    /// lock from before the first [`add`](Self::add) until after [`write`](Self::write) replaces
+    /// no series of more frames.
+    ///
+    /// # Errors
+    /// Another run holds the lock for a minute, or an error of the system.
+    pub fn lock(folder: &Path) -> Result<File, WriteError> {
+        lock_folder_in_turn(folder)
+    }
+
+    /// Writes the files into the folder of the series, which is [locked](Self::lock). Returns
+    /// their names.
     ///
     /// # Errors
     /// A file of another program that has one of their names, or an error of the system.
     pub fn write(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
-        let _lock: File = lock_folder_in_turn(folder)?;
         let mut written = Vec::new();
         let mut write = |name: String, bytes: &[u8]| {
             write_file(&folder.join(&name), Replace::Marked, |out| {

@@ -165,6 +165,7 @@ impl FrameJob<'_> {
     fn finish(&self) -> Result<String, Failure> {
         let n_frames = self.frames.n_frames();
         let mut series = FrameSeries::new(self.arguments.scene.name());
+        let lock = FrameSeries::lock(self.out)?;
         for number in 0..n_frames {
             let folder = self.out.join(frame_folder(number));
             if !folder.exists() {
@@ -177,6 +178,7 @@ impl FrameJob<'_> {
             stop::check()?;
         }
         let written = series.write(self.out)?;
+        drop(lock);
         let out = shown(self.out);
         let mut lines = format!("wrote   {out}: {}\n", written.join(", "));
         if series.n_frames() < n_frames {
