@@ -5,7 +5,7 @@
 use image::Rgb;
 
 use super::range::{Range, Scale};
-use crate::color::ColorMap;
+use crate::color::Palette;
 
 /// The color of pixels without a value on the scale; no color map contains this gray.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
@@ -46,7 +46,7 @@ impl Colors {
     }
 
     /// Creates the colors of a map for data, which are looked up by position alone.
-    pub fn of_map(range: &Range, map: ColorMap) -> Self {
+    pub fn of_map(range: &Range, map: &Palette) -> Self {
         let color = |i: usize| {
             let position = i as f64 / (N_COLORS - 1) as f64;
             Rgb(map

@@ -8,7 +8,7 @@ use super::colors::Colors;
 use super::label::Unit;
 use super::range::{Range, Scale};
 use super::text::{CAP_HEIGHT_EM, Style};
-use crate::color::ColorMap;
+use crate::color::Palette;
 
 /// A color bar with a title.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +16,7 @@ pub struct ColorLegend {
     /// What the numbers are.
     pub title: String,
     /// The colors.
-    pub map: ColorMap,
+    pub map: Palette,
     /// The numbers of the first and the last color, ascending; positive on a logarithmic
     /// scale.
     pub ends: [f32; 2],
@@ -67,7 +67,7 @@ pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
         let baseline = paper.y + margin + px(em_px * CAP_HEIGHT_EM);
         style.paint(picture, &title, left + margin, baseline);
         let corner = [left + margin, paper.y + margin + title_px];
-        bar.paint(picture, corner, &Colors::of_map(&range, legend.map));
+        bar.paint(picture, corner, &Colors::of_map(&range, &legend.map));
         right = left;
     }
 }
@@ -111,7 +111,7 @@ mod tests {
     fn bars_stay_in_the_picture_whatever_its_size() {
         let legend = |title: &str, ends, scale| ColorLegend {
             title: title.to_owned(),
-            map: ColorMap::Viridis,
+            map: Palette::default(),
             ends,
             scale,
             clips: [true, true],

@@ -10,6 +10,7 @@ mod levels;
 mod srgb;
 mod diverging;
 mod map;
+mod palette;
 mod tone_curve;
 
 use std::sync::LazyLock;
@@ -20,6 +21,7 @@ use serde::{Deserialize, Deserializer};
 use crate::text;
 use levels::linear8;
 pub use map::ColorMap;
+pub use palette::Palette;
 pub use tone_curve::ToneCurve;
 
 /// How radiance becomes the numbers of a picture.

@@ -8,10 +8,11 @@ use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
+use super::color_table::{ColorChoice, ColorTable};
 use super::texture_point::TexturePoint;
-use crate::color::{ColorMap, Transfer};
+use crate::color::{Palette, Transfer};
 use crate::import::{ArrayChoice, ArrayOf};
-use crate::simd::{LookupTable, Real, Vector};
+use crate::simd::{Real, Vector};
 use crate::yaml;
 
 /// The numbers of an array of a VTK file as colors.
@@ -40,7 +41,7 @@ pub struct ArrayTexture {
     /// The numbers.
     pub choice: ArrayChoice,
     /// The colors.
-    pub map: ColorMap,
+    pub map: Palette,
     /// The numbers of the first and the last color.
     pub range: ArrayRange,
     /// How numbers between them become colors.
@@ -71,7 +72,7 @@ struct ArrayKeys {
     of: Option<ArrayKind>,
     /// The colors.
     #[serde(default)]
-    map: ColorMap,
+    map: Palette,
     /// The numbers of the first and the last color.
     #[serde(default)]
     range: Option<ArrayRange>,
@@ -181,12 +182,18 @@ impl ArrayTexture {
     /// is that of the picture, so that a surface in white light has the colors of the map.
     pub fn prepare(&mut self, numbers: &[f32], transfer: Transfer) {
         let [low, high] = self.ends(numbers);
-        let n = self.map.n_categories().unwrap_or(N_COLORS);
+        let (n_categories, n_bands) = (self.map.n_categories(), self.map.n_bands());
+        let n = n_categories.or(n_bands).unwrap_or(N_COLORS);
+        let choice = match (n_categories, n_bands) {
+            (Some(_), _) => ColorChoice::Category,
+            (_, Some(_)) => ColorChoice::Band,
+            (None, None) => ColorChoice::Nearest,
+        };
         let color = |i: usize| {
-            // The centers of categories; the ends of gradients.
-            let position = match self.map.n_categories() {
-                Some(n) => (i as f64 + 0.5) / n as f64,
-                None => i as f64 / (n - 1) as f64,
+            // The centers of categories and bands; the ends of gradients.
+            let position = match choice {
+                ColorChoice::Nearest => i as f64 / (n - 1) as f64,
+                _ => (i as f64 + 0.5) / n as f64,
             };
             self.map
                 .at(position)
@@ -199,7 +206,7 @@ impl ArrayTexture {
                 numbers.iter().any(|number| *number > high),
             ],
             is_log: self.scale == ArrayScale::Log,
-            is_categorical: self.map.n_categories().is_some(),
+            choice,
             colors: (0..n).map(color).collect(),
             nan_color: self.nan_color.to_array(),
         });
@@ -258,52 +265,6 @@ impl ArrayTexture {
 /// Number of colors of a gradient: with 1024 the nearest one is within a level of 8 bits.
 const N_COLORS: usize = 1024;
 
-/// Colors by numbers.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ColorTable {
-    /// The numbers of the first and the last color.
-    pub ends: [f32; 2],
-    /// Whether there are numbers below the first and above the last.
-    pub clips: [bool; 2],
-    is_log: bool,
-    is_categorical: bool,
-    /// Linear light.
-    colors: Vec<[f32; 3]>,
-    nan_color: [f32; 3],
-}
-
-impl LookupTable<1, 3> for ColorTable {
-    #[inline]
-    fn values_at(&self, [number]: [f32; 1]) -> [f32; 3] {
-        if number.is_nan() {
-            return self.nan_color;
-        }
-        let n = self.colors.len();
-        let index = if self.is_categorical {
-            // The cast saturates.
-            (number.round() as i64).rem_euclid(n.max(1) as i64) as usize
-        } else {
-            let position = self.position(number.into());
-            (position * n.saturating_sub(1) as f64 + 0.5) as usize
-        };
-        let last = self.colors.last().copied().unwrap_or([1.0; 3]);
-        self.colors.get(index).copied().unwrap_or(last)
-    }
-}
-
-impl ColorTable {
-    /// The position of a number between the ends; from 0 to 1 if it is between them.
-    fn position(&self, number: f64) -> f64 {
-        let [low, high] = self.ends.map(f64::from);
-        if self.is_log {
-            let number = number.max(f64::MIN_POSITIVE);
-            libm::log(number / low) / libm::log(high / low)
-        } else {
-            (number - low) / (high - low)
-        }
-    }
-}
-
 impl<'de> Deserialize<'de> for ArrayRange {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(RangeVisitor)
@@ -340,6 +301,7 @@ impl<'de> Visitor<'de> for RangeVisitor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::LookupTable;
 
     fn prepared(keys: &str, numbers: &[f32]) -> ArrayTexture {
         let mut texture: ArrayTexture = yaml::from_str(&format!("{{ name: a{keys} }}")).unwrap();
@@ -404,6 +366,25 @@ mod tests {
             (0.0..20.0).contains(&low) && (980.0..1000.0).contains(&high),
             "{low} {high}"
         );
+    }
+
+    #[test]
+    fn bands_are_steps_of_equal_width() {
+        let texture = prepared(
+            ", map: { bands: [0, 0.5, 1] }, scale: log, range: [1, 8]",
+            &[],
+        );
+        for (number, gray) in [
+            (0.1, 0.0),
+            (1.9, 0.0),
+            (2.1, 0.5),
+            (3.9, 0.5),
+            (4.1, 1.0),
+            (8.0, 1.0),
+            (9.0, 1.0),
+        ] {
+            assert_eq!(texture.table.values_at([number]), [gray; 3], "{number}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Materials: how surfaces reflect light.
 
+mod color_table;
 mod array;
 mod checker;
 mod conductor;
@@ -17,8 +18,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
-pub use array::{ArrayRange, ArrayScale, ColorTable};
+pub use array::{ArrayRange, ArrayScale};
 pub use checker::{Axes, Rounding};
+pub use color_table::ColorTable;
 pub use conductor::Conductor;
 pub use cutout::Cutout;
 pub use dielectric::Dielectric;

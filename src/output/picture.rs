@@ -68,7 +68,7 @@ fn legends(scene: &Scene) -> Vec<ColorLegend> {
         let Some(title) = &array.bar else { continue };
         let legend = ColorLegend {
             title: title.clone(),
-            map: array.map,
+            map: array.map.clone(),
             ends: array.table.ends,
             scale: match array.scale {
                 ArrayScale::Linear => Scale::Linear,
