@@ -50,6 +50,13 @@ impl<'a> OpenScene<'a> {
         Input::read(document, config, needed)
     }
 
+    /// The time of a frame that the animation has, by default the first one; `None` for a
+    /// still.
+    pub(super) fn time(&self, frame: Option<u32>) -> Option<f64> {
+        let frames = self.frames.as_ref()?;
+        Some(frames.frame(frame.unwrap_or(0)).time)
+    }
+
     /// Checks that the animation has a frame of this number.
     ///
     /// # Errors

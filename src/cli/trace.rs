@@ -83,6 +83,7 @@ const CLOUD_SIDE: u32 = 320;
 
 pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     arguments.scene.refuse_also()?;
+    let open = OpenScene::read(&arguments.scene)?;
     let needed = |config: &Config, geometries: &Geometries| match arguments.metric(config) {
         // The picture is rendered to find the pixels.
         Some(metric) => Memory::of(&hottest::searched(config, metric), geometries),
@@ -93,7 +94,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         config,
         geometries,
         ..
-    } = OpenScene::read(&arguments.scene)?.load(arguments.frame, needed)?;
+    } = open.load(arguments.frame, needed)?;
     let image = config.image;
     for rectangle in &arguments.pixel {
         rectangle.check(&image)?;
@@ -128,6 +129,8 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let observed = pool.install(|| observe(&observer, &pixels, arguments.quiet))?;
     stop::check()?;
     let traced = Traced {
+        name: &arguments.scene.name(),
+        time: open.time(arguments.frame),
         scene: &scene,
         plane: &plane,
         pixels: &observed,

@@ -215,7 +215,7 @@ impl Metric {
     }
 
     /// The unit in legends: "ns", or the label of what is counted.
-    pub fn unit_label(self) -> &'static str {
+    pub const fn unit_label(self) -> &'static str {
         match self.unit {
             MetricUnit::Nanoseconds => "ns",
             MetricUnit::Count => self.label,

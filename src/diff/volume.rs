@@ -5,6 +5,7 @@ use std::io::{self, Seek, Write};
 use super::file::DiffFile;
 use super::{Diff, Side, picture, ratio};
 use crate::cost::Metric;
+use crate::output::run_fields;
 use crate::provenance::RunId;
 use crate::vtk::array::{Array, Entry};
 use crate::vtk::data_set::DataSet;
@@ -54,6 +55,7 @@ fn write(
     let encoding = Encoding {
         codec: Codec::None,
         run: Some(run),
+        fields: run_fields(&[a, b].map(|side| side.summary().scene.name.as_str()), run),
     };
     appended::write(&image, encoding, out)
 }
@@ -70,14 +72,15 @@ fn differences<'a>(
         let [a, b] = values(sides, metric)?;
         io::Result::Ok(b.into_iter().zip(a).map(|(b, a)| b - a))
     };
-    match metric {
+    let differences = match metric {
         Metric::TIME => pixels.array(name, move || {
             Ok(differences()?.map(|time| time as f32).collect())
         }),
         _ => pixels.array(name, move || {
             Ok(differences()?.map(|count| count as i64).collect())
         }),
-    }
+    };
+    differences.in_unit(metric.unit_label())
 }
 
 /// Creates the array of a metric's ratios.
@@ -121,6 +124,7 @@ impl Pixels {
             scalar: E::SCALAR,
             n_components: E::N_COMPONENTS,
             n_bytes: (width * height * size_of::<E>()) as u64,
+            unit: None,
             write: Box::new(move |out| {
                 let entries = entries()?;
                 let mut bottom_up = entries.chunks_exact(width).rev();

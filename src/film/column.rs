@@ -5,6 +5,7 @@ use vtkio::model::ScalarType;
 use super::{Film, Strip};
 use crate::config::{CostMode, Repeats};
 use crate::cost::{Metric, MetricSource};
+use crate::geometry::LENGTH_UNIT;
 
 /// An array of the film as in files.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +16,8 @@ pub struct Column {
     pub scalar: ScalarType,
     /// Numbers per pixel.
     pub n_components: usize,
+    /// The unit of its numbers; `None` for colors, ids and flags.
+    pub unit: Option<&'static str>,
     origin: Origin,
 }
 
@@ -34,10 +37,17 @@ enum Origin {
 /// A [`Column`] from a field of [`Strip`].
 macro_rules! column {
     ($name:expr, $field:ident, $scalar:ident x $n:literal) => {
+        column!($name, $field, $scalar x $n, None)
+    };
+    ($name:expr, $field:ident, $scalar:ident x $n:literal in $unit:expr) => {
+        column!($name, $field, $scalar x $n, Some($unit))
+    };
+    ($name:expr, $field:ident, $scalar:ident x $n:literal, $unit:expr) => {
         Column {
             name: $name,
             scalar: ScalarType::$scalar,
             n_components: $n,
+            unit: $unit,
             origin: Origin::Stored(|strip| bytemuck::cast_slice(&strip.$field)),
         }
     };
@@ -48,6 +58,7 @@ const fn computed(name: &'static str, scalar: ScalarType, origin: Origin) -> Col
         name,
         scalar,
         n_components: 1,
+        unit: None,
         origin,
     }
 }
@@ -58,9 +69,9 @@ const GEOMETRY: [Column; 6] = [
     // Shading normal, a unit vector on the visible side; NaN without a hit.
     column!("Normals", normal, F32 x 3),
     // Distance along the camera ray in world units; NaN without a hit.
-    column!("distance", distance, F32 x 1),
+    column!("distance", distance, F32 x 1 in LENGTH_UNIT),
     // Size of a pixel at that distance in world units; NaN without a hit.
-    column!("footprint", footprint, F32 x 1),
+    column!("footprint", footprint, F32 x 1 in LENGTH_UNIT),
     // Index into the file's `objects`; -1 without a hit.
     column!("object", object, I32 x 1),
     // Index into the file's `materials`; -1 without a hit.
@@ -69,12 +80,12 @@ const GEOMETRY: [Column; 6] = [
 
 // Thread time without the overhead of the clock, at least 1; or the share of the
 // tile's, by another name.
-const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1);
+const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1 in Metric::TIME.unit_label());
 
 // The spread of repeated times, and the number of rejected ones.
 const REPEATED: [Column; 2] = [
     // Median absolute deviation of the accepted times.
-    column!("time_mad_ns", time_mad_ns, F32 x 1),
+    column!("time_mad_ns", time_mad_ns, F32 x 1 in Metric::TIME.unit_label()),
     // Times during which the thread lost its CPU, or right after that.
     column!("n_rejected", n_rejected, U8 x 1),
 ];
@@ -102,7 +113,10 @@ pub(super) fn all_columns(
     let time = Metric::of_times(cost).map(|Metric { name, .. }| Column { name, ..TIME });
     let is_repeated = cost.has_time() && repeats.has_spread();
     let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
-    let counted = |metric: Metric| computed(metric.name, ScalarType::U32, Origin::Counted(metric));
+    let counted = |metric: Metric| Column {
+        unit: Some(metric.unit_label()),
+        ..computed(metric.name, ScalarType::U32, Origin::Counted(metric))
+    };
     let work = || Metric::counted(counts_samples).map(counted).chain(WORK);
     let work = cost.has_counters().then(work).into_iter().flatten();
     GEOMETRY.into_iter().chain(time).chain(repeated).chain(work)
@@ -110,13 +124,14 @@ pub(super) fn all_columns(
 
 impl Column {
     /// The hit points in world space: three numbers per pixel; NaN without a hit.
-    pub const POSITION: Self = column!("Points", position, F32 x 3);
+    pub const POSITION: Self = column!("Points", position, F32 x 3 in LENGTH_UNIT);
 
     /// The linear light of the pixel, with the primaries of sRGB; on request.
     pub const RADIANCE: Self = column!("radiance", radiance, F32 x 3);
 
     /// The rays after 0, 1, … 6, and after 7 or more bounces; on request.
-    pub const BOUNCES: Self = column!("rays_by_bounce", bounces, U32 x 8);
+    pub const BOUNCES: Self =
+        column!("rays_by_bounce", bounces, U32 x 8 in Metric::RAYS.unit_label());
 
     /// The color of the surface; not in VTK files.
     pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);

@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 
 use super::RenderingView;
+use super::distances::Distances;
+use super::fields;
 use super::states::States;
 use crate::config::{Config, OptionalOutput};
 use crate::folder::{FileWriter, Written};
@@ -87,11 +89,29 @@ impl Job<'_> {
         }
     }
 
+    /// How far the hits are.
+    pub(super) fn distances(&self) -> &Distances {
+        self.states.distances()
+    }
+
     /// The encoding of VTK files.
     pub(super) fn encoding(&self) -> Encoding {
+        let rendering = self.rendering;
+        let mut fields = fields::of_run(&[rendering.name], self.run);
+        fields.extend(fields::of_camera(&rendering.scene.image_plane));
+        fields.extend(rendering.frame.map(|frame| fields::of_time(frame.time)));
         Encoding {
-            codec: self.rendering.config.compress,
+            codec: rendering.config.compress,
             run: Some(self.run),
+            fields,
         }
+    }
+
+    /// The encoding of VTK files that hold the pixels.
+    pub(super) fn encoding_of_pixels(&self) -> Encoding {
+        let mut encoding = self.encoding();
+        let range = self.states.cost_range();
+        (encoding.fields).extend(fields::of_cost(self.rendering.film, range));
+        encoding
     }
 }

@@ -16,7 +16,7 @@ pub(crate) const FILE: OutputFile = OutputFile {
     content: FileContent::Written(|job, out| {
         let film = job.rendering.film;
         job.reserve(n_pixels(film) * bytes_per_point(film), out);
-        write(film, job.encoding(), out)
+        write(film, job.encoding_of_pixels(), out)
     }),
 };
 
@@ -59,6 +59,7 @@ pub(super) fn column_array<'a>(
         scalar: column.scalar,
         n_components: column.n_components,
         n_bytes: n * column.stride() as u64,
+        unit: column.unit,
         write: Box::new(move |out| write(&column, out)),
     }
 }

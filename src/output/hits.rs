@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use vtkio::model::CellType;
 
+use super::distances::Distances;
 use super::file::{FileContent, OutputFile};
 use super::frame::{bytes_per_point, column_array};
 use crate::film::{Column, Film, Strip};
@@ -21,7 +22,7 @@ pub(crate) const FILE: OutputFile = OutputFile {
         let film = job.rendering.film;
         let per_hit = bytes_per_point(film) + Column::POSITION.stride() as u64;
         job.reserve(film.n_hits() as u64 * per_hit, out);
-        write(film, job.encoding(), out)
+        write_cloud(film, job.distances(), job.encoding_of_pixels(), out)
     }),
 };
 
@@ -30,6 +31,16 @@ pub(crate) const FILE: OutputFile = OutputFile {
 pub fn write(
     film: &Film,
     encoding: impl Into<Encoding>,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    write_cloud(film, &Distances::of(film), encoding.into(), out)
+}
+
+/// [`write`] for a film whose distances are known.
+fn write_cloud(
+    film: &Film,
+    distances: &Distances,
+    encoding: Encoding,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let hits = Hits::of(film);
@@ -42,6 +53,10 @@ pub fn write(
     };
     let mut point_data: Vec<Array> = film.columns().map(array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
+    point_data.push(Array::of("horizon", n, || {
+        hits.distances()
+            .map(|distance| u8::from(distances.is_horizon(distance)))
+    }));
     let [connectivity, offsets] = separate_cells(1, n);
     let cloud = CellMesh {
         n_points: n,
@@ -51,7 +66,7 @@ pub fn write(
         cell_data: Vec::new(),
         cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
     };
-    appended::write(&DataSet::Grid(cloud), encoding.into(), out)
+    appended::write(&DataSet::Grid(cloud), encoding, out)
 }
 
 /// The pixels of a film that have a hit. Computed once for all arrays of the file.
@@ -80,6 +95,14 @@ impl<'a> Hits<'a> {
             .iter()
             .zip(self.runs.iter().map(Vec::as_slice))
             .filter(|(_, runs)| !runs.is_empty())
+    }
+
+    /// Returns the distances of the hits.
+    fn distances(&self) -> impl Iterator<Item = f32> {
+        self.strips().flat_map(|(strip, runs)| {
+            let of_run = |run: &Range<usize>| &strip.distance[run.clone()];
+            runs.iter().flat_map(of_run).copied()
+        })
     }
 
     fn write_values(&self, column: &Column, out: &mut dyn Write) -> io::Result<()> {

@@ -5,6 +5,8 @@
 
 mod file;
 mod bounding_sphere;
+mod distances;
+mod fields;
 mod frame;
 mod heatmap;
 mod hits;
@@ -26,6 +28,7 @@ mod traced;
 
 use std::time::Duration;
 
+pub(crate) use fields::of_run as run_fields;
 pub use file::{OutputFile, Request};
 pub(crate) use frame::FILE as FRAME_VTI;
 pub use frame::write as write_frame;

@@ -9,6 +9,7 @@ use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode, OptionalOutput};
 use crate::cost::Metric;
+use crate::geometry::LENGTH_UNIT;
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells, types_of};
 use crate::vtk::data_set::{CellMesh, DataSet};
@@ -52,7 +53,7 @@ pub fn write(
         n_cells: n,
         point_data: Vec::new(),
         cell_data: cell_data(&shown, cost),
-        points: Array::of("Points", 8 * n, || shown.iter().flat_map(corners)),
+        points: Array::of("Points", 8 * n, || shown.iter().flat_map(corners)).in_unit(LENGTH_UNIT),
         cells: vec![connectivity, offsets, types_of(CellType::Voxel, n)],
     };
     appended::write(&DataSet::Grid(boxes), encoding.into(), out)
@@ -78,7 +79,8 @@ fn cell_data<'a>(shown: &'a [Shown], cost: CostMode) -> Vec<Array<'a>> {
         array("wasted_visits", shown, |shown| shown.visits.n_wasted()),
     ];
     if let Some(metric) = Metric::of_times(cost) {
-        arrays.push(array(metric.name, shown, |shown| shown.visits.time_ns()));
+        let times = array(metric.name, shown, |shown| shown.visits.time_ns());
+        arrays.push(times.in_unit(metric.unit_label()));
     }
     arrays
 }

@@ -9,6 +9,7 @@ use crate::attribution::{ObservedPixel, TracedRay};
 use crate::camera::ImagePlane;
 use crate::cost::Metric;
 use crate::film::Film;
+use crate::geometry::LENGTH_UNIT;
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells};
@@ -23,6 +24,10 @@ pub(super) const CLOUD: &str = "rays_cloud.vtu";
 /// Traced pixels of a picture with all of their rays, and a cloud of the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Traced<'a> {
+    /// The name of the scene.
+    pub name: &'a str,
+    /// The time of the frame, of an animated scene.
+    pub time: Option<f64>,
     /// The scene that the rays went through.
     pub scene: &'a Scene,
     /// The image plane of the picture.
@@ -76,7 +81,7 @@ impl<'a> Rays<'a> {
             n_cells: self.n,
             point_data: Vec::new(),
             cell_data: self.cell_data(),
-            points: Array::of("Points", 2 * self.n, || self.points()),
+            points: Array::of("Points", 2 * self.n, || self.points()).in_unit(LENGTH_UNIT),
             cells: vec![connectivity, offsets],
         };
         appended::write(&DataSet::Lines(lines), encoding, out)
@@ -95,13 +100,15 @@ impl<'a> Rays<'a> {
             self.array("primitive", |ray| {
                 ray.surface().map_or(-1, |hit| hit.primitive as i32)
             }),
-            self.array("distance", |ray| ray.end().unwrap_or(f32::NAN)),
-            self.array("length", |ray| self.bounding_sphere.length(ray)),
-            self.array(Metric::NODE_VISITS.name, |ray| ray.node_visits),
-            self.array(Metric::PRIMITIVE_TESTS.name, |ray| ray.primitive_tests),
+            self.array("distance", |ray| ray.end().unwrap_or(f32::NAN))
+                .in_unit(LENGTH_UNIT),
+            self.array("length", |ray| self.bounding_sphere.length(ray))
+                .in_unit(LENGTH_UNIT),
+            self.cost(Metric::NODE_VISITS, |ray| ray.node_visits),
+            self.cost(Metric::PRIMITIVE_TESTS, |ray| ray.primitive_tests),
         ];
         if self.traced.is_timed {
-            arrays.push(self.array(Metric::TIME.name, |ray| ray.time_ns));
+            arrays.push(self.cost(Metric::TIME, |ray| ray.time_ns));
         }
         arrays.push(self.array("contribution", |ray| ray.contribution.to_array()));
         arrays.push(self.array("direction", |ray| ray.ray.direction.to_array()));
@@ -124,6 +131,14 @@ impl<'a> Rays<'a> {
         value: impl Fn(&TracedRay) -> E + Copy + 's,
     ) -> Array<'s> {
         Array::of(name, self.n, move || self.iter().map(value))
+    }
+
+    fn cost<'s, E: Entry>(
+        &'s self,
+        metric: Metric,
+        value: impl Fn(&TracedRay) -> E + Copy + 's,
+    ) -> Array<'s> {
+        self.array(metric.name, value).in_unit(metric.unit_label())
     }
 
     fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {

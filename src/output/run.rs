@@ -33,7 +33,8 @@ pub(super) fn id_of(rendering: &RenderingView) -> RunId {
     let strips = film.strips.par_iter().map(of_strip);
     let tiles = film.tiles.par_chunks(TILES_PER_HASH).map(of_tiles);
     let hashes: Vec<u128> = strips.chain(tiles).collect();
-    let asked = format!("{:?}", (rendering.scene_file, rendering.config));
+    let time = rendering.frame.map(|frame| frame.time);
+    let asked = format!("{:?}", (rendering.scene_file, rendering.config, time));
     let mut hasher = Hasher::new();
     hasher.add(env!("CARGO_PKG_VERSION").as_bytes());
     hasher.add(asked.as_bytes());

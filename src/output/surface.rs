@@ -8,7 +8,7 @@ use super::file::{FileContent, OutputFile};
 use crate::attribution::Visits;
 use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
-use crate::geometry::Patch;
+use crate::geometry::{LENGTH_UNIT, Patch};
 use crate::scene::{Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, Integers};
@@ -103,6 +103,7 @@ impl<'a> Surface<'a> {
             scalar: ScalarType::F32,
             n_components: 3,
             n_bytes: (n * size_of::<glam::Vec3>()) as u64,
+            unit: Some(LENGTH_UNIT),
             write: Box::new(move |out| {
                 self.patches()
                     .try_for_each(|patch| out.write_all(bytemuck::cast_slice(patch.corners())))
@@ -124,13 +125,14 @@ impl<'a> Surface<'a> {
             self.array("primitive", |index, _, _| index as u32),
             self.array("object", |_, primitive, _| primitive.object.0 as i32),
             self.array("material", |_, primitive, _| primitive.material.0 as i32),
-            Array::of("radius", self.n_cells, radii),
+            Array::of("radius", self.n_cells, radii).in_unit(LENGTH_UNIT),
             self.array("tests", |_, _, visits| visits.n),
             self.array("hits", |_, _, visits| visits.n_hits),
             self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
         ];
         if let Some(metric) = Metric::of_times(cost) {
-            arrays.push(self.array(metric.name, |_, _, visits| visits.time_ns()));
+            let times = self.array(metric.name, |_, _, visits| visits.time_ns());
+            arrays.push(times.in_unit(metric.unit_label()));
         }
         arrays
     }

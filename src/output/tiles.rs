@@ -50,12 +50,16 @@ pub fn write(
 
 /// The time span and the thread of each tile.
 fn times(schedule: &Schedule) -> Vec<Array<'_>> {
+    let time = |name, ns: fn(&TileRun) -> u64| {
+        let times = array(name, schedule, move |_, run| ns(run) as f64);
+        times.in_unit(Metric::TIME.unit_label())
+    };
     vec![
-        array("start_ns", schedule, |_, run| run.start_ns as f64),
-        array("end_ns", schedule, |_, run| run.end_ns as f64),
-        array("duration_ns", schedule, |_, run| run.duration_ns() as f64),
-        array("film_ns", schedule, |_, run| run.film_ns as f64),
-        array("warm_up_ns", schedule, |_, run| run.warm_up_ns as f64),
+        time("start_ns", |run| run.start_ns),
+        time("end_ns", |run| run.end_ns),
+        time("duration_ns", TileRun::duration_ns),
+        time("film_ns", |run| run.film_ns),
+        time("warm_up_ns", |run| run.warm_up_ns),
         array("thread", schedule, |_, run| run.thread as i32),
         array("position", schedule, |_, run| run.position as i32),
         array("tile", schedule, |number, _| number as i32),
@@ -65,7 +69,10 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
 /// The totals of the pixels' counters in each tile but their samples, which are those of
 /// their rays that have no kind; for `depth` the maximum.
 fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
-    let sum = |metric: Metric| array(metric.name, schedule, move |_, run| metric.of(&run.counted));
+    let sum = |metric: Metric| {
+        let sums = array(metric.name, schedule, move |_, run| metric.of(&run.counted));
+        sums.in_unit(metric.unit_label())
+    };
     Metric::counted(false).map(sum)
 }
 

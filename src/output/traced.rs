@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use super::rays::{CLOUD, FILE as RAYS, Rays, Traced};
-use super::{hits, states};
+use super::{fields, hits, states};
 use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
 use crate::provenance::{Hasher, RunId, stamped};
 use crate::vtk::{Codec, Encoding};
@@ -30,14 +30,20 @@ pub fn write_traced(
 ) -> Result<Vec<Written>, WriteError> {
     let rays = Rays::of(traced);
     let run = run_id(traced);
+    let mut fields = fields::of_run(&[traced.name], run);
+    fields.extend(fields::of_camera(traced.plane));
+    fields.extend(traced.time.map(fields::of_time));
     let encoding = Encoding {
         codec,
         run: Some(run),
+        fields,
     };
     let staging = folder.stage_files()?;
     let files = [
-        staging.stage(RAYS, |out| rays.write(encoding, out))?,
-        staging.stage(CLOUD, |out| hits::write(traced.cloud, encoding, out))?,
+        staging.stage(RAYS, |out| rays.write(encoding.clone(), out))?,
+        staging.stage(CLOUD, |out| {
+            hits::write(traced.cloud, encoding.clone(), out)
+        })?,
         staging.stage(STATE, |out| {
             let state = stamped(&states::of_rays(&rays, folder), run);
             out.write_all(state.as_bytes())
@@ -60,9 +66,10 @@ fn own() -> Own {
     Own::Marked(vec![RAYS, CLOUD, STATE])
 }
 
-/// Returns a hash of the rays, their times and the cloud.
+/// Returns a hash of the scene's name, the frame's time, the rays, their times and the cloud.
 fn run_id(traced: &Traced) -> RunId {
     let mut hasher = Hasher::new();
+    hasher.add(format!("{:?}", (traced.name, traced.time)).as_bytes());
     for pixel in traced.pixels {
         for ray in &pixel.tree.rays {
             let counts = [ray.node_visits, ray.primitive_tests];

@@ -81,6 +81,12 @@ impl ViewCamera {
         self.position
     }
 
+    /// Returns the tangents of half the horizontal and half the vertical angle of view; half
+    /// the width and half the height of the picture if parallel.
+    pub(crate) fn half(&self) -> [f32; 2] {
+        self.half
+    }
+
     /// Returns the unit vectors to the right, up and forward in ParaView's view.
     pub(crate) fn axes(&self) -> [Vec3; 3] {
         let forward = (self.focal_point - self.position).normalize();

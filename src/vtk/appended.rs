@@ -8,8 +8,7 @@ use super::codec::Compressor;
 use super::compressed;
 use super::data_set::DataSet;
 use super::encoding::Encoding;
-use super::header::Offsets;
-use crate::provenance::RunId;
+use super::header::{LabeledDataSet, Offsets};
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
 /// last one up to the opening tag of the arrays. With expat 2.6, or an
@@ -24,18 +23,19 @@ const N_BLANKS: usize = 2 * 4096;
 /// An array has the wrong length, or `out` fails.
 pub(crate) fn write(
     data_set: &DataSet,
-    Encoding { codec, run }: Encoding,
+    encoding: Encoding,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    match codec.compressor() {
-        None => write_raw(data_set, run, out),
-        Some(compressor) => write_compressed(data_set, run, compressor, out),
+    let labeled = LabeledDataSet::new(data_set, &encoding);
+    match encoding.codec.compressor() {
+        None => write_raw(&labeled, out),
+        Some(compressor) => write_compressed(&labeled, compressor, out),
     }
 }
 
-fn write_raw(data_set: &DataSet, run: Option<RunId>, out: &mut impl Write) -> io::Result<()> {
-    let arrays = data_set.arrays();
-    write_head(&data_set.xml(run, &Offsets::OfRaw(offsets(&arrays)))?, out)?;
+fn write_raw(labeled: &LabeledDataSet, out: &mut impl Write) -> io::Result<()> {
+    let arrays = labeled.arrays();
+    write_head(&labeled.xml(&Offsets::OfRaw(offsets(&arrays)))?, out)?;
     for array in arrays {
         out.write_all(&array.n_bytes.to_ne_bytes())?;
         array.write_to(out)?;
@@ -46,13 +46,12 @@ fn write_raw(data_set: &DataSet, run: Option<RunId>, out: &mut impl Write) -> io
 /// The offset of an array is known only after the arrays before it are compressed, so
 /// that the header is written again at the end, with the same length.
 fn write_compressed(
-    data_set: &DataSet,
-    run: Option<RunId>,
+    labeled: &LabeledDataSet,
     compressor: &dyn Compressor,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    let arrays = data_set.arrays();
-    let head = |offsets| data_set.xml(run, &Offsets::OfCompressed(compressor, offsets));
+    let arrays = labeled.arrays();
+    let head = |offsets| labeled.xml(&Offsets::OfCompressed(compressor, offsets));
     write_head(&head(vec![0; arrays.len()])?, out)?;
     let begin = out.stream_position()?;
     let mut offsets = Vec::with_capacity(arrays.len());
@@ -96,6 +95,7 @@ mod tests {
     use vtkio::model::ScalarType;
 
     use super::*;
+    use crate::vtk::Codec;
 
     fn image(arrays: &[u64]) -> DataSet<'static> {
         let array = |&n_bytes| Array {
@@ -103,6 +103,7 @@ mod tests {
             scalar: ScalarType::I32,
             n_components: 1,
             n_bytes,
+            unit: None,
             write: Box::new(|out| out.write_all(&[1, 2, 3, 4])),
         };
         DataSet::Image {
@@ -114,8 +115,10 @@ mod tests {
     #[test]
     fn offsets_count_beyond_4_gib() {
         let data_set = image(&[5 << 30, 4, 4]);
-        let offsets = Offsets::OfRaw(offsets(&data_set.arrays()));
-        let xml = data_set.xml(None, &offsets).unwrap();
+        let encoding = Codec::None.into();
+        let labeled = LabeledDataSet::new(&data_set, &encoding);
+        let offsets = Offsets::OfRaw(offsets(&labeled.arrays()));
+        let xml = labeled.xml(&offsets).unwrap();
         assert!(
             xml.contains("offset=\"0\"") && xml.contains("offset=\"5368709128\""),
             "{xml}"
@@ -126,7 +129,10 @@ mod tests {
     #[test]
     fn the_block_that_vtk_may_read_too_many_is_blank() {
         let mut file = Vec::new();
-        write_raw(&image(&[4]), None, &mut file).unwrap();
+        let data_set = image(&[4]);
+        let encoding = Codec::None.into();
+        let labeled = LabeledDataSet::new(&data_set, &encoding);
+        write_raw(&labeled, &mut file).unwrap();
         let tag = b"<AppendedData encoding=\"raw\">";
         let begin = file.windows(tag.len()).position(|bytes| bytes == tag);
         let end = begin.unwrap() + tag.len();
@@ -136,7 +142,10 @@ mod tests {
 
     #[test]
     fn an_array_of_the_wrong_length_is_an_error() {
-        let error = write_raw(&image(&[8]), None, &mut Vec::new()).unwrap_err();
+        let data_set = image(&[8]);
+        let encoding = Codec::None.into();
+        let labeled = LabeledDataSet::new(&data_set, &encoding);
+        let error = write_raw(&labeled, &mut Vec::new()).unwrap_err();
         assert!(
             error.to_string().contains("4 bytes instead of 8"),
             "{error}"

@@ -18,6 +18,8 @@ pub(crate) struct Array<'a> {
     pub(crate) scalar: ScalarType,
     pub(crate) n_components: usize,
     pub(crate) n_bytes: u64,
+    /// The unit of its numbers; `None` for colors, ids and flags.
+    pub(crate) unit: Option<&'static str>,
     /// Writes exactly `n_bytes`, in native byte order.
     pub(crate) write: WriteBytes<'a>,
 }
@@ -52,7 +54,7 @@ impl<'a> Array<'a> {
     /// Creates an array of `n` entries; `entries` is called each time the array is
     /// written.
     pub(crate) fn of<E: Entry, I: Iterator<Item = E>>(
-        name: &'static str,
+        name: &'a str,
         n: usize,
         entries: impl Fn() -> I + 'a,
     ) -> Self {
@@ -61,6 +63,7 @@ impl<'a> Array<'a> {
             scalar: E::SCALAR,
             n_components: E::N_COMPONENTS,
             n_bytes: (n * size_of::<E>()) as u64,
+            unit: None,
             write: Box::new(move |out| {
                 let mut entries = entries();
                 let mut chunk = Vec::with_capacity(CHUNK.min(n));
@@ -74,6 +77,17 @@ impl<'a> Array<'a> {
                 }
             }),
         }
+    }
+
+    /// Its number of entries.
+    pub(crate) fn n_tuples(&self) -> u64 {
+        self.n_bytes / (self.scalar.size() * self.n_components) as u64
+    }
+
+    /// Sets the unit of its numbers.
+    pub(crate) fn in_unit(self, unit: &'static str) -> Self {
+        let unit = Some(unit);
+        Self { unit, ..self }
     }
 }
 
@@ -110,6 +124,7 @@ impl Integers {
             scalar,
             n_components: 1,
             n_bytes,
+            unit: None,
             write: Box::new(write),
         }
     }

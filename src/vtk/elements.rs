@@ -1,10 +1,11 @@
 //! The XML elements of data sets.
 
 use serde::Serialize;
-use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType};
+use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarType};
 
 use super::array::Array;
 use super::data_set::{CellMesh, DataSet};
+use super::field::{Field, FieldValues};
 
 /// The element of a data set.
 #[derive(Serialize)]
@@ -23,6 +24,8 @@ pub(super) struct ImageElement {
     origin: String,
     #[serde(rename = "@Spacing")]
     spacing: String,
+    #[serde(rename = "FieldData", skip_serializing_if = "Option::is_none")]
+    field_data: Option<FieldDataElement>,
     #[serde(rename = "Piece")]
     piece: ImagePiece,
 }
@@ -41,6 +44,8 @@ struct ImagePiece {
 /// The element `UnstructuredGrid` or `PolyData`.
 #[derive(Serialize)]
 pub(super) struct MeshElement {
+    #[serde(rename = "FieldData", skip_serializing_if = "Option::is_none")]
+    field_data: Option<FieldDataElement>,
     #[serde(rename = "Piece")]
     piece: MeshPiece,
 }
@@ -72,11 +77,91 @@ struct DataArrays {
     arrays: Vec<DataArray>,
 }
 
-/// Returns the type and the element of a data set.
-pub(super) fn content(data_set: &DataSet) -> (DataSetType, DataElement) {
+/// The element `FieldData`.
+#[derive(Serialize)]
+pub(super) struct FieldDataElement {
+    #[serde(rename = "DataArray")]
+    numbers: Vec<FieldArray>,
+    #[serde(rename = "Array")]
+    texts: Vec<TextArray>,
+}
+
+/// An array of numbers. vtkio's has no length, which is that of the points or cells.
+#[derive(Serialize)]
+struct FieldArray {
+    #[serde(rename = "@type")]
+    scalar_type: ScalarType,
+    #[serde(rename = "@Name")]
+    name: String,
+    #[serde(rename = "@NumberOfTuples")]
+    n_tuples: u64,
+    #[serde(rename = "@format")]
+    format: DataArrayFormat,
+    #[serde(rename = "@offset")]
+    offset: u64,
+}
+
+/// An array of texts: the numbers of their bytes, each text with a 0 behind it.
+#[derive(Serialize)]
+struct TextArray {
+    #[serde(rename = "@type")]
+    kind: &'static str,
+    #[serde(rename = "@Name")]
+    name: String,
+    #[serde(rename = "@NumberOfTuples")]
+    n_tuples: usize,
+    #[serde(rename = "@format")]
+    format: &'static str,
+    #[serde(rename = "$text")]
+    bytes: String,
+}
+
+impl FieldDataElement {
+    /// Returns the element; `None` if there is nothing in it.
+    pub(super) fn of<'a>(
+        numbers: &[Array],
+        texts: impl Iterator<Item = &'a Field>,
+    ) -> Option<Self> {
+        let numbers = numbers.iter().map(|array| FieldArray {
+            scalar_type: array.scalar.into(),
+            name: array.name.to_owned(),
+            n_tuples: array.n_tuples(),
+            format: DataArrayFormat::Appended,
+            offset: 0,
+        });
+        let this = Self {
+            numbers: numbers.collect(),
+            texts: texts.filter_map(text_array).collect(),
+        };
+        let is_empty = this.numbers.is_empty() && this.texts.is_empty();
+        (!is_empty).then_some(this)
+    }
+}
+
+fn text_array(field: &Field) -> Option<TextArray> {
+    let FieldValues::Texts(texts) = &field.values else {
+        return None;
+    };
+    let bytes = texts.iter().flat_map(|text| text.bytes().chain([0]));
+    let bytes: Vec<String> = bytes.map(|byte| byte.to_string()).collect();
+    Some(TextArray {
+        kind: "String",
+        name: field.name.clone(),
+        n_tuples: texts.len(),
+        format: "ascii",
+        bytes: bytes.join(" "),
+    })
+}
+
+/// Returns the type and the element of a data set with these field data.
+pub(super) fn content(
+    data_set: &DataSet,
+    field_data: Option<FieldDataElement>,
+) -> (DataSetType, DataElement) {
     match data_set {
         DataSet::Image { size, point_data } => {
-            (DataSetType::ImageData, image_element(*size, point_data))
+            let element = image_element(*size, point_data, field_data);
+            (DataSetType::ImageData, DataElement::ImageData(element))
         }
         DataSet::ImageCells {
             size,
@@ -84,26 +169,40 @@ pub(super) fn content(data_set: &DataSet) -> (DataSetType, DataElement) {
             spacing,
             cell_data,
         } => {
-            let cells = image_cells_element(*size, *origin, *spacing, cell_data);
-            (DataSetType::ImageData, cells)
+            let element = image_cells_element(*size, *origin, *spacing, cell_data, field_data);
+            (DataSetType::ImageData, DataElement::ImageData(element))
         }
-        DataSet::Grid(mesh) => (DataSetType::UnstructuredGrid, grid_element(mesh)),
-        DataSet::Lines(mesh) => (DataSetType::PolyData, lines_element(mesh)),
+        DataSet::Grid(mesh) => {
+            let piece = grid_piece(mesh);
+            let element = MeshElement { field_data, piece };
+            let kind = DataSetType::UnstructuredGrid;
+            (kind, DataElement::UnstructuredGrid(element))
+        }
+        DataSet::Lines(mesh) => {
+            let piece = lines_piece(mesh);
+            let element = MeshElement { field_data, piece };
+            (DataSetType::PolyData, DataElement::PolyData(element))
+        }
     }
 }
 
-fn image_element([width, height]: [u32; 2], point_data: &[Array]) -> DataElement {
+fn image_element(
+    [width, height]: [u32; 2],
+    point_data: &[Array],
+    field_data: Option<FieldDataElement>,
+) -> ImageElement {
     let extent = format!("0 {} 0 {} 0 0", width - 1, height - 1);
-    DataElement::ImageData(ImageElement {
+    ImageElement {
         extent: extent.clone(),
         origin: "0 0 0".to_owned(),
         spacing: "1 1 1".to_owned(),
+        field_data,
         piece: ImagePiece {
             extent,
             point_data: attributes(point_data),
             cell_data: attributes(&[]),
         },
-    })
+    }
 }
 
 fn image_cells_element(
@@ -111,36 +210,36 @@ fn image_cells_element(
     [x, y]: [f64; 2],
     spacing: f64,
     cell_data: &[Array],
-) -> DataElement {
+    field_data: Option<FieldDataElement>,
+) -> ImageElement {
     let extent = format!("0 {n_columns} 0 {n_rows} 0 0");
-    DataElement::ImageData(ImageElement {
+    ImageElement {
         extent: extent.clone(),
         origin: format!("{x} {y} 0"),
         spacing: format!("{spacing} {spacing} {spacing}"),
+        field_data,
         piece: ImagePiece {
             extent,
             point_data: attributes(&[]),
             cell_data: attributes(cell_data),
         },
-    })
+    }
 }
 
-fn grid_element(mesh: &CellMesh) -> DataElement {
-    let piece = MeshPiece {
+fn grid_piece(mesh: &CellMesh) -> MeshPiece {
+    MeshPiece {
         n_cells: Some(mesh.n_cells),
         cells: Some(data_arrays(&mesh.cells)),
         ..mesh_piece(mesh)
-    };
-    DataElement::UnstructuredGrid(MeshElement { piece })
+    }
 }
 
-fn lines_element(mesh: &CellMesh) -> DataElement {
-    let piece = MeshPiece {
+fn lines_piece(mesh: &CellMesh) -> MeshPiece {
+    MeshPiece {
         n_lines: Some(mesh.n_cells),
         lines: Some(data_arrays(&mesh.cells)),
         ..mesh_piece(mesh)
-    };
-    DataElement::PolyData(MeshElement { piece })
+    }
 }
 
 /// The point array that VTK uses as normals.
@@ -172,7 +271,13 @@ fn attributes(arrays: &[Array]) -> AttributeData {
 }
 
 fn data_arrays<'a: 'b, 'b>(arrays: impl IntoIterator<Item = &'b Array<'a>>) -> DataArrays {
-    let data_array = |array: &Array| DataArray {
+    DataArrays {
+        arrays: arrays.into_iter().map(data_array).collect(),
+    }
+}
+
+fn data_array(array: &Array) -> DataArray {
+    DataArray {
         scalar_type: array.scalar.into(),
         name: array.name.to_owned(),
         num_comp: array.n_components as u32,
@@ -181,8 +286,5 @@ fn data_arrays<'a: 'b, 'b>(arrays: impl IntoIterator<Item = &'b Array<'a>>) -> D
         range_min: None,
         range_max: None,
         data: Vec::new(),
-    };
-    DataArrays {
-        arrays: arrays.into_iter().map(data_array).collect(),
     }
 }

@@ -1,20 +1,26 @@
-//! The encoding of a file, independent of its content.
+//! How a file is written, whatever data set it holds.
 
-use super::Codec;
+use super::{Codec, Field};
 use crate::provenance::RunId;
 
-/// The encoding of a file, independent of its content.
-#[derive(Debug, Clone, Copy)]
+/// How a file is written, whatever data set it holds.
+#[derive(Debug, Clone)]
 pub struct Encoding {
     /// The codec of its arrays.
     pub codec: Codec,
     /// The id of the run, for the attribute `raycost_run`; `None` to omit it.
     pub run: Option<RunId>,
+    /// The field data besides the units of the arrays.
+    pub fields: Vec<Field>,
 }
 
 impl From<Codec> for Encoding {
-    /// An encoding without the id of the run.
+    /// An encoding without the id of the run and without field data.
     fn from(codec: Codec) -> Self {
-        Self { codec, run: None }
+        Self {
+            codec,
+            run: None,
+            fields: Vec::new(),
+        }
     }
 }

@@ -6,10 +6,24 @@ use serde::Serialize;
 use vtkio::model::{ByteOrder, Version};
 use vtkio::xml::{DataSetType, ScalarType, se};
 
+use super::array::Array;
 use super::codec::Compressor;
 use super::data_set::DataSet;
-use super::elements::{DataElement, content};
+use super::elements::{DataElement, FieldDataElement, content};
+use super::encoding::Encoding;
+use super::field::Field;
 use crate::provenance::RunId;
+
+/// A data set with the field data of its file and the ID of its run.
+pub(crate) struct LabeledDataSet<'a> {
+    data_set: &'a DataSet<'a>,
+    run: Option<RunId>,
+    /// Field data without numbers.
+    texts: Vec<&'a Field>,
+    /// Field data of numbers.
+    numbers: Vec<Array<'a>>,
+    units: Option<Field>,
+}
 
 /// The offset of each array after the underscore, in the order of the arrays.
 pub(crate) enum Offsets<'a> {
@@ -19,20 +33,39 @@ pub(crate) enum Offsets<'a> {
     OfCompressed(&'a dyn Compressor, Vec<u64>),
 }
 
-impl DataSet<'_> {
+impl<'a> LabeledDataSet<'a> {
+    /// A data set whose field data are those of `encoding`, and units.
+    pub(crate) fn new(data_set: &'a DataSet<'a>, encoding: &'a Encoding) -> Self {
+        let fields = &encoding.fields;
+        let is_text = |field: &&Field| field.array().is_none();
+        Self {
+            data_set,
+            run: encoding.run,
+            texts: fields.iter().filter(is_text).collect(),
+            numbers: fields.iter().filter_map(Field::array).collect(),
+            units: Field::units(data_set),
+        }
+    }
+
+    /// Returns all arrays of numbers in the order of the file.
+    pub(crate) fn arrays(&self) -> Vec<&Array<'a>> {
+        let numbers = self.numbers.iter();
+        numbers.chain(self.data_set.arrays()).collect()
+    }
+
     /// Returns the file's text up to the closing tag of the root.
     ///
     /// # Errors
     /// The elements cannot be serialized.
-    pub(crate) fn xml(&self, run: Option<RunId>, offsets: &Offsets) -> io::Result<String> {
-        let (data_set_type, content) = content(self);
+    pub(crate) fn xml(&self, offsets: &Offsets) -> io::Result<String> {
+        let (data_set_type, content) = content(self.data_set, self.field_data());
         let file = VtkFile {
             data_set_type,
             version: Version::new_xml(1, 0),
             byte_order: native_byte_order(),
             header_type: ScalarType::UInt64,
             compressor: offsets.compressor().map(Compressor::vtk_class),
-            run,
+            run: self.run,
             content,
         };
         let xml = se::to_string(&file).map_err(io::Error::other)?;
@@ -44,6 +77,11 @@ impl DataSet<'_> {
             text += part;
         }
         Ok(text.trim_end_matches("</VTKFile>").to_owned())
+    }
+
+    fn field_data(&self) -> Option<FieldDataElement> {
+        let texts = self.texts.iter().copied().chain(&self.units);
+        FieldDataElement::of(&self.numbers, texts)
     }
 }
 
@@ -87,7 +125,7 @@ struct VtkFile {
     header_type: ScalarType,
     #[serde(rename = "@compressor", skip_serializing_if = "Option::is_none")]
     compressor: Option<&'static str>,
-    /// VTK, meshio and vtkio ignore this attribute.
+    /// VTK and vtkio ignore this attribute.
     #[serde(rename = "@raycost_run", skip_serializing_if = "Option::is_none")]
     run: Option<RunId>,
     #[serde(rename = "$value")]

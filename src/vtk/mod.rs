@@ -9,6 +9,7 @@
 mod codec;
 pub(crate) mod array;
 pub(crate) mod data_set;
+mod field;
 mod elements;
 mod header;
 pub(crate) mod encoding;
@@ -19,4 +20,5 @@ pub(crate) mod read;
 pub use codec::Codec;
 pub(crate) use codec::Compressor;
 pub use encoding::Encoding;
+pub use field::{Field, FieldValues};
 pub use read::{ArrayValues, Scalar};

@@ -22,7 +22,12 @@ pub struct DataSet {
     pub spacing: Option<[f64; 3]>,
     /// The active array of normals.
     pub normals: Option<String>,
+    /// Those of field data first.
     pub arrays: Vec<Array>,
+    /// The arrays of texts in the field data.
+    pub texts: Vec<(String, Vec<String>)>,
+    /// The time by which ParaView plays it.
+    pub time: Option<f64>,
 }
 
 /// One of its arrays.
@@ -72,7 +77,7 @@ impl DataSet {
                 bytes,
             }
         };
-        let arrays = header.split("<DataArray").skip(1).map(array).collect();
+        let arrays: Vec<Array> = header.split("<DataArray").skip(1).map(array).collect();
         assert_eq!(next, raw.len(), "bytes behind the last array");
 
         let extent: Option<[i32; 6]> = numbers(header, "WholeExtent");
@@ -89,6 +94,11 @@ impl DataSet {
             origin: numbers(header, "Origin"),
             spacing: numbers(header, "Spacing"),
             normals: attribute(header, "Normals").map(str::to_owned),
+            texts: header.split("<Array").skip(1).map(texts).collect(),
+            time: arrays
+                .iter()
+                .find(|array| array.name == "TimeValue")
+                .map(|array| array.f64s()[0]),
             arrays,
         }
     }
@@ -124,6 +134,12 @@ impl DataSet {
         let array = self.arrays.iter().find(|array| array.name == name);
         array.unwrap_or_else(|| panic!("no array {name}"))
     }
+
+    /// The texts of field data with this name.
+    pub fn texts(&self, name: &str) -> &[String] {
+        let field = self.texts.iter().find(|(found, _)| found == name);
+        &field.unwrap_or_else(|| panic!("no texts {name}")).1
+    }
 }
 
 impl Array {
@@ -140,6 +156,14 @@ impl Array {
     /// Its numbers, which are `Float32`.
     pub fn f32s(&self) -> impl Iterator<Item = f32> + '_ {
         self.numbers("Float32").map(f32::from_ne_bytes)
+    }
+
+    /// Its numbers, which are `Float64`.
+    pub fn f64s(&self) -> Vec<f64> {
+        assert_eq!(self.scalar, "Float64", "{}", self.name);
+        let numbers = self.bytes.chunks_exact(8);
+        let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().unwrap());
+        numbers.map(number).collect()
     }
 
     /// Its triples of `Float32`.
@@ -176,6 +200,14 @@ pub fn assert_same(mut found: DataSet, mut expected: DataSet) {
     assert_eq!(found, expected);
 }
 
+/// The field data of a file without a run: the units of its arrays.
+pub fn units(arrays: &[Array], unit: fn(&str) -> Option<String>) -> Vec<(String, Vec<String>)> {
+    let line = |array: &Array| Some(format!("{}: {}", array.name, unit(&array.name)?));
+    let units: Vec<String> = arrays.iter().filter_map(line).collect();
+    let units = (!units.is_empty()).then(|| ("units".to_owned(), units));
+    units.into_iter().collect()
+}
+
 /// An array of `Int32`.
 pub fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
     Array {
@@ -184,6 +216,21 @@ pub fn integers(name: &str, numbers: impl Iterator<Item = i32>) -> Array {
         n_components: 1,
         bytes: numbers.flat_map(i32::to_ne_bytes).collect(),
     }
+}
+
+/// Returns the name and the texts of an element `Array`: bytes in decimal, each text with
+/// a 0 behind it.
+fn texts(element: &str) -> (String, Vec<String>) {
+    let name = attribute(element, "Name").unwrap().to_owned();
+    let (_, content) = element.split_once('>').unwrap();
+    let (numbers, _) = content.split_once('<').unwrap();
+    let bytes: Result<Vec<u8>, _> = numbers.split(' ').map(str::parse).collect();
+    let bytes = bytes.unwrap();
+    let texts = bytes.strip_suffix(&[0]).unwrap().split(|&byte| byte == 0);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    let texts: Vec<String> = texts.map(text).collect();
+    assert_eq!(number(element, "NumberOfTuples"), Some(texts.len()));
+    (name, texts)
 }
 
 /// Returns the bytes at the start of `raw`, which follow their length in 64 bits.

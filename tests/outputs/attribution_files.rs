@@ -7,7 +7,7 @@ use std::path::Path;
 
 use bytemuck::NoUninit;
 
-use crate::common::data_set::{Array, DataSet};
+use crate::common::data_set::{Array, DataSet, units};
 use crate::common::kept::kept;
 use crate::common::{assert_success, config, in_repository, parse, raycost, with_cost};
 use raycost::attribution::{Hierarchy, Visits};
@@ -203,7 +203,17 @@ fn grid(
         origin: None,
         spacing: None,
         normals: None,
+        texts: units(&arrays, unit),
+        time: None,
         arrays,
+    }
+}
+
+/// The unit of an array with this name.
+fn unit(name: &str) -> Option<String> {
+    match name {
+        "radius" | "Points" => Some("world units".to_owned()),
+        _ => name.ends_with("_ns").then(|| "ns".to_owned()),
     }
 }
 

@@ -62,6 +62,8 @@ fn with_rays(
     let observer = Observer::new(&scene, &accel, &config.image, clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let traced = Traced {
+        name: "scene",
+        time: None,
         scene: &scene,
         plane: &scene.image_plane,
         pixels: &pixels.unwrap(),

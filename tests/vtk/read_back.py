@@ -11,20 +11,23 @@ import struct
 import sys
 
 from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 READERS = dict(vti=vtkXMLImageDataReader, vtp=vtkXMLPolyDataReader, vtu=vtkXMLUnstructuredGridReader)
 
 
 def main(path):
-    data = read(path)
+    data, time = read(path)
     normals = data.GetPointData().GetNormals()
     header = dict(
         kind=data.GetClassName().removeprefix("vtk"),
         n_points=data.GetNumberOfPoints(),
         normals=None if normals is None else normals.GetName(),
     )
-    arrays = attribute_arrays(data.GetPointData()) + attribute_arrays(data.GetCellData())
+    numbers, header["texts"] = field_arrays(data.GetFieldData())
+    header["time"] = time
+    arrays = numbers + attribute_arrays(data.GetPointData()) + attribute_arrays(data.GetCellData())
     if header["kind"] == "ImageData":
         header.update(extent=data.GetExtent(), origin=data.GetOrigin(), spacing=data.GetSpacing())
     else:
@@ -48,7 +51,16 @@ def read(path):
     reader.Update()
     if complaints or reader.GetErrorCode():
         sys.exit(f"{path}: VTK's error code is {reader.GetErrorCode()}, its events are {complaints}")
-    return reader.GetOutput()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    return reader.GetOutput(), times[0] if times else None
+
+
+def field_arrays(fields):
+    """The arrays of numbers of the field data, and the names of the others with their texts."""
+    arrays = [fields.GetAbstractArray(i) for i in range(fields.GetNumberOfArrays())]
+    is_text = [array.IsA("vtkStringArray") for array in arrays]
+    texts = [(a.GetName(), [a.GetValue(i) for i in range(a.GetNumberOfValues())]) for a, t in zip(arrays, is_text) if t]
+    return [described(a.GetName(), a) for a, t in zip(arrays, is_text) if not t], texts
 
 
 def attribute_arrays(arrays):

@@ -12,6 +12,7 @@ use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
 
+use super::distances::Distances;
 use super::{RenderingView, files};
 use crate::chart::Range;
 use crate::cost::Metric;
@@ -30,6 +31,7 @@ pub(super) struct States<'a> {
     values: StateValues,
     /// The range of the preferred cost metric.
     cost_range: Range,
+    distances: Distances,
 }
 
 /// The values of a rendering, or of several, for all states.
@@ -52,17 +54,23 @@ pub(crate) struct StateValues {
 impl<'a> States<'a> {
     /// Computes the values for this rendering's files in this folder.
     pub(super) fn new(rendering: &RenderingView, folder: &'a OutputFolder) -> Self {
-        let (values, cost_range) = StateValues::of(rendering);
+        let (values, cost_range, distances) = StateValues::of(rendering);
         Self {
             folder,
             values,
             cost_range,
+            distances,
         }
     }
 
     /// The range of the preferred cost metric.
     pub(super) fn cost_range(&self) -> &Range {
         &self.cost_range
+    }
+
+    /// How far the hits are.
+    pub(super) fn distances(&self) -> &Distances {
+        &self.distances
     }
 
     /// The values without the paths of the files.
@@ -83,8 +91,9 @@ impl<'a> States<'a> {
 }
 
 impl StateValues {
-    /// The values of a rendering, and the range of its preferred cost metric.
-    fn of(rendering: &RenderingView) -> (Self, Range) {
+    /// The values of a rendering, the range of its preferred cost metric, and how far its
+    /// hits are.
+    fn of(rendering: &RenderingView) -> (Self, Range, Distances) {
         let film = rendering.film;
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
@@ -109,7 +118,7 @@ impl StateValues {
             max_distance: distances.max_shown,
             attribution: AttributionValues::of(rendering),
         };
-        (values, cost_range)
+        (values, cost_range, distances)
     }
 
     /// The values for the files of both: axes that span all values, and the camera of the
@@ -201,35 +210,4 @@ fn counter_axis(film: &Film, metric: Metric) -> Axis {
         ColorScale::Linear,
         ends,
     )
-}
-
-/// The distances of the hits along their camera rays.
-struct Distances {
-    /// The lower median; `None` without hits.
-    median: Option<f32>,
-    /// Largest distance that is shown. ParaView clips points 1000 times nearer than
-    /// the farthest one, and a plane has hits up to its horizon.
-    max_shown: f64,
-}
-
-impl Distances {
-    fn of(film: &Film) -> Self {
-        let mut distances = Vec::new();
-        for row in film.rows(|strip| &strip.distance) {
-            distances.extend(row.iter().filter(|distance| distance.is_finite()));
-        }
-        let last = distances.len().saturating_sub(1);
-        let indices = [1, 50, 99, 100].map(|percent| last * percent / 100);
-        let Some([near, median, far, farthest]) = floats_at(&distances, indices) else {
-            return Self {
-                median: None,
-                max_shown: 1.0,
-            };
-        };
-        let cut = f64::from(near) * 300.0;
-        Self {
-            median: Some(median),
-            max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
-        }
-    }
 }

@@ -30,7 +30,7 @@ pub enum Codec {
     None,
     /// Fast; supported by ParaView and other programs built on VTK
     Lz4,
-    /// Smaller; also supported by meshio and vtk.js
+    /// Smaller; also supported by vtk.js
     Zlib,
 }
 

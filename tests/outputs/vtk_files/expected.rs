@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::common::data_set::{Array, DataSet, integers};
+use crate::common::data_set::{Array, DataSet, integers, units};
 use crate::common::{counts, rays};
 use raycost::config::{CostMode, Repeats};
 use raycost::cost::Counter;
@@ -53,6 +53,8 @@ pub fn expected_tiles(cost: CostMode) -> DataSet {
         origin: Some([-0.5, 16.5 - 32.0, 0.0]),
         spacing: Some([16.0; 3]),
         normals: None,
+        texts: units(&arrays, unit),
+        time: None,
         arrays,
     }
 }
@@ -73,6 +75,7 @@ pub fn expected_frame(film: &Film) -> DataSet {
     let pixels: Vec<Pixel> = upward
         .flat_map(|y| (0..film.grid.width).map(move |x| Pixel { x, y }))
         .collect();
+    let arrays = point_data(film, &pixels);
     DataSet {
         kind: "ImageData".to_owned(),
         n_points: pixels.len(),
@@ -81,7 +84,9 @@ pub fn expected_frame(film: &Film) -> DataSet {
         origin: Some([0.0; 3]),
         spacing: Some([1.0; 3]),
         normals: None,
-        arrays: point_data(film, &pixels),
+        texts: units(&arrays, unit),
+        time: None,
+        arrays,
     }
 }
 
@@ -102,6 +107,7 @@ pub fn expected_hits(film: &Film) -> DataSet {
         .map(|pixel| (pixel.y * film.grid.width + pixel.x) as i32);
     let mut arrays = point_data(film, &hits);
     arrays.push(integers("pixel", numbers));
+    arrays.push(horizon(film, &hits));
     arrays.push(Field::Vec3(|strip| &strip.position).array("Points", film, &hits));
     arrays.push(integers("connectivity", 0..n));
     arrays.push(integers("offsets", 1..=n));
@@ -119,7 +125,44 @@ pub fn expected_hits(film: &Film) -> DataSet {
         origin: None,
         spacing: None,
         normals: Some("Normals".to_owned()),
+        texts: units(&arrays, unit),
+        time: None,
         arrays,
+    }
+}
+
+/// The unit of an array with this name.
+fn unit(name: &str) -> Option<String> {
+    match name {
+        "distance" | "footprint" | "Points" => Some("world units".to_owned()),
+        "depth" => Some("bounces".to_owned()),
+        "rays_by_bounce" => Some("rays".to_owned()),
+        _ if name.ends_with("_ns") => Some("ns".to_owned()),
+        _ if ["rays", "visits", "tests"]
+            .iter()
+            .any(|end| name.ends_with(end)) =>
+        {
+            Some(name.replace('_', " "))
+        }
+        _ => None,
+    }
+}
+
+/// Which of these pixels are more than four times as far as the lower median.
+fn horizon(film: &Film, hits: &[Pixel]) -> Array {
+    let mut finite: Vec<f32> = film.values(|strip| &strip.distance).collect();
+    finite.retain(|distance| distance.is_finite());
+    finite.sort_by(f32::total_cmp);
+    let median = finite.get(finite.len().saturating_sub(1) / 2);
+    let is_horizon = |pixel: &Pixel| {
+        let distance = pixel.of(film, |strip| &strip.distance);
+        median.is_some_and(|median| distance > 4.0 * median)
+    };
+    Array {
+        name: "horizon".to_owned(),
+        scalar: "UInt8".to_owned(),
+        n_components: 1,
+        bytes: hits.iter().map(|pixel| is_horizon(pixel).into()).collect(),
     }
 }
 

@@ -1,0 +1,48 @@
+//! How far the hits are.
+
+use crate::film::Film;
+use crate::statistics::floats_at;
+
+/// A view of all points shows nothing of a scene whose plane reaches to its horizon: at so
+/// many times the median distance, most of the picture is still that of the scene.
+const HORIZON: f32 = 4.0;
+
+/// The distances of the hits along their camera rays.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Distances {
+    /// The lower median; `None` without hits.
+    pub(super) median: Option<f32>,
+    /// Largest distance that states show. ParaView clips points 1000 times nearer than
+    /// the farthest one, and a plane has hits up to its horizon.
+    pub(super) max_shown: f64,
+}
+
+impl Distances {
+    /// The distances of a film.
+    pub(super) fn of(film: &Film) -> Self {
+        let mut distances = Vec::new();
+        for row in film.rows(|strip| &strip.distance) {
+            distances.extend(row.iter().filter(|distance| distance.is_finite()));
+        }
+        let last = distances.len().saturating_sub(1);
+        let indices = [1, 50, 99, 100].map(|percent| last * percent / 100);
+        let Some([near, median, far, farthest]) = floats_at(&distances, indices) else {
+            return Self {
+                median: None,
+                max_shown: 1.0,
+            };
+        };
+        let cut = f64::from(near) * 300.0;
+        Self {
+            median: Some(median),
+            max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
+        }
+    }
+
+    /// Whether a hit at this distance belongs to the horizon: it is more than four times
+    /// as far as the median.
+    pub(super) fn is_horizon(&self, distance: f32) -> bool {
+        self.median
+            .is_some_and(|median| distance > HORIZON * median)
+    }
+}
