@@ -32,6 +32,7 @@ mod paraview_rays;
 mod paraview_states;
 mod paraview_window;
 mod picture;
+mod pyvista;
 mod results;
 mod series;
 mod view;
