@@ -17,7 +17,7 @@ pub use sky::Sky;
 pub use sun::Sun;
 
 use crate::simd::{Real, Vector};
-use crate::yaml::{ColorOr, RadianceOr};
+use crate::yaml::{ColorOr, Pattern, RadianceOr};
 
 /// The `background` section.
 ///
@@ -58,6 +58,8 @@ impl Default for Background {
         Self::Gradient(Gradient::of(Vec3::ZERO))
     }
 }
+
+impl Pattern for BackgroundPattern {}
 
 impl From<RadianceOr<BackgroundPattern>> for Background {
     fn from(RadianceOr(found): RadianceOr<BackgroundPattern>) -> Self {

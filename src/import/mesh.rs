@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::{FileFault, Result};
+use crate::color::Transfer;
 use crate::geometry::Triangle;
 
 /// The triangle mesh of a file. Its triangles may be degenerate.
@@ -21,6 +22,9 @@ pub struct Mesh {
     pub uvs: Option<CornerValues<Vec2>>,
     /// The numbers of an array at the corners, if one was read; NaN for missing ones.
     pub scalars: Option<CornerValues<f32>>,
+    /// The colors at the corners, if the file has them for all vertices: linear light, from
+    /// 0 to 1.
+    pub colors: Option<CornerValues<Vec3>>,
     /// The names of the arrays of the file that may give colors, those of points first.
     pub arrays: Vec<String>,
 }
@@ -69,7 +73,9 @@ impl Mesh {
         let own = size_of_val(&self.vertices[..]) + size_of_val(&self.triangles[..]);
         let normals = self.normals.as_ref().map_or(0, CornerValues::n_bytes);
         let scalars = self.scalars.as_ref().map_or(0, CornerValues::n_bytes);
-        own as u64 + normals + self.uvs.as_ref().map_or(0, CornerValues::n_bytes) + scalars
+        let uvs = self.uvs.as_ref().map_or(0, CornerValues::n_bytes);
+        let colors = self.colors.as_ref().map_or(0, CornerValues::n_bytes);
+        own as u64 + normals + uvs + scalars + colors
     }
 
     /// Normals that vary smoothly over the surface: at each vertex the sum of
@@ -114,6 +120,23 @@ pub(super) fn finite<const N: usize, T: From<[f32; N]>>(numbers: [f32; N]) -> Re
         Some(number) => Err(FileFault::new(
             format!("a coordinate is {number}"),
             "finite numbers",
+        )),
+    }
+}
+
+/// The linear light of a color for displays.
+///
+/// # Errors
+/// A number that is not from 0 to 1.
+pub(super) fn light(numbers: [f32; 3]) -> Result<Vec3> {
+    let bad = numbers.iter().find(|number| !(0.0..=1.0).contains(*number));
+    match bad {
+        None => Ok(Vec3::from(
+            numbers.map(|number| Transfer::Srgb.light(number)),
+        )),
+        Some(number) => Err(FileFault::new(
+            format!("a color is {number}"),
+            "numbers from 0 to 1",
         )),
     }
 }

@@ -66,8 +66,8 @@ impl Read for Stoppable {
 /// corner of a polygon adds a triangle, and takes two bytes in a text file and one
 /// in a binary file. A triangle takes twelve bytes; a growing vector takes up to
 /// three times as much, and a grown one twice as much. There is a copy of the triangles
-/// for normals and one for texture coordinates.
-pub const MAX_BYTES_PER_BYTE: u64 = 48;
+/// for normals, one for texture coordinates and one for colors.
+pub const MAX_BYTES_PER_BYTE: u64 = 60;
 
 /// A reader of one format.
 type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;

@@ -5,11 +5,12 @@
 //! no line numbers, obj-rs 0.7 panics on unknown statements, and both allocate
 //! memory for each face.
 
+use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
 use super::fault::cut;
 use super::lines::Lines;
-use super::mesh::{CornerValues, Mesh, count, fan, finite};
+use super::mesh::{CornerValues, Mesh, count, fan, finite, light};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 
 /// Statements that are ignored: other elements, groups, materials and display
@@ -59,6 +60,8 @@ struct Reader {
     normals: CornerValues<Vec3>,
     /// Those of the triangles of all faces, as long as all faces have them.
     uvs: CornerValues<Vec2>,
+    /// Those of all vertices, as long as all vertices have them.
+    colors: Vec<Vec3>,
     /// Vertices, normals and texture coordinates of one face's corners.
     face: Vec<u32>,
     face_normals: Vec<u32>,
@@ -77,7 +80,7 @@ impl Reader {
             "v" => {
                 count(self.mesh.vertices.len() + 1)?;
                 self.mesh.vertices.push(vector(&mut words)?);
-                weight_or_color(words)?;
+                self.colors.extend(weight_or_color(words)?);
             }
             "vn" => {
                 count(self.normals.values.len() + 1)?;
@@ -147,6 +150,12 @@ impl Reader {
         if self.uvs.triangles.len() == self.mesh.triangles.len() {
             self.mesh.uvs = Some(std::mem::take(&mut self.uvs));
         }
+        if self.colors.len() == self.mesh.vertices.len() {
+            self.mesh.colors = Some(CornerValues {
+                values: std::mem::take(&mut self.colors),
+                triangles: self.mesh.triangles.clone(),
+            });
+        }
         self.finish_normals()
     }
 
@@ -170,19 +179,21 @@ impl Reader {
 }
 
 /// The optional values after a vertex: a weight, or a color of three numbers
-/// with an optional weight or opacity. All of them are ignored.
-fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<()> {
+/// with an optional weight or opacity. Returns the linear light of a color of three numbers
+/// from 0 to 1.
+fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<Option<Vec3>> {
     const EXPECTED: &str = "three coordinates, then a weight or a color of three or four numbers";
-    let mut n = 0;
+    let mut numbers = ArrayVec::<f32, 4>::new();
     for word in words {
-        n += 1;
-        let number = word.parse::<f32>().ok();
-        if n > 4 || !number.is_some_and(f32::is_finite) {
+        let number = word.parse().ok().filter(|number: &f32| number.is_finite());
+        if !number.is_some_and(|number| numbers.try_push(number).is_ok()) {
             let problem = format!("`{}` follows a vertex", cut(word));
             return Err(FileFault::new(problem, EXPECTED));
         }
     }
-    Ok(())
+    // Of four numbers, programs disagree on which are the color.
+    let color = <[f32; 3]>::try_from(numbers.as_slice()).ok();
+    Ok(color.and_then(|color| light(color).ok()))
 }
 
 /// Parses one to three numbers: the first two are the texture coordinates, the second one

@@ -11,6 +11,7 @@ mod normal_map;
 mod principled;
 mod rough_surface;
 mod texture_point;
+mod vertex_colors;
 mod texture;
 
 use std::sync::Arc;

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::texture_point::TexturePoint;
 use crate::simd::{Real, Vector};
-use crate::yaml::ColorOr;
+use crate::yaml::{ColorOr, Pattern};
 
 /// Defines [`Texture`], its YAML keys and its dispatch from one list. A row has the
 /// kind, whose YAML key is its name in snake case, and the type in the kind's file.
@@ -58,9 +58,20 @@ textures! {
     Image(image::ImageTexture),
     /// The numbers of an array of a VTK file.
     Array(array::ArrayTexture),
+    /// The colors of the vertices of a mesh.
+    VertexColors(vertex_colors::VertexColors),
+}
+
+impl Pattern for TexturePattern {
+    const WORDS: &[&str] = &["vertex_colors"];
 }
 
 impl Texture {
+    /// Whether it has the colors of vertices.
+    pub fn is_of_vertices(&self) -> bool {
+        matches!(self, Self::VertexColors(_))
+    }
+
     /// The array that gives its colors, if it is one.
     pub fn array(&self) -> Option<&ArrayTexture> {
         match self {

@@ -19,6 +19,8 @@ pub struct TexturePoint<R> {
     pub uv_axes: [Vector<R>; 2],
     /// The number of the array that gives the color; NaN without one.
     pub scalar: R,
+    /// The color of the vertices of a mesh around it: linear light; black without any.
+    pub color: Vector<R>,
     /// The width of the part of the surface that the ray stands for, in world units.
     pub width: R,
 }
@@ -35,6 +37,7 @@ impl<R: Real> TexturePoint<R> {
             uv_density: zero,
             uv_axes: [Vector::splat(zero, Vec3::ZERO); 2],
             scalar: zero.splat(f32::NAN),
+            color: Vector::splat(zero, Vec3::ZERO),
             width: zero,
         }
     }

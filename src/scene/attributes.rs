@@ -33,6 +33,8 @@ pub(super) struct CornerAttributes {
     pub(super) uvs: Option<CornerValues<Vec2>>,
     /// The numbers of an array.
     pub(super) scalars: Option<CornerValues<f32>>,
+    /// Colors: linear light.
+    pub(super) colors: Option<CornerValues<Vec3>>,
 }
 
 /// A kind of attributes.
@@ -46,6 +48,8 @@ pub enum AttributeKind {
         uvs: bool,
         /// Numbers of an array.
         scalars: bool,
+        /// Colors.
+        colors: bool,
     },
     /// Colors of primitives.
     Colors,
@@ -57,7 +61,7 @@ pub enum AttributeKind {
 
 impl AttributeKind {
     /// How many kinds there are.
-    pub(super) const COUNT: u32 = 11;
+    pub(super) const COUNT: u32 = 19;
 
     /// Its number, less than [`COUNT`](Self::COUNT).
     pub(super) fn number(self) -> u32 {
@@ -66,23 +70,31 @@ impl AttributeKind {
                 normals,
                 uvs,
                 scalars,
-            } => u32::from(normals) + 2 * u32::from(uvs) + 4 * u32::from(scalars),
-            Self::Colors => 8,
-            Self::Scalars => 9,
-            Self::Ends => 10,
+                colors,
+            } => {
+                let flags = [normals, uvs, scalars, colors].map(u32::from);
+                flags
+                    .into_iter()
+                    .rev()
+                    .fold(0, |number, flag| 2 * number + flag)
+            }
+            Self::Colors => 16,
+            Self::Scalars => 17,
+            Self::Ends => 18,
         }
     }
 
     /// The kind of a number.
     pub(super) fn numbered(number: u32) -> Self {
         match number {
-            8 => Self::Colors,
-            9 => Self::Scalars,
-            10 => Self::Ends,
+            16 => Self::Colors,
+            17 => Self::Scalars,
+            18 => Self::Ends,
             _ => Self::Corners {
                 normals: number & 1 != 0,
                 uvs: number & 2 != 0,
                 scalars: number & 4 != 0,
+                colors: number & 8 != 0,
             },
         }
     }
@@ -101,6 +113,11 @@ impl AttributeKind {
     pub fn has_corner_scalars(self) -> bool {
         matches!(self, Self::Corners { scalars: true, .. })
     }
+
+    /// Whether corners have colors.
+    pub fn has_corner_colors(self) -> bool {
+        matches!(self, Self::Corners { colors: true, .. })
+    }
 }
 
 impl Attributes {
@@ -116,6 +133,7 @@ impl Attributes {
             normals: corners.normals.is_some(),
             uvs: corners.uvs.is_some(),
             scalars: corners.scalars.is_some(),
+            colors: corners.colors.is_some(),
         }
     }
 }
@@ -141,6 +159,18 @@ pub fn interpolated_scalar<R: Real>(
     [a, b, c]: [R; 3],
     point: Vector<R>,
 ) -> R {
+    let [u, v, w] = barycentrics(triangle, point);
+    a * u + b * v + c * w
+}
+
+/// The color at a point of a triangle, or of one per lane: the interpolation of those at its
+/// vertices.
+#[inline(always)]
+pub fn interpolated_color<R: Real>(
+    triangle: &[R; N_PARAMETERS],
+    [a, b, c]: [Vector<R>; 3],
+    point: Vector<R>,
+) -> Vector<R> {
     let [u, v, w] = barycentrics(triangle, point);
     a * u + b * v + c * w
 }

@@ -36,6 +36,11 @@ impl ObjectGeometry {
         }
     }
 
+    /// Whether all of its vertices have colors.
+    pub(super) fn has_vertex_colors(&self) -> bool {
+        matches!(self, Self::Mesh(mesh) if mesh.colors.is_some())
+    }
+
     /// The numbers of an array, if it was read with one.
     pub(super) fn scalars(&self) -> Option<&[f32]> {
         match self {

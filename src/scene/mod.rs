@@ -8,6 +8,7 @@ mod primitive;
 mod pictures;
 mod arrays;
 mod geometries;
+mod vertex_colors;
 mod attributes;
 mod surface_class;
 mod placement;
@@ -33,9 +34,10 @@ use crate::yaml::{Fault, FieldPath};
 
 use attributes::Attributes;
 pub use attributes::{
-    AttributeKind, interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+    AttributeKind, interpolated_color, interpolated_normal, interpolated_scalar, scalar_along,
+    with_uv,
 };
-use placement::Placement;
+use placement::{Needs, Placement};
 
 pub use emitter::Emitter;
 pub use environment::EnvironmentLight;
@@ -147,10 +149,13 @@ impl Scene {
         for (index, (object, geometry)) in objects.enumerate() {
             let path = FieldPath::default().key("objects").index(index);
             let materials = material_ids(config, object, &path)?;
-            let needs_uvs = pictures::needs_uvs(config, index, &materials, geometry.has_uvs())?;
+            let needs = Needs {
+                uvs: pictures::needs_uvs(config, index, &materials, geometry.has_uvs())?,
+                colors: vertex_colors::are_needed(config, index, &geometry)?,
+            };
             let first = scene.primitives.len() as u32;
             let id = ObjectId(index as u32);
-            let placement = Placement::new(object, id, &materials, needs_uvs, &path)?;
+            let placement = Placement::new(object, id, &materials, needs, &path)?;
             let attributes =
                 placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
             let kind = attributes.kind();
@@ -271,6 +276,29 @@ impl Scene {
         match self.attributes(primitive) {
             (Attributes::Corners(corners), i) => Some(corners.scalars.as_ref()?.of(i)),
             _ => None,
+        }
+    }
+
+    /// The colors at the vertices of the primitive, a triangle, if it has any and its material
+    /// needs them.
+    #[inline]
+    pub fn vertex_colors(&self, primitive: u32) -> Option<[Vec3; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Corners(corners), i) => Some(corners.colors.as_ref()?.of(i)),
+            _ => None,
+        }
+    }
+
+    /// A point of a primitive with the color of the vertices around it, if they have any.
+    pub fn with_color(&self, primitive: u32, point: TexturePoint<f32>) -> TexturePoint<f32> {
+        let Some(colors) = self.vertex_colors(primitive) else {
+            return point;
+        };
+        let triangle = self.primitives[primitive as usize].parameters();
+        let colors = colors.map(Vector::from);
+        TexturePoint {
+            color: interpolated_color(&triangle, colors, point.position),
+            ..point
         }
     }
 

@@ -17,10 +17,18 @@ pub(super) struct Placement<'a> {
     id: ObjectId,
     /// At least one.
     materials: &'a [MaterialId],
-    /// Whether one of them needs texture coordinates.
-    needs_uvs: bool,
+    needs: Needs,
     transform: Option<Transform>,
     path: &'a FieldPath,
+}
+
+/// What the materials of an object need at the corners of triangles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Needs {
+    /// Texture coordinates.
+    pub(super) uvs: bool,
+    /// Colors.
+    pub(super) colors: bool,
 }
 
 impl<'a> Placement<'a> {
@@ -32,7 +40,7 @@ impl<'a> Placement<'a> {
         object: &'a Object,
         id: ObjectId,
         materials: &'a [MaterialId],
-        needs_uvs: bool,
+        needs: Needs,
         path: &'a FieldPath,
     ) -> Result<Self, Fault> {
         let transform = match object.transform.as_slice() {
@@ -43,7 +51,7 @@ impl<'a> Placement<'a> {
             object,
             id,
             materials,
-            needs_uvs,
+            needs,
             transform,
             path,
         })
@@ -105,7 +113,7 @@ impl<'a> Placement<'a> {
     ) -> Result<Attributes, Fault> {
         let n_before = primitives.len();
         let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
-        let scalars = mesh.scalars.take();
+        let (scalars, colors) = (mesh.scalars.take(), mesh.colors.take());
         let mut kept = Vec::with_capacity(mesh.triangles.len());
         for &indices in &mesh.triangles {
             let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0);
@@ -131,7 +139,7 @@ impl<'a> Placement<'a> {
                 values: self.world_normals(normals.values),
                 triangles: only(normals.triangles, &kept),
             }),
-            uvs: uvs.filter(|_| self.needs_uvs).map(|uvs| CornerValues {
+            uvs: uvs.filter(|_| self.needs.uvs).map(|uvs| CornerValues {
                 triangles: only(uvs.triangles, &kept),
                 ..uvs
             }),
@@ -139,6 +147,12 @@ impl<'a> Placement<'a> {
                 triangles: only(scalars.triangles, &kept),
                 ..scalars
             }),
+            colors: colors
+                .filter(|_| self.needs.colors)
+                .map(|colors| CornerValues {
+                    triangles: only(colors.triangles, &kept),
+                    ..colors
+                }),
         }))
     }
 

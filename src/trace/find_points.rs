@@ -9,7 +9,8 @@ use crate::accel::Hit;
 use crate::geometry::RayStream;
 use crate::material::TexturePoint;
 use crate::scene::{
-    AttributeKind, ObjectId, Scene, interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+    AttributeKind, ObjectId, Scene, interpolated_color, interpolated_normal, interpolated_scalar,
+    scalar_along, with_uv,
 };
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
@@ -65,7 +66,7 @@ impl FindPoints<'_> {
         let side = side(outward, direction);
         let geometric_normal = outward.flip_sign_by(side);
         let normal = if group.attributes.has_normals() {
-            let normals = self.vertex_normals(set, &hits.primitives);
+            let normals = self.of_vertices(set, &hits.primitives, Scene::vertex_normals);
             let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
             on_side_of(geometric_normal, normal)
         } else {
@@ -75,6 +76,10 @@ impl FindPoints<'_> {
         if group.attributes.has_uvs() {
             let uvs = self.vertex_uvs(set, &hits.primitives);
             at_point = with_uv(at_point, &parameters, uvs);
+        }
+        if group.attributes.has_corner_colors() {
+            let colors = self.of_vertices(set, &hits.primitives, Scene::vertex_colors);
+            at_point.color = interpolated_color(&parameters, colors, position);
         }
         if group.attributes.has_corner_scalars() {
             let scalars = self.vertex_scalars(set, &hits.primitives);
@@ -183,18 +188,19 @@ impl FindPoints<'_> {
         (set.load_vector(&positions), set.load_vector(&normals))
     }
 
-    /// The normals at the vertices of eight triangles.
+    /// The normals or the colors at the vertices of eight triangles.
     #[inline(always)]
-    fn vertex_normals<I: InstructionSet>(
+    fn of_vertices<I: InstructionSet>(
         &self,
         set: I,
         primitives: &[u32; N_LANES],
+        vectors_of: impl Fn(&Scene, u32) -> Option<[Vec3; 3]>,
     ) -> [Vector<I::Lanes>; 3] {
         let mut columns = [[[0.0; N_LANES]; 3]; 3];
         for (lane, &primitive) in primitives.iter().enumerate() {
-            let normals = self.scene.vertex_normals(primitive);
-            for (column, normal) in columns.iter_mut().zip(normals.unwrap_or_default()) {
-                set_lane(column, lane, normal);
+            let vectors = vectors_of(self.scene, primitive).unwrap_or_default();
+            for (column, vector) in columns.iter_mut().zip(vectors) {
+                set_lane(column, lane, vector);
             }
         }
         let [a, b, c] = &columns;

@@ -158,6 +158,7 @@ impl<'a> Tracer<'a> {
         let normal = on_side_of(geometric_normal, normal);
         let mut at = TexturePoint::new(position.into(), normal);
         at.scalar = self.scene.scalar(hit.primitive, position);
+        at = self.scene.with_color(hit.primitive, at);
         if let Some(cone) = self.scene.cone {
             at = self.scene.with_uv(hit.primitive, at);
             at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());

@@ -4,7 +4,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use glam::Vec3;
-use serde::de::value::MapAccessDeserializer;
+use serde::de::value::{MapAccessDeserializer, MapDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
 use super::number::{NON_NEGATIVE, Number, NumberList, Splat};
@@ -37,6 +37,12 @@ pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     Some([r, g, b])
 }
 
+/// What may stand in the place of a color.
+pub trait Pattern {
+    /// The patterns that are a word alone, without keys of their own.
+    const WORDS: &[&str] = &[];
+}
+
 /// One color, or a mapping that holds a `T`. For types that accept both:
 /// `#[serde(from = "ColorOr<T>")]`.
 pub enum ColorOr<T> {
@@ -46,7 +52,7 @@ pub enum ColorOr<T> {
     Other(T),
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for ColorOr<T> {
+impl<'de, T: Deserialize<'de> + Pattern> Deserialize<'de> for ColorOr<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(ColorOrVisitor(CHANNEL, PhantomData))
     }
@@ -55,7 +61,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for ColorOr<T> {
 /// The same whose color is a radiance: each channel at least 0.
 pub struct RadianceOr<T>(pub ColorOr<T>);
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for RadianceOr<T> {
+impl<'de, T: Deserialize<'de> + Pattern> Deserialize<'de> for RadianceOr<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(ColorOrVisitor(NON_NEGATIVE, PhantomData))
             .map(Self)
@@ -104,7 +110,7 @@ impl<'de> Visitor<'de> for Color {
 /// The channels of a color, and what else there may be.
 struct ColorOrVisitor<T>(Number, PhantomData<T>);
 
-impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
+impl<'de, T: Deserialize<'de> + Pattern> Visitor<'de> for ColorOrVisitor<T> {
     type Value = ColorOr<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -128,7 +134,17 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ColorOrVisitor<T> {
     }
 
     fn visit_str<E: Error>(self, found: &str) -> Result<ColorOr<T>, E> {
-        Color(self.0).visit_str(found).map(ColorOr::Color)
+        match hex_color(found) {
+            None if T::WORDS.contains(&found) => {
+                let word = MapDeserializer::new(std::iter::once((found, ())));
+                T::deserialize(MapAccessDeserializer::new(word)).map(ColorOr::Other)
+            }
+            None if !T::WORDS.is_empty() => {
+                let expected = format!("{EXPECTED}, or `{}`", T::WORDS.join("`, `"));
+                Err(E::invalid_value(Unexpected::Str(found), &expected.as_str()))
+            }
+            _ => Color(self.0).visit_str(found).map(ColorOr::Color),
+        }
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColorOr<T>, A::Error> {

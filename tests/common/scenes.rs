@@ -21,7 +21,7 @@ pub struct RandomScene {
     pub has_lamps: bool,
     /// Whether some surfaces have holes.
     pub has_holes: bool,
-    /// The colors of the floor, the cloud and a roof with texture coordinates.
+    /// The colors of the floor, the cloud and a roof with texture coordinates and colors.
     pub colors: [&'static str; 3],
     /// More keys of their materials.
     pub bumps: [&'static str; 3],
@@ -220,9 +220,10 @@ const CLOUD_COLORS: [&str; 3] = [
     "{ image: { file: pictures/globe.png, mapping: { spherical: { center: [0, 3, 0] } } } }",
 ];
 
-/// Colors for a mesh with texture coordinates.
-const ROOF_COLORS: [&str; 2] = [
+/// Colors for a mesh with texture coordinates and colors.
+const ROOF_COLORS: [&str; 3] = [
     "0.8",
+    "vertex_colors",
     "{ image: { file: pictures/spot.png, wrap: clamp, size: [1.3, 2] } }",
 ];
 

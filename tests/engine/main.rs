@@ -17,6 +17,7 @@ mod media;
 mod attribution;
 mod meshes;
 mod observe;
+mod own_colors;
 mod path_tracing;
 mod pictures;
 mod radiance;

@@ -17,6 +17,8 @@ pub(super) struct MeshHeader {
     pub(super) has_normals: bool,
     /// The names of the texture coordinates of vertices, if they have any.
     pub(super) uvs: Option<UvNames>,
+    /// The greatest number of the colors of vertices, if they have any.
+    pub(super) color_maximum: Option<f32>,
 }
 
 /// The names of the properties that are texture coordinates.
@@ -58,6 +60,7 @@ impl MeshHeader {
         }
         let mut uvs = UV_NAMES.into_iter();
         let uvs = uvs.find(|(_, names)| names.iter().all(|name| is_scalar(vertex, name)));
+        let color_maximum = color_maximum(vertex);
         let [faces, strips] = ["face", "tristrips"].map(|name| header.get_element(name));
         match (faces, strips) {
             (Some(faces), _) => expect_list(faces)?,
@@ -73,6 +76,7 @@ impl MeshHeader {
             n_vertices: count(vertex.count)?,
             has_normals,
             uvs: uvs.map(|(names, _)| names),
+            color_maximum,
         })
     }
 }
@@ -129,6 +133,22 @@ fn is_scalar(vertex: &ElementDef, name: &str) -> bool {
     let property = vertex.get_property(name);
     let kind = property.map(|property| &property.property_type);
     matches!(kind, Some(PropertyType::Scalar(_)))
+}
+
+/// The number that stands for the whole light of a channel, if vertices have colors.
+fn color_maximum(vertex: &ElementDef) -> Option<f32> {
+    let kind = |name| match vertex.get_property(name)?.property_type {
+        PropertyType::Scalar(kind) => Some(kind),
+        PropertyType::List { .. } => None,
+    };
+    let [red, green, blue] = ["red", "green", "blue"].map(kind);
+    let kind = red.filter(|_| red == green && green == blue)?;
+    match kind {
+        ScalarType::U8 => Some(255.0),
+        ScalarType::U16 => Some(65_535.0),
+        ScalarType::F32 | ScalarType::F64 => Some(1.0),
+        _ => None,
+    }
 }
 
 fn expect_list(face: &ElementDef) -> Result<()> {

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use serde::de::MapAccess;
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 
-use super::mesh::{CornerValues, Mesh, fan, finite};
+use super::mesh::{CornerValues, Mesh, fan, finite, light};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use cursor::{Cursor, Position};
 use header::{MeshHeader, UvNames};
@@ -78,6 +78,12 @@ struct Vertex {
     texture_u: f32,
     #[serde(default)]
     texture_v: f32,
+    #[serde(default)]
+    red: f32,
+    #[serde(default)]
+    green: f32,
+    #[serde(default)]
+    blue: f32,
 }
 
 impl Vertex {
@@ -107,6 +113,7 @@ struct Body {
     mesh: Mesh,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
+    colors: Vec<Vec3>,
     /// The corners of one face.
     face: Vec<u32>,
 }
@@ -118,6 +125,7 @@ impl Body {
             mesh: Mesh::default(),
             normals: Vec::new(),
             uvs: Vec::new(),
+            colors: Vec::new(),
             face: Vec::new(),
         }
     }
@@ -154,6 +162,10 @@ impl Body {
         }
         if let Some(names) = self.header.uvs {
             self.uvs.push(finite(row.uv(names))?);
+        }
+        if let Some(maximum) = self.header.color_maximum {
+            let numbers = [row.red, row.green, row.blue].map(|number| number / maximum);
+            self.colors.push(light(numbers)?);
         }
         Ok(())
     }
@@ -204,6 +216,12 @@ impl Body {
         if self.header.uvs.is_some() {
             self.mesh.uvs = Some(CornerValues {
                 values: self.uvs,
+                triangles: self.mesh.triangles.clone(),
+            });
+        }
+        if self.header.color_maximum.is_some() {
+            self.mesh.colors = Some(CornerValues {
+                values: self.colors,
                 triangles: self.mesh.triangles.clone(),
             });
         }

@@ -70,8 +70,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
                     triangles,
                     normals,
                     uvs,
-                    scalars: None,
-                    arrays: Vec::new(),
+                    ..Mesh::default()
                 }
             })
         })
@@ -147,9 +146,7 @@ fn tetrahedron() -> Mesh {
         vertices,
         triangles,
         normals: Some(normals),
-        uvs: None,
-        scalars: None,
-        arrays: Vec::new(),
+        ..Mesh::default()
     }
 }
 

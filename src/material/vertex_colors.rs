@@ -1,0 +1,31 @@
+//! The colors of the vertices of a mesh.
+
+use serde::{Deserialize, Deserializer};
+
+use super::texture_point::TexturePoint;
+use crate::simd::{Real, Vector};
+
+/// The colors of the vertices of a mesh, interpolated over its triangles: those that a
+/// scanner saw, or that someone painted.
+///
+/// ```
+/// # use raycost::material::Texture;
+/// let scanned: Texture = raycost::yaml::from_str("vertex_colors").unwrap();
+/// # assert!(scanned.is_of_vertices());
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct VertexColors;
+
+impl VertexColors {
+    #[inline(always)]
+    pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
+        point.color
+    }
+}
+
+/// A word without keys.
+impl<'de> Deserialize<'de> for VertexColors {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        <()>::deserialize(d).map(|()| Self)
+    }
+}
