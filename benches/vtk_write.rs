@@ -147,7 +147,7 @@ fn film(width: u32, height: u32) -> Film {
         .and_then(|source| source.parse())
         .unwrap();
     (config.image.width, config.image.height) = (width, height);
-    let geometries = Geometries::read(&config, Path::new("configs"), u64::MAX).unwrap();
+    let geometries = Geometries::read(&mut config, Path::new("configs"), u64::MAX).unwrap();
     let scene = Scene::new(&config, geometries).unwrap();
     let accel = Accel::new(&scene.primitives, config.acceleration);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);

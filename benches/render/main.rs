@@ -81,8 +81,8 @@ fn race() -> Result<(), String> {
 
 fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
     let source = Source::read(path)?;
-    let config: Config = source.parse()?;
-    let geometries = Geometries::read(&config, source.folder(), u64::MAX);
+    let mut config: Config = source.parse()?;
+    let geometries = Geometries::read(&mut config, source.folder(), u64::MAX);
     let scene = geometries.and_then(|geometries| Scene::new(&config, geometries));
     Ok((config, scene.map_err(|fault| source.point_at(fault))?))
 }

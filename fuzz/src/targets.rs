@@ -47,9 +47,9 @@ pub fn scene(input: &[u8]) {
 fn build(text: &str) -> Result<(), Diagnostic> {
     // A folder that is not there: no file of this machine is read.
     let source = Source::new("/nowhere/scene.yaml", text);
-    let config: Config = source.parse()?;
+    let mut config: Config = source.parse()?;
     let point_at = |fault| source.point_at(fault);
-    let geometries = Geometries::read(&config, source.folder(), 0).map_err(point_at)?;
+    let geometries = Geometries::read(&mut config, source.folder(), 0).map_err(point_at)?;
     let memory = Memory::of(&config, &geometries);
     memory.check(AVAILABLE).map_err(point_at)?;
     Scene::new(&config, geometries).map_err(point_at)?;

@@ -17,7 +17,7 @@ pub use sky::Sky;
 pub use sun::Sun;
 
 use crate::simd::{Real, Vector};
-use crate::yaml::{ColorOr, Pattern, RadianceOr};
+use crate::yaml::{ColorOr, ColorPattern, RadianceOr};
 
 /// The `background` section.
 ///
@@ -59,7 +59,7 @@ impl Default for Background {
     }
 }
 
-impl Pattern for BackgroundPattern {}
+impl ColorPattern for BackgroundPattern {}
 
 impl From<RadianceOr<BackgroundPattern>> for Background {
     fn from(RadianceOr(found): RadianceOr<BackgroundPattern>) -> Self {

@@ -33,7 +33,8 @@ pub struct Object {
     pub name: Option<String>,
     /// Its geometry.
     pub geometry: Geometry,
-    /// The name of its material; an object of many spheres may have several.
+    /// The name of its material; an object of many spheres may have several, and a mesh none:
+    /// those of its file.
     pub material: MaterialNames,
     /// Its transform to world space; empty for the identity.
     pub transform: Vec<TransformStep>,
@@ -52,8 +53,8 @@ pub enum Geometry {
     File(GeometryFile),
 }
 
-/// One or more material names: `red` or `[red, green]`.
-#[derive(Debug, Clone, PartialEq)]
+/// One or more material names: `red` or `[red, green]`; none for the materials of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct MaterialNames(pub Vec<String>);
 
 /// The YAML key.
@@ -111,12 +112,15 @@ impl<'de> Visitor<'de> for ObjectVisitor {
                 _ => geometry = next_geometry(key, &mut map)?,
             }
         }
+        let geometry = geometry.ok_or_else(|| {
+            let keys = GEOMETRIES.join("`, `");
+            A::Error::custom(format!("cannot lack a shape, expected one of `{keys}`"))
+        })?;
+        let of_file = matches!(geometry, Geometry::File(GeometryFile::Mesh(_)));
+        let material = material.or_else(|| of_file.then(MaterialNames::default));
         Ok(Object {
             name,
-            geometry: geometry.ok_or_else(|| {
-                let keys = GEOMETRIES.join("`, `");
-                A::Error::custom(format!("cannot lack a shape, expected one of `{keys}`"))
-            })?,
+            geometry,
             material: material.ok_or_else(|| A::Error::missing_field("material"))?,
             transform,
         })

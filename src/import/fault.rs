@@ -57,6 +57,12 @@ impl FileFault {
         Self::new("it is a table, which has no arrays", expected).in_file(path)
     }
 
+    /// The fault of a mesh of an object without a material.
+    pub fn without_materials(path: &Path) -> Self {
+        let problem = "it has no materials of its own";
+        Self::new(problem, "a `material` for the object").in_file(path)
+    }
+
     /// The fault of a file whose points have no radius.
     pub fn without_radius(path: &Path) -> Self {
         let expected = "a `radius` for all points, or `radius: { array: … }`";

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::materials::{MeshMaterial, picture_bytes};
 use super::{FileFault, Result};
 use crate::color::Transfer;
 use crate::geometry::Triangle;
@@ -27,6 +28,10 @@ pub struct Mesh {
     pub colors: Option<CornerValues<Vec3>>,
     /// The names of the arrays of the file that may give colors, those of points first.
     pub arrays: Vec<String>,
+    /// The materials of the file, if they were read and it has any.
+    pub materials: Vec<MeshMaterial>,
+    /// The index of the material of each triangle, if there are materials.
+    pub material_of: Vec<u32>,
 }
 
 /// A value for each corner of each triangle of a mesh.
@@ -75,7 +80,8 @@ impl Mesh {
         let scalars = self.scalars.as_ref().map_or(0, CornerValues::n_bytes);
         let uvs = self.uvs.as_ref().map_or(0, CornerValues::n_bytes);
         let colors = self.colors.as_ref().map_or(0, CornerValues::n_bytes);
-        own as u64 + normals + uvs + scalars + colors
+        let materials = size_of_val(&self.material_of[..]) as u64 + picture_bytes(&self.materials);
+        own as u64 + normals + uvs + scalars + colors + materials
     }
 
     /// Normals that vary smoothly over the surface: at each vertex the sum of

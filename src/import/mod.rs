@@ -7,25 +7,32 @@
 
 mod fault;
 mod lines;
-mod mesh;
-mod obj;
 mod picture;
+mod materials;
+mod mesh;
+mod parts;
+mod obj;
 mod ply;
 mod spheres;
 mod tubes;
 mod stl;
 mod vtk;
+mod pieces;
 mod series;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use glam::Vec3;
 
 use crate::stop;
 
 pub use fault::{FileFault, FileLocation};
+pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
+pub use pieces::pieces_of;
 pub use series::{DataSeries, TimeStep, is_series, read_series};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
@@ -69,12 +76,24 @@ impl Read for Stoppable {
 /// for normals, one for texture coordinates and one for colors.
 pub const MAX_BYTES_PER_BYTE: u64 = 60;
 
+/// What a reader has besides a file.
+#[derive(Debug, Clone, Copy)]
+struct Surroundings<'a> {
+    /// The folder of the file.
+    folder: &'a Path,
+    /// Bytes of memory for pictures, if the materials of the file are wanted.
+    memory: Option<u64>,
+}
+
 /// A reader of one format.
-type MeshReader = fn(GeometryFileReader) -> Result<Mesh>;
+type MeshReader = fn(GeometryFileReader, &Surroundings) -> Result<Mesh>;
 
 /// The mesh formats by the extension of their files, in lower case; VTK's are besides.
-const FORMATS: &[(&str, MeshReader)] =
-    &[("obj", obj::read), ("ply", ply::read), ("stl", stl::read)];
+const FORMATS: &[(&str, MeshReader)] = &[
+    ("obj", obj::read),
+    ("ply", |file, _| ply::read(file)),
+    ("stl", |file, _| stl::read(file)),
+];
 
 /// Whether the file's extension is that of a mesh format.
 pub fn is_mesh(path: &Path) -> bool {
@@ -103,7 +122,31 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
 /// # Errors
 /// Those of [`read_mesh`], and an array that the file does not have.
 pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
-    let read = read_any_mesh(path, array).and_then(|mesh| {
+    let read = read_any_mesh(path, array, None);
+    with_triangles(read, path)
+}
+
+/// Reads a triangle mesh with the materials that its file gives it; of a file without any that
+/// has colors at its vertices, a matte one with these. Their pictures take at most `available`
+/// bytes of memory.
+///
+/// # Errors
+/// Those of [`read_mesh`], and materials or pictures that are missing or damaged.
+pub fn read_mesh_with_materials(path: &Path, available: u64) -> Result<Mesh> {
+    let mut mesh = with_triangles(read_any_mesh(path, None, Some(available)), path)?;
+    if mesh.materials.is_empty() && mesh.colors.is_some() {
+        mesh.material_of = vec![0; mesh.triangles.len()];
+        mesh.materials.push(MeshMaterial {
+            has_vertex_colors: true,
+            ..MeshMaterial::new("vertex colors", Vec3::ONE)
+        });
+    }
+    Ok(mesh)
+}
+
+/// Refuses a mesh without triangles.
+fn with_triangles(read: Result<Mesh>, path: &Path) -> Result<Mesh> {
+    let read = read.and_then(|mesh| {
         if mesh.triangles.is_empty() {
             let expected = if is_vtk(path) {
                 "faces of cells; points are for `spheres`, lines for `tubes`"
@@ -118,7 +161,8 @@ pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> 
     read.map_err(|fault| fault.in_file(path))
 }
 
-fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
+/// Reads a mesh, and its materials if there is `memory` for their pictures.
+fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>, memory: Option<u64>) -> Result<Mesh> {
     if is_vtk(path) {
         return vtk::read_mesh(path, array);
     }
@@ -130,7 +174,8 @@ fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
         let expected = "a VTK file, such as one that ends in .vtp or .vtu";
         return Err(FileFault::new(problem, expected));
     }
-    read(open(path)?)
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read(open(path)?, &Surroundings { folder, memory })
 }
 
 /// Reads isosurfaces of an array of a VTK file, with the numbers of another one.
@@ -214,21 +259,6 @@ pub fn read_lines(
 /// Whether the file's extension is one of VTK's.
 pub fn is_vtk(path: &Path) -> bool {
     vtk::EXTENSIONS.contains(&extension(path).as_str())
-}
-
-/// The files of its pieces that a VTK file names, and others that its quoted texts happen
-/// to name; none for a file of another kind.
-pub fn pieces_of(path: &Path) -> Vec<PathBuf> {
-    let extension = extension(path);
-    if extension != "vtm" && !(is_vtk(path) && extension.starts_with('p')) {
-        return Vec::new();
-    }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let text = std::fs::read(path).unwrap_or_default();
-    let text = String::from_utf8_lossy(&text);
-    let named = text.split('"').skip(1).step_by(2);
-    let files = named.map(|name| folder.join(name));
-    files.filter(|file| file.is_file()).collect()
 }
 
 /// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in

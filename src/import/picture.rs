@@ -8,13 +8,14 @@ use std::io::{self, BufRead, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::Vec3;
 use image::codecs::hdr::HdrDecoder;
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::openexr::OpenExrDecoder;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageResult};
 
-use super::{FileFault, GeometryFileReader, Result, open};
+use super::{FileFault, Result, open};
 use crate::color::Transfer;
 use crate::picture::{Picture, Texels};
 
@@ -33,10 +34,49 @@ pub fn read_picture(
 }
 
 fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Arc<Picture>> {
+    let reading = Reading {
+        transfer,
+        tint: Vec3::ONE,
+        available,
+    };
+    read_picture_of(bytes_of_file(path)?, reading)
+}
+
+/// The bytes of a picture's file.
+pub(super) type PictureBytes = Box<dyn SeekableBytes>;
+
+/// Bytes of a file, or of a part of one.
+pub(super) trait SeekableBytes: BufRead + Seek {}
+
+impl<T: BufRead + Seek> SeekableBytes for T {}
+
+/// Opens the file of a picture.
+///
+/// # Errors
+/// If it cannot be opened, or is no regular file.
+pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
     if !path.metadata()?.is_file() {
         return Err(FileFault::new("it is no file", "a file"));
     }
-    let mut file = open(path)?;
+    Ok(Box::new(open(path)?))
+}
+
+/// How a picture is read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading {
+    /// What its numbers are; `None` for what is usual in its format.
+    pub(super) transfer: Option<Transfer>,
+    /// The factor of its colors.
+    pub(super) tint: Vec3,
+    /// Bytes of memory that are left for it.
+    pub(super) available: u64,
+}
+
+/// Reads a picture.
+///
+/// # Errors
+/// Those of [`read_picture`].
+pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Result<Arc<Picture>> {
     let mut head = Vec::new();
     let start = file.fill_buf()?;
     head.extend_from_slice(&start[..start.len().min(MAX_SIGNATURE)]);
@@ -45,10 +85,11 @@ fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Arc<P
     let format = FORMATS.iter().find(is_of).ok_or_else(unknown_format)?;
     let damaged = |error| format.damaged(&error);
     let decoder = (format.decoder)(file).map_err(damaged)?;
-    check_size(&*decoder, available)?;
+    check_size(&*decoder, reading.available)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let size = [decoded.width(), decoded.height()];
-    let texels = texels(decoded, transfer.unwrap_or(format.transfer))?;
+    let mut texels = texels(decoded, reading.transfer.unwrap_or(format.transfer))?;
+    texels.multiply(reading.tint);
     let picture = Picture::new(size, texels).ok_or_else(|| wrong_size(size))?;
     Ok(Arc::new(picture))
 }
@@ -63,7 +104,7 @@ struct Format {
     signature: &'static [u8],
     /// What its numbers are by default.
     transfer: Transfer,
-    decoder: fn(GeometryFileReader) -> ImageResult<Decoder>,
+    decoder: fn(PictureBytes) -> ImageResult<Decoder>,
 }
 
 const FORMATS: [Format; 5] = [

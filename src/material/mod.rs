@@ -8,6 +8,7 @@ mod cutout;
 mod dielectric;
 mod image;
 mod normal_map;
+mod of_mesh;
 mod principled;
 mod rough_surface;
 mod texture_point;
@@ -27,6 +28,7 @@ pub use cutout::Cutout;
 pub use dielectric::Dielectric;
 pub use image::{Mapping, Planar, Spherical};
 pub use normal_map::NormalMap;
+pub use of_mesh::MaterialDetail;
 pub use principled::Principled;
 pub use rough_surface::RoughSurface;
 pub use texture::*;
@@ -103,23 +105,34 @@ impl Material {
     /// Particles of fog, with these colors.
     pub fn of_particles(color: Vec3, phase: HenyeyGreenstein) -> Self {
         Self {
-            color: Texture::Color(color),
             ambient: 0.0,
+            exponent: 0.0,
+            multiple_scattering: false,
+            particles: Some(phase),
+            ..Self::matte(Texture::Color(color))
+        }
+    }
+
+    /// A matte surface: all keys but its color as by default.
+    fn matte(color: Texture) -> Self {
+        Self {
+            color,
+            ambient: 1.0,
             diffuse: 1.0,
             specular: 0.0,
-            exponent: 0.0,
+            exponent: 50.0,
             reflection: 0.0,
             dielectric: None,
             conductor: None,
             principled: None,
             roughness: 0.0,
-            multiple_scattering: false,
+            multiple_scattering: true,
             rough: None,
             emission: Vec3::ZERO,
             two_sided: true,
             normal_map: None,
             cutout: None,
-            particles: Some(phase),
+            particles: None,
         }
     }
 

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::texture_point::TexturePoint;
 use crate::simd::{Real, Vector};
-use crate::yaml::{ColorOr, Pattern};
+use crate::yaml::{ColorOr, ColorPattern};
 
 /// Defines [`Texture`], its YAML keys and its dispatch from one list. A row has the
 /// kind, whose YAML key is its name in snake case, and the type in the kind's file.
@@ -62,7 +62,7 @@ textures! {
     VertexColors(vertex_colors::VertexColors),
 }
 
-impl Pattern for TexturePattern {
+impl ColorPattern for TexturePattern {
     const WORDS: &[&str] = &["vertex_colors"];
 }
 
@@ -92,6 +92,7 @@ impl Texture {
     pub fn image(&self) -> Option<&ImageTexture> {
         match self {
             Self::Image(image) => Some(image),
+            Self::VertexColors(colors) => colors.image.as_deref(),
             _ => None,
         }
     }
@@ -100,6 +101,7 @@ impl Texture {
     pub fn image_mut(&mut self) -> Option<&mut ImageTexture> {
         match self {
             Self::Image(image) => Some(image),
+            Self::VertexColors(colors) => colors.image.as_deref_mut(),
             _ => None,
         }
     }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer};
 
+use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
 use crate::simd::{Real, Vector};
 
@@ -14,18 +15,24 @@ use crate::simd::{Real, Vector};
 /// # assert!(scanned.is_of_vertices());
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct VertexColors;
+pub struct VertexColors {
+    /// A picture by which they are multiplied.
+    pub image: Option<Box<ImageTexture>>,
+}
 
 impl VertexColors {
     #[inline(always)]
     pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
-        point.color
+        match &self.image {
+            None => point.color,
+            Some(image) => point.color.times(image.color_at(point)),
+        }
     }
 }
 
 /// A word without keys.
 impl<'de> Deserialize<'de> for VertexColors {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        <()>::deserialize(d).map(|()| Self)
+        <()>::deserialize(d).map(|()| Self::default())
     }
 }

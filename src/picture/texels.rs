@@ -52,6 +52,27 @@ impl Texels {
         }
     }
 
+    /// Multiplies all colors by one, each channel from 0 to 1.
+    pub fn multiply(&mut self, color: Vec3) {
+        if color == Vec3::ONE {
+            return;
+        }
+        match self {
+            Self::Floats(texels) => {
+                for [r, g, b, _] in texels {
+                    [*r, *g, *b] = (Vec3::new(*r, *g, *b) * color).to_array();
+                }
+            }
+            Self::Bytes(texels, transfer) => {
+                let light = transfer.light_of_bytes();
+                for [r, g, b, _] in texels {
+                    let texel = Vec3::from([*r, *g, *b].map(|number| light[usize::from(number)]));
+                    [*r, *g, *b] = transfer.bytes(texel * color);
+                }
+            }
+        }
+    }
+
     /// Makes room for so many more.
     pub(super) fn reserve(&mut self, n_more: usize) {
         match self {

@@ -293,8 +293,8 @@ mod tests {
     fn a_warm_up_is_timed_and_not_counted() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/seed_extended.yaml");
         let source = Source::read(file.as_ref()).unwrap();
-        let config: Config = source.parse().unwrap();
-        let geometries = Geometries::read(&config, source.folder(), u64::MAX).unwrap();
+        let mut config: Config = source.parse().unwrap();
+        let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
         let scene = Scene::new(&config, geometries).unwrap();
         let accel = Accel::new(&scene.primitives, config.acceleration);
         let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());

@@ -35,13 +35,15 @@ pub(super) fn choice<'a>(
     Ok(found)
 }
 
-/// Gives materials of arrays the colors for the numbers on all of their surfaces; `numbers_of`
-/// returns those of an object by its index.
+/// Gives materials of arrays the colors for the numbers on all of their surfaces; `places` are
+/// the indices of the objects in the scene file, and `numbers_of` returns the numbers of an
+/// object by its index.
 ///
 /// # Errors
 /// An object with such a material that has no array.
 pub(super) fn prepare<'a>(
     config: &Config,
+    places: &[usize],
     numbers_of: impl Fn(usize) -> Option<&'a [f32]>,
     materials: &mut [Material],
 ) -> Result<(), Fault> {
@@ -56,7 +58,10 @@ pub(super) fn prepare<'a>(
                 continue;
             }
             let of_object = numbers_of(i);
-            let of_object = of_object.ok_or_else(|| has_none(config, i, name, &texture.choice))?;
+            let of_object = of_object.ok_or_else(|| {
+                let path = FieldPath::default().key("objects").index(places[i]);
+                has_none(object, path, name, &texture.choice)
+            })?;
             numbers.extend_from_slice(of_object);
         }
         texture.prepare(&numbers, transfer);
@@ -64,11 +69,10 @@ pub(super) fn prepare<'a>(
     Ok(())
 }
 
-fn has_none(config: &Config, object: usize, material: &str, choice: &ArrayChoice) -> Fault {
-    let path = FieldPath::default().key("objects").index(object);
+fn has_none(object: &Object, path: FieldPath, material: &str, choice: &ArrayChoice) -> Fault {
     let message = format!(
         "the material `{material}` has the colors of the array `{}`, which a {} has not",
-        choice.name, config.objects[object].geometry
+        choice.name, object.geometry
     );
     Fault::new(
         path.key("material"),

@@ -4,10 +4,11 @@
 use std::path::Path;
 
 use super::arrays;
+use super::own_materials;
 use super::pictures::Pictures;
-use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals};
+use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals, Object};
 use crate::geometry::Shape;
-use crate::import::{self, ArrayChoice, DataSeries, Mesh, Spheres, Tubes};
+use crate::import::{self, ArrayChoice, DataSeries, FileFault, Mesh, Spheres, Tubes};
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
@@ -15,6 +16,10 @@ use crate::yaml::{Fault, FieldPath, Folders};
 pub struct Geometries {
     pub(super) objects: Vec<ObjectGeometry>,
     pub(super) pictures: Pictures,
+    /// The index of each object in the scene file.
+    pub(super) places: Vec<usize>,
+    /// Bytes of memory of the pictures of files' materials.
+    own_picture_bytes: u64,
 }
 
 /// The geometry of one object.
@@ -22,7 +27,7 @@ pub struct Geometries {
 pub(super) enum ObjectGeometry {
     Shape(Shape),
     Generator(Generator),
-    Mesh(Mesh),
+    Mesh(Box<Mesh>),
     Spheres(Spheres),
     Tubes(Tubes),
 }
@@ -55,18 +60,21 @@ impl ObjectGeometry {
 impl Geometries {
     /// Reads the geometries and the pictures of a config. Paths of files are relative to
     /// their `folders`.
-    /// Takes at most `available` bytes of memory.
+    /// Takes at most `available` bytes of memory. In the config, a mesh without a material
+    /// becomes an object for each material of its file.
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
     pub fn read<F: Folders + ?Sized>(
-        config: &Config,
+        config: &mut Config,
         folders: &F,
         available: u64,
     ) -> Result<Self, Fault> {
         let mut found = Self {
             objects: Vec::with_capacity(config.objects.len()),
             pictures: Pictures::read(config, folders, available)?,
+            places: Vec::new(),
+            own_picture_bytes: 0,
         };
         let available = available.saturating_sub(found.pictures.n_bytes());
         for (index, object) in config.objects.iter().enumerate() {
@@ -80,11 +88,40 @@ impl Geometries {
                     let folder = folders.folder_of(&path);
                     let available = available.saturating_sub(found.n_bytes());
                     let array = arrays::choice(config, object)?;
-                    read_checked(file, folder, array, available, &path)?
+                    let extra = Extra::of(object, array, available);
+                    read_checked(file, folder, extra, available, &path)?
                 }
             });
         }
-        Ok(found)
+        Ok(found.in_parts(config))
+    }
+
+    /// Gives itself and the config an object for each material of a mesh that has its own.
+    fn in_parts(self, config: &mut Config) -> Self {
+        let mut found = Self {
+            objects: Vec::with_capacity(self.objects.len()),
+            places: Vec::with_capacity(self.objects.len()),
+            ..self
+        };
+        let objects = std::mem::take(&mut config.objects);
+        for (place, (object, geometry)) in objects.into_iter().zip(self.objects).enumerate() {
+            let parts = match geometry {
+                ObjectGeometry::Mesh(mesh) if object.material.0.is_empty() => {
+                    found.own_picture_bytes += import::picture_bytes(&mesh.materials);
+                    let parts = own_materials::parts(config, object, *mesh).into_iter();
+                    parts
+                        .map(|(part, mesh)| (part, ObjectGeometry::Mesh(Box::new(mesh))))
+                        .collect()
+                }
+                geometry => vec![(object, geometry)],
+            };
+            for (part, geometry) in parts {
+                config.objects.push(part);
+                found.objects.push(geometry);
+                found.places.push(place);
+            }
+        }
+        found
     }
 
     /// Upper bound of the number of primitives.
@@ -101,7 +138,7 @@ impl Geometries {
 
     /// Bytes of memory that the pictures take.
     pub fn picture_bytes(&self) -> u64 {
-        self.pictures.n_bytes()
+        self.pictures.n_bytes() + self.own_picture_bytes
     }
 
     /// Bytes of memory that the contents of the files take, without the pictures.
@@ -116,12 +153,40 @@ impl Geometries {
     }
 }
 
+/// What of a file is read besides shapes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Extra<'a> {
+    /// The numbers of an array, if one is given.
+    Array(Option<&'a ArrayChoice>),
+    /// The materials, whose pictures take at most this memory in bytes.
+    Materials(u64),
+}
+
+impl<'a> Extra<'a> {
+    /// What an object needs, whose materials name an array or none.
+    pub(super) fn of(object: &Object, array: Option<&'a ArrayChoice>, available: u64) -> Self {
+        if object.material.0.is_empty() {
+            Self::Materials(available)
+        } else {
+            Self::Array(array)
+        }
+    }
+
+    /// The array.
+    fn array(self) -> Option<&'a ArrayChoice> {
+        match self {
+            Self::Array(array) => array,
+            Self::Materials(_) => None,
+        }
+    }
+}
+
 /// Reads a file that fits into memory; of a series the first one. `path` is that of the
 /// value that names it.
 pub(super) fn read_checked(
     file: &GeometryFile,
     folder: &Path,
-    array: Option<&ArrayChoice>,
+    extra: Extra,
     available: u64,
     path: &FieldPath,
 ) -> Result<ObjectGeometry, Fault> {
@@ -135,7 +200,7 @@ pub(super) fn read_checked(
         file
     };
     check_size(&folder.join(file.file()), available, path)?;
-    read(file, folder, array).map_err(|fault| fault.at_value(path))
+    read(file, folder, extra).map_err(|fault| fault.at_value(path))
 }
 
 /// Makes sure that the file fits into memory, whatever it contains.
@@ -154,23 +219,35 @@ fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault
     Err(Fault::new(path.clone(), message, "expected a smaller file"))
 }
 
-fn read(
-    file: &GeometryFile,
-    folder: &Path,
-    array: Option<&ArrayChoice>,
-) -> import::Result<ObjectGeometry> {
+fn read(file: &GeometryFile, folder: &Path, extra: Extra) -> import::Result<ObjectGeometry> {
     let path = folder.join(file.file());
     match file {
-        GeometryFile::Mesh(file) => read_mesh(file, &path, array).map(ObjectGeometry::Mesh),
-        GeometryFile::Spheres(file) => file.read(&path, array).map(ObjectGeometry::Spheres),
-        GeometryFile::Tubes(file) => file.read(&path, array).map(ObjectGeometry::Tubes),
+        GeometryFile::Mesh(file) => {
+            let mesh = read_mesh(file, &path, extra)?;
+            Ok(ObjectGeometry::Mesh(Box::new(mesh)))
+        }
+        GeometryFile::Spheres(file) => {
+            let spheres = file.read(&path, extra.array());
+            spheres.map(ObjectGeometry::Spheres)
+        }
+        GeometryFile::Tubes(file) => file.read(&path, extra.array()).map(ObjectGeometry::Tubes),
     }
 }
 
-fn read_mesh(file: &MeshFile, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Mesh> {
-    let mut mesh = match &file.isosurface {
-        None => import::read_mesh_with(path, array)?,
-        Some(isosurface) => import::read_isosurface(path, &isosurface.choice(), array)?,
+fn read_mesh(file: &MeshFile, path: &Path, extra: Extra) -> import::Result<Mesh> {
+    let mut mesh = match (&file.isosurface, extra) {
+        (Some(isosurface), Extra::Array(array)) => {
+            import::read_isosurface(path, &isosurface.choice(), array)?
+        }
+        (Some(_), Extra::Materials(_)) => return Err(FileFault::without_materials(path)),
+        (None, Extra::Array(array)) => import::read_mesh_with(path, array)?,
+        (None, Extra::Materials(available)) => {
+            let mesh = import::read_mesh_with_materials(path, available)?;
+            if mesh.materials.is_empty() {
+                return Err(FileFault::without_materials(path));
+            }
+            mesh
+        }
     };
     match file.normals {
         MeshNormals::File => {}

@@ -7,6 +7,7 @@
 mod primitive;
 mod pictures;
 mod arrays;
+mod own_materials;
 mod geometries;
 mod vertex_colors;
 mod attributes;
@@ -144,14 +145,16 @@ impl Scene {
             }
         }
         let numbers_of = |object: usize| geometries.objects[object].scalars();
-        arrays::prepare(config, numbers_of, &mut scene.materials)?;
+        arrays::prepare(config, &geometries.places, numbers_of, &mut scene.materials)?;
         let objects = config.objects.iter().zip(geometries.objects);
         for (index, (object, geometry)) in objects.enumerate() {
-            let path = FieldPath::default().key("objects").index(index);
+            let path = FieldPath::default()
+                .key("objects")
+                .index(geometries.places[index]);
             let materials = material_ids(config, object, &path)?;
             let needs = Needs {
-                uvs: pictures::needs_uvs(config, index, &materials, geometry.has_uvs())?,
-                colors: vertex_colors::are_needed(config, index, &geometry)?,
+                uvs: pictures::needs_uvs(config, object, &materials, geometry.has_uvs(), &path)?,
+                colors: vertex_colors::are_needed(config, object, &geometry, &path)?,
             };
             let first = scene.primitives.len() as u32;
             let id = ObjectId(index as u32);
@@ -415,6 +418,10 @@ fn material_ids(
     path: &FieldPath,
 ) -> Result<Vec<MaterialId>, Fault> {
     let names = &object.material.0;
+    if names.is_empty() {
+        let message = format!("the {} has no material", object.geometry);
+        return Err(Fault::new(path.clone(), message, "expected a `material`"));
+    }
     let path = path.clone().key("material");
     let takes_many = matches!(
         object.geometry,

@@ -8,7 +8,7 @@ use super::environment::EnvironmentLight;
 use super::primitive::MaterialId;
 use crate::background::Background;
 use crate::color::Transfer;
-use crate::config::{Config, Geometry, GeometryFile};
+use crate::config::{Config, Geometry, GeometryFile, Object};
 use crate::import::read_picture;
 use crate::material::Material;
 use crate::picture::Picture;
@@ -105,15 +105,16 @@ impl Pictures {
     }
 }
 
-/// Whether one of the materials of an object needs texture coordinates.
+/// Whether one of the materials of the object at `path` needs texture coordinates.
 ///
 /// # Errors
 /// One does, but not all of the object has them.
 pub(super) fn needs_uvs(
     config: &Config,
-    object: usize,
+    object: &Object,
     materials: &[MaterialId],
     has_uvs: bool,
+    path: &FieldPath,
 ) -> Result<bool, Fault> {
     let materials = materials.iter();
     let mut named = materials.filter_map(|id| config.materials.get_index(id.0 as usize));
@@ -123,13 +124,12 @@ pub(super) fn needs_uvs(
     if has_uvs {
         return Ok(true);
     }
-    let which = match &config.objects[object].geometry {
+    let which = match &object.geometry {
         Geometry::File(GeometryFile::Mesh(_)) => "which not all faces of this mesh have".to_owned(),
         other => format!("which a {other} has not"),
     };
-    let path = FieldPath::default().key("objects").index(object);
     let message = format!("the picture of material `{name}` needs texture coordinates, {which}");
     let expected = "expected a mesh with texture coordinates";
-    Err(Fault::new(path.key("material"), message, expected)
+    Err(Fault::new(path.clone().key("material"), message, expected)
         .with_help("give the picture a `mapping`: `planar`, `spherical` or `triplanar`"))
 }

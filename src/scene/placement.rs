@@ -99,7 +99,7 @@ impl<'a> Placement<'a> {
                 }
                 return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
             }
-            ObjectGeometry::Mesh(mesh) => return self.add_mesh(mesh, primitives, n_degenerate),
+            ObjectGeometry::Mesh(mesh) => return self.add_mesh(*mesh, primitives, n_degenerate),
         }
         Ok(Attributes::None)
     }

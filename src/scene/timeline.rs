@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::arrays;
-use super::geometries::read_checked;
+use super::geometries::{Extra, read_checked};
 use crate::animation::Animation;
 use crate::config::{Config, Geometry, GeometryFile};
 use crate::import::{self, DataSeries};
@@ -94,7 +94,7 @@ impl Timeline {
                     }
                     let path = file_path(index, &file);
                     let folder = folders.folder_of(&path);
-                    let array = arrays::choice(config, &config.objects[index])?;
+                    let array = Extra::Array(arrays::choice(config, &config.objects[index])?);
                     let read = read_checked(&file, folder, array, available, &path)?;
                     ends.extend(
                         read.scalars()

@@ -1,20 +1,21 @@
 //! The colors of vertices.
 
 use super::geometries::ObjectGeometry;
-use crate::config::Config;
+use crate::config::{Config, Object};
 use crate::material::Texture;
 use crate::yaml::{Fault, FieldPath};
 
-/// Whether one of the materials of an object has the colors of vertices.
+/// Whether one of the materials of the object at `path` has the colors of vertices.
 ///
 /// # Errors
 /// One has, but the object has no such colors.
 pub(super) fn are_needed(
     config: &Config,
-    object: usize,
+    object: &Object,
     geometry: &ObjectGeometry,
+    path: &FieldPath,
 ) -> Result<bool, Fault> {
-    let mut names = config.objects[object].material.0.iter();
+    let mut names = object.material.0.iter();
     let color_of = |name: &String| config.materials.get(name).map(|material| &material.color);
     let Some(name) = names.find(|name| color_of(name).is_some_and(Texture::is_of_vertices)) else {
         return Ok(false);
@@ -22,11 +23,10 @@ pub(super) fn are_needed(
     if geometry.has_vertex_colors() {
         return Ok(true);
     }
-    let path = FieldPath::default().key("objects").index(object);
     let message = format!(
         "the material `{name}` has the colors of vertices, which this {} has not",
-        config.objects[object].geometry
+        object.geometry
     );
     let expected = "expected a mesh with colors at all vertices, in a PLY or OBJ file";
-    Err(Fault::new(path.key("material"), message, expected))
+    Err(Fault::new(path.clone().key("material"), message, expected))
 }

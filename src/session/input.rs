@@ -46,7 +46,7 @@ impl Input {
     /// The first mistake in the scene.
     pub(crate) fn read(
         document: Document,
-        config: Config,
+        mut config: Config,
         needed: impl Fn(&Config, &Geometries) -> Memory,
     ) -> Result<Self, Diagnostic> {
         let point_at = |fault| document.point_at(fault);
@@ -56,7 +56,7 @@ impl Input {
             .check_output()
             .map_err(|(_, fault)| document.point_at(fault))?;
         let available = memory::available();
-        let geometries = Geometries::read(&config, &document, available).map_err(point_at)?;
+        let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;
         // The geometries are part of the need, but were not yet allocated when
         // `available` was measured.
         needed(&config, &geometries)

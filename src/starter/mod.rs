@@ -46,26 +46,50 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
         return Err(Diagnostic::new(message).with_help("use a smaller file"));
     }
     let file = path_in_scene;
-    let subject = match import::read_mesh(mesh) {
-        Ok(mesh) => Subject::surface(mesh, file),
-        Err(fault) => {
-            // A data set of lines has no triangle.
-            let radius = RadiusChoice::Same(1.0);
-            let tubes = import::is_vtk(mesh).then(|| import::read_lines(mesh, &radius, None));
-            let tubes = tubes.and_then(Result::ok);
-            Subject::lines(tubes.ok_or_else(|| of_file(fault))?, file)
-        }
-    };
+    let subject = subject_of(mesh, file).map_err(of_file)?;
     Ok(text_of(&subject, file))
+}
+
+/// What the scene of a mesh shows, which finds it at `file`.
+fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
+    let fault = match import::read_mesh_with_materials(mesh, available_memory() / 2) {
+        Ok(mesh) => return Ok(Subject::surface(mesh, file)),
+        Err(fault) => fault,
+    };
+    // Pictures are often lost on the way.
+    if let Ok(mesh) = import::read_mesh(mesh) {
+        return Ok(Subject {
+            lost: Some(fault.message()),
+            ..Subject::surface(mesh, file)
+        });
+    }
+    // A data set of lines has no triangle.
+    let radius = RadiusChoice::Same(1.0);
+    let tubes = import::is_vtk(mesh).then(|| import::read_lines(mesh, &radius, None));
+    match tubes {
+        Some(Ok(tubes)) => Ok(Subject::lines(tubes, file)),
+        _ => Err(fault),
+    }
 }
 
 /// What a scene shows.
 struct Subject {
     bounds: Aabb,
-    /// The name of an array that gives the colors.
-    array: Option<String>,
+    colors: SubjectColors,
+    /// Why its own materials cannot be used, if it has any.
+    lost: Option<String>,
     /// The object's geometry, with a comment on its keys.
     geometry: String,
+}
+
+/// What gives a subject its colors.
+enum SubjectColors {
+    /// One for all of it.
+    One,
+    /// An array of this name.
+    Array(String),
+    /// The materials of the file.
+    OfFile,
 }
 
 impl Subject {
@@ -80,7 +104,12 @@ impl Subject {
         let file = quoted(&file.to_string_lossy());
         Self {
             bounds,
-            array: first_array(mesh.arrays),
+            colors: match first_array(mesh.arrays) {
+                _ if !mesh.materials.is_empty() => SubjectColors::OfFile,
+                Some(array) => SubjectColors::Array(array),
+                None => SubjectColors::One,
+            },
+            lost: None,
             geometry: format!(
                 "\
     # `normals` are those of the file, `smooth` or `flat`.
@@ -95,7 +124,8 @@ impl Subject {
         let file = quoted(&file.to_string_lossy());
         Self {
             bounds,
-            array: first_array(tubes.arrays),
+            colors: first_array(tubes.arrays).map_or(SubjectColors::One, SubjectColors::Array),
+            lost: None,
             geometry: format!(
                 "\
     # `radius` may also be that of an array: {{ array: …, scale: … }}.
@@ -128,27 +158,33 @@ fn text_of(subject: &Subject, file: &Path) -> String {
     let eye = center + distance * TO_EYE.normalize();
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name: String = stem.chars().take(200).collect();
-    let (material, color) = match &subject.array {
-        None => (
-            "clay",
-            "[0.66, 0.55, 0.46], specular: 0.12, exponent: 40".to_owned(),
+    let (materials, material) = match &subject.colors {
+        SubjectColors::One => (
+            "\n  clay: { color: [0.66, 0.55, 0.46], specular: 0.12, exponent: 40 }".to_owned(),
+            "material: clay",
         ),
-        Some(array) => {
+        SubjectColors::Array(array) => {
             let array = quoted(array);
             let color = format!("{{ array: {{ name: {array}, bar: {array} }} }}, specular: 0.05");
-            ("field", color)
+            (
+                format!("\n  field: {{ color: {color} }}"),
+                "material: field",
+            )
         }
+        SubjectColors::OfFile => (
+            " {}".to_owned(),
+            "# Without a `material`, the mesh has those of its file.",
+        ),
     };
     format!(
         "\
 # The mesh {title}: the camera sees all of it, with +y up.
-image: {{ width: 800, height: 600, samples_per_pixel: 4 }}
+{lost}image: {{ width: 800, height: 600, samples_per_pixel: 4 }}
 camera:
   look_at: {{ eye: {eye}, target: {target}, fov_y_deg: {FOV_Y_DEG} }}
 background: {{ gradient: {{ bottom: [0.9, 0.9, 0.9], top: [0.45, 0.55, 0.7] }} }}
 shading: {{ ambient: {ambient}, max_depth: 2 }}
-materials:
-  {material}: {{ color: {color} }}
+materials:{materials}
 lights:
   # The key light from the upper left, and a weak one that fills its shadows.
   - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.8 }}
@@ -156,14 +192,20 @@ lights:
 objects:
   - name: {name}
 {geometry}
-    material: {material}
+    {material}
 ",
         title = one_line(&stem),
         eye = point(eye, radius),
         target = point(center, radius),
         // The colors of an array are to be read off.
-        ambient = if subject.array.is_some() { 0.3 } else { 0.06 },
+        ambient = match subject.colors {
+            SubjectColors::One => 0.06,
+            SubjectColors::Array(_) | SubjectColors::OfFile => 0.3,
+        },
         name = quoted(&name),
+        lost = subject.lost.as_ref().map_or(String::new(), |lost| {
+            format!("# Its own materials cannot be used: {}\n", one_line(lost))
+        }),
     )
 }
 

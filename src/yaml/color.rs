@@ -38,7 +38,7 @@ pub fn hex_color(text: &str) -> Option<[u8; 3]> {
 }
 
 /// What may stand in the place of a color.
-pub trait Pattern {
+pub trait ColorPattern {
     /// The patterns that are a word alone, without keys of their own.
     const WORDS: &[&str] = &[];
 }
@@ -52,7 +52,7 @@ pub enum ColorOr<T> {
     Other(T),
 }
 
-impl<'de, T: Deserialize<'de> + Pattern> Deserialize<'de> for ColorOr<T> {
+impl<'de, T: Deserialize<'de> + ColorPattern> Deserialize<'de> for ColorOr<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(ColorOrVisitor(CHANNEL, PhantomData))
     }
@@ -61,7 +61,7 @@ impl<'de, T: Deserialize<'de> + Pattern> Deserialize<'de> for ColorOr<T> {
 /// The same whose color is a radiance: each channel at least 0.
 pub struct RadianceOr<T>(pub ColorOr<T>);
 
-impl<'de, T: Deserialize<'de> + Pattern> Deserialize<'de> for RadianceOr<T> {
+impl<'de, T: Deserialize<'de> + ColorPattern> Deserialize<'de> for RadianceOr<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(ColorOrVisitor(NON_NEGATIVE, PhantomData))
             .map(Self)
@@ -110,7 +110,7 @@ impl<'de> Visitor<'de> for Color {
 /// The channels of a color, and what else there may be.
 struct ColorOrVisitor<T>(Number, PhantomData<T>);
 
-impl<'de, T: Deserialize<'de> + Pattern> Visitor<'de> for ColorOrVisitor<T> {
+impl<'de, T: Deserialize<'de> + ColorPattern> Visitor<'de> for ColorOrVisitor<T> {
     type Value = ColorOr<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {

@@ -115,10 +115,10 @@ fn cases() -> impl Iterator<Item = Case> {
 /// Checks a scene as `raycost check` does, with this many bytes of available memory.
 fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let source = Source::new("scene.yaml", text);
-    let config: Config = source.parse()?;
-    let check = || {
+    let mut config: Config = source.parse()?;
+    let mut check = || {
         Timeline::of(&config, source.folder())?;
-        let geometries = Geometries::read(&config, source.folder(), available)?;
+        let geometries = Geometries::read(&mut config, source.folder(), available)?;
         Memory::of(&config, &geometries).check(available)?;
         Scene::new(&config, geometries).map(drop)
     };

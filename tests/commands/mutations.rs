@@ -156,9 +156,9 @@ const MEMORY: u64 = 96 << 20;
 
 /// All that `raycost check` does, on a machine with little memory.
 fn check(source: &Source) -> Result<(), Diagnostic> {
-    let config: Config = source.parse()?;
-    let check = || {
-        let geometries = Geometries::read(&config, Path::new("configs"), MEMORY)?;
+    let mut config: Config = source.parse()?;
+    let mut check = || {
+        let geometries = Geometries::read(&mut config, Path::new("configs"), MEMORY)?;
         Memory::of(&config, &geometries).check(MEMORY)?;
         Scene::new(&config, geometries).map(drop)
     };

@@ -104,8 +104,9 @@ pub fn parse(text: &str) -> Config {
 /// Builds the scene of a config whose files are relative to `configs/`.
 pub fn scene_of(config: &Config) -> Scene {
     let folder = in_repository("configs");
-    let geometries = Geometries::read(config, folder.as_path(), u64::MAX);
-    Scene::new(config, geometries.unwrap()).unwrap()
+    let mut config = config.clone();
+    let geometries = Geometries::read(&mut config, folder.as_path(), u64::MAX);
+    Scene::new(&config, geometries.unwrap()).unwrap()
 }
 
 /// Renders the film of a config on `n_threads` threads.

@@ -19,7 +19,7 @@ fn scene(objects: &str) -> Scene {
     let texel = |x, _| image::Rgba([255, 255, 255, if x == 0 { 255 } else { 0 }]);
     let mask = image::RgbaImage::from_fn(2, 1, texel);
     mask.save(folder.path().join("mask.png")).unwrap();
-    let config = parse(&format!(
+    let mut config = parse(&format!(
         "
 image: {{ width: 4, height: 4 }}
 camera: {{ look_at: {{ eye: [0, 0, 4], target: [0, 0, 0], fov_y_deg: 50 }} }}
@@ -40,7 +40,7 @@ objects:
 lights: []
 "
     ));
-    let geometries = Geometries::read(&config, folder.path(), u64::MAX).unwrap();
+    let geometries = Geometries::read(&mut config, folder.path(), u64::MAX).unwrap();
     Scene::new(&config, geometries).unwrap()
 }
 

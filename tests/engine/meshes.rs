@@ -49,14 +49,14 @@ fn sphere(has_normals: bool) -> String {
 
 /// A scene of one object, whose file is in `folder`.
 fn scene(folder: &Path, object: &str) -> Scene {
-    let config = parse(&format!(
+    let mut config = parse(&format!(
         "image: {{ width: 4, height: 3 }}\n\
          camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          materials: {{ red: {{ color: [1, 0, 0] }} }}\n\
          lights: []\n\
          objects:\n  - {object}\n    material: red\n"
     ));
-    let geometries = Geometries::read(&config, folder, u64::MAX).unwrap();
+    let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
     Scene::new(&config, geometries).unwrap()
 }
 

@@ -1,4 +1,4 @@
-//! Meshes with colors of their own.
+//! Meshes with colors and materials of their own.
 
 use std::path::Path;
 
@@ -13,12 +13,12 @@ use crate::common::parse;
 
 /// The scene of some objects, whose files are in `folder`.
 fn scene(folder: &Path, rest: &str) -> Scene {
-    let config = parse(&format!(
-        "image: {{ width: 4, height: 3 }}\n\
+    let mut config = parse(&format!(
+        "image: {{ width: 4000, height: 3000 }}\n\
          camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          lights: []\n{rest}"
     ));
-    let geometries = Geometries::read(&config, folder, u64::MAX).unwrap();
+    let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
     Scene::new(&config, geometries).unwrap()
 }
 
@@ -31,6 +31,11 @@ fn color_at(scene: &Scene, [x, y]: [f32; 2]) -> Vec3 {
     };
     let point = Tracer::new(scene, &accel).trace(&ray, RayKind::Camera, &mut NoProbe);
     point.unwrap().color
+}
+
+fn assert_near(found: Vec3, expected: Vec3) {
+    let difference = (found - expected).abs().max_element();
+    assert!(difference < 0.01, "{found}, expected {expected}");
 }
 
 /// A triangle with colors of this type at its vertices: red, black and half of the light of
@@ -91,5 +96,191 @@ fn colors_out_of_range_are_refused_in_ply_and_none_in_obj() {
     let some = "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n";
     for text in [some, &some.replace("v 1 0 0", "v 1 0 0 255 0 0")] {
         assert_eq!(read("a.obj", text).unwrap().colors, None);
+    }
+}
+
+/// A chair of a wooden seat, whose picture is left red and right blue, and a leg of glass.
+const CHAIR: &str = "mtllib wood and glass.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n\
+    v 0 0 1\nv 0.5 0 1\nv 0 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+    usemtl seat\nf 1/1 2/2 3/3 4/4\nusemtl leg\nf 5 6 7\nusemtl unused\n";
+
+const MATERIALS: &str = "# of a chair\nnewmtl seat\nKd 0.5 1 1\nKs 0.3 0.2 0.1\nNs 90\n\
+    illum 2\nmap_Kd -clamp on wood.png\nnewmtl leg\n\tKd 0 0 0\n\tillum 6\n\tNi 1.4\n\
+    newmtl unused\nKe 2 2 2\n";
+
+/// Writes the files of the chair.
+fn write_chair(folder: &Path) {
+    std::fs::write(folder.join("chair.obj"), CHAIR).unwrap();
+    std::fs::write(folder.join("wood and glass.mtl"), MATERIALS).unwrap();
+    let color = |x, _| image::Rgb([255 * u8::from(x == 0), 0, 255 * u8::from(x == 1)]);
+    image::RgbImage::from_fn(2, 2, color)
+        .save(folder.join("wood.png"))
+        .unwrap();
+}
+
+#[test]
+fn a_mesh_without_a_material_has_those_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chair(folder.path());
+    let mesh = "objects: [{ mesh: { file: chair.obj } }]\n";
+    for model in ["blinn_phong", "path", "seed"] {
+        let rest = format!("shading: {{ model: {model} }}\nmaterials: {{}}\n{mesh}");
+        let scene = scene(folder.path(), &rest);
+        assert_eq!((scene.n_objects(), scene.materials.len()), (2, 2));
+        assert_near(color_at(&scene, [-0.5, 0.0]), Vec3::new(0.5, 0.0, 0.0));
+        assert_near(color_at(&scene, [0.6, 0.0]), Vec3::Z);
+        let [seat, leg] = &scene.materials[..] else {
+            unreachable!()
+        };
+        assert_eq!((seat.specular, seat.exponent), (0.3, 90.0));
+        let index = leg.dielectric.map(|medium| medium.index);
+        assert_eq!(index, (model != "seed").then_some(1.4), "{model}");
+    }
+    let own = "materials: { red: { color: [1, 0, 0] } }\n";
+    let given = mesh.replace(" }]", ", material: red }]");
+    let scene = scene(folder.path(), &format!("{own}{given}"));
+    assert_eq!(scene.n_objects(), 1);
+    assert_near(color_at(&scene, [0.6, 0.0]), Vec3::X);
+}
+
+#[test]
+fn parts_of_a_mesh_are_objects_with_names() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chair(folder.path());
+    let mut config = parse(
+        "image: { width: 4, height: 3 }\n\
+         camera: { look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 } }\n\
+         lights: []\nmaterials: { red: { color: [1, 0, 0] }, chair.obj/leg: { color: 0 } }\n\
+         objects:\n  - { sphere: { center: [0, 0, 9], radius: 1 }, material: red }\n  \
+         - { mesh: { file: chair.obj } }\n  - { name: other, mesh: { file: chair.obj } }\n",
+    );
+    Geometries::read(&mut config, folder.path(), u64::MAX).unwrap();
+    let names: Vec<_> = config
+        .objects
+        .iter()
+        .map(|of| of.name.as_deref().unwrap_or("-"))
+        .collect();
+    let expected = [
+        "-",
+        "chair.obj/seat",
+        "chair.obj/leg 2",
+        "other/seat",
+        "other/leg",
+    ];
+    assert_eq!(names, expected);
+    let materials: Vec<_> = config.materials.keys().map(String::as_str).collect();
+    let expected = [
+        "red",
+        "chair.obj/leg",
+        "chair.obj/seat",
+        "chair.obj/leg 2",
+        "chair.obj/seat 2",
+        "chair.obj/leg 3",
+    ];
+    assert_eq!(materials, expected);
+}
+
+/// The message about a chair one of whose files has another text.
+fn fault_of(name: &str, old: &str, new: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    write_chair(folder.path());
+    let path = folder.path().join(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(old), "{old}");
+    std::fs::write(&path, text.replacen(old, new, 1)).unwrap();
+    let read = raycost::import::read_mesh_with_materials(&folder.path().join("chair.obj"), 1 << 20);
+    let place = folder.path().display().to_string() + "/";
+    read.unwrap_err().to_string().replace(&place, "")
+}
+
+#[test]
+fn a_mistake_in_materials_is_reported_with_file_and_line() {
+    let library = "wood and glass.mtl";
+    for (file, old, new, expected) in [
+        (
+            "chair.obj",
+            "mtllib wood and",
+            "mtllib no",
+            "`chair.obj`, line 1: `no`: there is no such file, expected the file of materials",
+        ),
+        (
+            "chair.obj",
+            "usemtl leg",
+            "usemtl lag",
+            "`chair.obj`, line 15: there is no material `lag`, \
+             expected one of those in `mtllib`: did you mean `leg`?",
+        ),
+        (
+            library,
+            "Ns 90",
+            "Ns ninety",
+            "`wood and glass.mtl`, line 5: `ninety` is no number, expected a finite number",
+        ),
+        (
+            library,
+            "Kd 0.5 1 1",
+            "Kd 0.5 nan",
+            "`wood and glass.mtl`, line 3: `nan` is no number, expected a finite number",
+        ),
+        (
+            library,
+            "newmtl seat",
+            "",
+            "`wood and glass.mtl`, line 3: `Kd` belongs to no material, expected `newmtl` before it",
+        ),
+        (
+            library,
+            "wood.png",
+            "chair.obj",
+            "`wood and glass.mtl`, line 7: `chair.obj`: it is no picture of a known format, \
+             expected a PNG, JPEG, Radiance HDR or OpenEXR picture",
+        ),
+        (
+            library,
+            "-clamp on wood.png",
+            "-clamp on",
+            "`wood and glass.mtl`, line 7: a map names no file, expected the name of a picture",
+        ),
+    ] {
+        assert_eq!(fault_of(file, old, new), expected);
+    }
+    let missing = fault_of(library, "wood.png", "../wood.png");
+    let expected = "`wood and glass.mtl`, line 7: `../wood.png`: cannot read it: ";
+    assert!(missing.starts_with(expected), "{missing}");
+}
+
+#[test]
+fn damaged_materials_never_panic() {
+    for seed in 0..200_usize {
+        let folder = tempfile::tempdir().unwrap();
+        write_chair(folder.path());
+        for (name, step) in [
+            ("chair.obj", 13),
+            ("wood and glass.mtl", 7),
+            ("wood.png", 3),
+        ] {
+            let path = folder.path().join(name);
+            let mut bytes = std::fs::read(&path).unwrap();
+            let at = step * seed % bytes.len();
+            match seed % 3 {
+                0 => bytes.truncate(at),
+                _ => bytes[at] ^= 1 << (seed % 8),
+            }
+            let whole = std::fs::read(&path).unwrap();
+            std::fs::write(&path, bytes).unwrap();
+            let mesh = folder.path().join("chair.obj");
+            match raycost::import::read_mesh_with_materials(&mesh, 1 << 20) {
+                Ok(mesh) => {
+                    let parts = mesh.into_parts();
+                    assert!(parts.iter().all(|(_, part)| !part.triangles.is_empty()));
+                }
+                Err(fault) => {
+                    let fault = fault.to_string();
+                    let is_named = [name, "chair.obj"].iter().any(|of| fault.contains(of));
+                    assert!(is_named, "{fault}");
+                }
+            }
+            std::fs::write(&path, whole).unwrap();
+        }
     }
 }

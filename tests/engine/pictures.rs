@@ -204,14 +204,14 @@ fn scene(folder: &Path, image: &str, object: &str) -> Scene {
 
 /// A scene of an object of this material.
 fn scene_of(folder: &Path, material: &str, object: &str) -> Scene {
-    let config = parse(&format!(
+    let mut config = parse(&format!(
         "image: {{ width: 4, height: 3 }}\n\
          camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          materials: {{ picture: {material} }}\n\
          lights: []\n\
          objects: [{{ {object}, material: picture }}]\n"
     ));
-    let geometries = Geometries::read(&config, folder, u64::MAX).unwrap();
+    let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
     Scene::new(&config, geometries).unwrap()
 }
 

@@ -7,7 +7,7 @@ use raycost::import::Mesh;
 pub fn obj(mesh: &Mesh) -> Vec<u8> {
     let mut text = String::from("# a comment\r\no thing\n");
     for v in &mesh.vertices {
-        text += &format!("v {:e}   {} {} 0.5 0.5 0.5\r\n", v.x, v.y, v.z);
+        text += &format!("v {:e}   {} {} 1\r\n", v.x, v.y, v.z);
     }
     let uvs = mesh.uvs.as_ref();
     for uv in uvs.iter().flat_map(|uvs| &uvs.values) {

@@ -1,19 +1,24 @@
-//! Wavefront OBJ: its polygons, their normals and their texture coordinates.
+//! Wavefront OBJ: its polygons, their normals, texture coordinates and materials.
 //!
 //! The format is described in appendix B1 of the Advanced Visualizer's manual
 //! (Wavefront, 1992). No crate fits: tobj 4 panics on some indices and reports
 //! no line numbers, obj-rs 0.7 panics on unknown statements, and both allocate
 //! memory for each face.
 
+mod mtl;
+mod groups;
+
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
 use super::fault::cut;
 use super::lines::Lines;
+use super::materials::MeshMaterial;
 use super::mesh::{CornerValues, Mesh, count, fan, finite, light};
-use super::{FileFault, FileLocation, GeometryFileReader, Result};
+use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
+use groups::MaterialGroups;
 
-/// Statements that are ignored: other elements, groups, materials and display
+/// Statements that are ignored: other elements, groups and display
 /// attributes.
 const IGNORED: &[&str] = &[
     "vp",
@@ -23,8 +28,6 @@ const IGNORED: &[&str] = &[
     "o",
     "s",
     "mg",
-    "usemtl",
-    "mtllib",
     "usemap",
     "maplib",
     "bevel",
@@ -38,19 +41,36 @@ const IGNORED: &[&str] = &[
 /// The format of a corner of a face.
 const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
 
-/// Placeholder for the normals of a triangle without any, replaced at the end.
+/// Placeholder for the normals or the texture coordinates of a triangle without any, replaced
+/// at the end.
 const MISSING: [u32; 3] = [u32::MAX; 3];
 
-pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
+pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let mut lines = Lines::new(file);
     let mut reader = Reader::default();
-    loop {
-        let read = match lines.next()? {
-            Some(line) => reader.statement(&line),
-            None => return Ok(reader.finish()),
+    let mut groups = around.memory.map(|_| MaterialGroups::default());
+    while let Some(line) = lines.next()? {
+        let read = match &mut groups {
+            None => reader.statement(&line),
+            Some(groups) => {
+                let (line, number) = (line.into_owned(), lines.number());
+                reader.statement_with_materials(&line, number, groups)
+            }
         };
         read.map_err(|fault| fault.at(FileLocation::Line(lines.number())))?;
     }
+    let Some((groups, available)) = groups.zip(around.memory) else {
+        return Ok(reader.finish());
+    };
+    let (materials, material_of) = groups.materials(around, available)?;
+    if materials.iter().any(MeshMaterial::has_pictures) {
+        reader.complete_uvs();
+    }
+    Ok(Mesh {
+        materials,
+        material_of,
+        ..reader.finish()
+    })
 }
 
 /// The part of the mesh read so far.
@@ -58,7 +78,7 @@ pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
 struct Reader {
     mesh: Mesh,
     normals: CornerValues<Vec3>,
-    /// Those of the triangles of all faces, as long as all faces have them.
+    /// Those of the triangles of all faces; [`MISSING`] for those without any.
     uvs: CornerValues<Vec2>,
     /// Those of all vertices, as long as all vertices have them.
     colors: Vec<Vec3>,
@@ -95,6 +115,7 @@ impl Reader {
                 self.uvs.values.push(texture_coordinates(words)?);
             }
             "f" | "fo" => return self.face(words),
+            "mtllib" | "usemtl" => {}
             _ if IGNORED.contains(&keyword) => {}
             _ => return Err(unknown_statement(keyword)),
         }
@@ -138,16 +159,52 @@ impl Reader {
             let problem = format!("{n_normals} of {n} corners have a normal");
             return Err(FileFault::new(problem, "normals at all corners or at none"));
         }
-        let all_before = self.uvs.triangles.len() == self.mesh.triangles.len();
-        if all_before && self.face_uvs.len() == n {
+        if self.face_uvs.len() == n {
+            let n_before = self.mesh.triangles.len();
+            self.uvs.triangles.resize(n_before, MISSING);
             self.uvs.triangles.extend(fan(&self.face_uvs));
         }
         self.mesh.triangles.extend(fan(&self.face));
         Ok(())
     }
 
+    /// Parses one line, with those about materials.
+    fn statement_with_materials(
+        &mut self,
+        line: &str,
+        number: u64,
+        groups: &mut MaterialGroups,
+    ) -> Result<()> {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        match keyword {
+            "mtllib" => groups.library(rest.trim(), number),
+            "usemtl" => groups.use_material(rest.trim(), number)?,
+            _ => {
+                self.statement(line)?;
+                groups.triangles(self.mesh.triangles.len());
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the lower left corner of pictures to faces without texture coordinates, if others
+    /// have some.
+    fn complete_uvs(&mut self) {
+        let CornerValues { values, triangles } = &mut self.uvs;
+        if triangles.is_empty() {
+            return;
+        }
+        triangles.resize(self.mesh.triangles.len(), MISSING);
+        for triangle in triangles.iter_mut().filter(|corners| **corners == MISSING) {
+            *triangle = [values.len() as u32; 3];
+        }
+        values.push(Vec2::ZERO);
+    }
+
     fn finish(mut self) -> Mesh {
-        if self.uvs.triangles.len() == self.mesh.triangles.len() {
+        let has_all = self.uvs.triangles.len() == self.mesh.triangles.len();
+        if has_all && !self.uvs.triangles.contains(&MISSING) {
             self.mesh.uvs = Some(std::mem::take(&mut self.uvs));
         }
         if self.colors.len() == self.mesh.vertices.len() {
@@ -186,7 +243,7 @@ fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<Option<Ve
     let mut numbers = ArrayVec::<f32, 4>::new();
     for word in words {
         let number = word.parse().ok().filter(|number: &f32| number.is_finite());
-        if !number.is_some_and(|number| numbers.try_push(number).is_ok()) {
+        if number.is_none_or(|number| numbers.try_push(number).is_err()) {
             let problem = format!("`{}` follows a vertex", cut(word));
             return Err(FileFault::new(problem, EXPECTED));
         }

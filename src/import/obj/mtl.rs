@@ -1,0 +1,304 @@
+//! MTL: the materials of OBJ files.
+//!
+//! The format is described in "MTL material format" (Wavefront, 1995); `Pr`, `Pm` and `norm`
+//! are the additions that programs for physically based rendering agree on.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use crate::color::Transfer;
+use crate::import::fault::cut;
+use crate::import::lines::Lines;
+use crate::import::materials::{
+    Finish, MAX_MATERIALS, MeshMaterial, MeshPicture, PictureShelf, path_in,
+};
+use crate::import::picture::bytes_of_file;
+use crate::import::{FileFault, FileLocation, Result, open};
+use crate::picture::{Sampling, Wrap};
+
+/// Options of pictures, with the greatest number of values that follow them.
+const OPTIONS: [(&str, usize); 13] = [
+    ("-blendu", 1),
+    ("-blendv", 1),
+    ("-bm", 1),
+    ("-boost", 1),
+    ("-cc", 1),
+    ("-clamp", 1),
+    ("-imfchan", 1),
+    ("-mm", 2),
+    ("-o", 3),
+    ("-s", 3),
+    ("-t", 3),
+    ("-texres", 1),
+    ("-type", 1),
+];
+
+/// Reads the materials of a file, whose pictures are in its folder, and appends them to
+/// `found`.
+///
+/// # Errors
+/// A file that cannot be read or is damaged, with the line.
+pub(super) fn read(
+    path: &Path,
+    shelf: &mut PictureShelf,
+    found: &mut Vec<MeshMaterial>,
+) -> Result<()> {
+    let mut lines = Lines::new(open(path)?);
+    let mut statements: Option<Statements> = None;
+    let mut close = |statements: Option<Statements>, line: u64| {
+        let made = statements.map(|of| of.material(path, shelf)).transpose()?;
+        if found.len() >= MAX_MATERIALS {
+            let expected = format!("at most {MAX_MATERIALS}");
+            let fault = FileFault::new("too many materials", expected);
+            return Err(fault.at(FileLocation::Line(line)));
+        }
+        found.extend(made);
+        Ok(())
+    };
+    while let Some(line) = lines.next()? {
+        let line = line.trim().to_owned();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
+        let number = lines.number();
+        let read = match (keyword, &mut statements) {
+            ("newmtl", _) => close(statements.replace(Statements::of(rest.trim())), number),
+            (_, Some(statements)) => statements.add(keyword, rest.trim(), number),
+            (word, None) if word.is_empty() || word.starts_with('#') => Ok(()),
+            (word, None) => {
+                let problem = format!("`{}` belongs to no material", cut(word));
+                Err(FileFault::new(problem, "`newmtl` before it"))
+            }
+        };
+        read.map_err(|fault| fault.at(FileLocation::Line(number)))?;
+    }
+    close(statements, lines.number())
+}
+
+/// The statements about one material.
+#[derive(Default)]
+struct Statements {
+    name: String,
+    color: Option<Vec3>,
+    specular: Vec3,
+    emission: Vec3,
+    exponent: Option<f32>,
+    /// The number of the illumination model.
+    illumination: f32,
+    transparency: f32,
+    roughness: Option<f32>,
+    metallic: Option<f32>,
+    index: Option<f32>,
+    /// The pictures of the color, of the opacity and of normals.
+    picture: Option<MapStatement>,
+    opacity: Option<MapStatement>,
+    normals: Option<MapStatement>,
+}
+
+/// A statement that names a picture.
+struct MapStatement {
+    line: u64,
+    file: String,
+    wrap: Wrap,
+    size: [f32; 2],
+}
+
+impl Statements {
+    fn of(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a statement; those that raycost does not show are ignored.
+    fn add(&mut self, keyword: &str, rest: &str, line: u64) -> Result<()> {
+        match keyword {
+            "Kd" => self.color = Some(color(rest)?),
+            "Ks" => self.specular = color(rest)?,
+            "Ke" => self.emission = color(rest)?,
+            "Ns" => self.exponent = Some(number(rest)?.max(0.0)),
+            "illum" => self.illumination = number(rest)?,
+            "d" => self.transparency = 1.0 - number(rest.trim_start_matches("-halo "))?,
+            "Tr" => self.transparency = number(rest)?,
+            "Ni" => self.index = Some(number(rest)?),
+            "Pr" => self.roughness = Some(number(rest)?.clamp(0.0, 1.0)),
+            "Pm" => self.metallic = Some(number(rest)?.clamp(0.0, 1.0)),
+            "map_Kd" => self.picture = Some(MapStatement::new(rest, line)?),
+            "map_d" => self.opacity = Some(MapStatement::new(rest, line)?),
+            "norm" => self.normals = Some(MapStatement::new(rest, line)?),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The material, with its pictures.
+    fn material(self, path: &Path, shelf: &mut PictureShelf) -> Result<MeshMaterial> {
+        let mut color = self
+            .color
+            .unwrap_or(MeshMaterial::default().color)
+            .min(Vec3::ONE);
+        if self.picture.is_some() && color == Vec3::ZERO {
+            // Programs write black where the picture alone counts.
+            color = Vec3::ONE;
+        }
+        let mut load = |map: Option<&MapStatement>, transfer, tint| {
+            map.map(|map| map.load(path, shelf, transfer, tint))
+                .transpose()
+        };
+        let picture = load(self.picture.as_ref(), None, color)?;
+        let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
+        let normals = load(self.normals.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
+        // Holes in the picture of the color are for those who gave it no other ones.
+        let of_picture = || picture.clone().filter(|of| !of.picture.is_opaque());
+        let transmission = self.transmission();
+        Ok(MeshMaterial {
+            finish: self.finish(),
+            transmission,
+            index: self.index_behind(),
+            emission: self.emission,
+            cutout: opacity.or_else(of_picture).map(|holes| (holes, 0.5)),
+            normal_map: normals.map(|normals| (normals, 1.0)),
+            picture,
+            ..MeshMaterial::new(&self.name, color)
+        })
+    }
+
+    /// Whether its illumination model is one of glass, with refraction.
+    fn is_glass(&self) -> bool {
+        [4.0, 6.0, 7.0, 9.0].contains(&self.illumination)
+    }
+
+    fn transmission(&self) -> f32 {
+        if self.is_glass() && self.opacity.is_none() {
+            1.0
+        } else {
+            self.transparency.clamp(0.0, 1.0)
+        }
+    }
+
+    /// What is transparent without refraction is as air.
+    fn index_behind(&self) -> f32 {
+        if self.is_glass() {
+            let index = self.index.filter(|index| (1.0..=10.0).contains(index));
+            index.unwrap_or(1.5)
+        } else {
+            1.0
+        }
+    }
+
+    fn finish(&self) -> Finish {
+        if self.roughness.is_some() || self.metallic.is_some() {
+            return Finish::Facets {
+                metallic: self.metallic.unwrap_or(0.0),
+                roughness: self.roughness.unwrap_or(0.5),
+            };
+        }
+        let strength = self.specular.max_element().min(1.0);
+        let mirrors = [3.0, 5.0].contains(&self.illumination);
+        Finish::Highlight {
+            // Without an exponent there is no highlight.
+            specular: self.exponent.map_or(0.0, |_| strength),
+            exponent: self.exponent.unwrap_or(50.0),
+            reflection: if mirrors { strength } else { 0.0 },
+        }
+    }
+}
+
+impl MapStatement {
+    /// Splits options from the name of the file, which may have blanks.
+    fn new(value: &str, line: u64) -> Result<Self> {
+        let (mut rest, mut wrap, mut size) = (value, Wrap::Repeat, [1.0; 2]);
+        while let Some((option, behind)) = option(rest) {
+            let mut words = behind.split_ascii_whitespace();
+            let (name, most) = option;
+            let mut taken = 0;
+            if most == 1 {
+                wrap = match (name, words.next()) {
+                    ("-clamp", Some("on")) => Wrap::Clamp,
+                    _ => wrap,
+                };
+                taken = 1;
+            }
+            let mut factors = [1.0_f32; 3];
+            while most > 1 && taken < most {
+                let Some(Ok(factor)) = words.next().map(str::parse) else {
+                    break;
+                };
+                factors[taken] = factor;
+                taken += 1;
+            }
+            if name == "-s" && factors.iter().all(|factor| *factor > 0.0) {
+                size = [1.0 / factors[0], 1.0 / factors[1]];
+            }
+            rest = behind_words(behind, taken);
+        }
+        if rest.is_empty() {
+            return Err(FileFault::new(
+                "a map names no file",
+                "the name of a picture",
+            ));
+        }
+        Ok(Self {
+            line,
+            file: rest.to_owned(),
+            wrap,
+            size,
+        })
+    }
+
+    /// Reads the picture.
+    fn load(
+        &self,
+        path: &Path,
+        shelf: &mut PictureShelf,
+        transfer: Option<Transfer>,
+        tint: Vec3,
+    ) -> Result<MeshPicture> {
+        let name = path_in(path.parent().unwrap_or(Path::new("")), &self.file);
+        let read = shelf.picture(&name, transfer, tint, || bytes_of_file(&name));
+        let sampling = Sampling {
+            wrap: self.wrap,
+            ..Sampling::default()
+        };
+        Ok(MeshPicture {
+            picture: read.map_err(|fault| fault.at(FileLocation::Line(self.line)))?,
+            name,
+            sampling,
+            size: self.size,
+        })
+    }
+}
+
+/// The option that a value begins with, and what follows it.
+fn option(value: &str) -> Option<((&str, usize), &str)> {
+    let (word, rest) = value.split_once(char::is_whitespace)?;
+    let known = OPTIONS.iter().find(|(name, _)| *name == word)?;
+    Some((*known, rest.trim_start()))
+}
+
+/// A text without its first words.
+fn behind_words(text: &str, n: usize) -> &str {
+    let behind = |text: &'_ str| -> usize {
+        let end = text.find(char::is_whitespace).unwrap_or(text.len());
+        text.len() - text[end..].trim_start().len()
+    };
+    (0..n).fold(text, |text, _| &text[behind(text)..])
+}
+
+/// One to three numbers: the last one stands for those that are missing.
+fn color(text: &str) -> Result<Vec3> {
+    let mut words = text.split_ascii_whitespace();
+    let first = number(words.next().unwrap_or_default())?;
+    let mut color = Vec3::splat(first);
+    for (channel, word) in (1..3).zip(words) {
+        color[channel] = number(word)?;
+    }
+    Ok(color.max(Vec3::ZERO))
+}
+
+/// The first word as a finite number.
+fn number(text: &str) -> Result<f32> {
+    let word = text.split_ascii_whitespace().next().unwrap_or_default();
+    let number = word.parse().ok().filter(|number: &f32| number.is_finite());
+    number.ok_or_else(|| FileFault::new(format!("`{}` is no number", cut(word)), "a finite number"))
+}

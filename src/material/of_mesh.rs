@@ -1,0 +1,140 @@
+//! Materials of mesh files as materials of scenes.
+
+use super::Material;
+use super::cutout::Cutout;
+use super::dielectric::Dielectric;
+use super::image::{ImageTexture, Mapping};
+use super::normal_map::NormalMap;
+use super::principled::Principled;
+use super::texture::Texture;
+use super::vertex_colors::VertexColors;
+use crate::import::{Finish, MeshMaterial, MeshPicture};
+
+/// What a shading model shows of the material of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MaterialDetail {
+    /// Its color and its highlight.
+    Surface,
+    /// Also light that goes through it, holes, and light that it emits; metals as mirrors of
+    /// their color.
+    Light,
+    /// All, with the roughness of its facets.
+    Facets,
+}
+
+/// The least share of light that goes through a surface of a medium, where there is no
+/// share between all and nothing.
+const MOSTLY: f32 = 0.5;
+
+impl Material {
+    /// The material of a mesh file.
+    pub fn of_mesh(of: &MeshMaterial, detail: MaterialDetail) -> Self {
+        let mut made = Self::matte(color_of(of));
+        made.normal_map = of.normal_map.as_ref().map(|(picture, strength)| NormalMap {
+            image: image(picture),
+            strength: *strength,
+        });
+        made.take_finish(of, detail);
+        if detail == MaterialDetail::Surface {
+            return made;
+        }
+        if let Some((picture, threshold)) = &of.cutout {
+            // Media and lamps have no holes.
+            made.cutout = Some(Cutout {
+                image: image(picture),
+                threshold: *threshold,
+            });
+            return made;
+        }
+        made.emission = of.emission;
+        if detail == MaterialDetail::Facets && of.transmission > 0.0 {
+            let (metallic, roughness) = facets(of.finish);
+            made.take_principled(Principled {
+                metallic,
+                roughness,
+                transmission: of.transmission,
+                index: of.index,
+            });
+        } else if of.transmission > MOSTLY {
+            (made.ambient, made.diffuse, made.reflection) = (0.0, 0.0, 0.0);
+            made.dielectric = Some(Dielectric {
+                index: of.index,
+                absorption: glam::Vec3::ZERO,
+                priority: 0,
+            });
+        }
+        made
+    }
+
+    fn take_finish(&mut self, of: &MeshMaterial, detail: MaterialDetail) {
+        match of.finish {
+            Finish::Highlight {
+                specular,
+                exponent,
+                reflection,
+            } => {
+                (self.specular, self.exponent, self.reflection) = (specular, exponent, reflection);
+            }
+            Finish::Facets {
+                metallic,
+                roughness,
+            } if detail == MaterialDetail::Facets => self.take_principled(Principled {
+                metallic,
+                roughness,
+                transmission: 0.0,
+                index: of.index,
+            }),
+            Finish::Facets {
+                metallic,
+                roughness,
+            } => {
+                // The highlight that path tracing makes of these facets.
+                let alpha = (roughness * roughness).max(0.05);
+                self.exponent = 2.0 / (alpha * alpha) - 2.0;
+                self.specular = (0.2 + 0.5 * metallic) * (1.0 - roughness);
+                self.reflection = metallic * (1.0 - roughness);
+                self.diffuse = 1.0 - self.reflection;
+            }
+        }
+    }
+
+    fn take_principled(&mut self, principled: Principled) {
+        self.dielectric = principled.medium();
+        self.principled = Some(principled);
+        (self.specular, self.reflection) = (0.0, 0.0);
+    }
+}
+
+/// The share of metal and the roughness of a finish: those whose highlight is as wide.
+fn facets(finish: Finish) -> (f32, f32) {
+    match finish {
+        Finish::Facets {
+            metallic,
+            roughness,
+        } => (metallic, roughness),
+        Finish::Highlight { exponent, .. } => (0.0, (2.0 / (2.0 + exponent)).sqrt().sqrt()),
+    }
+}
+
+fn color_of(of: &MeshMaterial) -> Texture {
+    let image = of.picture.as_ref().map(image);
+    match (of.has_vertex_colors, image) {
+        (true, image) => Texture::VertexColors(VertexColors {
+            image: image.map(Box::new),
+        }),
+        (false, Some(image)) => Texture::Image(image),
+        (false, None) => Texture::Color(of.color),
+    }
+}
+
+fn image(of: &MeshPicture) -> ImageTexture {
+    ImageTexture {
+        file: of.name.clone(),
+        mapping: Mapping::Uv,
+        size: of.size,
+        wrap: of.sampling.wrap,
+        filter: of.sampling.filter,
+        transfer: None,
+        picture: of.picture.clone(),
+    }
+}

@@ -1,0 +1,61 @@
+//! Meshes with materials of their own → an object for each material.
+//!
+//! What reports name is then what the file names, and a material stays one of an object: no
+//! ray pays for a look-up of its own.
+
+use std::path::Path;
+
+use crate::config::{Config, Geometry, MaterialNames, Object, ShadingModel};
+use crate::import::{Mesh, MeshMaterial};
+use crate::material::{Material, MaterialDetail};
+
+/// Longest name of a file or a material in the name of a part, in characters.
+const MAX_WORD: usize = 100;
+
+/// The objects of the materials of a mesh, which the config gets.
+pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Object, Mesh)> {
+    let file = match &object.geometry {
+        Geometry::File(file) => file.file().file_name().unwrap_or_default(),
+        _ => Path::new("").as_os_str(),
+    };
+    let file = word(&file.to_string_lossy());
+    let detail = match config.shading.model {
+        ShadingModel::Seed => MaterialDetail::Surface,
+        ShadingModel::Path => MaterialDetail::Facets,
+        _ => MaterialDetail::Light,
+    };
+    let parts = mesh.into_parts();
+    let is_whole = parts.len() == 1;
+    let part = |(of_file, mesh): (MeshMaterial, Mesh)| {
+        let of_part = word(&of_file.name);
+        let material = new_name(config, &format!("{file}/{of_part}"));
+        let made = Material::of_mesh(&of_file, detail);
+        config.materials.insert(material.clone(), made);
+        let name = match &object.name {
+            name if is_whole => name.clone(),
+            Some(name) => Some(format!("{}/{of_part}", word(name))),
+            None => Some(material.clone()),
+        };
+        let part = Object {
+            name,
+            material: MaterialNames(vec![material]),
+            ..object.clone()
+        };
+        (part, mesh)
+    };
+    parts.into_iter().map(part).collect()
+}
+
+/// A name that no material has, beginning with this one.
+fn new_name(config: &Config, name: &str) -> String {
+    let numbered = (2..).map(|number| format!("{name} {number}"));
+    let mut names = std::iter::once(name.to_owned()).chain(numbered);
+    let free = names.find(|name| !config.materials.contains_key(name));
+    free.unwrap_or_default()
+}
+
+/// A name as a part of a longer one.
+fn word(name: &str) -> String {
+    let plain = name.chars().filter(|letter| !letter.is_control());
+    plain.take(MAX_WORD).collect()
+}
