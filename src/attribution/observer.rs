@@ -174,19 +174,25 @@ impl<'a> Observer<'a> {
         tree: &mut RayTree,
     ) {
         let shader = &self.view.shader;
-        let mut lights: Vec<(u32, Illumination<f32>)> = Vec::new();
+        let mut lights: Vec<(Option<u32>, Illumination<f32>)> = Vec::new();
         for sample in shader.light_samples(path, point) {
+            if !shader.casts_shadows() {
+                lights.push((None, sample.light));
+                continue;
+            }
             let (shadow, is_shadowed) = self.trace_shadow(number, &sample, tree);
             if !is_shadowed {
-                lights.push((shadow, sample.light));
+                lights.push((Some(shadow), sample.light));
             }
         }
         let all = || lights.iter().map(|(_, light)| *light);
         let (_, time_ns, color) = self.timed(|_| shader.shade(eye, path, point, all(), next));
         tree.rays[number as usize].time_ns += time_ns;
         tree.rays[number as usize].contribution = color;
-        for &(left_out, _) in &lights {
-            let others = lights.iter().filter(|(shadow, _)| *shadow != left_out);
+        for left_out in lights.iter().filter_map(|(shadow, _)| *shadow) {
+            let others = lights
+                .iter()
+                .filter(|(shadow, _)| *shadow != Some(left_out));
             let others = others.map(|(_, light)| *light);
             let without = shader.shade(eye, path, point, others, &mut Vec::new());
             tree.rays[left_out as usize].contribution = color - without;

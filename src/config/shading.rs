@@ -29,6 +29,8 @@ pub struct Shading {
     pub light_sampling: LightSampling,
     /// Length of the rays of ambient occlusion in world units; infinite if not given.
     pub occlusion_distance: f32,
+    /// Whether objects throw shadows.
+    pub shadows: bool,
 }
 
 #[derive(Deserialize)]
@@ -44,6 +46,8 @@ struct ShadingKeys {
     light_sampling: Option<LightSampling>,
     #[serde(default, deserialize_with = "distance")]
     occlusion_distance: Option<f32>,
+    #[serde(default)]
+    shadows: Option<bool>,
 }
 
 impl TryFrom<ShadingKeys> for Shading {
@@ -67,12 +71,17 @@ impl TryFrom<ShadingKeys> for Shading {
             return Err("cannot have an `occlusion_distance` in this model, \
                  expected `model: ambient_occlusion` beside it");
         }
+        if !is(ShadingModel::BlinnPhong) && keys.shadows.is_some() {
+            return Err("cannot choose whether there are `shadows` in this model, \
+                 expected `model: blinn_phong` beside it");
+        }
         Ok(Self {
             model: keys.model,
             ambient: keys.ambient.unwrap_or(keys.model.ambient()),
             max_depth: keys.max_depth,
             light_sampling,
             occlusion_distance: keys.occlusion_distance.unwrap_or(f32::INFINITY),
+            shadows: keys.shadows.unwrap_or(true),
         })
     }
 }
@@ -176,6 +185,7 @@ impl Default for Shading {
             max_depth: default_depth(),
             light_sampling: model.light_sampling(),
             occlusion_distance: f32::INFINITY,
+            shadows: true,
         }
     }
 }

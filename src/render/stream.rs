@@ -269,6 +269,12 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         for sample in 0..shader.n_light_samples(wave.depth) {
             shader.cast(sample, starts, wave, points);
             let shadows = &shader.shadows;
+            if !shader.casts_shadows() {
+                self.occluded.clear();
+                self.occluded.resize(shadows.pixels().len(), false);
+                shader.add_light(sample, starts, wave, points, &self.occluded);
+                continue;
+            }
             for &pixel in shadows.pixels() {
                 self.probe.rays(RayKind::Shadow, pixel as usize, 1);
                 self.bounces.add(pixel as usize, wave.depth, 1);

@@ -10,7 +10,7 @@ use crate::config::Image;
 use crate::cost::{BounceCounts, Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
 use crate::schedule::Tile;
-use crate::shade::PathRay;
+use crate::shade::{LightSample, PathRay};
 use crate::simd::Vector;
 use crate::stop;
 use crate::trace::SurfacePoint;
@@ -257,10 +257,13 @@ fn radiance<P: Probe>(
     loop {
         color += match met {
             Some(point) => {
+                let mut is_shadowed = |sample: &LightSample| {
+                    bounces(path.depth);
+                    tracer.is_shadowed(&sample.shadow, probe)
+                };
                 let lights = shader
                     .light_samples(&path, &point)
-                    .inspect(|_| bounces(path.depth))
-                    .filter(|sample| !tracer.is_shadowed(&sample.shadow, probe))
+                    .filter(|sample| !shader.casts_shadows() || !is_shadowed(sample))
                     .map(|sample| sample.light);
                 shader.shade(eye, &path, &point, lights, paths)
             }

@@ -90,6 +90,11 @@ impl<'a> Shader<'a> {
         WaveShader::new(self.scene, self.sampler, simd)
     }
 
+    /// Whether shadow rays decide which lights reach a point.
+    pub fn casts_shadows(&self) -> bool {
+        self.scene.shading.shadows
+    }
+
     /// Returns the lights that may reach the point, hit by a ray of a path, in the order
     /// of the scene file.
     pub fn light_samples(

@@ -90,6 +90,11 @@ impl<'a> WaveShader<'a> {
         self.scene.is_random()
     }
 
+    /// Whether shadow rays decide which lights reach a point.
+    pub fn casts_shadows(&self) -> bool {
+        self.scene.shading.shadows
+    }
+
     /// Number of light samples at the points of a wave after this number of bounces.
     pub fn n_light_samples(&self, depth: u32) -> usize {
         let max_depth = self.scene.shading.max_depth.into();

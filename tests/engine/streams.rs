@@ -1,9 +1,11 @@
 //! Streams of rays have the hits and the counters of single rays.
 
 use crate::common::scenes::{BACKGROUNDS, CAMERAS, CHECKER, RandomScene, scenes};
-use crate::common::{film, film_on, lasting, rays, with_cost};
+use crate::common::{film, film_on, lasting, parse, rays, sum, with_cost};
 use proptest::prelude::*;
-use raycost::config::{CostMode, OptionalOutput};
+use raycost::config::{Config, CostMode, OptionalOutput};
+use raycost::cost::Counter;
+use raycost::film::Film;
 use raycost::simd::Simd;
 
 proptest! {
@@ -70,4 +72,35 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
         let counters = film(&with_cost(config.clone(), CostMode::Counters), 2);
         assert!(lasting(counters) == lasting(film(&config, 2)));
     }
+}
+
+#[test]
+fn without_shadows_all_lights_reach_what_faces_them() {
+    let scene = |shadows: bool, blocker: &str| {
+        let text = format!(
+            "
+image: {{ width: 32, height: 24 }}
+camera: {{ look_at: {{ eye: [0, 2, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}
+background: 0
+shading: {{ shadows: {shadows}, max_depth: 2 }}
+materials: {{ floor: {{ color: 0.7, specular: 0.2, reflection: 0.1 }} }}
+lights: [{{ directional: {{ direction: [0, -1, 0] }} }}, {{ point: {{ position: [3, 4, 0] }} }}]
+objects:
+  - rectangle: {{ corner: [-2, 0, 2], edges: [[4, 0, 0], [0, 0, -4]] }}
+    material: floor
+{blocker}"
+        );
+        parse(&text)
+    };
+    // Above the picture.
+    let blocker =
+        "  - disk: { center: [0, 3.5, 0], normal: [0, -1, 0], radius: 1.5 }\n    material: floor";
+    let in_mode = |mode| film(&with_cost(scene(false, blocker), mode), 2);
+    let [streams, single] = [CostMode::Counters, CostMode::Time].map(in_mode);
+    assert_eq!(sum(&streams, Counter::ShadowRays), 0);
+    assert!(lasting(streams.clone()) == lasting(single));
+    let picture = |film: &Film| film.values(|strip| &strip.rgb).collect::<Vec<[u8; 3]>>();
+    let light = |config: &Config| picture(&film(&with_cost(config.clone(), CostMode::None), 1));
+    assert!(light(&scene(false, blocker)) == light(&scene(false, "")));
+    assert!(light(&scene(true, blocker)) != light(&scene(true, "")));
 }
