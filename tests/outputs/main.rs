@@ -28,6 +28,7 @@ mod hostile;
 mod interrupted;
 mod layers;
 mod output_folder;
+mod paraview_export;
 mod paraview_rays;
 mod paraview_states;
 mod paraview_window;
