@@ -206,3 +206,30 @@ pub(super) struct ConeSpan<R: Real> {
     /// By how much the radius of the cone grows along the ray.
     pub(super) growth: R,
 }
+
+/// The part of a surface that a number in [0, 1) chooses in proportion to the areas: the first
+/// end, the side or the second end.
+pub(super) struct ChosenPart<R: Real> {
+    /// The area of all parts.
+    pub(super) area: R,
+    pub(super) is_from: R::Mask,
+    pub(super) is_side: R::Mask,
+    /// A number in [0, 1] for each part, uniform where it is the chosen one.
+    pub(super) shares: [R; 3],
+}
+
+impl<R: Real> ChosenPart<R> {
+    #[inline(always)]
+    pub(super) fn by_area([from, side, to]: [R; 3], number: R) -> Self {
+        let area = from + side + to;
+        let chosen = number * area;
+        let is_from = chosen.lt(from);
+        let is_to = (from + side).le(chosen);
+        Self {
+            area,
+            is_from,
+            is_side: !is_from & !is_to,
+            shares: [chosen / from, (chosen - from) / side, (area - chosen) / to],
+        }
+    }
+}

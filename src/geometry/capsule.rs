@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::axis::{AxisRay, Ends, ShapeAxis};
+use super::axis::{AxisRay, ChosenPart, Ends, ShapeAxis};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Real, Vector};
@@ -209,20 +209,20 @@ impl Sampled for Capsule {
         let axis = ShapeAxis::of(parameters);
         let (sine, cos) = slant(&axis);
         let (zero, one) = (u.splat(0.0), u.splat(1.0));
-        let [from_area, side_area, to_area] = areas(&axis);
-        let area = from_area + side_area + to_area;
-        let chosen = u * area;
-        let is_from = chosen.lt(from_area);
-        let is_to = (from_area + side_area).le(chosen);
-        let is_side = !is_from & !is_to;
+        let ChosenPart {
+            area,
+            is_from,
+            is_side,
+            shares: [of_from, of_side, of_to],
+        } = ChosenPart::by_area(areas(&axis), u);
         // The normal's part along the axis: uniform on the sphere at an end.
-        let at_from = chosen / from_area * (one + sine) - one;
-        let at_to = one - (area - chosen) / to_area * (one - sine);
+        let at_from = of_from * (one + sine) - one;
+        let at_to = one - of_to * (one - sine);
         let along = R::select(is_side, sine, R::select(is_from, at_from, at_to));
         let outward = (one - along * along).max(zero).sqrt();
         let outward = R::select(is_side, cos, outward);
         let normal = axis.direction.around(on_circle(v, outward, along));
-        let fraction = axis.fraction_by_area((chosen - from_area) / side_area);
+        let fraction = axis.fraction_by_area(of_side);
         let fraction = R::select(is_side, fraction, R::select(is_from, zero, one));
         let [begin, end] = axis.ends;
         let radius = axis.radii[0] + (axis.radii[1] - axis.radii[0]) * fraction;

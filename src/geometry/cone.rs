@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::axis::{AxisRay, Ends, ShapeAxis};
+use super::axis::{AxisRay, ChosenPart, Ends, ShapeAxis};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::sampling::disk;
@@ -161,14 +161,14 @@ impl Sampled for Cone {
         let axis = ShapeAxis::of(parameters);
         let (sine, cos) = slant(&axis);
         let (zero, one) = (u.splat(0.0), u.splat(1.0));
-        let [from_area, side_area, to_area] = areas(&axis);
-        let area = from_area + side_area + to_area;
-        let chosen = u * area;
-        let is_from = chosen.lt(from_area);
-        let is_to = (from_area + side_area).le(chosen);
-        let is_side = !is_from & !is_to;
-        let left = R::select(is_from, chosen / from_area, (area - chosen) / to_area);
-        let [x, y] = disk([R::select(is_side, zero, left), v]);
+        let ChosenPart {
+            area,
+            is_from,
+            is_side,
+            shares: [of_from, of_side, of_to],
+        } = ChosenPart::by_area(areas(&axis), u);
+        let of_end = R::select(is_from, of_from, of_to);
+        let [x, y] = disk([R::select(is_side, zero, of_end), v]);
         let [radius, end] = [
             R::select(is_from, axis.radii[0], axis.radii[1]),
             R::select(is_from, -one, one),
@@ -177,7 +177,7 @@ impl Sampled for Cone {
             .direction
             .around([radius * x, radius * y, end * axis.half_length]);
         let normal = axis.direction.around(on_circle(v, cos, sine));
-        let fraction = axis.fraction_by_area((chosen - from_area) / side_area);
+        let fraction = axis.fraction_by_area(of_side);
         let radius = axis.radii[0] + (axis.radii[1] - axis.radii[0]) * fraction;
         let along = axis.half_length * (fraction + fraction - one);
         let on_side = axis.direction.around(on_circle(v, radius, along));
