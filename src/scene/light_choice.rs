@@ -113,7 +113,7 @@ fn by_arrival<R: Real>(sources: &[LightSource], point: Vector<R>, number: R) -> 
     let target = number * sum;
     let (mut chosen, mut share, mut below) = (zero, one, zero);
     let mut before = zero;
-    let mut is_open = zero.equals(zero);
+    let mut is_open = zero.splat_mask(true);
     for (i, source) in sources.iter().enumerate() {
         let of_source = source.arrival(point);
         chosen = R::select(is_open, zero.splat(i as f32), chosen);

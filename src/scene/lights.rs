@@ -194,7 +194,7 @@ impl Lights {
             radiance: point,
             density: zero,
         };
-        let mut left = zero.equals(zero);
+        let mut left = zero.splat_mask(true);
         while left.bits() != 0 {
             let next = sources.lane(left.bits().trailing_zeros() as usize);
             let is_next = sources.equals(sources.splat(next));

@@ -24,6 +24,12 @@ pub trait Real:
 
     /// The same number as often as `self` has numbers.
     fn splat(self, value: f32) -> Self;
+    /// The same boolean as often as `self` has numbers.
+    #[inline(always)]
+    fn splat_mask(self, value: bool) -> Self::Mask {
+        let number = self.splat(f32::from(u8::from(value)));
+        self.splat(0.0).lt(number)
+    }
     /// `self` where it is less than `other`, else `other`.
     fn min(self, other: Self) -> Self;
     /// `self` where it is greater than `other`, else `other`.

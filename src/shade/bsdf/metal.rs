@@ -67,8 +67,8 @@ impl Scatters for Metal<'_> {
                 direction: at.point.mirrored(-at.to_viewer),
                 factor: reflectance(&self.conductor, at.cos_of_viewer()),
                 density: zero.splat(f32::INFINITY),
-                is_refracted: zero.lt(zero),
-                is_diffuse: zero.lt(zero),
+                is_refracted: zero.splat_mask(false),
+                is_diffuse: zero.splat_mask(false),
             };
         };
         let direction = at.mirrored_by(rough.facets, numbers);
