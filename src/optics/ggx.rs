@@ -60,6 +60,25 @@ impl Ggx {
         }
     }
 
+    /// The density, among the directions below the surface that [`facet`](Self::facet) leads
+    /// to, of the one to which this facet refracts light from above; `eta` is the index of
+    /// refraction above the surface over that below.
+    #[inline(always)]
+    pub fn refraction<R: Real>(
+        self,
+        [above, below]: [Vector<R>; 2],
+        facet: Vector<R>,
+        eta: R,
+    ) -> R {
+        let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
+        let cos_above = above.dot(facet).max(zero);
+        let cos_below = (-below.dot(facet)).max(zero);
+        let z = above.z.max(one.splat(1e-6));
+        let of_facet = self.distribution(facet) * cos_above / (z * (one + self.lambda(z)));
+        let root = eta * cos_above - cos_below;
+        of_facet * cos_below / (root * root).max(one.splat(f32::MIN_POSITIVE))
+    }
+
     /// A facet that is visible from a direction, by its normal; two numbers choose it.
     ///
     /// Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018.
@@ -134,6 +153,7 @@ impl Ggx {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::{Split, split};
 
     const N: u32 = 256;
 
@@ -166,6 +186,50 @@ mod tests {
                 .sum();
             let integral = sum * std::f64::consts::TAU / f64::from(N * N);
             assert!((integral - 1.0).abs() < 2e-3, "{alpha}: {integral}");
+        }
+    }
+
+    #[test]
+    fn refracted_samples_have_the_mean_of_quadrature() {
+        for (alpha, eta) in [(0.3, 1.0 / 1.5), (0.6, 1.0 / 1.3), (0.3, 1.5), (0.8, 1.3)] {
+            for cos in [0.3, 0.9] {
+                let ggx = Ggx { alpha };
+                let viewer = direction(cos, 0.1);
+                let by_samples: f64 = grid()
+                    .map(|numbers| {
+                        let facet = ggx.facet(viewer, numbers);
+                        let Split {
+                            reflectance,
+                            refracted,
+                        } = split(-viewer, facet, eta);
+                        let is_below = reflectance < 1.0 && refracted.z < 0.0;
+                        if is_below {
+                            f64::from(1.0 + refracted.x)
+                        } else {
+                            0.0
+                        }
+                    })
+                    .sum::<f64>()
+                    / f64::from(N * N);
+                let by_quadrature: f64 = grid()
+                    .map(|[u, v]| {
+                        let light = direction(-u, v);
+                        let sum = viewer * eta + light;
+                        let facet = if eta < 1.0 { -sum } else { sum }.normalize();
+                        if facet.z <= 0.0 {
+                            return 0.0;
+                        }
+                        let density = ggx.refraction([viewer, light], facet, eta);
+                        f64::from(density * (1.0 + light.x))
+                    })
+                    .sum::<f64>()
+                    * std::f64::consts::TAU
+                    / f64::from(N * N);
+                assert!(
+                    (by_samples / by_quadrature - 1.0).abs() < 0.01,
+                    "{alpha} {eta} {cos}: {by_samples} {by_quadrature}"
+                );
+            }
         }
     }
 

@@ -1,14 +1,16 @@
 //! The light of one light sample at the points of a wave, in lanes.
 
+use super::interfaces::Interfaces;
+use super::media::{Media, transmittances};
 use super::models::lit_groups;
 use super::numbers::WaveNumbers;
 use super::paths::PathWave;
 use crate::light::{Illumination, Light};
-use crate::scene::{Lights, Scene};
+use crate::scene::{Lights, MaterialId, Scene};
 use crate::simd::{
-    InstructionSet, Lanes, SimdKernel, Vector, VectorColumn, grow, lanes, lanes_mut,
+    InstructionSet, Lanes, Mask, N_LANES, SimdKernel, Vector, VectorColumn, grow, lanes, lanes_mut,
 };
-use crate::trace::{PointGroup, Points};
+use crate::trace::{PointLanes, Points};
 
 /// The light that arrives at points unless it is occluded.
 #[derive(Debug, Default)]
@@ -99,20 +101,46 @@ impl SimdKernel for SampleLights<'_> {
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
         let lights = &self.scene.lights;
-        for at in lit_groups(self.scene, self.points).flat_map(PointGroup::lanes) {
+        let lit = lit_groups(self.scene, self.points);
+        for (group, at) in lit.flat_map(|group| group.lanes().map(move |at| (group, at))) {
             let point = self.points.shading(set, at);
             let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
             let numbers = numbers.light(lights, self.sample);
             let at_point = [point.position, point.normal];
             let (mut light, _) = lights.illuminate(self.sample, at_point, &numbers);
             if self.scene.weakens_lights() {
-                let (rays, distances) = (self.points.rays(at), light.distance.to_array());
-                let left = self
-                    .wave
-                    .transmittances(rays, &distances, &self.scene.materials);
+                let is_behind = point.is_backed_by(light.direction).bits();
+                let media = self.media_of_lights(group.material, at, point.side.signs(), is_behind);
+                let distances = light.distance.to_array();
+                let left = transmittances(&media, &distances, &self.scene.materials);
                 light.radiance = light.radiance.times(set.load_vector(&left));
             }
             self.arriving.store(at.first, &light);
         }
+    }
+}
+
+impl SampleLights<'_> {
+    /// The media between eight points of a material and their lights; `flipped` are the points
+    /// that rays met from inside, `behind` those whose light is behind the surface.
+    #[inline(always)]
+    fn media_of_lights(
+        &self,
+        material: MaterialId,
+        at: PointLanes,
+        flipped: u8,
+        behind: u8,
+    ) -> [Media; N_LANES] {
+        let rays = self.points.rays(at);
+        let mut media = self.wave.media(rays);
+        if behind != 0 && self.scene.material(material).dielectric.is_some() {
+            let met = Interfaces::met(self.scene, self.wave, material, rays, flipped);
+            for (lane, (media, of_other_side)) in media.iter_mut().zip(met.behind).enumerate() {
+                if behind >> lane & 1 != 0 {
+                    *media = of_other_side;
+                }
+            }
+        }
+        media
     }
 }

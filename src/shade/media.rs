@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::material::{Dielectric, Material};
 use crate::scene::MaterialId;
+use crate::simd::{N_LANES, set_lane};
 
 /// Most media that may overlap at a point; a ray does not enter further ones.
 const MAX_MEDIA: usize = 4;
@@ -99,6 +100,19 @@ impl Media {
         }
         self
     }
+}
+
+/// The fractions of light that media let pass over these distances: a column for each channel.
+pub(super) fn transmittances(
+    media: &[Media; N_LANES],
+    distances: &[f32; N_LANES],
+    all: &[Material],
+) -> [[f32; N_LANES]; 3] {
+    let mut columns = [[1.0; N_LANES]; 3];
+    for (lane, (media, &distance)) in media.iter().zip(distances).enumerate() {
+        set_lane(&mut columns, lane, media.transmittance(distance, all));
+    }
+    columns
 }
 
 #[cfg(test)]

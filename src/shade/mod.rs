@@ -138,7 +138,7 @@ impl<'a> Shader<'a> {
             None => {
                 let numbers = self.numbers(path).light(lights, i);
                 let (light, index) = lights.illuminate(i, [at.position, at.normal], &numbers);
-                (self.weakened_by_media(light, path), index)
+                (self.weakened_by_media(light, path, point), index)
             }
         };
         let direction = light.direction;
@@ -155,14 +155,22 @@ impl<'a> Shader<'a> {
             })
     }
 
-    /// The light of a sample behind the media that the ray to the point is in.
-    fn weakened_by_media(&self, light: Illumination<f32>, path: &PathRay) -> Illumination<f32> {
+    /// The light of a sample behind the media between it and the point that a ray hits.
+    fn weakened_by_media(
+        &self,
+        light: Illumination<f32>,
+        path: &PathRay,
+        point: &SurfacePoint,
+    ) -> Illumination<f32> {
         if !self.scene.weakens_lights() {
             return light;
         }
-        let left = path
-            .media
-            .transmittance(light.distance, &self.scene.materials);
+        let is_behind = point.shading().is_backed_by(light.direction);
+        let media = match self.interface(path, point) {
+            Some(interface) if is_behind => interface.behind,
+            _ => path.media,
+        };
+        let left = media.transmittance(light.distance, &self.scene.materials);
         Illumination {
             radiance: light.radiance.times(left.into()),
             ..light

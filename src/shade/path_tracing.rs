@@ -43,7 +43,7 @@ impl Model for PathTracing {
     ) -> R::Mask {
         let zero = point.side.splat(0.0);
         let is_on = zero.lt(light.radiance.max_element());
-        if material.particles.is_some() {
+        if by_kind!(Bsdf::of(material), |of| of.is_lit_from_all_sides()) {
             return is_on;
         }
         point.is_faced_by(light.direction) & is_on
@@ -84,14 +84,15 @@ pub(super) fn power_heuristic<R: Real>(own: R, other: R) -> R {
 /// refraction.
 ///
 /// Russian roulette: Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH
-/// 1990. The spread of light at the surfaces of media does not count.
+/// 1990. By the square root of the share, as in Blender's Cycles: variance decreases by more
+/// than the longer paths take. The spread of light at the surfaces of media does not count.
 #[inline(always)]
 pub(super) fn survival(weight: Vec3, index: f32, depth: u32) -> f32 {
     let share = weight.max_element() * index * index;
     if depth < ROULETTE_DEPTH && share > 0.0 {
         return 1.0;
     }
-    share.min(1.0)
+    share.sqrt().min(1.0)
 }
 
 /// Bounces after which paths may end early.

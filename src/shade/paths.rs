@@ -9,7 +9,7 @@ use crate::fog::FogSphere;
 use crate::geometry::RayStream;
 use crate::material::Material;
 use crate::simd::{
-    InstructionSet, N_LANES, Vector, VectorColumn, grow, lane_of, lanes_mut, set_lane, to_arrays,
+    InstructionSet, N_LANES, Vector, VectorColumn, grow, lane_of, lanes_mut, to_arrays,
 };
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All
@@ -115,24 +115,9 @@ impl PathWave {
         }
     }
 
-    /// The fractions of light that the media of eight rays let pass over these distances: a
-    /// column for each channel.
-    pub(super) fn transmittances(
-        &self,
-        rays: &[u32; N_LANES],
-        distances: &[f32; N_LANES],
-        materials: &[Material],
-    ) -> [[f32; N_LANES]; 3] {
-        let mut columns = [[1.0; N_LANES]; 3];
-        for (lane, &ray) in rays.iter().enumerate() {
-            let media = self.branches[ray as usize].media;
-            set_lane(
-                &mut columns,
-                lane,
-                media.transmittance(distances[lane], materials),
-            );
-        }
-        columns
+    /// The media of eight rays.
+    pub(super) fn media(&self, rays: &[u32; N_LANES]) -> [Media; N_LANES] {
+        rays.map(|ray| self.branches[ray as usize].media)
     }
 
     /// Lets the light fade in fog on the way to the hits.

@@ -103,6 +103,13 @@ impl<R: Real> ShadingPoint<R> {
         zero.lt(self.normal.dot(direction)) & zero.lt(self.geometric_normal.dot(direction))
     }
 
+    /// Whether a direction points away from the hidden side of the surface, by both normals.
+    #[inline(always)]
+    pub fn is_backed_by(&self, direction: Vector<R>) -> R::Mask {
+        let zero = self.side.splat(0.0);
+        self.normal.dot(direction).lt(zero) & self.geometric_normal.dot(direction).lt(zero)
+    }
+
     /// The mirror direction of an incoming direction, a unit vector: by the shading
     /// normal, or by the geometric one if the former would point into the
     /// surface.

@@ -257,3 +257,47 @@ objects:
     let direct = box_of("max_depth: 1");
     assert!(each.x > 1.4 * direct.x, "{each} {direct}");
 }
+
+#[test]
+fn a_point_light_shines_through_frosted_glass_as_a_small_lamp_does() {
+    let seen = |material: &str, lights: &str, objects: &str| {
+        mean(&radiance(&format!(
+            "{DOWN}shading: {{ model: path, max_depth: 1 }}
+materials:
+  pane: {material}
+  lamp: {{ color: 0, emission: 5000 }}
+lights: [{lights}]
+objects:
+  - plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}
+    material: pane
+{objects}"
+        )))
+    };
+    // A sphere sends its radiance times its cross section; the unit of a point light is pi.
+    let intensity = 5000.0 * 0.01 * 0.01;
+    for (material, z) in [
+        ("{ color: 0.7 }", 2.0),
+        ("{ dielectric: { index: 1.5 }, roughness: 0.6 }", 2.0),
+        ("{ dielectric: { index: 1.5 }, roughness: 0.6 }", -2.0),
+        (
+            "{ dielectric: { index: 1.2, absorption: [0.1, 0.3, 0.9] }, roughness: 0.5 }",
+            -2.0,
+        ),
+        (
+            "{ color: [0.9, 0.5, 0.2], principled: { transmission: 0.6, roughness: 0.7 } }",
+            -2.0,
+        ),
+    ] {
+        let light = format!(
+            "point: {{ position: [0.3, 0, {z}], intensity: {intensity}, falloff: inverse_square }}"
+        );
+        let lamp = format!(
+            "  - {{ sphere: {{ center: [0.3, 0, {z}], radius: 0.01 }}, material: lamp }}\n"
+        );
+        let (by_point, by_lamp) = (seen(material, &light, ""), seen(material, "", &lamp));
+        assert!(
+            (by_point / by_lamp - 1.0).abs().max_element() < 0.02,
+            "{material} {z}: {by_point} {by_lamp}"
+        );
+    }
+}

@@ -1,5 +1,7 @@
 //! The surfaces of clear media, smooth or rough.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
@@ -16,6 +18,10 @@ pub(in crate::shade) struct Medium<'a> {
     rough: Option<&'a RoughSurface>,
 }
 
+/// Where indices differ by a smaller fraction, the facet of two directions cannot be told from
+/// their rounding errors: the light goes straight on.
+const LEAST_BEND: f32 = 1e-3;
+
 impl<'a> Medium<'a> {
     pub(super) fn new(rough: Option<&'a RoughSurface>) -> Self {
         Self { rough }
@@ -27,7 +33,10 @@ impl Scatters for Medium<'_> {
         self.rough.is_some()
     }
 
-    /// Of reflection; light samples do not contribute to what is refracted.
+    fn is_lit_from_all_sides(&self) -> bool {
+        self.rough.is_some()
+    }
+
     #[inline(always)]
     fn evaluate<R: Real>(
         &self,
@@ -38,17 +47,11 @@ impl Scatters for Medium<'_> {
         let Some(rough) = self.rough else {
             return Scattering::none(to_light.x);
         };
-        let facet = (at.to_viewer + to_light).normalize();
-        let reflectance = split(-at.to_viewer, facet, boundary.eta).reflectance;
-        let zero = reflectance.splat(0.0);
-        let reflectance = R::select(boundary.is_visible, reflectance, zero);
-        let [to_viewer, to_light] = [at.to_viewer, to_light].map(|to| at.in_surface(to));
-        let facets = rough.facets.reflection(to_viewer, to_light);
-        let value = reflectance * facets.value / returned(rough, at, boundary.eta);
-        Scattering {
-            value: Vector::splat(zero, Vec3::ONE) * value,
-            density: reflectance * facets.density,
-        }
+        let reflected = reflection(rough, at, boundary, to_light);
+        let refracted = refraction(rough, at, boundary, to_light);
+        let none = Scattering::none(to_light.x);
+        let reflected = Scattering::select(at.point.is_faced_by(to_light), reflected, none);
+        Scattering::select(at.point.is_backed_by(to_light), refracted, reflected)
     }
 
     #[inline(always)]
@@ -65,49 +68,103 @@ impl Scatters for Medium<'_> {
                 let mirrored = at.point.mirrored(-at.to_viewer);
                 chosen(split, mirrored, boundary, lobe)
             }
-            Some(rough) => self.by_facets(rough, at, boundary, numbers, lobe),
+            Some(rough) => by_facets(rough, at, boundary, numbers, lobe),
         }
     }
 }
 
-impl Medium<'_> {
-    /// Reflects or refracts at one of the facets that the viewer sees.
-    #[inline(always)]
-    fn by_facets<R: Real>(
-        &self,
-        rough: &RoughSurface,
-        at: &Leaving<R>,
-        boundary: &Boundary<R>,
-        numbers: [R; 2],
-        lobe: R,
-    ) -> Scattered<R> {
-        let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
-        let Boundary { eta, is_visible } = *boundary;
-        let to_viewer = at.in_surface(at.to_viewer);
-        let facet = at.in_world(rough.facets.facet(to_viewer, numbers));
-        let Split {
-            reflectance,
-            refracted,
-        } = split(-at.to_viewer, facet, eta);
-        let split = Split {
-            reflectance: R::select(is_visible, reflectance, zero),
-            refracted: Vector::select(is_visible, refracted, -at.to_viewer),
-        };
-        let mirrored = (-at.to_viewer).reflect(facet).normalize();
-        let chosen = chosen(split, mirrored, boundary, lobe);
-        let reflected = at.reflected(mirrored, self.evaluate(at, boundary, mirrored));
-        // Light that other facets hide, or that comes from the wrong side, is lost.
-        let to_light = at.in_surface(chosen.direction);
-        let by_geometry = chosen.direction.dot(at.point.geometric_normal);
-        let is_behind = to_light.z.lt(zero) & by_geometry.lt(zero);
-        let visible = rough.facets.visibility(to_viewer, to_light);
-        let passed = R::select(is_behind, visible / returned(rough, at, eta), zero);
-        let refracted = Scattered {
-            factor: chosen.factor * R::select(is_visible, passed, one),
-            ..chosen
-        };
-        Scattered::select(chosen.is_refracted, refracted, reflected)
+/// Reflects or refracts at one of the facets that the viewer sees.
+#[inline(always)]
+fn by_facets<R: Real>(
+    rough: &RoughSurface,
+    at: &Leaving<R>,
+    boundary: &Boundary<R>,
+    numbers: [R; 2],
+    lobe: R,
+) -> Scattered<R> {
+    let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
+    let Boundary { eta, is_visible } = *boundary;
+    let to_viewer = at.in_surface(at.to_viewer);
+    let normal = rough.facets.facet(to_viewer, numbers);
+    let facet = at.in_world(normal);
+    let Split {
+        reflectance,
+        refracted,
+    } = split(-at.to_viewer, facet, eta);
+    let split = Split {
+        reflectance: R::select(is_visible, reflectance, zero),
+        refracted: Vector::select(is_visible, refracted, -at.to_viewer),
+    };
+    let mirrored = (-at.to_viewer).reflect(facet).normalize();
+    let chosen = chosen(split, mirrored, boundary, lobe);
+    let reflected = at.reflected(mirrored, reflection(rough, at, boundary, mirrored));
+    // Light that other facets hide, or that comes from the wrong side, is lost.
+    let to_light = at.in_surface(chosen.direction);
+    let visible = rough.facets.visibility(to_viewer, to_light);
+    let is_behind = at.point.is_backed_by(chosen.direction);
+    let passed = R::select(is_behind, visible / returned(rough, at, eta), zero);
+    let density = (one - reflectance) * rough.facets.refraction([to_viewer, to_light], normal, eta);
+    let refracted = Scattered {
+        factor: chosen.factor * R::select(is_visible, passed, one),
+        density: R::select(bends(boundary), density, chosen.density),
+        ..chosen
+    };
+    Scattered::select(chosen.is_refracted, refracted, reflected)
+}
+
+/// Scattering by reflection from a direction in front of the surface.
+#[inline(always)]
+fn reflection<R: Real>(
+    rough: &RoughSurface,
+    at: &Leaving<R>,
+    boundary: &Boundary<R>,
+    to_light: Vector<R>,
+) -> Scattering<R> {
+    let facet = (at.to_viewer + to_light).normalize();
+    let reflectance = split(-at.to_viewer, facet, boundary.eta).reflectance;
+    let zero = reflectance.splat(0.0);
+    let reflectance = R::select(boundary.is_visible, reflectance, zero);
+    let [to_viewer, to_light] = [at.to_viewer, to_light].map(|to| at.in_surface(to));
+    let facets = rough.facets.reflection(to_viewer, to_light);
+    let value = reflectance * facets.value / returned(rough, at, boundary.eta);
+    Scattering {
+        value: Vector::splat(zero, Vec3::ONE) * value,
+        density: reflectance * facets.density,
     }
+}
+
+/// Scattering by refraction from a direction behind the surface: Walter et al. 2007, with the
+/// density of visible facets.
+#[inline(always)]
+fn refraction<R: Real>(
+    rough: &RoughSurface,
+    at: &Leaving<R>,
+    boundary: &Boundary<R>,
+    to_light: Vector<R>,
+) -> Scattering<R> {
+    let eta = boundary.eta;
+    let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
+    let sum = at.to_viewer * eta + to_light;
+    // Toward the medium of the smaller index.
+    let facet = Vector::select(eta.lt(one), -sum, sum).normalize();
+    let reflectance = split(-at.to_viewer, facet, eta).reflectance;
+    let [to_viewer, to_light, normal] = [at.to_viewer, to_light, facet].map(|of| at.in_surface(of));
+    let is_refracted = bends(boundary) & zero.lt(normal.z);
+    let density = (one - reflectance) * rough.facets.refraction([to_viewer, to_light], normal, eta);
+    let density = R::select(is_refracted, density, zero);
+    let visible = rough.facets.visibility(to_viewer, to_light);
+    let share = eta * eta * visible / returned(rough, at, eta);
+    Scattering {
+        value: Vector::splat(zero, Vec3::splat(PI)) * (density * share),
+        density,
+    }
+}
+
+/// Whether facets refract light to other directions than straight on.
+#[inline(always)]
+fn bends<R: Real>(Boundary { eta, is_visible }: &Boundary<R>) -> R::Mask {
+    let difference = (*eta - eta.splat(1.0)).abs();
+    *is_visible & eta.splat(LEAST_BEND).lt(difference)
 }
 
 /// The share of light that facets return at once.
@@ -146,6 +203,6 @@ fn chosen<R: Real>(
         },
         density: zero.splat(f32::INFINITY),
         is_refracted,
-        is_diffuse: zero.lt(zero),
+        is_diffuse: zero.splat_mask(false),
     }
 }

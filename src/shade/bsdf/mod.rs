@@ -35,8 +35,13 @@ pub(super) trait Scatters: Copy {
     /// Whether light samples contribute.
     fn is_lit(&self) -> bool;
 
-    /// Scattering from a direction on the viewer's side of the surface; only of what
-    /// light samples contribute to. `boundary` is read for media alone.
+    /// Whether those from behind the surface do, too.
+    fn is_lit_from_all_sides(&self) -> bool {
+        false
+    }
+
+    /// Scattering from a direction in front of the surface, or from any if it is lit from all
+    /// sides; only of what light samples contribute to. `boundary` is read for media alone.
     fn evaluate<R: Real>(
         &self,
         at: &Leaving<R>,
@@ -140,7 +145,7 @@ impl<R: Real> Boundary<R> {
         let one = like.splat(1.0);
         Self {
             eta: one,
-            is_visible: one.equals(one),
+            is_visible: one.splat_mask(true),
         }
     }
 }
@@ -213,8 +218,8 @@ impl<R: Real> Leaving<R> {
             direction,
             factor: value * R::select(is_in_front, over_density, zero),
             density,
-            is_refracted: density.lt(zero),
-            is_diffuse: density.lt(zero),
+            is_refracted: zero.splat_mask(false),
+            is_diffuse: zero.splat_mask(false),
         }
     }
 }
@@ -242,6 +247,15 @@ impl<R: Real> Scattered<R> {
 }
 
 impl<R: Real> Scattering<R> {
+    /// `this` where `mask` is true, else `other`.
+    #[inline(always)]
+    fn select(mask: R::Mask, this: Self, other: Self) -> Self {
+        Self {
+            value: Vector::select(mask, this.value, other.value),
+            density: R::select(mask, this.density, other.density),
+        }
+    }
+
     #[inline(always)]
     fn none(like: R) -> Self {
         let zero = like.splat(0.0);

@@ -15,6 +15,10 @@ impl Scatters for Particle {
         true
     }
 
+    fn is_lit_from_all_sides(&self) -> bool {
+        true
+    }
+
     #[inline(always)]
     fn evaluate<R: Real>(
         &self,
@@ -38,13 +42,12 @@ impl Scatters for Particle {
         _: R,
     ) -> Scattered<R> {
         let (direction, cos) = self.phase.sample(-at.to_viewer, numbers);
-        let (zero, one) = (cos.splat(0.0), cos.splat(1.0));
         Scattered {
             direction,
             factor: at.point.color,
             density: self.phase.density(cos),
-            is_refracted: one.lt(zero),
-            is_diffuse: zero.lt(one),
+            is_refracted: cos.splat_mask(false),
+            is_diffuse: cos.splat_mask(true),
         }
     }
 }

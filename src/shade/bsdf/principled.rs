@@ -87,7 +87,10 @@ impl Scatters for PrincipledBsdf<'_> {
         true
     }
 
-    /// Of metal and coat, and of what the medium reflects.
+    fn is_lit_from_all_sides(&self) -> bool {
+        self.clear > 0.0
+    }
+
     #[inline(always)]
     fn evaluate<R: Real>(
         &self,
@@ -121,8 +124,12 @@ impl Scatters for PrincipledBsdf<'_> {
         }
         let clear = one.splat(self.clear);
         let of_medium = self.medium.evaluate(at, boundary, to_light);
+        let is_behind = at.point.is_backed_by(to_light);
+        let is_in_front = at.point.is_faced_by(to_light);
+        let opaque = Scattering::select(is_in_front, opaque, Scattering::none(one));
+        let tint = Vector::select(is_behind, refracted_share(color), white);
         opaque.with(Scattering {
-            value: of_medium.value * clear,
+            value: of_medium.value.times(tint) * clear,
             density: of_medium.density * clear,
         })
     }
@@ -152,8 +159,8 @@ impl Scatters for PrincipledBsdf<'_> {
         direction = Vector::select(is_clear, of_medium.direction, direction);
         let reflected = self.reflected(at, boundary, direction, !is_glossy);
         let refracted = Scattered {
-            // A ray passes the surface twice.
-            factor: of_medium.factor.times(root(at.point.color)),
+            factor: of_medium.factor.times(refracted_share(at.point.color)),
+            density: of_medium.density * clear,
             ..of_medium
         };
         Scattered::select(is_clear & of_medium.is_refracted, refracted, reflected)
@@ -177,9 +184,10 @@ impl PrincipledBsdf<'_> {
     }
 }
 
-/// The square root of each channel.
+/// What a surface of this color lets pass of each channel, so that a ray that passes two of them
+/// has the color.
 #[inline(always)]
-fn root<R: Real>(color: Vector<R>) -> Vector<R> {
+fn refracted_share<R: Real>(color: Vector<R>) -> Vector<R> {
     Vector {
         x: color.x.sqrt(),
         y: color.y.sqrt(),
