@@ -70,7 +70,7 @@ impl fmt::Display for GeometryFile {
     }
 }
 
-/// A triangle mesh in an OBJ, PLY or STL file, or the surface of a data set in a VTK file.
+/// A triangle mesh in an OBJ, PLY, STL or glTF file, or the surface of a data set in a VTK file.
 /// Without a `material` beside it, it has the materials of the file.
 ///
 /// ```

@@ -84,6 +84,23 @@ impl Mesh {
         own as u64 + normals + uvs + scalars + colors + materials
     }
 
+    /// Takes the normals of a file, which may be those of some triangles only: the others get
+    /// their geometric normal. Without any there are none.
+    pub(super) fn take_normals(&mut self, mut normals: CornerValues<Vec3>) {
+        let CornerValues { values, triangles } = &mut normals;
+        if triangles.is_empty() {
+            return;
+        }
+        triangles.resize(self.triangles.len(), MISSING);
+        for (normals, vertices) in triangles.iter_mut().zip(&self.triangles) {
+            if *normals == MISSING {
+                *normals = [values.len() as u32; 3];
+                values.push(self.triangle(*vertices).normal().unwrap_or_default());
+            }
+        }
+        self.normals = Some(normals);
+    }
+
     /// Normals that vary smoothly over the surface: at each vertex the sum of
     /// its triangles' normals, weighted by their angles there, so that
     /// the triangulation of a face does not show (Thürmer and Wüthrich, "Computing Vertex
@@ -113,6 +130,51 @@ fn angle(a: Vec3, b: Vec3) -> f32 {
             .dot(b.normalize_or_zero())
             .clamp(-1.0, 1.0),
     )
+}
+
+/// Placeholder for the values at the corners of a triangle without any.
+pub(super) const MISSING: [u32; 3] = [u32::MAX; 3];
+
+impl<T: Copy> CornerValues<T> {
+    /// Adds values at the vertices of triangles, of which `n_before` others are known.
+    ///
+    /// # Errors
+    /// Too many values.
+    pub(super) fn append(
+        &mut self,
+        values: Vec<T>,
+        triangles: &[[u32; 3]],
+        n_before: usize,
+    ) -> Result<()> {
+        let first = count(self.values.len() + values.len())? - values.len() as u32;
+        self.triangles.resize(n_before, MISSING);
+        self.triangles.extend(moved(triangles, first));
+        self.values.extend(values);
+        Ok(())
+    }
+
+    /// The values of `n` triangles, of which those without any get one by default; `None` if
+    /// none has any.
+    pub(super) fn completed(mut self, n: usize, default: T) -> Option<Self> {
+        if self.triangles.is_empty() {
+            return None;
+        }
+        self.triangles.resize(n, MISSING);
+        let missing = self
+            .triangles
+            .iter_mut()
+            .filter(|corners| **corners == MISSING);
+        missing.for_each(|corners| *corners = [self.values.len() as u32; 3]);
+        self.values.push(default);
+        Some(self)
+    }
+}
+
+/// Triangles whose vertices follow others.
+pub(super) fn moved(triangles: &[[u32; 3]], n: u32) -> impl Iterator<Item = [u32; 3]> {
+    triangles
+        .iter()
+        .map(move |corners| corners.map(|corner| n + corner))
 }
 
 /// Makes a vector of numbers.

@@ -7,6 +7,7 @@
 
 mod fault;
 mod lines;
+mod budget;
 mod picture;
 mod materials;
 mod mesh;
@@ -16,6 +17,7 @@ mod ply;
 mod spheres;
 mod tubes;
 mod stl;
+mod gltf;
 mod vtk;
 mod pieces;
 mod series;
@@ -93,6 +95,8 @@ const FORMATS: &[(&str, MeshReader)] = &[
     ("obj", obj::read),
     ("ply", |file, _| ply::read(file)),
     ("stl", |file, _| stl::read(file)),
+    ("gltf", gltf::read),
+    ("glb", gltf::read),
 ];
 
 /// Whether the file's extension is that of a mesh format.

@@ -1,6 +1,8 @@
 //! Materials of mesh files as materials of scenes.
 
 use super::Material;
+use glam::Vec3;
+
 use super::cutout::Cutout;
 use super::dielectric::Dielectric;
 use super::image::{ImageTexture, Mapping};
@@ -59,7 +61,7 @@ impl Material {
             (made.ambient, made.diffuse, made.reflection) = (0.0, 0.0, 0.0);
             made.dielectric = Some(Dielectric {
                 index: of.index,
-                absorption: glam::Vec3::ZERO,
+                absorption: Vec3::ZERO,
                 priority: 0,
             });
         }
@@ -120,6 +122,8 @@ fn color_of(of: &MeshMaterial) -> Texture {
     let image = of.picture.as_ref().map(image);
     match (of.has_vertex_colors, image) {
         (true, image) => Texture::VertexColors(VertexColors {
+            // That of a picture is multiplied by the color already.
+            tint: image.as_ref().map_or(of.color, |_| Vec3::ONE),
             image: image.map(Box::new),
         }),
         (false, Some(image)) => Texture::Image(image),

@@ -1,5 +1,6 @@
 //! The colors of the vertices of a mesh.
 
+use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
 use super::image::ImageTexture;
@@ -14,8 +15,10 @@ use crate::simd::{Real, Vector};
 /// let scanned: Texture = raycost::yaml::from_str("vertex_colors").unwrap();
 /// # assert!(scanned.is_of_vertices());
 /// ```
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VertexColors {
+    /// A color by which they are multiplied.
+    pub tint: Vec3,
     /// A picture by which they are multiplied.
     pub image: Option<Box<ImageTexture>>,
 }
@@ -23,9 +26,10 @@ pub struct VertexColors {
 impl VertexColors {
     #[inline(always)]
     pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
+        let color = point.color.times(Vector::splat(point.color.x, self.tint));
         match &self.image {
-            None => point.color,
-            Some(image) => point.color.times(image.color_at(point)),
+            None => color,
+            Some(image) => color.times(image.color_at(point)),
         }
     }
 }
@@ -33,6 +37,9 @@ impl VertexColors {
 /// A word without keys.
 impl<'de> Deserialize<'de> for VertexColors {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        <()>::deserialize(d).map(|()| Self::default())
+        <()>::deserialize(d).map(|()| Self {
+            tint: Vec3::ONE,
+            image: None,
+        })
     }
 }

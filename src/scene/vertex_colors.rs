@@ -27,6 +27,6 @@ pub(super) fn are_needed(
         "the material `{name}` has the colors of vertices, which this {} has not",
         object.geometry
     );
-    let expected = "expected a mesh with colors at all vertices, in a PLY or OBJ file";
+    let expected = "expected a mesh with colors at all vertices, in a PLY, OBJ or glTF file";
     Err(Fault::new(path.clone().key("material"), message, expected))
 }

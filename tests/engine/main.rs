@@ -12,6 +12,7 @@ mod cutouts;
 mod determinism;
 mod environment;
 mod fog;
+mod gltf;
 mod import;
 mod media;
 mod attribution;

@@ -40,7 +40,7 @@ fn assert_near(found: Vec3, expected: Vec3) {
 
 /// A triangle with colors of this type at its vertices: red, black and half of the light of
 /// blue, as displays take it.
-fn ply(kind: &str, [full, half]: [&str; 2]) -> String {
+pub fn ply(kind: &str, [full, half]: [&str; 2]) -> String {
     format!(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
          property float z\nproperty {kind} red\nproperty {kind} green\nproperty {kind} blue\n\

@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 use super::fault::cut;
 use super::lines::Lines;
 use super::materials::MeshMaterial;
-use super::mesh::{CornerValues, Mesh, count, fan, finite, light};
+use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use groups::MaterialGroups;
 
@@ -40,10 +40,6 @@ const IGNORED: &[&str] = &[
 
 /// The format of a corner of a face.
 const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
-
-/// Placeholder for the normals or the texture coordinates of a triangle without any, replaced
-/// at the end.
-const MISSING: [u32; 3] = [u32::MAX; 3];
 
 pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let mut lines = Lines::new(file);
@@ -191,15 +187,9 @@ impl Reader {
     /// Gives the lower left corner of pictures to faces without texture coordinates, if others
     /// have some.
     fn complete_uvs(&mut self) {
-        let CornerValues { values, triangles } = &mut self.uvs;
-        if triangles.is_empty() {
-            return;
-        }
-        triangles.resize(self.mesh.triangles.len(), MISSING);
-        for triangle in triangles.iter_mut().filter(|corners| **corners == MISSING) {
-            *triangle = [values.len() as u32; 3];
-        }
-        values.push(Vec2::ZERO);
+        let uvs = std::mem::take(&mut self.uvs);
+        let n = self.mesh.triangles.len();
+        self.uvs = uvs.completed(n, Vec2::ZERO).unwrap_or_default();
     }
 
     fn finish(mut self) -> Mesh {
@@ -213,24 +203,7 @@ impl Reader {
                 triangles: self.mesh.triangles.clone(),
             });
         }
-        self.finish_normals()
-    }
-
-    /// Returns the mesh. If some triangles have normals, the others get their
-    /// geometric normal.
-    fn finish_normals(mut self) -> Mesh {
-        let CornerValues { values, triangles } = &mut self.normals;
-        if triangles.is_empty() {
-            return self.mesh;
-        }
-        triangles.resize(self.mesh.triangles.len(), MISSING);
-        for (normals, vertices) in triangles.iter_mut().zip(&self.mesh.triangles) {
-            if *normals == MISSING {
-                *normals = [values.len() as u32; 3];
-                values.push(self.mesh.triangle(*vertices).normal().unwrap_or_default());
-            }
-        }
-        self.mesh.normals = Some(self.normals);
+        self.mesh.take_normals(self.normals);
         self.mesh
     }
 }

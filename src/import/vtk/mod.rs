@@ -3,7 +3,6 @@
 //! A file is read whole, and of its arrays only those that are wanted. What its numbers
 //! would take is taken from a budget before it is allocated.
 
-mod budget;
 mod numbers;
 mod encoded;
 mod document;
@@ -22,11 +21,11 @@ mod isosurface;
 use std::io::Read;
 use std::path::Path;
 
+use super::budget::{self, Budget};
 use super::mesh::Mesh;
 use super::spheres::Spheres;
 use super::tubes::Tubes;
 use super::{FileFault, Result, extension, max_bytes, open};
-use budget::Budget;
 pub(super) use collection::read as read_collection;
 use piece::{Piece, Wanted};
 use xml::Contents;

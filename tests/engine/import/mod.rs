@@ -5,6 +5,7 @@ mod faults;
 mod isosurfaces;
 mod lines;
 mod vtk;
+mod vtk_meshes;
 mod vtk_pictures;
 mod write;
 

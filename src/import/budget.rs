@@ -1,6 +1,6 @@
 //! The memory that reading a file may take.
 
-use super::super::{FileFault, Result};
+use super::{FileFault, Result};
 use crate::host::available_memory;
 
 /// The memory that is left for a file and its pieces, in bytes.

@@ -1,0 +1,254 @@
+//! The numbers of a glTF file's accessors.
+
+use gltf_json::accessor::{Accessor, ComponentType, Type, sparse};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Root, buffer};
+
+use super::buffers::Buffers;
+use crate::import::budget::Budget;
+use crate::import::{FileFault, Result};
+
+/// The accessors of a file.
+#[derive(Clone, Copy)]
+pub(super) struct Accessors<'a> {
+    pub(super) root: &'a Root,
+    pub(super) buffers: &'a Buffers<'a>,
+}
+
+/// Elements in the bytes of a view.
+struct Elements<'a> {
+    /// From the first element on.
+    bytes: &'a [u8],
+    /// Bytes from one element to the next.
+    stride: usize,
+    component: ComponentType,
+    /// Whether whole numbers stand for fractions of the largest.
+    normalized: bool,
+}
+
+impl Accessors<'_> {
+    /// The first `N` numbers of each element, 0 for those that it has not.
+    ///
+    /// # Errors
+    /// An accessor that reaches out of its view, or needs too much memory.
+    pub(super) fn vectors<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+        budget: &mut Budget,
+    ) -> Result<Vec<[f32; N]>> {
+        let (accessor, n) = self.shape(index, budget, size_of::<[f32; N]>())?;
+        let used = n_components(accessor).min(N);
+        let mut found = vec![[0.0; N]; n];
+        if let Some(elements) = self.elements(index, accessor)? {
+            for (i, vector) in found.iter_mut().enumerate() {
+                for (k, number) in vector[..used].iter_mut().enumerate() {
+                    *number = elements.number(i, k);
+                }
+            }
+        }
+        self.replace(index, accessor, |i, values, from| {
+            let Some(vector) = found.get_mut(i) else {
+                return false;
+            };
+            for (k, number) in vector[..used].iter_mut().enumerate() {
+                *number = values.number(from, k);
+            }
+            true
+        })?;
+        Ok(found)
+    }
+
+    /// The whole numbers of an accessor of indices.
+    ///
+    /// # Errors
+    /// Those of [`vectors`](Self::vectors), and numbers that are not whole.
+    pub(super) fn indices(&self, index: Index<Accessor>, budget: &mut Budget) -> Result<Vec<u32>> {
+        let (accessor, n) = self.shape(index, budget, size_of::<u32>())?;
+        let is_whole = matches!(
+            component(accessor),
+            ComponentType::U8 | ComponentType::U16 | ComponentType::U32
+        );
+        if !is_whole || n_components(accessor) != 1 || accessor.sparse.is_some() {
+            let problem = format!("`accessors[{}]` has no indices", index.value());
+            return Err(FileFault::new(
+                problem,
+                "whole numbers without a sign, one by one",
+            ));
+        }
+        let elements = self.elements(index, accessor)?;
+        let elements = elements.ok_or_else(|| outside(index))?;
+        Ok((0..n).map(|i| elements.index(i)).collect())
+    }
+
+    /// Number of elements.
+    pub(super) fn count(&self, index: Index<Accessor>) -> u64 {
+        self.root.get(index).map_or(0, |accessor| accessor.count.0)
+    }
+
+    /// An accessor and the number of its elements, whose memory is taken.
+    fn shape(
+        &self,
+        index: Index<Accessor>,
+        budget: &mut Budget,
+        n_bytes: usize,
+    ) -> Result<(&Accessor, usize)> {
+        let accessor = self.root.get(index).ok_or_else(|| outside(index))?;
+        let n = accessor.count.0;
+        budget.take(n.saturating_mul(n_bytes as u64))?;
+        Ok((accessor, n as usize))
+    }
+
+    /// The elements in the view of an accessor, if it has one.
+    fn elements(
+        &self,
+        index: Index<Accessor>,
+        accessor: &Accessor,
+    ) -> Result<Option<Elements<'_>>> {
+        let Some(view) = accessor.buffer_view else {
+            return Ok(None);
+        };
+        let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+        let component = component(accessor);
+        let size = n_components(accessor) * size_of_component(component);
+        let elements = self.in_view(view, offset, size, component, accessor.count.0);
+        let elements = elements?.ok_or_else(|| outside(index))?;
+        Ok(Some(Elements {
+            normalized: accessor.normalized,
+            ..elements
+        }))
+    }
+
+    /// `n` elements of this size in a view; `None` if they reach out of it.
+    fn in_view(
+        &self,
+        view: Index<buffer::View>,
+        offset: u64,
+        size: usize,
+        component: ComponentType,
+        n: u64,
+    ) -> Result<Option<Elements<'_>>> {
+        let (bytes, stride) = self.buffers.view(self.root, view)?;
+        let stride = stride.unwrap_or(size);
+        let last = n.checked_sub(1).map(|last| last.checked_mul(stride as u64));
+        let end = match last {
+            None => Some(offset),
+            Some(last) => last.and_then(|last| last.checked_add(offset)?.checked_add(size as u64)),
+        };
+        let fits = end.is_some_and(|end| end <= bytes.len() as u64);
+        Ok(fits.then(|| Elements {
+            bytes: &bytes[offset as usize..],
+            stride,
+            component,
+            normalized: false,
+        }))
+    }
+
+    /// Calls `replace` with each element that a sparse accessor replaces: its index, the values
+    /// and the index of the value; it returns whether there is such an element.
+    fn replace(
+        &self,
+        index: Index<Accessor>,
+        accessor: &Accessor,
+        mut replace: impl FnMut(usize, &Elements, usize) -> bool,
+    ) -> Result<()> {
+        let Some(sparse) = &accessor.sparse else {
+            return Ok(());
+        };
+        let sparse::Sparse {
+            count,
+            indices,
+            values,
+            ..
+        } = sparse;
+        let of_indices = match &indices.component_type {
+            Checked::Valid(kind) => kind.0,
+            Checked::Invalid => ComponentType::U32,
+        };
+        let component = component(accessor);
+        let size = n_components(accessor) * size_of_component(component);
+        let (at, from) = (indices.byte_offset.0, values.byte_offset.0);
+        let index_size = size_of_component(of_indices);
+        let indices = self.in_view(indices.buffer_view, at, index_size, of_indices, count.0)?;
+        let values = self.in_view(values.buffer_view, from, size, component, count.0)?;
+        let (Some(indices), Some(values)) = (indices, values) else {
+            return Err(outside(index));
+        };
+        let values = Elements {
+            normalized: accessor.normalized,
+            ..values
+        };
+        let mut numbers = 0..count.0 as usize;
+        if numbers.all(|i| replace(indices.index(i) as usize, &values, i)) {
+            Ok(())
+        } else {
+            Err(outside(index))
+        }
+    }
+}
+
+impl Elements<'_> {
+    fn bytes<const N: usize>(&self, element: usize, component: usize) -> [u8; N] {
+        let at = element * self.stride + component * N;
+        // All elements are in the bytes.
+        self.bytes[at..].first_chunk().copied().unwrap_or([0; N])
+    }
+
+    /// A component of an element.
+    fn number(&self, i: usize, k: usize) -> f32 {
+        let (number, largest): (f32, f32) = match self.component {
+            ComponentType::F32 => return f32::from_le_bytes(self.bytes(i, k)),
+            ComponentType::U32 => return u32::from_le_bytes(self.bytes(i, k)) as f32,
+            ComponentType::U8 => (self.bytes::<1>(i, k)[0].into(), u8::MAX.into()),
+            ComponentType::U16 => (u16::from_le_bytes(self.bytes(i, k)).into(), u16::MAX.into()),
+            ComponentType::I8 => (i8::from_le_bytes(self.bytes(i, k)).into(), i8::MAX.into()),
+            ComponentType::I16 => (i16::from_le_bytes(self.bytes(i, k)).into(), i16::MAX.into()),
+        };
+        if self.normalized {
+            f32::max(number / largest, -1.0)
+        } else {
+            number
+        }
+    }
+
+    /// The first component of an element as a whole number.
+    fn index(&self, i: usize) -> u32 {
+        match self.component {
+            ComponentType::U8 => self.bytes::<1>(i, 0)[0].into(),
+            ComponentType::U16 => u16::from_le_bytes(self.bytes(i, 0)).into(),
+            _ => u32::from_le_bytes(self.bytes(i, 0)),
+        }
+    }
+}
+
+fn outside(index: Index<Accessor>) -> FileFault {
+    let problem = format!("`accessors[{}]` reaches out of its view", index.value());
+    FileFault::new(problem, "an offset and a count within it")
+}
+
+/// The type of components, which was checked.
+fn component(accessor: &Accessor) -> ComponentType {
+    match &accessor.component_type {
+        Checked::Valid(kind) => kind.0,
+        Checked::Invalid => ComponentType::F32,
+    }
+}
+
+fn size_of_component(component: ComponentType) -> usize {
+    match component {
+        ComponentType::I8 | ComponentType::U8 => 1,
+        ComponentType::I16 | ComponentType::U16 => 2,
+        ComponentType::U32 | ComponentType::F32 => 4,
+    }
+}
+
+/// The number of components, of a type which was checked.
+fn n_components(accessor: &Accessor) -> usize {
+    match &accessor.type_ {
+        Checked::Valid(Type::Scalar) | Checked::Invalid => 1,
+        Checked::Valid(Type::Vec2) => 2,
+        Checked::Valid(Type::Vec3) => 3,
+        Checked::Valid(Type::Vec4 | Type::Mat2) => 4,
+        Checked::Valid(Type::Mat3) => 9,
+        Checked::Valid(Type::Mat4) => 16,
+    }
+}

@@ -1,0 +1,126 @@
+//! The bytes of a glTF file's buffers: within the file, in its JSON as base64, or beside it.
+
+use std::borrow::Cow;
+use std::io::Read;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use gltf_json::{Index, Root, buffer};
+
+use crate::import::budget::Budget;
+use crate::import::materials::{of_reference, path_in};
+use crate::import::{FileFault, Result, max_bytes, open};
+
+/// The bytes of all buffers.
+pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
+
+impl<'a> Buffers<'a> {
+    /// Reads the buffers. `binary` is the first one of a binary file, `folder` that of the file.
+    ///
+    /// # Errors
+    /// A buffer that cannot be read, or has fewer bytes than the file says.
+    pub(super) fn read(
+        root: &'a Root,
+        binary: Option<&'a [u8]>,
+        folder: &Path,
+        budget: &mut Budget,
+    ) -> Result<Self> {
+        let mut found = Vec::with_capacity(root.buffers.len());
+        for (i, buffer) in root.buffers.iter().enumerate() {
+            let bytes = match (&buffer.uri, binary) {
+                (Some(uri), _) => Cow::Owned(bytes_of_uri(uri, folder, budget)?),
+                (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
+                (None, _) => {
+                    let problem = format!("`buffers[{i}]` has no bytes");
+                    return Err(FileFault::new(problem, "its `uri`"));
+                }
+            };
+            if (bytes.len() as u64) < buffer.byte_length.0 {
+                let problem = format!("`buffers[{i}]` has {} bytes", bytes.len());
+                let expected = format!("the {} of its `byteLength`", buffer.byte_length.0);
+                return Err(FileFault::new(problem, expected));
+            }
+            found.push(bytes);
+        }
+        Ok(Self(found))
+    }
+
+    /// The bytes of a view of a buffer, and the bytes from one element to the next if they are
+    /// given.
+    ///
+    /// # Errors
+    /// A view that reaches out of its buffer.
+    pub(super) fn view(
+        &self,
+        root: &Root,
+        index: Index<buffer::View>,
+    ) -> Result<(&[u8], Option<usize>)> {
+        let outside = || {
+            let problem = format!("`bufferViews[{}]` reaches out of its buffer", index.value());
+            FileFault::new(problem, "an offset and a length within it")
+        };
+        let view = root.get(index).ok_or_else(outside)?;
+        let from = view.byte_offset.map_or(0, |offset| offset.0);
+        let end = from.checked_add(view.byte_length.0).ok_or_else(outside)?;
+        let buffer = self.0.get(view.buffer.value()).ok_or_else(outside)?;
+        let bytes = buffer
+            .get(from as usize..end as usize)
+            .ok_or_else(outside)?;
+        Ok((bytes, view.byte_stride.map(|stride| stride.0)))
+    }
+}
+
+/// The bytes that a URI stands for.
+///
+/// # Errors
+/// Base64 that is damaged, or a file that cannot be read.
+pub(super) fn bytes_of_uri(uri: &str, folder: &Path, budget: &mut Budget) -> Result<Vec<u8>> {
+    if let Some(bytes) = embedded(uri, budget) {
+        return bytes;
+    }
+    let path = path_in(folder, &decoded(uri));
+    let read = max_bytes(&path).and_then(|_| {
+        let file = open(&path)?;
+        let length = file.get_ref().length()?;
+        budget.take(length)?;
+        let mut bytes = Vec::with_capacity(length as usize);
+        file.take(length).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    });
+    read.map_err(|fault| of_reference(&path, fault))
+}
+
+/// The bytes of a URI that contains them; `None` for another one.
+pub(super) fn embedded(uri: &str, budget: &mut Budget) -> Option<Result<Vec<u8>>> {
+    let (_, text) = uri.strip_prefix("data:")?.split_once(";base64,")?;
+    Some(budget.take(text.len() as u64).and_then(|()| {
+        STANDARD.decode(text).map_err(|error| {
+            let problem = format!("a `uri` has damaged base64: {error}");
+            FileFault::new(problem, "base64 with its padding")
+        })
+    }))
+}
+
+/// A URI's path: `%20` stands for a blank.
+pub(super) fn decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, behind @ ..] = rest {
+        let code = behind
+            .get(..2)
+            .and_then(|digits| std::str::from_utf8(digits).ok());
+        let code = code.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        match code.filter(|_| *first == b'%') {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = &behind[2..];
+            }
+            None => {
+                bytes.push(*first);
+                rest = behind;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}

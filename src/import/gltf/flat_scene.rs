@@ -1,0 +1,280 @@
+//! The meshes of a scene as one.
+
+use glam::{Mat3, Mat4, Vec2, Vec3};
+use gltf_json::Index;
+use gltf_json::accessor::Accessor;
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::Checked;
+
+use super::accessor::Accessors;
+use super::materials::{self, Placing};
+use super::nodes::PlacedMesh;
+use crate::import::budget::Budget;
+use crate::import::mesh::{CornerValues, Mesh, count, fan, finite, moved};
+use crate::import::{FileFault, Result};
+
+/// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
+const BYTES_PER_VERTEX: u64 = 96;
+/// The same of a corner of a triangle, in a strip of which each one adds a triangle.
+const BYTES_PER_CORNER: u64 = 112;
+
+/// The triangles so far.
+pub(super) struct FlatScene<'a> {
+    accessors: Accessors<'a>,
+    mesh: Mesh,
+    normals: CornerValues<Vec3>,
+    uvs: CornerValues<Vec2>,
+    colors: CornerValues<Vec3>,
+}
+
+/// A triangle mesh of one material, as the file has it.
+struct Part<'a> {
+    primitive: &'a Primitive,
+    /// The corners of its triangles.
+    triangles: Vec<[u32; 3]>,
+    n_vertices: usize,
+    material: u32,
+    scene_from_mesh: Mat4,
+}
+
+impl<'a> FlatScene<'a> {
+    pub(super) fn new(accessors: Accessors<'a>) -> Self {
+        Self {
+            accessors,
+            mesh: Mesh::default(),
+            normals: CornerValues::default(),
+            uvs: CornerValues::default(),
+            colors: CornerValues::default(),
+        }
+    }
+
+    /// Takes the memory of all meshes, which nodes may share.
+    ///
+    /// # Errors
+    /// So much is not left.
+    pub(super) fn take_memory(&self, placed: &[PlacedMesh], budget: &mut Budget) -> Result<()> {
+        let root = self.accessors.root;
+        let meshes = placed.iter().filter_map(|placed| root.get(placed.mesh));
+        let of_primitive = |primitive: &Primitive| {
+            let positions = attribute(primitive, Semantic::Positions);
+            let n_vertices = positions.map_or(0, |index| self.accessors.count(index));
+            let n_corners = primitive
+                .indices
+                .map_or(n_vertices, |index| self.accessors.count(index));
+            let of_vertices = n_vertices.saturating_mul(BYTES_PER_VERTEX);
+            of_vertices.saturating_add(n_corners.saturating_mul(BYTES_PER_CORNER))
+        };
+        let primitives = meshes.flat_map(|mesh| &mesh.primitives);
+        budget.take(primitives.map(of_primitive).fold(0, u64::saturating_add))
+    }
+
+    /// Adds the triangles of a mesh.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, indices out of range, or too many of them.
+    pub(super) fn add(&mut self, placed: &PlacedMesh, budget: &mut Budget) -> Result<()> {
+        let root = self.accessors.root;
+        let mesh = root.get(placed.mesh);
+        for (i, primitive) in mesh.iter().flat_map(|mesh| &mesh.primitives).enumerate() {
+            let at = |fault: FileFault| {
+                let place = format!("`meshes[{}].primitives[{i}]`", placed.mesh.value());
+                FileFault::new(format!("{place}: {}", fault.problem), fault.expected)
+            };
+            self.add_primitive(primitive, placed.scene_from_mesh, budget)
+                .map_err(at)?;
+        }
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        primitive: &Primitive,
+        scene_from_mesh: Mat4,
+        budget: &mut Budget,
+    ) -> Result<()> {
+        let Some(positions) = attribute(primitive, Semantic::Positions) else {
+            return Ok(());
+        };
+        let mut triangles = self.triangles(primitive, positions, budget)?;
+        if scene_from_mesh.determinant() < 0.0 {
+            // Mirrored, with the same side outside.
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let vertices = self.accessors.vectors::<3>(positions, budget)?;
+        let n_vertices = vertices.len();
+        let corners = triangles.as_flattened().iter();
+        if let Some(wrong) = corners
+            .copied()
+            .find(|corner| *corner as usize >= n_vertices)
+        {
+            let problem = format!("there is no vertex {wrong}");
+            return Err(FileFault::new(
+                problem,
+                format!("one of the {n_vertices}, from 0"),
+            ));
+        }
+        let part = Part {
+            primitive,
+            triangles,
+            n_vertices,
+            material: self.material_of(primitive),
+            scene_from_mesh,
+        };
+        self.add_normals(&part, budget)?;
+        self.add_uvs(&part, budget)?;
+        self.add_colors(&part, budget)?;
+        let first = count(self.mesh.vertices.len() + n_vertices)? - n_vertices as u32;
+        for vertex in vertices {
+            let vertex: Vec3 = finite(vertex)?;
+            let placed = scene_from_mesh.transform_point3(vertex);
+            self.mesh.vertices.push(finite(placed.to_array())?);
+        }
+        let n = self.mesh.triangles.len() + part.triangles.len();
+        self.mesh.triangles.extend(moved(&part.triangles, first));
+        self.mesh.material_of.resize(n, part.material);
+        Ok(())
+    }
+
+    /// The index of the material of a primitive; that of the default one is the last.
+    fn material_of(&self, primitive: &Primitive) -> u32 {
+        let default = self.accessors.root.materials.len();
+        primitive.material.map_or(default, |index| index.value()) as u32
+    }
+
+    /// The triangles of a primitive; none for points and lines.
+    fn triangles(
+        &self,
+        primitive: &Primitive,
+        positions: Index<Accessor>,
+        budget: &mut Budget,
+    ) -> Result<Vec<[u32; 3]>> {
+        let mode = match &primitive.mode {
+            Checked::Valid(mode) => *mode,
+            Checked::Invalid => Mode::Triangles,
+        };
+        if !matches!(
+            mode,
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
+        ) {
+            return Ok(Vec::new());
+        }
+        let corners = match primitive.indices {
+            Some(indices) => self.accessors.indices(indices, budget)?,
+            None => {
+                let n = self.accessors.count(positions);
+                budget.take(n.saturating_mul(4))?;
+                (0..count(n as usize)?).collect()
+            }
+        };
+        budget.take_of::<[u32; 3]>(corners.len())?;
+        let strip = |(i, corners): (usize, &[u32])| match *corners {
+            [a, b, c] if i % 2 == 0 => [a, b, c],
+            [a, b, c] => [b, a, c],
+            _ => [0; 3],
+        };
+        Ok(match mode {
+            Mode::TriangleStrip => corners.windows(3).enumerate().map(strip).collect(),
+            Mode::TriangleFan => fan(&corners).collect(),
+            _ => corners.as_chunks().0.to_vec(),
+        })
+    }
+
+    fn add_normals(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
+        let Some(normals) = part.values::<3>(&self.accessors, Semantic::Normals, budget)? else {
+            return Ok(());
+        };
+        let [x, y, z] = [0, 1, 2].map(|k| part.scene_from_mesh.col(k).truncate());
+        // The matrix of cofactors: that of normals, also of a matrix without an inverse.
+        let mut world = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        if part.scene_from_mesh.determinant() < 0.0 {
+            world = -world;
+        }
+        let placed = normals.into_iter().map(|normal| {
+            let normal: Vec3 = finite(normal)?;
+            Ok((world * normal).normalize_or_zero())
+        });
+        let placed = placed.collect::<Result<_>>()?;
+        self.normals
+            .append(placed, &part.triangles, self.mesh.triangles.len())
+    }
+
+    fn add_uvs(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
+        let material = part
+            .primitive
+            .material
+            .and_then(|index| self.accessors.root.get(index));
+        let placing = material.map_or(Placing::default(), materials::of_material);
+        let semantic = Semantic::TexCoords(placing.set);
+        let Some(uvs) = part.values::<2>(&self.accessors, semantic, budget)? else {
+            return Ok(());
+        };
+        let placed = uvs.into_iter().map(|uv| {
+            let Vec2 { x, y } = placing.picture_from_set.transform_point2(finite(uv)?);
+            // From the upper left corner to the lower left one.
+            finite([x, 1.0 - y])
+        });
+        let placed = placed.collect::<Result<_>>()?;
+        self.uvs
+            .append(placed, &part.triangles, self.mesh.triangles.len())
+    }
+
+    fn add_colors(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
+        let Some(colors) = part.values::<3>(&self.accessors, Semantic::Colors(0), budget)? else {
+            return Ok(());
+        };
+        let light = colors.into_iter().map(|color| {
+            let color: Vec3 = finite(color)?;
+            Ok(color.clamp(Vec3::ZERO, Vec3::ONE))
+        });
+        let light = light.collect::<Result<_>>()?;
+        self.colors
+            .append(light, &part.triangles, self.mesh.triangles.len())
+    }
+
+    /// The mesh of all triangles.
+    pub(super) fn finish(self) -> Mesh {
+        let Self {
+            mut mesh,
+            normals,
+            uvs,
+            colors,
+            ..
+        } = self;
+        let n = mesh.triangles.len();
+        mesh.uvs = uvs.completed(n, Vec2::ZERO);
+        mesh.colors = colors.completed(n, Vec3::ONE);
+        mesh.take_normals(normals);
+        mesh
+    }
+}
+
+impl Part<'_> {
+    /// The values of an attribute at its vertices, if it has it.
+    fn values<const N: usize>(
+        &self,
+        accessors: &Accessors,
+        semantic: Semantic,
+        budget: &mut Budget,
+    ) -> Result<Option<Vec<[f32; N]>>> {
+        let Some(index) = attribute(self.primitive, semantic) else {
+            return Ok(None);
+        };
+        let values = accessors.vectors(index, budget)?;
+        if values.len() >= self.n_vertices {
+            return Ok(Some(values));
+        }
+        let problem = format!(
+            "`accessors[{}]` has {} elements",
+            index.value(),
+            values.len()
+        );
+        Err(FileFault::new(
+            problem,
+            format!("one for each of the {} vertices", self.n_vertices),
+        ))
+    }
+}
+
+fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+    primitive.attributes.get(&Checked::Valid(semantic)).copied()
+}

@@ -1,0 +1,287 @@
+//! The materials of a glTF file.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use glam::{Mat3, Vec2, Vec3};
+use gltf_json::extensions::texture::TextureTransform;
+use gltf_json::material::{AlphaMode, Material};
+use gltf_json::texture::{Info, MagFilter, Sampler, WrappingMode};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Root, image, texture};
+
+use super::buffers::{Buffers, decoded, embedded};
+use crate::color::Transfer;
+use crate::import::budget::Budget;
+use crate::import::materials::{
+    Finish, MAX_MATERIALS, MeshMaterial, MeshPicture, PictureShelf, path_in,
+};
+use crate::import::picture::{PictureBytes, bytes_of_file};
+use crate::import::{FileFault, Result};
+use crate::picture::{Sampling, TexelFilter, Wrap};
+
+/// Reads the materials.
+pub(super) struct Materials<'a> {
+    pub(super) root: &'a Root,
+    pub(super) buffers: &'a Buffers<'a>,
+    pub(super) folder: &'a Path,
+    pub(super) budget: &'a mut Budget,
+    pub(super) shelf: PictureShelf,
+}
+
+/// Where the pictures of a material are on a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Placing {
+    /// The number of the set of texture coordinates.
+    pub(super) set: u32,
+    /// The coordinates in the picture from those of the set.
+    pub(super) picture_from_set: Mat3,
+}
+
+/// Those without a transform.
+impl Default for Placing {
+    fn default() -> Self {
+        Self {
+            set: 0,
+            picture_from_set: Mat3::IDENTITY,
+        }
+    }
+}
+
+impl Materials<'_> {
+    /// All materials, and last the one of triangles without any.
+    ///
+    /// # Errors
+    /// Too many of them, or a picture that is missing or damaged.
+    pub(super) fn read(mut self) -> Result<Vec<MeshMaterial>> {
+        if self.root.materials.len() >= MAX_MATERIALS {
+            let expected = format!("at most {}", MAX_MATERIALS - 1);
+            return Err(FileFault::new("too many materials", expected));
+        }
+        let mut found = Vec::with_capacity(self.root.materials.len() + 1);
+        for (i, material) in self.root.materials.iter().enumerate() {
+            let name = material
+                .name
+                .clone()
+                .unwrap_or_else(|| format!("material {i}"));
+            found.push(self.material(&name, material)?);
+        }
+        found.push(self.material("default", &Material::default())?);
+        Ok(found)
+    }
+
+    fn material(&mut self, name: &str, of: &Material) -> Result<MeshMaterial> {
+        let pbr = &of.pbr_metallic_roughness;
+        let [red, green, blue, opacity] = pbr.base_color_factor.0;
+        let color = Vec3::new(red, green, blue).clamp(Vec3::ZERO, Vec3::ONE);
+        let picture = self.picture(pbr.base_color_texture.as_ref(), None, color)?;
+        let [_, rough, metal, _] = self.mean(
+            pbr.metallic_roughness_texture.as_ref(),
+            Some(Transfer::Linear),
+        )?;
+        let extensions = of.extensions.as_ref();
+        let index = extensions
+            .and_then(|of| of.ior.as_ref())
+            .map_or(1.5, |of| of.ior.0);
+        let mut made = MeshMaterial {
+            finish: Finish::Facets {
+                metallic: (pbr.metallic_factor.0 * metal).clamp(0.0, 1.0),
+                roughness: (pbr.roughness_factor.0 * rough).clamp(0.0, 1.0),
+            },
+            index: index.clamp(1.0, 10.0),
+            emission: self.emission(of)?,
+            normal_map: self.normal_map(of)?,
+            ..MeshMaterial::new(name, color)
+        };
+        if let Some(transmission) = extensions.and_then(|of| of.transmission.as_ref()) {
+            let [share, ..] = self.mean(
+                transmission.transmission_texture.as_ref(),
+                Some(Transfer::Linear),
+            )?;
+            made.transmission = (transmission.transmission_factor.0 * share).clamp(0.0, 1.0);
+        }
+        let holes = picture.clone().filter(|of| !of.picture.is_opaque());
+        let cutoff = of.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+        match (&of.alpha_mode, holes) {
+            (Checked::Valid(AlphaMode::Opaque) | Checked::Invalid, _) => {}
+            (Checked::Valid(AlphaMode::Mask), holes) => {
+                made.cutout = holes.map(|holes| (holes, (cutoff / opacity).clamp(0.0, 1.0)));
+            }
+            (Checked::Valid(AlphaMode::Blend), Some(holes)) => made.cutout = Some((holes, 0.5)),
+            (Checked::Valid(AlphaMode::Blend), None) if made.transmission == 0.0 => {
+                // Blending does not bend light.
+                (made.transmission, made.index) = ((1.0 - opacity).clamp(0.0, 1.0), 1.0);
+            }
+            (Checked::Valid(AlphaMode::Blend), None) => {}
+        }
+        made.picture = picture;
+        Ok(made)
+    }
+
+    /// The radiance that a surface emits: that of a picture by its mean.
+    fn emission(&mut self, of: &Material) -> Result<Vec3> {
+        let factor = Vec3::from(of.emissive_factor.0).max(Vec3::ZERO);
+        if factor == Vec3::ZERO {
+            return Ok(factor);
+        }
+        let extensions = of.extensions.as_ref();
+        let strength = extensions.and_then(|of| of.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |of| of.emissive_strength.0);
+        let [red, green, blue, _] = self.mean(of.emissive_texture.as_ref(), None)?;
+        let emission = factor * strength.max(0.0) * Vec3::new(red, green, blue);
+        Ok(if emission.is_finite() {
+            emission
+        } else {
+            factor
+        })
+    }
+
+    /// The picture of normals, if it lies where that of the color does.
+    fn normal_map(&mut self, of: &Material) -> Result<Option<(MeshPicture, f32)>> {
+        let Some(map) = &of.normal_texture else {
+            return Ok(None);
+        };
+        let info = Info {
+            index: map.index,
+            tex_coord: map.tex_coord,
+            extensions: None,
+            extras: Default::default(),
+        };
+        if of.pbr_metallic_roughness.base_color_texture.is_some()
+            && placing(&info) != of_material(of)
+        {
+            return Ok(None);
+        }
+        let picture = self.picture(Some(&info), Some(Transfer::Linear), Vec3::ONE)?;
+        let strength = if map.scale.is_finite() {
+            map.scale.max(0.0)
+        } else {
+            1.0
+        };
+        Ok(picture.map(|picture| (picture, strength)))
+    }
+
+    /// The mean of a picture, or ones without a picture.
+    fn mean(&mut self, info: Option<&Info>, transfer: Option<Transfer>) -> Result<[f32; 4]> {
+        let picture = self.picture(info, transfer, Vec3::ONE)?;
+        let picture = picture.map(|of| of.picture).unwrap_or_default();
+        let (_, mut texels) = picture.reduced(1);
+        Ok(texels.next().unwrap_or([1.0; 4]))
+    }
+
+    /// Reads a picture whose colors are multiplied by a tint.
+    fn picture(
+        &mut self,
+        info: Option<&Info>,
+        transfer: Option<Transfer>,
+        tint: Vec3,
+    ) -> Result<Option<MeshPicture>> {
+        let Some(texture) = info.and_then(|info| self.root.get(info.index)) else {
+            return Ok(None);
+        };
+        let (root, buffers, folder) = (self.root, self.buffers, self.folder);
+        let Some(image) = root.get(texture.source) else {
+            return Ok(None);
+        };
+        let name = name_of(texture.source, image, folder);
+        let budget = &mut *self.budget;
+        let bytes = || bytes_of(root, image, buffers, folder, budget);
+        let picture = self.shelf.picture(&name, transfer, tint, bytes)?;
+        Ok(Some(MeshPicture {
+            name,
+            picture,
+            sampling: sampling(root, texture),
+            size: [1.0; 2],
+        }))
+    }
+}
+
+/// Where the pictures of a material are: where that of its color is, or that of its normals.
+pub(super) fn of_material(material: &Material) -> Placing {
+    let color = material.pbr_metallic_roughness.base_color_texture.as_ref();
+    match (color, &material.normal_texture) {
+        (Some(info), _) => placing(info),
+        (None, Some(map)) => Placing {
+            set: map.tex_coord,
+            ..Placing::default()
+        },
+        (None, None) => Placing::default(),
+    }
+}
+
+fn placing(info: &Info) -> Placing {
+    let extensions = info.extensions.as_ref();
+    let Some(transform) = extensions.and_then(|of| of.texture_transform.as_ref()) else {
+        return Placing {
+            set: info.tex_coord,
+            ..Placing::default()
+        };
+    };
+    let TextureTransform {
+        offset,
+        rotation,
+        scale,
+        tex_coord,
+        ..
+    } = transform;
+    // v grows downward, so that a turn to the left is one of a negative angle.
+    let (sin, cos) = libm::sincosf(-rotation.0);
+    let turned = Mat3::from_cols_array(&[cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0]);
+    Placing {
+        set: tex_coord.unwrap_or(info.tex_coord),
+        picture_from_set: Mat3::from_translation(Vec2::from(offset.0))
+            * turned
+            * Mat3::from_scale(Vec2::from(scale.0)),
+    }
+}
+
+/// What stands for a picture in messages, and tells it from others.
+fn name_of(index: Index<image::Image>, image: &image::Image, folder: &Path) -> PathBuf {
+    match &image.uri {
+        Some(uri) if !uri.starts_with("data:") => path_in(folder, &decoded(uri)),
+        _ => PathBuf::from(format!("images[{}]", index.value())),
+    }
+}
+
+/// The bytes of a picture.
+fn bytes_of(
+    root: &Root,
+    image: &image::Image,
+    buffers: &Buffers,
+    folder: &Path,
+    budget: &mut Budget,
+) -> Result<PictureBytes> {
+    let bytes = match (&image.uri, image.buffer_view) {
+        (Some(uri), _) => match embedded(uri, budget) {
+            Some(bytes) => bytes?,
+            None => return bytes_of_file(&path_in(folder, &decoded(uri))),
+        },
+        (None, Some(view)) => {
+            let (bytes, _) = buffers.view(root, view)?;
+            budget.take(bytes.len() as u64)?;
+            bytes.to_vec()
+        }
+        (None, None) => return Err(FileFault::new("it has no bytes", "a `uri`")),
+    };
+    Ok(Box::new(Cursor::new(bytes)))
+}
+
+fn sampling(root: &Root, texture: &texture::Texture) -> Sampling {
+    let Some(sampler) = texture.sampler.and_then(|sampler| root.get(sampler)) else {
+        return Sampling::default();
+    };
+    let Sampler {
+        mag_filter, wrap_s, ..
+    } = sampler;
+    Sampling {
+        filter: match mag_filter {
+            Some(Checked::Valid(MagFilter::Nearest)) => TexelFilter::Nearest,
+            _ => TexelFilter::Trilinear,
+        },
+        wrap: match wrap_s {
+            Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+            Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        },
+    }
+}

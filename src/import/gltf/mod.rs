@@ -1,0 +1,73 @@
+//! glTF 2.0: the triangles of its default scene, placed by its nodes, and their materials.
+//!
+//! gltf-json parses the JSON and checks its indices. The crate gltf, which reads numbers and
+//! binary files with it, panics on some damaged ones and does not bound memory.
+
+mod buffers;
+mod container;
+mod accessor;
+mod nodes;
+mod materials;
+mod flat_scene;
+
+use std::io::Read;
+
+use glam::Vec3;
+
+use super::budget::Budget;
+use super::materials::PictureShelf;
+use super::mesh::Mesh;
+use super::{GeometryFileReader, Result, Surroundings};
+use accessor::Accessors;
+use buffers::Buffers;
+use flat_scene::FlatScene;
+use materials::Materials;
+
+pub(super) fn read(mut file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
+    let mut budget = Budget::new();
+    let length = file.get_ref().length()?;
+    budget.take(length)?;
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.read_to_end(&mut bytes)?;
+    let (root, binary) = container::parse(&bytes, &mut budget)?;
+    let buffers = Buffers::read(&root, binary, around.folder, &mut budget)?;
+    let mut scene = FlatScene::new(Accessors {
+        root: &root,
+        buffers: &buffers,
+    });
+    let placed = nodes::placed_meshes(&root)?;
+    scene.take_memory(&placed, &mut budget)?;
+    for placed in &placed {
+        scene.add(placed, &mut budget)?;
+    }
+    let mut mesh = scene.finish();
+    match around.memory {
+        None => mesh.material_of.clear(),
+        Some(available) => {
+            let reader = Materials {
+                root: &root,
+                buffers: &buffers,
+                folder: around.folder,
+                budget: &mut budget,
+                shelf: PictureShelf::new(available),
+            };
+            mesh.materials = reader.read()?;
+            mark_colored(&mut mesh);
+        }
+    }
+    Ok(mesh)
+}
+
+/// Marks the materials of triangles whose vertices have colors of their own.
+fn mark_colored(mesh: &mut Mesh) {
+    let Some(colors) = &mesh.colors else {
+        return;
+    };
+    for (triangle, material) in mesh.material_of.iter().enumerate() {
+        if colors.of(triangle) != [Vec3::ONE; 3]
+            && let Some(material) = mesh.materials.get_mut(*material as usize)
+        {
+            material.has_vertex_colors = true;
+        }
+    }
+}

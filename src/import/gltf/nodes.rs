@@ -1,0 +1,88 @@
+//! The nodes of a glTF file's scene, placed in its space.
+
+use glam::{Mat4, Quat, Vec3};
+use gltf_json::scene::Node;
+use gltf_json::{Index, Root, mesh};
+
+use crate::import::{FileFault, Result};
+
+/// A mesh at a node.
+pub(super) struct PlacedMesh {
+    pub(super) mesh: Index<mesh::Mesh>,
+    pub(super) scene_from_mesh: Mat4,
+}
+
+/// The meshes of the default scene, or of the first one; of a file without scenes those of all
+/// nodes that are no children.
+///
+/// # Errors
+/// A node with two parents, or a transform that is not finite.
+pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
+    let scene = root.scene.and_then(|scene| root.get(scene));
+    let mut open: Vec<(Index<Node>, Mat4)> = match scene.or(root.scenes.first()) {
+        Some(scene) => scene
+            .nodes
+            .iter()
+            .map(|node| (*node, Mat4::IDENTITY))
+            .collect(),
+        None => roots(root).map(|node| (node, Mat4::IDENTITY)).collect(),
+    };
+    // The first one comes last, from where it is taken.
+    open.reverse();
+    let mut is_known = vec![false; root.nodes.len()];
+    let mut found = Vec::new();
+    while let Some((index, parent)) = open.pop() {
+        let Some(node) = root.get(index) else {
+            continue;
+        };
+        if std::mem::replace(&mut is_known[index.value()], true) {
+            let problem = format!("`nodes[{}]` is a child of two nodes", index.value());
+            return Err(FileFault::new(problem, "a tree of nodes"));
+        }
+        let placed = parent * transform(node);
+        if !placed.is_finite() {
+            let problem = format!("the transform of `nodes[{}]` is not finite", index.value());
+            return Err(FileFault::new(problem, "finite numbers"));
+        }
+        found.extend(node.mesh.map(|mesh| PlacedMesh {
+            mesh,
+            scene_from_mesh: placed,
+        }));
+        let children = node.children.iter().flatten().rev();
+        open.extend(children.map(|child| (*child, placed)));
+    }
+    Ok(found)
+}
+
+/// The nodes that are no children.
+fn roots(root: &Root) -> impl Iterator<Item = Index<Node>> {
+    let mut is_child = vec![false; root.nodes.len()];
+    for child in root
+        .nodes
+        .iter()
+        .flat_map(|node| node.children.iter().flatten())
+    {
+        is_child[child.value()] = true;
+    }
+    let numbered = (0..).zip(is_child);
+    numbered
+        .filter(|(_, is_child)| !is_child)
+        .map(|(i, _)| Index::new(i))
+}
+
+fn transform(node: &Node) -> Mat4 {
+    if let Some(matrix) = &node.matrix {
+        return Mat4::from_cols_array(matrix);
+    }
+    let rotation = node
+        .rotation
+        .map_or(Quat::IDENTITY, |of| Quat::from_array(of.0));
+    let rotation = if rotation.length_squared() > 0.0 {
+        rotation.normalize()
+    } else {
+        Quat::IDENTITY
+    };
+    let scale = node.scale.map_or(Vec3::ONE, Vec3::from);
+    let translation = node.translation.map_or(Vec3::ZERO, Vec3::from);
+    Mat4::from_scale_rotation_translation(scale, rotation, translation)
+}

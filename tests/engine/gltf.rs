@@ -1,0 +1,523 @@
+//! glTF files, made here: their triangles, materials and mistakes.
+
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use glam::Vec3;
+use raycost::accel::Accel;
+use raycost::cost::{NoProbe, RayKind};
+use raycost::geometry::Ray;
+use raycost::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
+use raycost::scene::{Geometries, Scene};
+use raycost::trace::Tracer;
+use serde_json::{Value, json};
+
+use crate::common::parse;
+
+/// A file: its JSON and its first buffer.
+#[derive(Clone)]
+pub struct Gltf {
+    json: Value,
+    pub binary: Vec<u8>,
+}
+
+impl Gltf {
+    /// Appends bytes to the buffer; returns the index of their view.
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        let view =
+            json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() });
+        self.binary.extend(bytes);
+        self.json["buffers"] = json!([{ "byteLength": self.binary.len() }]);
+        push(&mut self.json["bufferViews"], view)
+    }
+
+    /// Appends an accessor; returns its index.
+    fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
+        let view = self.view(bytes);
+        let mut accessor = json!({
+            "bufferView": view, "componentType": component, "count": count, "type": kind,
+            "normalized": component == 5121 && kind != "SCALAR",
+        });
+        if kind == "VEC3" {
+            // The bounds that positions need are not read.
+            (accessor["min"], accessor["max"]) = (json!([0, 0, 0]), json!([1, 1, 1]));
+        }
+        push(&mut self.json["accessors"], accessor)
+    }
+
+    fn floats(&mut self, kind: &str, count: usize, numbers: &[f32]) -> usize {
+        let bytes: Vec<u8> = numbers
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect();
+        self.accessor(kind, 5126, count, &bytes)
+    }
+
+    /// As a binary file.
+    pub fn glb(&self) -> Vec<u8> {
+        let mut json = self.json.to_string().into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let length = 12 + 8 + json.len() + 8 + self.binary.len();
+        let mut file = b"glTF".to_vec();
+        file.extend(2_u32.to_le_bytes());
+        file.extend((length as u32).to_le_bytes());
+        for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &self.binary)] {
+            file.extend((chunk.len() as u32).to_le_bytes());
+            file.extend(kind);
+            file.extend(chunk);
+        }
+        file
+    }
+
+    /// As JSON, whose buffer is at a URI.
+    pub fn gltf(&self, uri: &str) -> String {
+        let mut json = self.json.clone();
+        json["buffers"][0]["uri"] = uri.into();
+        json.to_string()
+    }
+}
+
+fn push(list: &mut Value, item: Value) -> usize {
+    if list.is_null() {
+        *list = json!([]);
+    }
+    let list = list.as_array_mut().unwrap();
+    list.push(item);
+    list.len() - 1
+}
+
+/// A sign: a panel with a picture, twice as large and turned by a quarter, and a mirrored
+/// triangle with colors.
+pub fn sign() -> Gltf {
+    let mut file = Gltf {
+        json: json!({
+            "asset": { "version": "2.0" },
+            "scene": 0,
+            "scenes": [{ "nodes": [0] }],
+            "nodes": [
+                { "translation": [1, 0, 0], "children": [1, 2] },
+                { "mesh": 0, "scale": [2, 2, 2], "rotation": [0, 0, 0.5_f32.sqrt(), 0.5_f32.sqrt()] },
+                { "mesh": 1, "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1] },
+            ],
+        }),
+        binary: Vec::new(),
+    };
+    let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    let positions = file.floats("VEC3", 4, &corners);
+    let normals = file.floats("VEC3", 4, &[0.0, 0.0, 1.0].repeat(4));
+    let uvs = file.floats("VEC2", 4, &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let indices: Vec<u8> = [0_u16, 1, 2, 0, 2, 3]
+        .iter()
+        .flat_map(|i| i.to_le_bytes())
+        .collect();
+    let indices = file.accessor("SCALAR", 5123, 6, &indices);
+    let triangle = file.floats("VEC3", 3, &corners[..9]);
+    let colors = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]].concat();
+    let colors = file.accessor("VEC4", 5121, 3, &colors);
+    let mut picture = Vec::new();
+    let color = |x, y| image::Rgb([255 * u8::from(x < 2), 255 * u8::from(y < 2), 0]);
+    let made = image::RgbImage::from_fn(4, 4, color);
+    made.write_to(
+        &mut std::io::Cursor::new(&mut picture),
+        image::ImageFormat::Png,
+    )
+    .unwrap();
+    let picture = file.view(&picture);
+    file.json["images"] = json!([{ "bufferView": picture, "mimeType": "image/png" }]);
+    file.json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33071 }]);
+    file.json["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    file.json["materials"] = json!([
+        { "name": "panel", "pbrMetallicRoughness": {
+            "baseColorTexture": { "index": 0 }, "baseColorFactor": [1, 0.5, 1, 1],
+            "metallicFactor": 0.25, "roughnessFactor": 0.5,
+        } },
+        { "name": "painted", "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 0.5, 1] },
+          "emissiveFactor": [0.1, 0, 0], "extensions": {
+            "KHR_materials_emissive_strength": { "emissiveStrength": 3 },
+            "KHR_materials_ior": { "ior": 1.4 },
+        } },
+    ]);
+    let panel = json!({
+        "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs },
+        "indices": indices, "material": 0,
+    });
+    let painted = json!({
+        "attributes": { "POSITION": triangle, "COLOR_0": colors }, "material": 1,
+    });
+    file.json["meshes"] = json!([{ "primitives": [panel] }, { "primitives": [painted] }]);
+    file
+}
+
+/// The mesh of a file with its materials, or the message about it.
+fn read(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let place = folder.path().display().to_string() + "/";
+    let read = read_mesh_with_materials(&path, 1 << 20);
+    read.map_err(|fault| fault.to_string().replace(&place, ""))
+}
+
+fn scene_of(folder: &Path, rest: &str) -> Scene {
+    let mut config = parse(&format!(
+        "image: {{ width: 4000, height: 3000 }}\n\
+         camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+         lights: []\nmaterials: {{ red: {{ color: [1, 0, 0] }} }}\n{rest}"
+    ));
+    let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
+    Scene::new(&config, geometries).unwrap()
+}
+
+fn assert_color(scene: &Scene, [x, y]: [f32; 2], expected: [f32; 3]) {
+    let accel = Accel::new(&scene.primitives, Default::default());
+    let ray = Ray {
+        origin: Vec3::new(x, y, 9.0),
+        direction: -Vec3::Z,
+    };
+    let point = Tracer::new(scene, &accel).trace(&ray, RayKind::Camera, &mut NoProbe);
+    let found = point.unwrap().color;
+    let difference = (found - Vec3::from(expected)).abs().max_element();
+    assert!(difference < 0.01, "{x} {y}: {found}, expected {expected:?}");
+}
+
+#[test]
+fn nodes_place_meshes_and_mirrored_ones_keep_their_outside() {
+    let mesh = read("sign.glb", &sign().glb()).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [4, 6, 5]]);
+    let expected = [
+        [1, 0, 0],
+        [1, 2, 0],
+        [-1, 2, 0],
+        [-1, 0, 0],
+        [1, 0, 1],
+        [0, 0, 1],
+        [0, 1, 1],
+    ];
+    for (found, expected) in mesh.vertices.iter().zip(expected) {
+        let expected = Vec3::from(expected.map(|x| x as f32));
+        assert!(
+            (found - expected).length() < 1e-6,
+            "{found}, expected {expected}"
+        );
+    }
+    for triangle in 0..3 {
+        let normals = mesh.normals.as_ref().unwrap().of(triangle);
+        assert!(
+            normals
+                .iter()
+                .all(|normal| (normal - Vec3::Z).length() < 1e-6)
+        );
+        assert_eq!(
+            mesh.triangle(mesh.triangles[triangle]).normal(),
+            Some(Vec3::Z)
+        );
+    }
+}
+
+#[test]
+fn a_file_has_its_pictures_colors_and_finish() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sign.glb"), sign().glb()).unwrap();
+    for model in ["blinn_phong", "path", "seed"] {
+        let rest =
+            format!("shading: {{ model: {model} }}\nobjects: [{{ mesh: {{ file: sign.glb }} }}]\n");
+        let scene = scene_of(folder.path(), &rest);
+        // Turned by a quarter, the upper left of the picture is at the lower left.
+        assert_color(&scene, [-0.7, 0.3], [1.0, 0.5, 0.0]);
+        assert_color(&scene, [-0.7, 1.7], [0.0, 0.5, 0.0]);
+        assert_color(&scene, [0.8, 1.7], [0.0, 0.0, 0.0]);
+        assert_color(&scene, [0.999, 0.0005], [1.0, 0.0, 0.0]);
+        assert_color(&scene, [0.25, 0.25], [0.25, 0.5, 0.125]);
+        let [_, panel, painted] = &scene.materials[..] else {
+            unreachable!()
+        };
+        let principled = panel
+            .principled
+            .map(|of| (of.metallic, of.roughness, of.index));
+        assert_eq!(principled, (model == "path").then_some((0.25, 0.5, 1.5)));
+        let emission = if model == "seed" { 0.0 } else { 0.3 };
+        assert!((painted.emission - Vec3::new(emission, 0.0, 0.0)).length() < 1e-6);
+    }
+    let rest = "objects: [{ mesh: { file: sign.glb }, material: red }]\n";
+    assert_color(&scene_of(folder.path(), rest), [-0.7, 0.3], [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn json_with_a_buffer_inside_or_beside_it_is_the_same() {
+    let file = sign();
+    let binary = read("sign.glb", &file.glb()).unwrap();
+    let uri = format!(
+        "data:application/octet-stream;base64,{}",
+        STANDARD.encode(&file.binary)
+    );
+    assert_eq!(
+        read("sign.gltf", file.gltf(&uri).as_bytes()).unwrap(),
+        binary
+    );
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a sign.bin"), &file.binary).unwrap();
+    let path = folder.path().join("sign.gltf");
+    std::fs::write(&path, file.gltf("a%20sign.bin")).unwrap();
+    assert_eq!(read_mesh_with_materials(&path, 1 << 20).unwrap(), binary);
+    assert_eq!(
+        raycost::import::pieces_of(&path).len(),
+        0,
+        "its name is encoded"
+    );
+    let alone = read_mesh(&path).unwrap();
+    assert_eq!((alone.materials.len(), alone.material_of.len()), (0, 0));
+}
+
+#[test]
+fn strips_fans_and_sparse_numbers_are_read() {
+    let mut file = sign();
+    let strip = file.json["meshes"][0]["primitives"][0]
+        .as_object_mut()
+        .unwrap();
+    strip.remove("indices");
+    strip.insert("mode".into(), 5.into());
+    assert_eq!(
+        read("a.glb", &file.glb()).unwrap().triangles[..2],
+        [[0, 1, 2], [2, 1, 3]]
+    );
+    file.json["meshes"][0]["primitives"][0]["mode"] = 6.into();
+    assert_eq!(
+        read("a.glb", &file.glb()).unwrap().triangles[..2],
+        [[0, 1, 2], [0, 2, 3]]
+    );
+    file.json["meshes"][0]["primitives"][0]["mode"] = 1.into();
+    assert_eq!(read("a.glb", &file.glb()).unwrap().triangles.len(), 1);
+    let mut file = sign();
+    let indices = file.view(&[2, 0, 0, 0]);
+    let values = file.view(bytemuck::cast_slice(&[5.0_f32, 6.0, 7.0]));
+    let triangle = file.json["meshes"][1]["primitives"][0]["attributes"]["POSITION"].clone();
+    file.json["accessors"][triangle.as_u64().unwrap() as usize]["sparse"] = json!({
+        "count": 1, "values": { "bufferView": values },
+        "indices": { "bufferView": indices, "componentType": 5121 },
+    });
+    let mesh = read("a.glb", &file.glb()).unwrap();
+    assert_eq!(mesh.vertices[6], Vec3::new(-4.0, 6.0, 8.0));
+}
+
+#[test]
+fn transparency_is_holes_glass_or_air() {
+    let mut file = sign();
+    let painted = |file: &Gltf| read("a.glb", &file.glb()).unwrap().materials[1].clone();
+    assert_eq!(
+        (painted(&file).transmission, painted(&file).index),
+        (0.0, 1.4)
+    );
+    let Finish::Facets {
+        metallic,
+        roughness,
+    } = painted(&file).finish
+    else {
+        panic!()
+    };
+    assert_eq!((metallic, roughness), (1.0, 1.0));
+    let material = &mut file.json["materials"][1];
+    material["alphaMode"] = "BLEND".into();
+    material["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25.into();
+    assert_eq!(
+        (painted(&file).transmission, painted(&file).index),
+        (0.75, 1.0)
+    );
+    let glass = json!({ "transmissionFactor": 0.5 });
+    file.json["materials"][1]["extensions"]["KHR_materials_transmission"] = glass;
+    assert_eq!(
+        (painted(&file).transmission, painted(&file).index),
+        (0.5, 1.4)
+    );
+    let panel = &mut file.json["materials"][0];
+    panel["alphaMode"] = "MASK".into();
+    panel["alphaCutoff"] = 0.3.into();
+    // An opaque picture has no holes.
+    assert_eq!(
+        read("a.glb", &file.glb()).unwrap().materials[0].cutout,
+        None
+    );
+}
+
+/// The message about a sign of which one value is another.
+fn fault_of(pointer: &str, value: Value) -> String {
+    let mut file = sign();
+    *file
+        .json
+        .pointer_mut(pointer)
+        .unwrap_or_else(|| panic!("{pointer}")) = value;
+    read("a.glb", &file.glb()).map(drop).unwrap_err()
+}
+
+#[test]
+fn a_mistake_is_reported_with_its_place() {
+    for (pointer, value, expected) in [
+        (
+            "/asset/version",
+            json!("1.0"),
+            "it is glTF 1.0, expected glTF 2.0",
+        ),
+        (
+            "/scenes/0/nodes",
+            json!([9]),
+            "`scenes[0].nodes[0]`: there is none with this index, expected one that there is",
+        ),
+        (
+            "/nodes/1/mesh",
+            json!(7),
+            "`nodes[1].mesh`: there is none with this index, expected one that there is",
+        ),
+        (
+            "/nodes/0/children",
+            json!([1, 1]),
+            "`nodes[1]` is a child of two nodes, expected a tree of nodes",
+        ),
+        (
+            "/nodes/0/children",
+            json!([0]),
+            "`nodes[0]` is a child of two nodes, expected a tree of nodes",
+        ),
+        (
+            "/nodes/0/translation",
+            json!([1e38, 1e38, 1e39]),
+            "the transform of `nodes[0]` is not finite, expected finite numbers",
+        ),
+        (
+            "/accessors/3/count",
+            json!(7),
+            "`meshes[0].primitives[0]`: `accessors[3]` reaches out of its view, expected an offset and a count within it",
+        ),
+        ("/accessors/3/count", json!(u64::MAX), "its arrays take"),
+        ("/accessors/0/count", json!(1_u64 << 40), "its arrays take"),
+        (
+            "/accessors/0/count",
+            json!(3),
+            "`meshes[0].primitives[0]`: there is no vertex 3, expected one of the 3, from 0",
+        ),
+        (
+            "/accessors/1/count",
+            json!(3),
+            "`meshes[0].primitives[0]`: `accessors[1]` has 3 elements, expected one for each of the 4 vertices",
+        ),
+        (
+            "/accessors/0/type",
+            json!("VEC9"),
+            "`accessors[0].type`: it has no valid value, expected one of glTF 2.0",
+        ),
+        (
+            "/accessors/3/componentType",
+            json!(5126),
+            "`accessors[3]` has no indices",
+        ),
+        (
+            "/bufferViews/2/byteLength",
+            json!(4000),
+            "`bufferViews[2]` reaches out of its buffer",
+        ),
+        (
+            "/bufferViews/0/byteOffset",
+            json!(u64::MAX),
+            "`bufferViews[0]` reaches out of its buffer",
+        ),
+        ("/buffers/0/byteLength", json!(90_000), "`buffers[0]` has"),
+        (
+            "/images/0/bufferView",
+            json!(0),
+            "`images[0]`: it is no picture of a known format",
+        ),
+        (
+            "/images/0",
+            json!({ "uri": "wood.png" }),
+            "`wood.png`: cannot read it: ",
+        ),
+        (
+            "/images/0",
+            json!({ "uri": "data:image/png;base64,!!" }),
+            "`images[0]`: a `uri` has damaged base64",
+        ),
+        (
+            "/meshes/0/primitives/0/attributes/POSITION",
+            json!(99),
+            "a mesh has attributes of `accessors[99]`, expected one of the 6 accessors, from 0",
+        ),
+        (
+            "/buffers/0/uri",
+            json!("a.bin"),
+            "`a.bin`: cannot read it: ",
+        ),
+    ] {
+        let found = if pointer == "/buffers/0/uri" {
+            read("a.gltf", sign().gltf("a.bin").as_bytes())
+                .map(drop)
+                .unwrap_err()
+        } else {
+            fault_of(pointer, value)
+        };
+        let name = if pointer == "/buffers/0/uri" {
+            "`a.gltf`"
+        } else {
+            "`a.glb`"
+        };
+        assert!(
+            found.starts_with(name) && found.contains(expected),
+            "{pointer}: {found}"
+        );
+    }
+    let mut file = sign();
+    file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    read("a.glb", &file.glb()).unwrap();
+    file.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    let found = read("a.glb", &file.glb()).unwrap_err();
+    let expected = "`extensionsRequired[0] = \"KHR_draco_mesh_compression\"`: \
+                    raycost cannot read this extension";
+    assert!(found.contains(expected), "{found}");
+}
+
+/// Nodes that show the same mesh over and over take its memory each.
+#[test]
+fn a_mesh_shown_too_often_is_refused_before_it_is_placed() {
+    let mut file = sign();
+    let n = 400_000;
+    let corners = file.floats("VEC3", 30_000, &vec![0.5; 90_000]);
+    file.json["meshes"][1]["primitives"][0] = json!({ "attributes": { "POSITION": corners } });
+    file.json["nodes"] = json!(vec![json!({ "mesh": 1 }); n]);
+    file.json["scenes"][0]["nodes"] = json!((0..n).collect::<Vec<_>>());
+    let found = read("a.glb", &file.glb()).unwrap_err();
+    assert!(found.contains("its arrays take"), "{found}");
+}
+
+#[test]
+fn damage_is_never_a_panic() {
+    let file = sign();
+    let glb = file.glb();
+    let uri = format!(
+        "data:application/octet-stream;base64,{}",
+        STANDARD.encode(&file.binary)
+    );
+    let gltf = file.gltf(&uri).into_bytes();
+    for (name, whole) in [("a.glb", &glb), ("a.gltf", &gltf)] {
+        for i in 0..200 {
+            let at = i * whole.len() / 200;
+            let cut = read(name, &whole[..at]).unwrap_err();
+            assert!(cut.starts_with(&format!("`{name}`")), "{cut}");
+            for flip in [1, 0x20, 0x80] {
+                let mut damaged = whole.clone();
+                damaged[at] ^= flip;
+                match read(name, &damaged) {
+                    Err(fault) => assert!(fault.starts_with(&format!("`{name}`")), "{fault}"),
+                    Ok(mesh) => {
+                        let n = mesh.vertices.len() as u32;
+                        assert!(
+                            mesh.triangles
+                                .as_flattened()
+                                .iter()
+                                .all(|corner| *corner < n)
+                        );
+                        mesh.into_parts();
+                    }
+                }
+            }
+        }
+    }
+}
