@@ -51,8 +51,8 @@ def export_view(view=None, folder: str | None = None, **options) -> Scene:
     """Writes what a view shows as a scene. Prints what cannot be exported."""
     view = view or simple.GetActiveView()
     renderer = getattr(view and view.GetClientSideObject(), "GetRenderer", lambda: None)()
-    if renderer is None:
-        raise RaycostError("the active view is no render view; click on one first")
+    if renderer is None or view in shown_here:
+        raise RaycostError("the active view is no render view of your own; click on one first")
     simple.Render(view)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -62,14 +62,20 @@ def export_view(view=None, folder: str | None = None, **options) -> Scene:
     return scene
 
 
+#: The views that show an output.
+shown_here: list = []
+
+
 def show(out: Path) -> None:
     """Shows an output of raycost in a new layout: the picture, its cost and the cloud of hits."""
     before = set(simple.GetViews())
     servermanager.LoadState(str(out / "overview.pvsm"))
+    simple.RenderAllViews()
     views = [view for view in simple.GetViews() if view not in before]
-    if views:
-        simple.RenderAllViews()
-        simple.SetActiveView(views[0])
+    shown_here.extend(views)
+    pictures = [view for view in views if view.GetXMLName() == "RenderView"]
+    if pictures:
+        simple.SetActiveView(pictures[0])
 
 
 def names(view) -> dict:

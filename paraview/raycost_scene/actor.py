@@ -8,7 +8,15 @@ from pathlib import Path
 
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
-from vtkmodules.vtkRenderingCore import VTK_FLAT, VTK_POINTS, VTK_WIREFRAME, vtkActor, vtkMapper, vtkProperty, vtkRenderer
+from vtkmodules.vtkRenderingCore import (
+    VTK_FLAT,
+    VTK_POINTS,
+    VTK_WIREFRAME,
+    vtkActor,
+    vtkMapper,
+    vtkProperty,
+    vtkRenderer,
+)
 
 from . import geometry, view
 from .colors import ArrayColors, Titles, array_colors

@@ -53,7 +53,8 @@ def raycost_scene(
     """Writes what a view shows as `scene.yaml` and `.vtp` files.
 
     `plotter` is PyVista's, or a vtkRenderer. The folder is made where it is missing, and is
-    a temporary one by default. With `shadows` objects throw shadows, as they do not in VTK. `names` has the names of the objects by their props,
+    a temporary one by default. With `shadows` objects throw shadows, as they do not in VTK.
+    `names` has the names of the objects by their props,
     `color_bars` lookup tables with the titles of color bars that the renderer does not have. What
     cannot be exported is a warning each of Python, and in `Scene.warnings`.
     """

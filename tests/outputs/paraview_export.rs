@@ -70,7 +70,8 @@ fn the_plot_of_the_book_becomes_a_scene() {
 
 fn in_paraview(script: &str, out: &Path) -> Output {
     Command::new("xvfb-run")
-        .args(["-a", "pvbatch"])
+        // As for states.
+        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset", "pvbatch"])
         .arg(in_repository(script))
         .arg(out)
         .env("PYTHONDONTWRITEBYTECODE", "1")

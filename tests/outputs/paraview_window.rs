@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::paraview::{render, screenshot, trace};
+use crate::common::paraview::{folder, render, screenshot, trace};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// The messages of the window for a state.
@@ -41,6 +41,33 @@ fn every_state_opens_in_the_window_without_a_message() {
     }
     let template = in_repository("paraview/heatmap.pvsm");
     assert_success(&open(&template, &out, "heatmap by variable"));
+}
+
+/// The macro of the plugin shows picture and cost in a layout of its own.
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_macro_shows_the_view_and_its_cost() {
+    let folder = folder("macro");
+    let picture = folder.join("window.png");
+    let output = Command::new("xvfb-run")
+        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])
+        .arg(in_repository("tests/in-paraview-window"))
+        .arg(in_repository("tests/paraview/ball.py"))
+        .arg(&picture)
+        .arg(in_repository("paraview/render_with_raycost.py"))
+        .arg("raycost: the scene is")
+        .env("PYTHONPATH", in_repository("paraview"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("RAYCOST", raycost().get_program())
+        .output()
+        .expect("run tests/with-paraview");
+    assert_success(&output);
+    let window = image::open(&picture).unwrap().into_rgb8();
+    // The middle of the upper right of the four views.
+    let middle = image::imageops::crop_imm(&window, 1200, 340, 150, 100).to_image();
+    let is_colored = |pixel: &&image::Rgb<u8>| pixel[0].abs_diff(pixel[2]) > 60;
+    let n_colored = middle.pixels().filter(is_colored).count();
+    assert!(n_colored > 10_000, "{n_colored} pixels show a cost");
 }
 
 #[test]
