@@ -57,6 +57,8 @@ def export_view(view=None, folder: str | None = None, **options) -> Scene:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         scene = raycost_scene(renderer, folder, names=names(view), color_bars=color_bars(view), **options)
+    if any(shown.GetXMLName() == "TextSourceRepresentation" and shown.Visibility for shown in view.Representations):
+        scene.warnings.append("a text over the view cannot be exported; it is left out")
     for message in scene.warnings:
         print(f"raycost: {message}")
     return scene

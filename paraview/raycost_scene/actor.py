@@ -25,7 +25,7 @@ from .view import Warn
 from .writer import Value
 
 #: Mappers that draw something else than their input.
-GLYPHS = ("vtkGlyph3DMapper", "vtkStickMapper", "vtkSphereMapper", "vtkFastLabeledDataMapper")
+GLYPHS = ("vtkGlyph3DMapper", "vtkStickMapper", "vtkSphereMapper", "vtkFastLabeledDataMapper", "vtkPVImageSliceMapper")
 
 
 @dataclass
@@ -60,6 +60,7 @@ class Part:
     colors: ArrayColors | None
     color: Value
     opacity: float
+    texture: str | None = None
 
 
 def add_actor(contents: Contents, name: str, actor: vtkActor, matrix: vtkMatrix4x4) -> None:
@@ -119,7 +120,9 @@ def add_all(contents: Contents, part: Part, surface: vtkPolyData) -> None:
     of = part.actor.GetProperty()
     if surface.GetNumberOfPolys() or surface.GetNumberOfStrips():
         keys = {"normals": "flat"} if of.GetInterpolation() == VTK_FLAT else {}
+        part.texture = texture(contents, part.actor, surface)
         contents.add("mesh", part, surface, keys, material(contents, part))
+        part.texture = None
         if of.GetEdgeVisibility():
             edges = Part(part.name, "edges", part.actor, None, list(of.GetEdgeColor()), part.opacity)
             add_lines(contents, edges, geometry.edges_of(surface), flat=True)
@@ -176,7 +179,11 @@ def radii(mapper: vtkMapper, array, factor: float) -> list[float]:
 def material(contents: Contents, part: Part, flat: bool = False) -> Value:
     """The material that looks like a property of VTK: in the numbers of the screen."""
     of = part.actor.GetProperty()
-    found: dict[str, Value] = {"color": part.colors.color if part.colors else part.color}
+    color = part.colors.color if part.colors else part.color
+    if part.texture and not flat:
+        texels = "bilinear" if part.actor.GetTexture().GetInterpolate() else "nearest"
+        color = {"image": {"file": part.texture, "filter": texels, "transfer": "linear"}}
+    found: dict[str, Value] = {"color": color}
     if flat or not of.GetLighting():
         found.update(ambient=1.0, diffuse=0.0)
     else:
@@ -192,6 +199,16 @@ def material(contents: Contents, part: Part, flat: bool = False) -> Value:
     return found
 
 
+def texture(contents: Contents, actor: vtkActor, surface: vtkPolyData) -> str | None:
+    """The file of the actor's texture, if it has one and the surface has coordinates for it."""
+    image = actor.GetTexture() and actor.GetTexture().GetInput()
+    if not image or surface.GetPointData().GetTCoords() is None:
+        return None
+    file = f"{len(contents.objects):02}_texture.png"
+    geometry.write_picture(contents.folder / file, image)
+    return file
+
+
 def base_color(of: vtkProperty) -> tuple:
     """The color of a property without an array."""
     return of.GetDiffuseColor() if of.GetDiffuse() or not of.GetAmbient() else of.GetAmbientColor()
@@ -201,7 +218,6 @@ def warn_of_property(contents: Contents, name: str, actor: vtkActor) -> None:
     """Warns of what raycost does not show."""
     of, mapper = actor.GetProperty(), actor.GetMapper()
     missing = {
-        "its texture": actor.GetTexture() is not None,
         "its clipping planes": bool(mapper.GetClippingPlanes() and mapper.GetClippingPlanes().GetNumberOfItems()),
         "culling of its faces": bool(of.GetBackfaceCulling() or of.GetFrontfaceCulling()),
         "physically based rendering": of.GetInterpolation() > 2,

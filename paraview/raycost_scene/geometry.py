@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from vtkmodules.vtkCommonCore import vtkFloatArray
-from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataObject, vtkDataSet, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataObject, vtkDataSet, vtkImageData, vtkPolyData
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkCommonTransforms import vtkMatrixToLinearTransform
 from vtkmodules.vtkFiltersCore import vtkCellDataToPointData, vtkCleanPolyData, vtkExtractEdges
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
+from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from .colors import ArrayColors
@@ -101,11 +102,12 @@ def positive_radii(points: vtkPolyData, radii: list[float]) -> vtkPolyData:
 
 
 def write(file: Path, shape: vtkPolyData, colors: ArrayColors | None, keep: tuple[str, ...] = ()) -> None:
-    """Writes a shape with the array of its colors, its normals and the arrays to keep."""
+    """Writes a shape with the array of its colors, its normals, its texture coordinates and the arrays to keep."""
     lean = vtkPolyData()
     lean.CopyStructure(shape)
     points, cells = shape.GetPointData(), shape.GetCellData()
     lean.GetPointData().SetNormals(points.GetNormals())
+    lean.GetPointData().SetTCoords(points.GetTCoords())
     for name in keep:
         lean.GetPointData().AddArray(points.GetArray(name))
     if colors is not None:
@@ -118,6 +120,14 @@ def write(file: Path, shape: vtkPolyData, colors: ArrayColors | None, keep: tupl
     writer.EncodeAppendedDataOff()
     if not writer.Write():
         raise OSError(f"cannot write {file}")
+
+
+def write_picture(file: Path, image: vtkImageData) -> None:
+    """Writes a picture of 8 or 16 bits as PNG."""
+    writer = vtkPNGWriter()
+    writer.SetInputData(image)
+    writer.SetFileName(str(file))
+    writer.Write()
 
 
 def output_of(algorithm, data: vtkDataObject) -> vtkPolyData:

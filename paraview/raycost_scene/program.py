@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
 
 from .errors import RaycostError
 
-INSTALL = "cargo install --path RAYCOST'S FOLDER"
+#: raycost's repository, whose folder `paraview` this file is in.
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def find_program() -> str:
@@ -21,7 +23,8 @@ def find_program() -> str:
     if wanted:
         raise RaycostError(f"there is no program {wanted}, which the variable RAYCOST names")
     raise RaycostError(
-        f"the program raycost is not in PATH; install it by `{INSTALL}`, "
+        "the program raycost is not in PATH; install it by "
+        f"`cargo install --path {shlex.quote(str(REPOSITORY))}`, "
         "or set the variable RAYCOST to its path"
     )
 

@@ -39,6 +39,7 @@ cases! {
     lines_as_tubes
     transforms_and_cameras
     surfaces
+    textures
     directions_of_light
     what_cannot_be_shown
     names

@@ -2,6 +2,7 @@
 //! window reports messages that `pvbatch` does not. Screenshots remain in
 //! `target/paraview/` for inspection.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -43,31 +44,49 @@ fn every_state_opens_in_the_window_without_a_message() {
     assert_success(&open(&template, &out, "heatmap by variable"));
 }
 
+/// The messages of the window after the plugin's macro has printed these words.
+fn press(picture: &Path, program: &OsStr, words: &str) -> Output {
+    Command::new("xvfb-run")
+        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])
+        .arg(in_repository("tests/in-paraview-window"))
+        .arg(in_repository("tests/paraview/ball.py"))
+        .arg(picture)
+        .arg(in_repository("paraview/render_with_raycost.py"))
+        .arg(words)
+        .env("PYTHONPATH", in_repository("paraview"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("RAYCOST", program)
+        .output()
+        .expect("run tests/with-paraview")
+}
+
 /// The macro of the plugin shows picture and cost in a layout of its own.
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_macro_shows_the_view_and_its_cost() {
-    let folder = folder("macro");
-    let picture = folder.join("window.png");
-    let output = Command::new("xvfb-run")
-        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])
-        .arg(in_repository("tests/in-paraview-window"))
-        .arg(in_repository("tests/paraview/ball.py"))
-        .arg(&picture)
-        .arg(in_repository("paraview/render_with_raycost.py"))
-        .arg("raycost: the scene is")
-        .env("PYTHONPATH", in_repository("paraview"))
-        .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("RAYCOST", raycost().get_program())
-        .output()
-        .expect("run tests/with-paraview");
-    assert_success(&output);
+    let picture = folder("macro").join("window.png");
+    let words = "raycost: the scene is";
+    assert_success(&press(&picture, raycost().get_program(), words));
     let window = image::open(&picture).unwrap().into_rgb8();
     // The middle of the upper right of the four views.
     let middle = image::imageops::crop_imm(&window, 1200, 340, 150, 100).to_image();
     let is_colored = |pixel: &&image::Rgb<u8>| pixel[0].abs_diff(pixel[2]) > 60;
     let n_colored = middle.pixels().filter(is_colored).count();
     assert!(n_colored > 10_000, "{n_colored} pixels show a cost");
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_macro_says_what_is_missing() {
+    let picture = folder("macro").join("no program.png");
+    let words = "raycost: there is no program /no/raycost, which the variable RAYCOST names";
+    let pressed = press(&picture, "/no/raycost".as_ref(), words);
+    let said = String::from_utf8_lossy(&pressed.stdout);
+    assert_eq!(pressed.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains(words) && !said.contains("Traceback"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -20,6 +20,7 @@ from paraview import simple as pv  # noqa: E402
 from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
 from vtkmodules.vtkCommonCore import vtkOutputWindow  # noqa: E402
 from vtkmodules.vtkIOImage import vtkPNGReader  # noqa: E402
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: E402
 
 NAME = 'the "ball" ü'
 
@@ -33,6 +34,7 @@ def main():
     n_views, n_sources = len(pv.GetViews()), len(pv.GetSources())
     out = raycost.render_view(folder=folder)
     assert_scene((folder / "scene.yaml").read_text(encoding="utf-8"))
+    assert_radii(folder, 0.021126, 0.06)
     pv.SaveScreenshot(str(folder / "paraview.png"), view, ImageResolution=view.ViewSize)
     difference = np.abs(pixels(folder / "paraview.png") - pixels(out / "image.png")).mean()
     print(f"mean difference {difference:.2f}/255")
@@ -58,6 +60,14 @@ def shown_view():
     dots = pv.Show(pv.Sphere(registrationName="dots"), view, Representation="Point Gaussian")
     dots.GaussianRadius, dots.Position, dots.DiffuseColor = 0.03, [1.2, 0, 0], [1, 0.5, 0]
     dots.ShaderPreset = "Sphere"
+    sized = pv.Calculator(
+        registrationName="sized", Input=pv.Sphere(), Function="abs(coordsZ)+0.1", ResultArrayName="size"
+    )
+    balls = pv.Show(sized, view, Representation="Point Gaussian")
+    balls.ScaleByArray, balls.SetScaleArray, balls.UseScaleFunction = 1, ["POINTS", "size"], 0
+    balls.GaussianRadius, balls.ShaderPreset, balls.Position = 0.1, "Sphere", [0, 1.2, 0]
+    pv.ColorBy(balls, None)
+    pv.Show(pv.Text(Text="a text"), view)
     wave = pv.Wavelet(registrationName="wave", WholeExtent=[-5, 5, -5, 5, -5, 5])
     surface = pv.Contour(registrationName="contour", Input=wave, Isosurfaces=[200.0], ContourBy=["POINTS", "RTData"])
     shown = pv.Show(surface, view, Scale=[0.1, 0.1, 0.1], Position=[-1.2, 0, 0])
@@ -72,12 +82,25 @@ def shown_view():
 
 def assert_scene(text):
     objects = text[text.index("\nobjects:") :]
-    assert [objects.count(kind) for kind in ("mesh:", "spheres:", "tubes:")] == [2, 1, 1], objects
+    assert [objects.count(kind) for kind in ("mesh:", "spheres:", "tubes:")] == [2, 2, 1], objects
     for part in ('"the \\"ball\\" ü"', '"contour"', "radius: 0.03"):
         assert part in text, f"{part} is missing in {text}"
     assert "hidden" not in text, text
     # The preset Cool to Warm, in few colors.
     assert 'name: "Normals", component: 2, of: "points", map: { colors: ["#3b4cc0"' in text, text
+
+
+def assert_radii(folder, least, greatest):
+    """One of the files has these radii."""
+    found = []
+    for file in folder.glob("*.vtp"):
+        reader = vtkXMLPolyDataReader()
+        reader.SetFileName(str(file))
+        reader.Update()
+        radii = reader.GetOutput().GetPointData().GetArray("raycost radius")
+        if radii:
+            found.append(radii.GetRange())
+    assert len(found) == 1 and np.allclose(found, (least, greatest), rtol=1e-3), found
 
 
 def assert_source(folder, out):

@@ -181,6 +181,17 @@ def case_surfaces(folder):
     assert difference < 8, (found[middle].mean(axis=(0, 1)), expected[middle].mean(axis=(0, 1)))
 
 
+def case_textures(folder):
+    """Pictures by texture coordinates."""
+    texels = np.zeros((32, 32, 3), np.uint8)
+    texels[:16, :16], texels[16:, 16:] = (255, 120, 0), (0, 100, 200)
+    shown = plotter()
+    shown.add_mesh(pv.Plane(), texture=pv.Texture(texels), lighting=False)
+    scene, found, expected = both(shown, folder)
+    assert scene.warnings == []
+    assert_alike(found, expected)
+
+
 def case_directions_of_light(folder):
     """Points, spots and their cones."""
     shown = plotter()
