@@ -189,6 +189,7 @@ fn frames_of(frames: &Frames, config: &Config) -> String {
 /// The files that would be written.
 fn files(config: &Config, out: &Path) -> String {
     let request = Request {
+        vtkhdf: false,
         config,
         is_profiled: false,
     };

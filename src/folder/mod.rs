@@ -43,7 +43,7 @@ use std::time::{Duration, Instant};
 
 pub use error::WriteError;
 pub(crate) use own::{Own, foreign as refuse_file};
-pub(crate) use single::{Replace, target, write_file};
+pub(crate) use single::{Replace, target, write_file, write_file_at};
 pub(crate) use staged::StagedFile;
 pub(crate) use staging::Staging;
 pub(crate) use writer::{FileWriter, checksum_of};

@@ -56,6 +56,30 @@ pub(crate) fn write_file(
     replace: Replace,
     write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
 ) -> Result<Written, WriteError> {
+    put(path, replace, |folder| {
+        StagedFile::write(folder, STAGED, write)
+    })
+}
+
+/// Writes a file as [`write_file`] does, by a function that creates it.
+///
+/// # Errors
+/// Those of [`write_file`].
+pub(crate) fn write_file_at(
+    path: &Path,
+    replace: Replace,
+    write: impl FnOnce(&Path) -> io::Result<()>,
+) -> Result<Written, WriteError> {
+    put(path, replace, |folder| {
+        StagedFile::write_at(folder, STAGED, write)
+    })
+}
+
+fn put(
+    path: &Path,
+    replace: Replace,
+    stage: impl FnOnce(&Path) -> io::Result<StagedFile>,
+) -> Result<Written, WriteError> {
     let target = target(path, replace)?;
     let fail = |error| WriteError::new(path, error);
     let folder = match target.parent() {
@@ -65,7 +89,7 @@ pub(crate) fn write_file(
     let name = target.file_name().unwrap_or_default();
     workspace::remove_left_of_file(folder, name);
     let workspace = Workspace::create(folder, name).map_err(fail)?;
-    let file = StagedFile::write(&workspace.new_files(), STAGED, write).map_err(fail)?;
+    let file = stage(&workspace.new_files()).map_err(fail)?;
     let staged = workspace.new_files().join(STAGED);
     if let Ok(at) = target.metadata() {
         disk::set_permissions(&staged, at.permissions()).map_err(fail)?;

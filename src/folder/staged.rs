@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::Written;
-use super::writer::FileWriter;
+use super::writer::{FileWriter, checksum_of};
 use crate::provenance::Checksum;
 use crate::text::numbers::milliseconds;
 
@@ -33,6 +33,23 @@ impl StagedFile {
             name,
             n_bytes,
             checksum,
+            write_ms: milliseconds(start.elapsed()),
+        })
+    }
+
+    /// Creates a file by a function in a folder in which no file has this name.
+    pub(super) fn write_at(
+        folder: &Path,
+        name: &'static str,
+        write: impl FnOnce(&Path) -> io::Result<()>,
+    ) -> io::Result<Self> {
+        let start = Instant::now();
+        let path = folder.join(name);
+        write(&path)?;
+        Ok(Self {
+            name,
+            n_bytes: path.metadata()?.len(),
+            checksum: checksum_of(&path)?,
             write_ms: milliseconds(start.elapsed()),
         })
     }

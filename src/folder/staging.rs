@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io;
+use std::path::Path;
 
 use super::error::WriteError;
 use super::own::{self, Own};
@@ -30,6 +31,19 @@ impl Staging<'_> {
         write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
     ) -> Result<StagedFile, WriteError> {
         let staged = StagedFile::write(&self.workspace.new_files(), name, write);
+        staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
+    }
+
+    /// Writes the new file `name` by a function that creates it.
+    ///
+    /// # Errors
+    /// The errors of `write` and of the system.
+    pub(crate) fn stage_at(
+        &self,
+        name: &'static str,
+        write: impl FnOnce(&Path) -> io::Result<()>,
+    ) -> Result<StagedFile, WriteError> {
+        let staged = StagedFile::write_at(&self.workspace.new_files(), name, write);
         staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
     }
 

@@ -1,13 +1,14 @@
 //! The row of an output file: its name, when it is wanted, and how it is written.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use super::RenderingView;
 use super::distances::Distances;
 use super::fields;
 use super::states::States;
 use crate::config::{Config, OptionalOutput};
-use crate::folder::{FileWriter, Written};
+use crate::folder::{FileWriter, StagedFile, Staging, WriteError, Written};
 use crate::instruments::Stages;
 use crate::provenance::{RunId, stamped};
 use crate::vtk::{Codec, Encoding};
@@ -27,6 +28,8 @@ pub struct OutputFile {
 pub(super) enum FileContent {
     /// By a function.
     Written(fn(&Job, &mut FileWriter) -> io::Result<()>),
+    /// By a function that writes to a path itself.
+    AtPath(fn(&Job, &Path) -> io::Result<()>),
     /// As a ParaView state: a template whose keys [`States`] fills in.
     State(&'static str),
 }
@@ -38,6 +41,8 @@ pub struct Request<'a> {
     pub config: &'a Config,
     /// Whether a profiler watches the run.
     pub is_profiled: bool,
+    /// Whether cloud and frame are also written as VTKHDF.
+    pub vtkhdf: bool,
 }
 
 /// What a writer may use.
@@ -58,13 +63,15 @@ impl OutputFile {
         (self.is_wanted)(request)
     }
 
-    pub(super) fn write(&self, job: &Job, out: &mut FileWriter) -> io::Result<()> {
+    /// Writes the new file.
+    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<StagedFile, WriteError> {
         match self.content {
-            FileContent::Written(write) => write(job, out),
-            FileContent::State(template) => {
+            FileContent::Written(write) => staging.stage(self.name, |out| write(job, out)),
+            FileContent::AtPath(write) => staging.stage_at(self.name, |path| write(job, path)),
+            FileContent::State(template) => staging.stage(self.name, |out| {
                 let state = job.states.filled(template);
                 out.write_all(stamped(&state, job.run).as_bytes())
-            }
+            }),
         }
     }
 }

@@ -27,16 +27,20 @@ pub fn write(
     encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
+    appended::write(&image(film), encoding.into(), out)
+}
+
+/// Returns the film as an image.
+pub(super) fn image(film: &Film) -> DataSet<'_> {
     let array = |column| {
         column_array(column, n_pixels(film), |column, out| {
             write_rows(film, column, out)
         })
     };
-    let image = DataSet::Image {
+    DataSet::Image {
         size: [film.grid.width, film.grid.height],
         point_data: film.columns().map(array).collect(),
-    };
-    appended::write(&image, encoding.into(), out)
+    }
 }
 
 fn n_pixels(film: &Film) -> u64 {

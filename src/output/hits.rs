@@ -43,6 +43,17 @@ fn write_cloud(
     encoding: Encoding,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
+    with_cloud(film, distances, |cloud| {
+        appended::write(cloud, encoding, out)
+    })
+}
+
+/// Calls `write` with the cloud of a film whose distances are known.
+pub(super) fn with_cloud(
+    film: &Film,
+    distances: &Distances,
+    write: impl FnOnce(&DataSet) -> io::Result<()>,
+) -> io::Result<()> {
     let hits = Hits::of(film);
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
@@ -54,19 +65,31 @@ fn write_cloud(
     let mut point_data: Vec<Array> = film.columns().map(array).collect();
     point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
     point_data.push(Array::of("horizon", n, || {
-        hits.distances()
-            .map(|distance| u8::from(distances.is_horizon(distance)))
+        let distances_of_hits = hits.distances();
+        distances_of_hits.map(|distance| u8::from(distances.is_horizon(distance)))
     }));
+    write(&DataSet::Grid(vertices(
+        n,
+        array(Column::POSITION),
+        point_data,
+    )))
+}
+
+/// Returns a cloud of `n` points.
+pub(crate) fn vertices<'a>(
+    n: usize,
+    points: Array<'a>,
+    point_data: Vec<Array<'a>>,
+) -> CellMesh<'a> {
     let [connectivity, offsets] = separate_cells(1, n);
-    let cloud = CellMesh {
+    CellMesh {
         n_points: n,
         n_cells: n,
-        points: array(Column::POSITION),
+        points,
         point_data,
         cell_data: Vec::new(),
         cells: vec![connectivity, offsets, types_of(CellType::Vertex, n)],
-    };
-    appended::write(&DataSet::Grid(cloud), encoding, out)
+    }
 }
 
 /// The pixels of a film that have a hit. Computed once for all arrays of the file.

@@ -8,6 +8,7 @@ mod bounding_sphere;
 mod distances;
 mod fields;
 mod frame;
+mod hdf;
 mod heatmap;
 mod hits;
 mod layers;
@@ -32,8 +33,8 @@ pub(crate) use fields::of_run as run_fields;
 pub use file::{OutputFile, Request};
 pub(crate) use frame::FILE as FRAME_VTI;
 pub use frame::write as write_frame;
-pub(crate) use hits::FILE as HITS_VTU;
 pub use hits::write as write_hits;
+pub(crate) use hits::{FILE as HITS_VTU, vertices};
 pub use nodes::write as write_nodes;
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS_CSV, rows_per_thing};
@@ -98,6 +99,8 @@ const GROUPS: [FileGroup; 3] = [
             heatmap::FILE,
             hits::FILE,
             frame::FILE,
+            hdf::HITS,
+            hdf::FRAME,
             state_files::GEOMETRY,
             state_files::HEATMAP,
             state_files::OVERVIEW,
@@ -133,7 +136,7 @@ pub fn files() -> impl Iterator<Item = &'static OutputFile> {
 pub(crate) fn state_template(name: &str) -> Option<&'static str> {
     match files().find(|file| file.name == name)?.content {
         FileContent::State(template) => Some(template),
-        FileContent::Written(_) => None,
+        FileContent::Written(_) | FileContent::AtPath(_) => None,
     }
 }
 
@@ -166,6 +169,8 @@ pub struct RenderingView<'a> {
     pub overhead: Option<Overhead>,
     /// The cost attribution, if requested.
     pub attribution: Option<&'a CostAttribution>,
+    /// Whether cloud and frame are also written as VTKHDF.
+    pub vtkhdf: bool,
     /// The profiler, if requested.
     pub profiler: Option<&'a Profiler>,
     /// The number of threads.
@@ -197,6 +202,7 @@ pub fn write(
     let request = Request {
         config: rendering.config,
         is_profiled: rendering.profiler.is_some(),
+        vtkhdf: rendering.vtkhdf,
     };
     let (mut files, mut written) = (Vec::new(), Vec::new());
     for group in &GROUPS {
@@ -215,7 +221,7 @@ pub fn write(
             run,
             written: &written,
         };
-        let stage = |file: &&OutputFile| staging.stage(file.name, |out| file.write(&job, out));
+        let stage = |file: &&OutputFile| file.stage(&job, &staging);
         let staged: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
         written.extend(staged.iter().map(StagedFile::written));
         files.extend(staged);

@@ -5,12 +5,13 @@
 //! colors for all frames, a table and a plot of their costs, and a video. Each file takes
 //! its place when it is complete.
 
+mod hdf;
 mod table;
 mod pvd;
 mod states;
 mod video;
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -77,14 +78,20 @@ impl FrameSeries {
             let state = format!("{PREFIX}_{}", file.name);
             [state, pvd::name_of(file.name)]
         });
+        let is_hdf = |name: &String| hdf::FILES.iter().any(|(of_hdf, _)| name == of_hdf);
         let own = [TABLE, "series.svg", "series.pvd"].map(str::to_owned);
-        for name in own.into_iter().chain(of_frames) {
+        for name in own
+            .into_iter()
+            .chain(of_frames.filter(|name| !is_hdf(name)))
+        {
             target(&folder.join(name), Replace::Marked)?;
         }
-        // A video cannot say whose it is; the table beside it does.
-        let video = folder.join(VIDEO);
-        if video.symlink_metadata().is_ok() && !folder.join(TABLE).exists() {
-            return Err(refuse_file(&video));
+        // Videos and HDF5 files do not say whose they are; the table beside them does.
+        for name in hdf::FILES.map(|(name, _)| name).into_iter().chain([VIDEO]) {
+            let file = folder.join(name);
+            if file.symlink_metadata().is_ok() && !folder.join(TABLE).exists() {
+                return Err(refuse_file(&file));
+            }
         }
         Ok(())
     }
@@ -124,12 +131,12 @@ impl FrameSeries {
         lock_folder_in_turn(folder)
     }
 
-    /// Writes the files into the folder of the series, which is [locked](Self::lock). Returns
-    /// their names.
+    /// Writes the files into the folder of the series, which is [locked](Self::lock), those of
+    /// VTKHDF if they are asked for, and removes old ones of these. Returns their names.
     ///
     /// # Errors
     /// A file of another program that has one of their names, or an error of the system.
-    pub fn write(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
+    pub fn write(&self, folder: &Path, vtkhdf: bool) -> Result<Vec<String>, WriteError> {
         let mut written = Vec::new();
         let mut write = |name: String, bytes: &[u8]| {
             write_file(&folder.join(&name), Replace::Marked, |out| {
@@ -148,6 +155,13 @@ impl FrameSeries {
         }
         for (name, text) in self.states(folder, run) {
             write(name, text.as_bytes())?;
+        }
+        if vtkhdf && !self.frames.is_empty() {
+            written.extend(hdf::write(&self.frames, folder)?);
+        } else {
+            for (name, _) in hdf::FILES {
+                let _ = fs::remove_file(folder.join(name));
+            }
         }
         Ok(written)
     }

@@ -180,6 +180,7 @@ impl Session {
                 used: pool.current_num_threads(),
                 available: std::thread::available_parallelism().map_or(1, usize::from),
             },
+            vtkhdf: options.vtkhdf,
             pool,
         })
     }

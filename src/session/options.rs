@@ -28,6 +28,9 @@ pub struct Options<'a> {
     /// Whether the picture is also rendered in each cost mode in turn, for
     /// [`Rendering::overhead`](super::Rendering::overhead).
     pub measure_overhead: bool,
+    /// Whether [`Rendering::write`](super::Rendering::write) also writes cloud and frame as
+    /// VTKHDF; needs the cargo feature `hdf5`.
+    pub vtkhdf: bool,
     /// Cancels the rendering.
     pub cancellation: Cancellation,
     /// Is called with each event, from any thread.
@@ -106,6 +109,7 @@ impl fmt::Debug for Options<'_> {
         f.debug_struct("Options")
             .field("threads", &self.threads)
             .field("measure_overhead", &self.measure_overhead)
+            .field("vtkhdf", &self.vtkhdf)
             .field("cancellation", &self.cancellation)
             .finish_non_exhaustive()
     }

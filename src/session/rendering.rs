@@ -21,6 +21,7 @@ pub struct Rendering<'s> {
     pub(super) measured: Measured,
     pub(super) stages: Stages,
     pub(super) threads: Threads,
+    pub(super) vtkhdf: bool,
     pub(super) pool: rayon::ThreadPool,
 }
 
@@ -108,6 +109,7 @@ impl Rendering<'_> {
             repeats: &measured.repeats,
             overhead: measured.overhead,
             attribution: measured.attribution.as_ref(),
+            vtkhdf: self.vtkhdf,
             profiler,
             threads: self.threads,
         }

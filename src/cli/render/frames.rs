@@ -177,7 +177,7 @@ impl FrameJob<'_> {
             }
             stop::check()?;
         }
-        let written = series.write(self.out)?;
+        let written = series.write(self.out, self.arguments.format.is_some())?;
         drop(lock);
         let out = shown(self.out);
         let mut lines = format!("wrote   {out}: {}\n", written.join(", "));

@@ -14,6 +14,7 @@ use crate::memory::Memory;
 use crate::session::{Event, Options, Session};
 use crate::stop;
 use crate::text::{self, Diagnostic};
+use crate::vtk::hdf;
 
 /// Render a scene and write its files
 #[derive(Debug, clap::Args)]
@@ -28,6 +29,11 @@ pub(super) struct RenderArguments {
     /// [default: all]
     #[arg(long, value_name = "FRAMES")]
     frames: Option<FrameRange>,
+
+    /// Also write cloud and frame in this format, those of an animation in one file each;
+    /// needs a build with `--features hdf5`
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<ExtraFormat>,
 
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -61,6 +67,13 @@ pub(super) struct RenderArguments {
     quiet: bool,
 }
 
+/// A format of cloud and frame besides VTK's XML files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum ExtraFormat {
+    /// VTK's format in HDF5
+    Vtkhdf,
+}
+
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if arguments.while_input_is_open && !arguments.scene.is_standard_input() {
         std::thread::spawn(|| {
@@ -68,6 +81,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             stop::request();
         });
     }
+    arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
     let scene = OpenScene::read(&arguments.scene)?;
     if let Some(frames) = &scene.frames {
@@ -83,7 +97,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     stop::check()?;
     let bars = Bars::new(arguments.quiet);
     let on_event = |event| bars.show(event);
-    let mut rendering = session.render(&arguments.options(&on_event))?;
+    let options = Options {
+        vtkhdf: arguments.format.is_some(),
+        ..arguments.options(&on_event)
+    };
+    let mut rendering = session.render(&options)?;
     let written = rendering.write_to(&folder, profiler.as_ref())?;
     if !arguments.quiet {
         let view = rendering.view(profiler.as_ref());
@@ -103,6 +121,17 @@ impl RenderArguments {
         } else {
             HardwareCounters::none()
         }
+    }
+
+    /// Checks that this program can write the format that is asked for.
+    fn check_format(&self) -> Result<(), Failure> {
+        if self.format.is_none() || hdf::IS_BUILT {
+            return Ok(());
+        }
+        let message = "this raycost was built without HDF5, which `--format vtkhdf` needs";
+        let help = "install libhdf5 with its headers (on Debian, `apt-get install libhdf5-dev`), \
+                    then `cargo install --path . --features hdf5`";
+        Err(Diagnostic::new(message).with_help(help).into())
     }
 
     /// How a session renders.

@@ -32,6 +32,8 @@ pub(crate) struct VtkHeader {
 /// The element `ImageData`.
 #[derive(Debug, Deserialize)]
 pub(crate) struct ImageDataElement {
+    #[serde(rename = "FieldData", default)]
+    pub(crate) field_data: FieldElements,
     #[serde(rename = "Piece")]
     pub(crate) piece: ImagePieceElement,
 }
@@ -48,6 +50,8 @@ pub(crate) struct ImagePieceElement {
 /// The element `UnstructuredGrid`.
 #[derive(Debug, Deserialize)]
 pub(crate) struct UnstructuredGridElement {
+    #[serde(rename = "FieldData", default)]
+    pub(crate) field_data: FieldElements,
     #[serde(rename = "Piece")]
     pub(crate) piece: GridPieceElement,
 }
@@ -70,6 +74,24 @@ pub(crate) struct DataArraysElement {
     pub(crate) arrays: Vec<DataArrayElement>,
 }
 
+/// The element `FieldData`: arrays of numbers and of texts.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct FieldElements {
+    #[serde(rename = "DataArray", default)]
+    pub(super) arrays: Vec<DataArrayElement>,
+    #[serde(rename = "Array", default)]
+    pub(super) texts: Vec<TextElement>,
+}
+
+/// The element `Array`, of texts.
+#[derive(Debug, Deserialize)]
+pub(super) struct TextElement {
+    #[serde(rename = "@Name")]
+    pub(super) name: String,
+    #[serde(rename = "$text", default)]
+    pub(super) bytes: String,
+}
+
 /// The element `DataArray`.
 #[derive(Debug, Deserialize)]
 pub(crate) struct DataArrayElement {
@@ -79,6 +101,9 @@ pub(crate) struct DataArrayElement {
     pub(crate) name: String,
     #[serde(rename = "@NumberOfComponents", default = "one")]
     pub(crate) n_components: u32,
+    /// Of field data.
+    #[serde(rename = "@NumberOfTuples")]
+    pub(super) n_tuples: Option<u64>,
     #[serde(rename = "@offset")]
     pub(crate) offset: Option<u64>,
 }

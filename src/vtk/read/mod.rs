@@ -6,11 +6,12 @@
 
 mod blocks;
 mod contents;
+mod fields;
 mod header;
 mod reader;
 mod values;
 
-pub(crate) use header::{DataArrayElement, DataArraysElement};
+pub(crate) use header::{DataArrayElement, DataArraysElement, VtkHeader};
 pub(crate) use reader::{ArrayLocation, VtkReader};
-pub(crate) use values::Selection;
 pub use values::{ArrayValues, Scalar};
+pub(crate) use values::{Selection, scalar_of};

@@ -3,6 +3,8 @@
 use std::collections::TryReserveError;
 use std::io::{self, Read};
 
+use vtkio::model::ScalarType;
+
 /// The type of the numbers of an array.
 pub trait Scalar: bytemuck::Pod {
     /// The numbers, if they have this type.
@@ -66,6 +68,14 @@ macro_rules! values {
                 }
             }
         })*
+
+        /// The type of numbers of the VTK type `vtk`; `None` if raycost does not write it.
+        pub(crate) fn scalar_of(vtk: &str) -> Option<ScalarType> {
+            match vtk {
+                $($vtk => Some(ScalarType::$kind),)*
+                _ => None,
+            }
+        }
 
         /// The bytes of a number of the VTK type `vtk`; `None` if raycost does not
         /// write this type.
