@@ -106,6 +106,7 @@ fn data_set(path: &Path) {
     surface.iter().for_each(check_mesh);
     let names = surface.map(|mesh| mesh.arrays).unwrap_or_default();
     let array = names.into_iter().next().map(|name| ArrayChoice {
+        is_color: false,
         name,
         component: None,
         of: None,

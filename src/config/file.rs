@@ -240,6 +240,7 @@ impl PointRadius {
                 array: ArrayChoice {
                     name: array.clone(),
                     component: None,
+                    is_color: false,
                     of: Some(ArrayOf::Points),
                 },
                 factor: *scale,

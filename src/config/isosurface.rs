@@ -41,6 +41,7 @@ impl Isosurface {
             array: ArrayChoice {
                 name: self.array.clone(),
                 component: self.component.map(|component| component as usize),
+                is_color: false,
                 of: Some(ArrayOf::Points),
             },
             values: self.value.clone(),

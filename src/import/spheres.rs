@@ -1,5 +1,7 @@
 //! Spheres from a table of comma-separated values.
 
+use glam::Vec3;
+
 use csv::{ByteRecord, ErrorKind, Position, ReaderBuilder, Trim};
 
 use super::fault::cut;
@@ -14,9 +16,8 @@ use crate::yaml::hex_color;
 pub struct Spheres {
     /// The spheres, at least one.
     pub spheres: Vec<Sphere>,
-    /// The color of each sphere: red, green and blue; `None` if the table has no
-    /// colors.
-    pub colors: Option<Vec<[u8; 3]>>,
+    /// The color of each sphere: linear light, from 0 to 1; `None` if the file has no colors.
+    pub colors: Option<Vec<Vec3>>,
     /// The number of an array for each sphere, if one was read; NaN for missing ones.
     pub scalars: Option<Vec<f32>>,
 }
@@ -146,9 +147,9 @@ fn number(word: &str) -> Result<f32> {
         .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
 }
 
-fn color(word: &str) -> Result<[u8; 3]> {
-    hex_color(word)
-        .ok_or_else(|| FileFault::new(format!("`{}` is no color", cut(word)), "`#rrggbb`"))
+fn color(word: &str) -> Result<Vec3> {
+    let color = hex_color(word).map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
+    color.ok_or_else(|| FileFault::new(format!("`{}` is no color", cut(word)), "`#rrggbb`"))
 }
 
 pub(super) fn of_table(error: csv::Error) -> FileFault {

@@ -90,11 +90,20 @@ struct ArrayKeys {
 /// What an array has values of.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`points` or `cells`")]
-enum ArrayKind {
+pub(super) enum ArrayKind {
     /// Of points: interpolated between them.
     Points,
     /// Of cells: the same everywhere on a cell.
     Cells,
+}
+
+impl From<ArrayKind> for ArrayOf {
+    fn from(kind: ArrayKind) -> Self {
+        match kind {
+            ArrayKind::Points => Self::Points,
+            ArrayKind::Cells => Self::Cells,
+        }
+    }
 }
 
 /// The numbers of the first and the last color of a map.
@@ -156,10 +165,8 @@ impl TryFrom<ArrayKeys> for ArrayTexture {
             choice: ArrayChoice {
                 name: keys.name,
                 component: keys.component.map(|component| component as usize),
-                of: keys.of.map(|of| match of {
-                    ArrayKind::Points => ArrayOf::Points,
-                    ArrayKind::Cells => ArrayOf::Cells,
-                }),
+                is_color: false,
+                of: keys.of.map(Into::into),
             },
             map: keys.map,
             range,

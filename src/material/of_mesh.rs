@@ -125,6 +125,7 @@ fn color_of(of: &MeshMaterial) -> Texture {
             // That of a picture is multiplied by the color already.
             tint: image.as_ref().map_or(of.color, |_| Vec3::ONE),
             image: image.map(Box::new),
+            array: None,
         }),
         (false, Some(image)) => Texture::Image(image),
         (false, None) => Texture::Color(of.color),

@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::texture_point::TexturePoint;
+use crate::import::ArrayChoice;
 use crate::simd::{Real, Vector};
 use crate::yaml::{ColorOr, ColorPattern};
 
@@ -70,6 +71,15 @@ impl Texture {
     /// Whether it has the colors of vertices.
     pub fn is_of_vertices(&self) -> bool {
         matches!(self, Self::VertexColors(_))
+    }
+
+    /// The array that is read for its colors, if there is one.
+    pub fn array_choice(&self) -> Option<&ArrayChoice> {
+        match self {
+            Self::Array(array) => Some(&array.choice),
+            Self::VertexColors(colors) => colors.array.as_ref(),
+            _ => None,
+        }
     }
 
     /// The array that gives its colors, if it is one.

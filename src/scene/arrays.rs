@@ -17,10 +17,10 @@ pub(super) fn choice<'a>(
     for name in &object.material.0 {
         // Unknown materials are reported later.
         let material = config.materials.get(name);
-        let Some(texture) = material.and_then(|material| material.color.array()) else {
+        let Some(choice) = material.and_then(|material| material.color.array_choice()) else {
             continue;
         };
-        if found.is_some_and(|found| *found != texture.choice) {
+        if found.is_some_and(|found| *found != *choice) {
             let path = FieldPath::default().key("materials").key(name);
             let path = path.key("color").key("array");
             let message = "an object has materials of different arrays";
@@ -30,7 +30,7 @@ pub(super) fn choice<'a>(
                 "expected one array for all of them",
             ));
         }
-        found = Some(&texture.choice);
+        found = Some(choice);
     }
     Ok(found)
 }

@@ -16,8 +16,8 @@ pub(super) enum Attributes {
     None,
     /// Attributes of the corners of triangles.
     Corners(CornerAttributes),
-    /// A color per primitive: red, green and blue.
-    Colors(Vec<[u8; 3]>),
+    /// A color per primitive: linear light.
+    Colors(Vec<Vec3>),
     /// The number of an array per primitive.
     Scalars(Vec<f32>),
     /// The numbers of an array at both ends of each capsule.

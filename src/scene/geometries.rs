@@ -41,9 +41,13 @@ impl ObjectGeometry {
         }
     }
 
-    /// Whether all of its vertices have colors.
+    /// Whether all of its vertices or its spheres have colors.
     pub(super) fn has_vertex_colors(&self) -> bool {
-        matches!(self, Self::Mesh(mesh) if mesh.colors.is_some())
+        match self {
+            Self::Mesh(mesh) => mesh.colors.is_some(),
+            Self::Spheres(spheres) => spheres.colors.is_some(),
+            Self::Shape(_) | Self::Generator(_) | Self::Tubes(_) => false,
+        }
     }
 
     /// The numbers of an array, if it was read with one.

@@ -245,7 +245,7 @@ impl Scene {
     #[inline]
     pub fn own_color(&self, primitive: u32) -> Option<Vec3> {
         match self.attributes(primitive) {
-            (Attributes::Colors(colors), i) => Some(Vec3::from(colors[i].map(f32::from)) / 255.0),
+            (Attributes::Colors(colors), i) => Some(colors[i]),
             _ => None,
         }
     }

@@ -284,3 +284,33 @@ fn damaged_materials_never_panic() {
         }
     }
 }
+
+/// Two triangles of VTK, with colors at the points and of the cells, as bytes and as fractions.
+const COLORED: &str = "# vtk DataFile Version 3.0\ncolors\nASCII\nDATASET POLYDATA\n\
+    POINTS 4 float\n0 0 0 1 0 0 0 1 0 1 1 0\nPOLYGONS 2 8\n3 0 1 2\n3 1 3 2\n\
+    POINT_DATA 4\nSCALARS seen unsigned_char 3\nLOOKUP_TABLE default\n\
+    255 0 0 0 188 0 0 0 255 255 255 255\n\
+    CELL_DATA 2\nFIELD cells 2\nshare 4 2 float\n1 0.735357 0 1 0 0 1 0.5\none 1 2 float\n0 1\n";
+
+#[test]
+fn arrays_of_vtk_may_be_colors_of_surfaces_and_spheres() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.vtk"), COLORED).unwrap();
+    let with = |array: &str, object: &str| {
+        let rest = format!(
+            "materials: {{ own: {{ color: {{ vertex_colors: {{ array: {array} }} }} }} }}\n\
+             objects: [{{ {object}, material: own }}]\n"
+        );
+        scene(folder.path(), &rest)
+    };
+    let surface = "mesh: { file: a.vtk }";
+    assert_near(
+        color_at(&with("seen", surface), [0.2, 0.5]),
+        Vec3::new(0.3, 0.1, 0.5),
+    );
+    let cells = with("share, of: cells", surface);
+    assert_near(color_at(&cells, [0.2, 0.5]), Vec3::new(1.0, 0.5, 0.0));
+    assert_near(color_at(&cells, [0.8, 0.5]), Vec3::Z);
+    let grains = with("seen", "spheres: { file: a.vtk, radius: 0.3 }");
+    assert_near(color_at(&grains, [1.0, 0.0]), Vec3::new(0.0, 0.5, 0.0));
+}

@@ -20,6 +20,7 @@ pub(super) struct Pieces<'a> {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     scalars: CornerValues<f32>,
+    colors: CornerValues<Vec3>,
 }
 
 impl<'a> Pieces<'a> {
@@ -32,6 +33,7 @@ impl<'a> Pieces<'a> {
             normals: Vec::new(),
             uvs: Vec::new(),
             scalars: CornerValues::default(),
+            colors: CornerValues::default(),
         }
     }
 
@@ -61,8 +63,15 @@ impl<'a> Pieces<'a> {
             *corner = first + used.partition_point(|point| point < corner) as u32;
         }
         if let Some(array) = self.array {
-            let (of, values) = piece.scalars(array)?;
-            self.add_scalars(of, &values, &used, &triangles, &cells);
+            let surface = (&used[..], &triangles[..], &cells[..]);
+            let n_before = self.mesh.vertices.len();
+            if array.is_color {
+                let (of, values) = piece.colors(array)?;
+                add_values(&mut self.colors, n_before, of, &values, surface);
+            } else {
+                let (of, values) = piece.scalars(array)?;
+                add_values(&mut self.scalars, n_before, of, &values, surface);
+            }
         }
         for &point in &used {
             let position = piece.position(point as usize);
@@ -78,36 +87,6 @@ impl<'a> Pieces<'a> {
         self.add_uvs(piece.point_data.uvs(), &used)?;
         self.mesh.triangles.append(&mut triangles);
         Ok(())
-    }
-
-    fn add_scalars(
-        &mut self,
-        of: ArrayOf,
-        values: &[f32],
-        used: &[u32],
-        triangles: &[[u32; 3]],
-        cells: &[u32],
-    ) {
-        let scalars = &mut self.scalars;
-        let first = scalars.values.len() as u32;
-        match of {
-            ArrayOf::Points => {
-                let moved = first.wrapping_sub(self.mesh.vertices.len() as u32);
-                let corners = triangles
-                    .iter()
-                    .map(|t| t.map(|corner| corner.wrapping_add(moved)));
-                scalars.triangles.extend(corners);
-                let of_used = used.iter().map(|point| values[*point as usize]);
-                scalars.values.extend(of_used);
-            }
-            ArrayOf::Cells => {
-                for &cell in cells {
-                    let index = scalars.values.len() as u32;
-                    scalars.values.push(values[cell as usize]);
-                    scalars.triangles.push([index; 3]);
-                }
-            }
-        }
     }
 
     fn add_normals(&mut self, normals: Option<&Numbers>, used: &[u32]) -> Result<()> {
@@ -150,7 +129,41 @@ impl<'a> Pieces<'a> {
             values: uvs,
             triangles: triangles.clone(),
         });
-        mesh.scalars = self.array.map(|_| self.scalars);
+        match self.array {
+            Some(array) if array.is_color => mesh.colors = Some(self.colors),
+            array => mesh.scalars = array.map(|_| self.scalars),
+        }
         mesh
+    }
+}
+
+/// Adds the values of an array on a surface: its points that are used, its triangles with the
+/// corners that they have in the mesh, and their cells. `n_before` is the number of the mesh's
+/// vertices before.
+fn add_values<T: Copy>(
+    into: &mut CornerValues<T>,
+    n_before: usize,
+    of: ArrayOf,
+    values: &[T],
+    (used, triangles, cells): (&[u32], &[[u32; 3]], &[u32]),
+) {
+    let first = into.values.len() as u32;
+    match of {
+        ArrayOf::Points => {
+            let moved = first.wrapping_sub(n_before as u32);
+            let corners = triangles
+                .iter()
+                .map(|t| t.map(|corner| corner.wrapping_add(moved)));
+            into.triangles.extend(corners);
+            let of_used = used.iter().map(|point| values[*point as usize]);
+            into.values.extend(of_used);
+        }
+        ArrayOf::Cells => {
+            for &cell in cells {
+                let index = into.values.len() as u32;
+                into.values.push(values[cell as usize]);
+                into.triangles.push([index; 3]);
+            }
+        }
     }
 }

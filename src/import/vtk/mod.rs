@@ -44,6 +44,8 @@ pub struct ArrayChoice {
     pub component: Option<usize>,
     /// Whether it is an array of points or of cells; `None` for the one that there is.
     pub of: Option<ArrayOf>,
+    /// Whether its tuples are colors themselves.
+    pub is_color: bool,
 }
 
 /// What an array has values of.
@@ -78,6 +80,7 @@ pub(super) fn read_isosurface(
     choice: &IsosurfaceChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Mesh> {
+    refuse_colors(array, "an isosurface")?;
     let mut surfaces = isosurface::Isosurfaces::new(choice, array);
     let wanted = array.into_iter().chain([&choice.array]);
     let wanted: Vec<&str> = wanted.map(|array| array.name.as_str()).collect();
@@ -109,7 +112,8 @@ pub(super) fn read_spheres(
 ) -> Result<Spheres> {
     let wanted = wanted(radius, array);
     let mut spheres = Spheres {
-        scalars: array.map(|_| Vec::new()),
+        scalars: array.filter(|array| !array.is_color).map(|_| Vec::new()),
+        colors: array.filter(|array| array.is_color).map(|_| Vec::new()),
         ..Spheres::default()
     };
     for_each_piece(path, &wanted, &mut |piece, budget| {
@@ -124,11 +128,26 @@ pub(super) fn read_tubes(
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Tubes> {
+    refuse_colors(array, "tubes")?;
     let mut tubes = Tubes::with_scalars(array.is_some());
     for_each_piece(path, &wanted(radius, array), &mut |piece, budget| {
         lines::add(piece, radius, array, &mut tubes, budget)
     })?;
     tubes.at_least_one()
+}
+
+/// Refuses an array of colors for shapes that take numbers alone.
+fn refuse_colors(array: Option<&ArrayChoice>, shapes: &str) -> Result<()> {
+    match array.filter(|array| array.is_color) {
+        None => Ok(()),
+        Some(_) => {
+            let problem = format!("{shapes} cannot have the colors of an array");
+            Err(FileFault::new(
+                problem,
+                "an array of numbers with a color map",
+            ))
+        }
+    }
 }
 
 /// The names of the arrays of radii and of colors.

@@ -116,6 +116,11 @@ impl Numbers {
         Self::new(NumberType::F64, ByteOrder::Little, bytes.collect())
     }
 
+    /// Whether their type is one of whole numbers.
+    pub(super) fn are_whole(&self) -> bool {
+        !matches!(self.kind, NumberType::F32 | NumberType::F64)
+    }
+
     /// The same numbers in tuples.
     pub(super) fn in_tuples_of(self, n_components: usize) -> Self {
         Self {

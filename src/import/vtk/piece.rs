@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::super::fault::cut;
-use super::super::mesh::finite;
+use super::super::mesh::{finite, light};
 use super::super::{FileFault, Result, listed};
 use super::cells::Cells;
 use super::numbers::Numbers;
@@ -162,16 +162,7 @@ impl Piece {
     /// # Errors
     /// There is no such array or component.
     pub(super) fn scalars(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<f32>)> {
-        let of_points = self.point_data.get(&choice.name);
-        let of_points = of_points.map(|numbers| (ArrayOf::Points, numbers));
-        let of_cells = self.cell_data.get(&choice.name);
-        let of_cells = of_cells.map(|numbers| (ArrayOf::Cells, numbers));
-        let found = match choice.of {
-            None => of_points.or(of_cells),
-            Some(ArrayOf::Points) => of_points,
-            Some(ArrayOf::Cells) => of_cells,
-        };
-        let (of, numbers) = found.ok_or_else(|| self.unknown(choice))?;
+        let (of, numbers) = self.chosen(choice)?;
         let n = numbers.n_components;
         let tuples = (0..numbers.len()).step_by(n);
         let magnitude = |first: usize| {
@@ -191,6 +182,42 @@ impl Piece {
                 return Err(FileFault::new(problem, expected));
             }
         })
+    }
+
+    /// The colors of an array, one for each point or cell: linear light.
+    ///
+    /// # Errors
+    /// There is no such array, or its tuples are no colors.
+    pub(super) fn colors(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<Vec3>)> {
+        let (of, numbers) = self.chosen(choice)?;
+        let n = numbers.n_components;
+        if n < 3 {
+            let problem = format!("the values of `{}` are no colors", cut(&choice.name));
+            return Err(FileFault::new(
+                problem,
+                "three or four numbers: red, green and blue",
+            ));
+        }
+        // Those of texts may be whole numbers, too.
+        let is_bytes = numbers.are_whole() || numbers.iter().any(|number| number > 1.0);
+        let largest = if is_bytes { 255.0 } else { 1.0 };
+        let tuples = (0..numbers.len()).step_by(n);
+        let color = |i: usize| light([0, 1, 2].map(|k| (numbers.at(i + k) / largest) as f32));
+        Ok((of, tuples.map(color).collect::<Result<_>>()?))
+    }
+
+    /// The array of a choice.
+    fn chosen(&self, choice: &ArrayChoice) -> Result<(ArrayOf, &Numbers)> {
+        let of_points = self.point_data.get(&choice.name);
+        let of_points = of_points.map(|numbers| (ArrayOf::Points, numbers));
+        let of_cells = self.cell_data.get(&choice.name);
+        let of_cells = of_cells.map(|numbers| (ArrayOf::Cells, numbers));
+        let found = match choice.of {
+            None => of_points.or(of_cells),
+            Some(ArrayOf::Points) => of_points,
+            Some(ArrayOf::Cells) => of_cells,
+        };
+        found.ok_or_else(|| self.unknown(choice))
     }
 
     /// The names of the arrays that may give colors, those of points first: not those that

@@ -6,6 +6,7 @@ use super::budget::Budget;
 use super::piece::{GHOSTS, Piece};
 use super::{ArrayChoice, ArrayOf, RadiusChoice};
 use crate::geometry::Sphere;
+use glam::Vec3;
 
 /// Adds a sphere for each point, except for copies of other pieces' points and hidden ones.
 ///
@@ -21,7 +22,12 @@ pub(super) fn add(
     let n = piece.n_points();
     budget.take_of::<[f32; 16]>(n)?;
     let radii = Radii::of(piece, radius)?;
-    let scalars = array.map(|array| of_points(piece, array)).transpose()?;
+    let numbers = array.filter(|array| !array.is_color);
+    let scalars = numbers.map(|array| of_points(piece, array)).transpose()?;
+    let colors = array.filter(|array| array.is_color);
+    let colors = colors
+        .map(|array| colors_of_points(piece, array))
+        .transpose()?;
     let ghosts = piece.point_data.get(GHOSTS);
     for point in 0..n {
         if ghosts.is_some_and(|ghosts| ghosts.at(point) != 0.0) {
@@ -33,6 +39,9 @@ pub(super) fn add(
         spheres.spheres.push(Sphere { center, radius });
         if let (Some(scalars), Some(found)) = (&scalars, &mut spheres.scalars) {
             found.push(scalars[point]);
+        }
+        if let (Some(colors), Some(found)) = (&colors, &mut spheres.colors) {
+            found.push(colors[point]);
         }
     }
     Ok(())
@@ -81,18 +90,22 @@ pub(super) fn at_point(point: usize) -> FileLocation {
 }
 
 fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
-    let array = ArrayChoice {
-        of: array.of.or(Some(ArrayOf::Points)),
-        ..array.clone()
-    };
-    match piece.scalars(&array)? {
-        (ArrayOf::Points, values) => Ok(values),
-        (ArrayOf::Cells, _) => {
-            let problem = format!("`{}` is an array of cells", array.name);
-            Err(FileFault::new(
-                problem,
-                "one of points, for the radii or the colors at points",
-            ))
-        }
+    piece.scalars(&at_points(array)?).map(|(_, values)| values)
+}
+
+fn colors_of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<Vec3>> {
+    piece.colors(&at_points(array)?).map(|(_, values)| values)
+}
+
+/// The choice of an array of points.
+fn at_points(array: &ArrayChoice) -> Result<ArrayChoice> {
+    if array.of == Some(ArrayOf::Cells) {
+        let problem = format!("`{}` is an array of cells", array.name);
+        let expected = "one of points, for the radii or the colors at points";
+        return Err(FileFault::new(problem, expected));
     }
+    Ok(ArrayChoice {
+        of: Some(ArrayOf::Points),
+        ..array.clone()
+    })
 }

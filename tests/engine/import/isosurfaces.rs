@@ -14,6 +14,7 @@ use crate::common::in_repository;
 
 fn choice(name: &str) -> ArrayChoice {
     ArrayChoice {
+        is_color: false,
         name: name.to_owned(),
         component: None,
         of: Some(ArrayOf::Points),

@@ -11,6 +11,7 @@ use crate::common::in_repository;
 
 fn choice(name: &str, of: Option<ArrayOf>) -> ArrayChoice {
     ArrayChoice {
+        is_color: false,
         name: name.to_owned(),
         component: None,
         of,

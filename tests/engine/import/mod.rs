@@ -249,7 +249,7 @@ fn a_table_gives_its_spheres() {
     assert_eq!(plain.spheres[1].center, Vec3::new(-4.0, 5.0, 6.0));
     assert_eq!(plain.spheres[1].radius, 0.5);
     let full = read("color,r,z,y,x\r\n#0a0B0c,7,3,2,1\r\n", Some(0.5));
-    assert_eq!(full.colors, Some(vec![[10, 11, 12]]));
+    assert_eq!(full.colors, Some(vec![Vec3::new(10.0, 11.0, 12.0) / 255.0]));
     assert_eq!(full.spheres[0].center, Vec3::new(1.0, 2.0, 3.0));
     assert_eq!(full.spheres[0].radius, 7.0);
 }

@@ -12,6 +12,7 @@ use crate::common::in_repository;
 /// The numbers of an array as VTK shows them by default.
 fn choice(name: &str) -> ArrayChoice {
     ArrayChoice {
+        is_color: false,
         name: name.to_owned(),
         component: None,
         of: None,
