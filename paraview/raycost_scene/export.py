@@ -60,8 +60,8 @@ def raycost_scene(
     """
     renderer = plotter if isinstance(plotter, vtkRenderer) else plotter.renderer
     folder = Path(folder or tempfile.mkdtemp(prefix="raycost-"))
-    folder.mkdir(parents=True, exist_ok=True)
     scene = Scene(folder / "scene.yaml")
+    prepare(scene.file)
 
     def warn(message: str) -> None:
         if message not in scene.warnings:
@@ -73,6 +73,15 @@ def raycost_scene(
     sections = sections_of(contents, samples_per_pixel, shadows)
     scene.file.write_text(scene_text(COMMENT.format(file=scene.file.name), sections), encoding="utf-8")
     return scene
+
+
+def prepare(file: Path) -> None:
+    """Makes the folder of a scene file, unless it has files other than those of an earlier scene."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    first_line = COMMENT.splitlines()[0]
+    is_own = file.is_file() and first_line in file.read_text(encoding="utf-8", errors="replace")[:100]
+    if any(file.parent.iterdir()) and not is_own:
+        raise RaycostError(f"{file.parent} has other files; name a new folder for the scene")
 
 
 def add_props(contents: actor.Contents, names: Mapping[vtkProp, str]) -> None:

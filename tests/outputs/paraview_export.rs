@@ -44,6 +44,7 @@ cases! {
     what_cannot_be_shown
     names
     nothing
+    files_of_others
     no_program
 }
 

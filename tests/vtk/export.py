@@ -241,6 +241,26 @@ def case_nothing(folder):
     assert not any(folder.iterdir())
 
 
+def case_files_of_others(folder):
+    """They stay as they are; an earlier scene is replaced."""
+    shown = plotter()
+    shown.add_mesh(pv.Cube())
+    shown.show(auto_close=False)
+    for _ in range(2):
+        raycost_scene(shown, folder / "own")
+    other = folder / "other" / "scene.yaml"
+    other.parent.mkdir()
+    other.write_text("objects: []\n")
+    try:
+        raycost_scene(shown, other.parent)
+    except RaycostError as error:
+        assert "has other files" in str(error)
+    else:
+        raise AssertionError("a scene of others is replaced")
+    assert [file.name for file in other.parent.iterdir()] == ["scene.yaml"]
+    assert other.read_text() == "objects: []\n"
+
+
 def case_no_program(folder):
     """A message says how to install it."""
     shown = plotter()
