@@ -22,6 +22,9 @@ COMMENT = """What a view of VTK showed. Render it with
 
 Colors are numbers of the screen, as in VTK, which shades with them: hence `transfer: linear`."""
 
+#: The files of a scene.
+FILES = ("scene.yaml", "[0-9]*_*.vtp", "[0-9]*_texture.png", "opacity.png")
+
 #: Samples per pixel, and those of scenes with opacity, which is noise.
 SAMPLES, SAMPLES_OF_HOLES = 4, 32
 
@@ -76,12 +79,13 @@ def raycost_scene(
 
 
 def prepare(file: Path) -> None:
-    """Makes the folder of a scene file, unless it has files other than those of an earlier scene."""
+    """Makes the folder of a scene file. Of files that a scene has, those of an earlier one may be there."""
     file.parent.mkdir(parents=True, exist_ok=True)
     first_line = COMMENT.splitlines()[0]
     is_own = file.is_file() and first_line in file.read_text(encoding="utf-8", errors="replace")[:100]
-    if any(file.parent.iterdir()) and not is_own:
-        raise RaycostError(f"{file.parent} has other files; name a new folder for the scene")
+    other = next((found for pattern in FILES for found in file.parent.glob(pattern)), None)
+    if other and not is_own:
+        raise RaycostError(f"{other} would be replaced; name another folder for the scene")
 
 
 def add_props(contents: actor.Contents, names: Mapping[vtkProp, str]) -> None:

@@ -254,7 +254,7 @@ def case_files_of_others(folder):
     try:
         raycost_scene(shown, other.parent)
     except RaycostError as error:
-        assert "has other files" in str(error)
+        assert "scene.yaml would be replaced" in str(error)
     else:
         raise AssertionError("a scene of others is replaced")
     assert [file.name for file in other.parent.iterdir()] == ["scene.yaml"]
