@@ -18,7 +18,7 @@ Titles = list[tuple[vtkScalarsToColors, str]]
 
 #: Positions at which a color map is compared with a shorter list of its colors.
 N_SAMPLES = 1024
-#: The difference of colors that nobody sees.
+#: An invisible difference of colors.
 TOLERANCE = 2 / 255
 #: Most characters of a name in a scene.
 MAX_NAME = 256
@@ -153,7 +153,7 @@ def color_map(mapper: vtkMapper, warn: Warn) -> dict[str, Value]:
 
 
 def ascending(low: float, high: float) -> tuple[float, float]:
-    """A range that numbers of 32 bits can tell apart."""
+    """A range whose ends differ as numbers of 32 bits."""
     if not (math.isfinite(low) and math.isfinite(high)):
         return 0.0, 1.0
     margin = 1e-5 * max(abs(low), abs(high), 1e-30)

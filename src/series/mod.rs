@@ -121,9 +121,9 @@ impl FrameSeries {
         self.frames.len() as u32
     }
 
-    /// Locks the folder of a series; waits while another run has locked it. Whoever holds the
-    /// lock from before the first [`add`](Self::add) until after [`write`](Self::write) replaces
-    /// no series of more frames.
+    /// Locks the folder of a series; waits while another run has locked it. A run that
+    /// holds the lock from before the first [`add`](Self::add) until after
+    /// [`write`](Self::write) replaces no series of more frames.
     ///
     /// # Errors
     /// Another run holds the lock for a minute, or an error of the system.

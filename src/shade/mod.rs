@@ -166,10 +166,8 @@ impl<'a> Shader<'a> {
             return light;
         }
         let is_behind = point.shading().is_backed_by(light.direction);
-        let media = match self.interface(path, point) {
-            Some(interface) if is_behind => interface.behind,
-            _ => path.media,
-        };
+        let crossed = is_behind.then(|| self.interface(path, point)).flatten();
+        let media = crossed.map_or(path.media, |interface| interface.behind);
         let left = media.transmittance(light.distance, &self.scene.materials);
         Illumination {
             radiance: light.radiance.times(left.into()),

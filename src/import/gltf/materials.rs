@@ -235,7 +235,7 @@ fn placing(info: &Info) -> Placing {
     }
 }
 
-/// What stands for a picture in messages, and tells it from others.
+/// The name of a picture in messages, unique in its file.
 fn name_of(index: Index<image::Image>, image: &image::Image, folder: &Path) -> PathBuf {
     match &image.uri {
         Some(uri) if !uri.starts_with("data:") => path_in(folder, &decoded(uri)),

@@ -58,7 +58,7 @@ pub(super) fn read(mut file: GeometryFileReader, around: &Surroundings) -> Resul
     Ok(mesh)
 }
 
-/// Marks the materials of triangles whose vertices have colors of their own.
+/// Marks the materials of triangles whose vertices have colors.
 fn mark_colored(mesh: &mut Mesh) {
     let Some(colors) = &mesh.colors else {
         return;

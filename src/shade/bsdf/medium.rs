@@ -18,8 +18,8 @@ pub(in crate::shade) struct Medium<'a> {
     rough: Option<&'a RoughSurface>,
 }
 
-/// Where indices differ by a smaller fraction, the facet of two directions cannot be told from
-/// their rounding errors: the light goes straight on.
+/// Where indices differ by less, rounding errors hide the facet of two directions: the light
+/// goes straight on.
 const LEAST_BEND: f32 = 1e-3;
 
 impl<'a> Medium<'a> {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use raycost::import::{ArrayChoice, ArrayOf, FileFault, Mesh, read_mesh, read_mesh_with};
 
 use super::{message, reading};
-use crate::common::in_repository;
+use crate::common::{assert_success, in_repository};
 
 /// The numbers of an array as VTK shows them by default.
 fn choice(name: &str) -> ArrayChoice {
@@ -53,11 +53,7 @@ fn surfaces_are_those_that_vtk_sees() {
         .arg(folder.path())
         .output()
         .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert_success(&output);
     let lines = String::from_utf8(output.stdout).unwrap();
     for line in lines.lines() {
         let expected: serde_json::Value = serde_json::from_str(line).unwrap();

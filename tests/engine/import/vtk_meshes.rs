@@ -6,7 +6,7 @@ use glam::Vec3;
 use raycost::import::read_mesh;
 use serde_json::Value;
 
-use crate::common::in_repository;
+use crate::common::{assert_success, in_repository};
 
 #[test]
 #[ignore = "needs VTK: tests/with-paraview"]
@@ -39,11 +39,7 @@ fn bounds_and_numbers_of_triangles_are_those_that_vtk_finds() {
         .args(&files)
         .output()
         .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert_success(&output);
     let lines = String::from_utf8(output.stdout).unwrap();
     let found: Vec<Value> = lines
         .lines()
