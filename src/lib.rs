@@ -76,6 +76,8 @@ pub mod shade;
 pub mod schedule;
 pub mod film;
 #[doc(hidden)]
+pub mod checkpoint;
+#[doc(hidden)]
 pub mod render;
 pub mod attribution;
 #[doc(hidden)]

@@ -92,6 +92,7 @@ impl CostAttribution {
             .for_each_init(attributor, |attributor, y| {
                 let n_rays = (0..film.grid.width)
                     .take_while(|_| !stop::is_requested())
+                    .filter(|&x| film.is_rendered((x, y)))
                     .map(|x| {
                         let time_ns = times.get(y as usize).map(|row| row[x as usize]);
                         attributor.pixel((x, y), time_ns)

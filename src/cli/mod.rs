@@ -6,6 +6,7 @@ mod completions;
 mod diff;
 mod failure;
 mod hottest;
+mod merge;
 mod new;
 mod open_scene;
 mod progress;
@@ -67,6 +68,8 @@ macro_rules! commands {
 commands! {
     /// Render a scene and write its files
     Render(render::RenderArguments),
+    /// Merge the parts of a picture that `raycost render --part` wrote
+    Merge(merge::MergeArguments),
     /// Check a scene without rendering it, or verify an output folder
     Check(check::CheckArguments),
     /// Write a page that shows an output folder in a browser

@@ -15,6 +15,7 @@ impl Film {
                 for counter in RayKind::ALL.map(Counter::of_rays) {
                     self.add_counts(strip, counter, counts);
                 }
+                self.clear_missing(strip, counts);
             }
         }
     }
@@ -28,6 +29,7 @@ impl Film {
         counts.clear();
         counts.resize(strip.rgb.len(), uncounted);
         self.add_counts(strip, counter, counts);
+        self.clear_missing(strip, counts);
     }
 
     /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24

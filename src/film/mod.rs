@@ -13,6 +13,7 @@ mod hottest;
 mod packed;
 mod rendered;
 mod strip;
+mod stored;
 mod tile;
 
 use glam::Vec3;
@@ -77,6 +78,11 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     };
     let extra = n_vectors * size_of::<Vec3>() + bounces;
     extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
+}
+
+/// Bytes of a pixel in all arrays that a rendering writes to a film.
+pub(crate) fn stored_bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
+    Strip::new([0, 1, 1], cost, extra).stored_bytes_per_pixel()
 }
 
 impl Film {

@@ -66,6 +66,40 @@ impl PackedCounters {
         [bytemuck::bytes_of(&self.present), &self.planes]
     }
 
+    /// Upper bound of the bytes that [`append_to`](Self::append_to) appends for `n_pixels`
+    /// pixels in any number of parts.
+    pub(crate) fn max_bytes(n_pixels: usize) -> usize {
+        let per_pixel = Counter::ALL.len() * N_PLANES as usize;
+        n_pixels * (per_pixel + 2 * size_of::<u32>())
+    }
+
+    /// Appends the counters as bytes: the number of pixels, the present planes, and these.
+    pub(crate) fn append_to(&self, bytes: &mut Vec<u8>) {
+        bytes.extend((self.n_pixels as u32).to_le_bytes());
+        bytes.extend(self.present.to_le_bytes());
+        bytes.extend(&self.planes);
+    }
+
+    /// Reads counters of at most `n_pixels` pixels, at least one, from the start of bytes
+    /// that [`append_to`](Self::append_to) wrote; returns them and the bytes behind them.
+    pub(crate) fn split_from(bytes: &[u8], n_pixels: usize) -> Option<(Self, &[u8])> {
+        let (stored, bytes) = bytes.split_first_chunk()?;
+        let (present, bytes) = bytes.split_first_chunk()?;
+        let [stored, present] = [*stored, *present].map(u32::from_le_bytes);
+        let stored = stored as usize;
+        if stored == 0 || stored > n_pixels {
+            return None;
+        }
+        let n_bytes = stored * present.count_ones() as usize;
+        let (planes, rest) = bytes.split_at_checked(n_bytes)?;
+        let packed = Self {
+            n_pixels: stored,
+            present,
+            planes: planes.to_vec(),
+        };
+        Some((packed, rest))
+    }
+
     /// Adds one counter of these pixels, which are rows of `width` pixels, to rows of
     /// `sums` that begin `stride` apart. Sums saturate at 2^32 - 1.
     pub fn add_to(

@@ -7,6 +7,8 @@ use crate::schedule::TileGrid;
 /// The thread that rendered a tile, and the tile's counters.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RenderedTile {
+    /// Whether it was not rendered: its pixels are black and hit nothing.
+    pub is_missing: bool,
     /// The thread that rendered it, from 0.
     pub thread: u32,
     /// The counters of its pixels, in parts of whole rows from top to bottom; empty
@@ -20,9 +22,44 @@ impl Film {
         self.by_tile(strip, numbers, |number| number);
     }
 
-    /// Overwrites `threads` with the threads that rendered the pixels of a strip.
+    /// Overwrites `threads` with the threads that rendered the pixels of a strip; -1, as
+    /// 32 bits, for those that were not rendered.
     pub fn threads(&self, strip: &Strip, threads: &mut Vec<u32>) {
-        self.by_tile(strip, threads, |number| self.tiles[number as usize].thread);
+        self.by_tile(strip, threads, |number| {
+            match &self.tiles[number as usize] {
+                tile if tile.is_missing => u32::MAX,
+                tile => tile.thread,
+            }
+        });
+    }
+
+    /// Number of tiles that were not rendered.
+    pub fn n_missing_tiles(&self) -> usize {
+        self.tiles.iter().filter(|tile| tile.is_missing).count()
+    }
+
+    /// Whether a pixel, by column and row, was rendered.
+    pub(crate) fn is_rendered(&self, (x, y): (u32, u32)) -> bool {
+        let TileGrid {
+            tile_size,
+            n_columns,
+            ..
+        } = self.grid;
+        let tile = y / tile_size * n_columns + x / tile_size;
+        !self.tiles[tile as usize].is_missing
+    }
+
+    /// Sets the numbers of a strip's pixels that were not rendered to 0.
+    pub(super) fn clear_missing(&self, strip: &Strip, numbers: &mut [u32]) {
+        if !self.tiles.iter().any(|tile| tile.is_missing) {
+            return;
+        }
+        let places = (strip.first_row..).flat_map(|y| (0..self.grid.width).map(move |x| (x, y)));
+        for (number, place) in numbers.iter_mut().zip(places) {
+            if !self.is_rendered(place) {
+                *number = 0;
+            }
+        }
     }
 
     /// Adds one counter of the pixels of a strip to `sums`, tile by tile.

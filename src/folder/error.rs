@@ -18,7 +18,7 @@ pub struct WriteError {
 pub(super) const LOCKED: &str = "another run is writing to this folder";
 
 impl WriteError {
-    pub(super) fn new(path: impl Into<PathBuf>, error: io::Error) -> Self {
+    pub(crate) fn new(path: impl Into<PathBuf>, error: io::Error) -> Self {
         Self {
             path: path.into(),
             error,
@@ -27,7 +27,7 @@ impl WriteError {
     }
 
     /// The path holds something that raycost did not write, or may not replace.
-    pub(super) fn refused(path: impl Into<PathBuf>, why: &'static str, help: &'static str) -> Self {
+    pub(crate) fn refused(path: impl Into<PathBuf>, why: &'static str, help: &'static str) -> Self {
         Self {
             path: path.into(),
             error: io::Error::other(why),

@@ -50,6 +50,7 @@ fn of(job: &Job) -> Summary {
         machine: Machine::current(),
         build: Some(Build::current()),
         threads: rendering.threads,
+        other_runs: rendering.other_runs.cloned(),
         stages: stages.ended.iter().map(StageEntry::from).collect(),
         repeats: Some(repeats(rendering)),
         thread_time: thread_time(rendering),

@@ -60,10 +60,17 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
         time("duration_ns", TileRun::duration_ns),
         time("film_ns", |run| run.film_ns),
         time("warm_up_ns", |run| run.warm_up_ns),
-        array("thread", schedule, |_, run| run.thread as i32),
-        array("position", schedule, |_, run| run.position as i32),
+        array("thread", schedule, |_, run| unless_missing(run, run.thread)),
+        array("position", schedule, |_, run| {
+            unless_missing(run, run.position)
+        }),
         array("tile", schedule, |number, _| number as i32),
     ]
+}
+
+/// A number of a tile; -1 for one that was not rendered.
+fn unless_missing(run: &TileRun, number: u32) -> i32 {
+    if run.is_missing { -1 } else { number as i32 }
 }
 
 /// The totals of the pixels' counters in each tile but their samples, which are those of

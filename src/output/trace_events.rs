@@ -53,7 +53,7 @@ fn write(
         event(stage.name, STAGES, start..end, json!({}))
     });
     let begin_ns = since_begin(schedule.begin);
-    let of_tiles = (0..).zip(&schedule.runs).map(|(number, run)| {
+    let of_tiles = schedule.rendered().map(|(number, run)| {
         let tile = schedule.grid.tile(number);
         let span = begin_ns + run.start_ns..begin_ns + run.end_ns;
         let args = arguments(&tile, run, has_counters);

@@ -44,8 +44,10 @@ pub(super) fn attribute_time(film: &mut Film, schedule: &Schedule) {
             film_of_tiles.tile_numbers(strip, tiles);
             for (i, &tile) in tiles.iter().enumerate() {
                 let tile = tile as usize;
-                strip.time_ns[i] = (times[i] * scales[tile]).max(1.0) as f32;
-                strip.n_rejected[i] = schedule.runs[tile].is_interrupted.into();
+                let run = &schedule.runs[tile];
+                let least = if run.is_missing { 0.0 } else { 1.0 };
+                strip.time_ns[i] = (times[i] * scales[tile]).max(least) as f32;
+                strip.n_rejected[i] = run.is_interrupted.into();
             }
         },
     );
@@ -56,7 +58,8 @@ pub(super) fn attribute_time(film: &mut Film, schedule: &Schedule) {
 /// tiles weigh as much as expensive ones.
 fn fitted(runs: &[TileRun]) -> Weights {
     let rows = |with_interrupted: bool| {
-        let is_used = move |run: &&TileRun| with_interrupted || !run.is_interrupted;
+        let is_used =
+            move |run: &&TileRun| !run.is_missing && (with_interrupted || !run.is_interrupted);
         runs.iter().filter(is_used).map(|run| {
             let ns = run.rendering_ns().max(1) as f64;
             (terms(&run.counted).map(|count| count / ns), 1.0)

@@ -6,6 +6,7 @@
 //! the same pixels and the same counters.
 
 mod canvas;
+mod pass;
 mod rounds;
 mod view;
 mod camera_rays;
@@ -22,6 +23,8 @@ mod overhead;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
+use rayon::prelude::*;
+
 use crate::accel::Accel;
 use crate::cost::{Counters, Interruptions, Meter, NoProbe};
 use crate::film::{Film, Rendered};
@@ -30,13 +33,15 @@ use crate::schedule::{Schedule, Tile, TileRun};
 use crate::stop;
 use attribute_time::attribute_time;
 use canvas::Canvas;
+use pass::{Finished, Pass};
 pub(crate) use rounds::SampleSums;
 use stream::StreamRenderer;
 use timed::SingleRayRenderer;
 pub(crate) use view::View;
 
 pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
-pub use repeat::{Repeat, repeat};
+pub use pass::Limits;
+pub use repeat::{Repeat, repeat, repeat_within};
 pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
 pub use tile_plan::TilePlan;
 
@@ -65,33 +70,34 @@ pub fn render(
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
     let film = plan.film(scene, meter.mode());
-    render_onto(film, scene, accel, plan, meter, report)
+    let view = View::new(scene, accel, &plan.image);
+    render_onto(film, view, plan, &Pass::default(), meter, report)
 }
 
 /// Renders onto a film of the image's size and the meter's mode.
 fn render_onto(
     film: Film,
-    scene: &Scene,
-    accel: &Accel,
+    view: View,
     plan: &TilePlan,
+    pass: &Pass,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let view = View::new(scene, accel, &plan.image);
+    let counted = || StreamRenderer::<Counters>::new(view);
     match meter {
-        Meter::Off => render_tiles(film, plan, || StreamRenderer::<NoProbe>::new(view), report),
-        Meter::Counters => {
-            render_tiles(film, plan, || StreamRenderer::<Counters>::new(view), report)
+        Meter::Off => {
+            let renderer = || StreamRenderer::<NoProbe>::new(view);
+            render_tiles(film, plan, pass, renderer, report)
         }
+        Meter::Counters => render_tiles(film, plan, pass, counted, report),
         Meter::AttributedTime(_) => {
-            let renderer = || StreamRenderer::<Counters>::new(view);
-            let (mut film, schedule) = render_tiles(film, plan, renderer, report);
+            let (mut film, schedule) = render_tiles(film, plan, pass, counted, report);
             attribute_time(&mut film, &schedule);
             (film, schedule)
         }
         Meter::Time(clock) => {
             let renderer = || SingleRayRenderer::new(view, Some(clock), plan);
-            render_tiles(film, plan, renderer, report)
+            render_tiles(film, plan, pass, renderer, report)
         }
     }
 }
@@ -102,49 +108,81 @@ trait TileRenderer {
     fn render(&mut self, tile: &Tile) -> Rendered<'_>;
 }
 
-/// Renders all tiles of the film. Each thread takes the next tile in the plan's
-/// order until there is none.
+/// Renders the tiles of the plan, but for those that the pass takes over. Each thread
+/// takes the next tile in the plan's order until there is none, or the pass is over.
 fn render_tiles<R: TileRenderer>(
     mut film: Film,
     plan: &TilePlan,
+    pass: &Pass,
     renderer: impl Fn() -> R + Sync,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
     let canvas = Canvas::of(&mut film);
     let n_taken = AtomicU32::new(0);
     let begin = Instant::now();
-    let render_some = |context: rayon::BroadcastContext| {
+    let render_some = |context: rayon::BroadcastContext, finished: &Finished| {
         let mut renderer = renderer();
         let mut interruptions = Interruptions::of_this_thread();
         let mut runs = Vec::new();
         loop {
             let position = n_taken.fetch_add(1, Ordering::Relaxed);
-            let tile = plan.tile(position).filter(|_| !stop::is_requested());
-            let Some(tile) = tile else {
+            let Some(tile) = plan.tile(position).filter(|_| !pass.is_over()) else {
                 return runs;
             };
-            interruptions.take();
-            let run = render_tile(&mut renderer, &tile, &canvas, begin);
-            let run = TileRun {
-                thread: context.index() as u32,
-                position,
-                is_interrupted: interruptions.take(),
-                ..run
-            };
-            runs.push((tile.number, run));
+            let restored = pass.restored(&tile, &canvas);
+            let run = restored.unwrap_or_else(|| {
+                interruptions.take();
+                let run = render_tile(&mut renderer, &tile, &canvas, begin);
+                pass.after_restored(TileRun {
+                    thread: context.index() as u32,
+                    is_interrupted: interruptions.take(),
+                    ..run
+                })
+            });
+            // A tile that was stopped is not whole.
+            if restored.is_none() && !stop::is_requested() {
+                finished.add(tile, run);
+            }
+            runs.push((tile.number, TileRun { position, ..run }));
             report(Progress {
                 n_pixels: tile.n_pixels() as u64,
                 n_rays: run.counted.n_rays(),
             });
         }
     };
-    let runs = rayon::broadcast(render_some);
-    let schedule = Schedule::new(plan.grid, plan.order, begin, runs);
-    film.totals = schedule.counted();
-    for (tile, run) in film.tiles.iter_mut().zip(&schedule.runs) {
-        tile.thread = run.thread;
+    let runs = pass.keeping(&canvas, |finished| {
+        rayon::broadcast(|context| render_some(context, finished))
+    });
+    let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
+    if let Some(checkpoint) = pass.limits.checkpoint {
+        schedule.n_threads = checkpoint.n_threads(schedule.n_threads);
+    }
+    let is_first = pass.number == 0;
+    if is_first {
+        clear_missing(&schedule, &canvas);
+    }
+    if is_first || schedule.is_whole() {
+        note_runs(&mut film, &schedule);
     }
     (film, schedule)
+}
+
+/// Makes the pixels of missing tiles black without a hit.
+fn clear_missing(schedule: &Schedule, canvas: &Canvas) {
+    let missing = schedule.runs.par_iter().enumerate();
+    let missing = missing.filter(|(_, run)| run.is_missing);
+    missing.for_each(|(number, _)| {
+        let tile = schedule.grid.tile(number as u32);
+        tile.parts(MAX_PIXELS).for_each(|part| canvas.clear(&part));
+    });
+}
+
+/// Gives the film the threads and the totals of a rendering.
+fn note_runs(film: &mut Film, schedule: &Schedule) {
+    film.totals = schedule.counted();
+    for (tile, run) in film.tiles.iter_mut().zip(&schedule.runs) {
+        (tile.thread, tile.is_missing) = (run.thread, run.is_missing);
+    }
 }
 
 /// Renders a tile into the film; returns its times since `begin` and its

@@ -12,6 +12,7 @@ use std::hint::black_box;
 
 use cpu_time::ProcessTime;
 
+use super::pass::Pass;
 use super::timed::SingleRayRenderer;
 use super::{Progress, TilePlan, View, render, render_tiles};
 use crate::accel::Accel;
@@ -127,7 +128,7 @@ impl Variant {
                 let view = View::new(scene, accel, &plan.image);
                 let film = plan.film(scene, CostMode::Counters);
                 let renderer = || SingleRayRenderer::new(view, None, plan);
-                render_tiles(film, plan, renderer, report).0
+                render_tiles(film, plan, &Pass::default(), renderer, report).0
             }
         }
     }

@@ -8,15 +8,15 @@
 
 use std::time::{Duration, Instant};
 
+use super::pass::{Limits, Pass};
 use super::samples::{SAMPLE_BYTES, Samples};
-use super::{Progress, TilePlan, render_onto};
+use super::{Progress, TilePlan, View, render_onto};
 use crate::accel::Accel;
 use crate::config::{Config, Repeats};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::scene::Scene;
 use crate::schedule::{Schedule, TileRun};
-use crate::stop;
 
 /// Time limit of all renderings of [`Repeats::Auto`] together. The first one may
 /// exceed it.
@@ -84,33 +84,61 @@ pub fn repeat(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule, Vec<Repeat>) {
-    let render_timed = |film| {
-        let begin = Instant::now();
-        let (film, schedule) = render_onto(film, scene, accel, plan, meter, &report);
-        let repeat = Repeat::of(begin.elapsed(), &film, &schedule);
-        (film, schedule, repeat)
-    };
+    let limits = Limits::default();
+    repeat_within(&limits, repeats, (scene, accel), plan, meter, report)
+}
+
+/// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken
+/// over or kept, [`Repeats::Auto`] is one rendering: how many fit into half a second
+/// differs from run to run.
+///
+/// At the deadline the first rendering leaves tiles out; a later one that is not whole
+/// counts for nothing. The schedule is that of the last one that counts.
+pub fn repeat_within(
+    limits: &Limits,
+    repeats: Repeats,
+    (scene, accel): (&Scene, &Accel),
+    plan: &TilePlan,
+    meter: &Meter,
+    report: impl Fn(Progress) + Sync,
+) -> (Film, Schedule, Vec<Repeat>) {
+    let view = View::new(scene, accel, &plan.image);
     let begin = Instant::now();
     let mut film = plan.film(scene, meter.mode());
     film.repeats = repeats;
     let mut samples = (film.cost.has_time() && repeats.has_spread()).then(|| Samples::new(&film));
-    let mut done = Vec::new();
-    loop {
-        let (schedule, repeat);
-        (film, schedule, repeat) = render_timed(film);
-        done.push(repeat);
+    let mut done: Vec<Repeat> = Vec::new();
+    let mut last: Option<Schedule> = None;
+    let schedule = loop {
+        let started = Instant::now();
+        let pass = Pass::new(done.len() as u8, scene, *limits);
+        let schedule;
+        (film, schedule) = render_onto(film, view, plan, &pass, meter, &report);
+        let is_whole = schedule.rendered().count() as u32 == plan.n_tiles();
+        if let Some(before) = last.take().filter(|_| !is_whole) {
+            break before;
+        }
+        let wall = match limits.checkpoint {
+            // With the tiles of other runs.
+            Some(_) => schedule.span(),
+            None => started.elapsed(),
+        };
+        done.push(Repeat::of(wall, &film, &schedule));
         if let Some(samples) = &mut samples {
             samples.take(&film);
         }
-        if needs_another(repeats, &film, &done, begin.elapsed()) && !stop::is_requested() {
-            continue;
+        let is_once = limits.checkpoint.is_some() && repeats == Repeats::Auto;
+        let is_last = is_once || !needs_another(repeats, &film, &done, begin.elapsed());
+        if is_last || !is_whole || pass.is_over() {
+            break schedule;
         }
-        film.n_repeats = done.len() as u8;
-        if let Some(samples) = samples {
-            samples.summarize(&mut film);
-        }
-        return (film, schedule, done);
+        last = Some(schedule);
+    };
+    film.n_repeats = done.len() as u8;
+    if let Some(samples) = samples {
+        samples.summarize(&mut film);
     }
+    (film, schedule, done)
 }
 
 /// Whether the film is rendered again after the renderings `done`, which took

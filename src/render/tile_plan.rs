@@ -1,7 +1,11 @@
 //! The tiles of a picture and the order in which they are rendered.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use super::{MAX_PIXELS, prepass};
 use crate::accel::Accel;
+use crate::checkpoint::Part;
 use crate::config::{CostMode, Image, TileOrder, Tiling};
 use crate::film::Film;
 use crate::scene::Scene;
@@ -38,6 +42,27 @@ impl TilePlan {
         }
     }
 
+    /// Leaves only the tiles of one part of the picture, in their order. All parts together
+    /// have each tile once, and about the same work, whatever the machine and the order.
+    /// Traces a few rays through each tile on the current rayon pool.
+    pub fn of_part(mut self, scene: &Scene, accel: &Accel, part: Part) -> Self {
+        let work = prepass::work(scene, accel, &self.image, &self.grid);
+        let parts = dealt(&work, part.of);
+        (self.sequence).retain(|&number| parts[number as usize] == part.number - 1);
+        self
+    }
+
+    /// Number of tiles.
+    pub fn n_tiles(&self) -> u32 {
+        self.sequence.len() as u32
+    }
+
+    /// Number of pixels of all tiles.
+    pub fn n_pixels(&self) -> u64 {
+        let tiles = self.sequence.iter().map(|&number| self.grid.tile(number));
+        tiles.map(|tile| tile.n_pixels() as u64).sum()
+    }
+
     /// Creates an empty film of the picture.
     pub(super) fn film(&self, scene: &Scene, cost: CostMode) -> Film {
         Film {
@@ -66,13 +91,49 @@ impl TilePlan {
 /// Returns the tiles' numbers by decreasing work; ties keep their order.
 fn most_work_first(work: &[u64]) -> Vec<u32> {
     let mut sequence: Vec<u32> = (0..work.len() as u32).collect();
-    sequence.sort_by_key(|&number| std::cmp::Reverse(work[number as usize]));
+    sequence.sort_by_key(|&number| Reverse(work[number as usize]));
     sequence
+}
+
+/// Deals tiles to `n` parts, from 0: each tile, by decreasing work, to the part with the least
+/// work so far, and among equal ones to that with the fewest tiles.
+///
+/// Graham, "Bounds on Multiprocessing Timing Anomalies", SIAM J. Appl. Math. 17, 1969: the
+/// longest part has at most 4/3 of the work of the shortest one possible.
+fn dealt(work: &[u64], n: u32) -> Vec<u32> {
+    let mut parts: BinaryHeap<_> = (0..n).map(|part| Reverse((0, 0, part))).collect();
+    let mut part_of = vec![0; work.len()];
+    for number in most_work_first(work) {
+        if let Some(mut least) = parts.peek_mut() {
+            let Reverse((sum, n_tiles, part)) = &mut *least;
+            part_of[number as usize] = *part;
+            (*sum, *n_tiles) = (*sum + work[number as usize], *n_tiles + 1);
+        }
+    }
+    part_of
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_differ_by_no_more_than_one_tile() {
+        let work: Vec<u64> = (0..997).map(|i| i * 7919 % 1009 / 3).collect();
+        for n in [1, 2, 3, 16, 996, 2000] {
+            let parts = dealt(&work, n);
+            let mut sums = vec![0; n as usize];
+            for (&part, work) in parts.iter().zip(&work) {
+                sums[part as usize] += work;
+            }
+            let [least, most] = [sums.iter().min(), sums.iter().max()].map(Option::unwrap);
+            assert!(most - least <= 1008 / 3, "{n} parts: {least} to {most}");
+        }
+        // Tiles without work are spread, too.
+        let mut parts = dealt(&[0; 6], 3);
+        parts.sort_unstable();
+        assert_eq!(parts, [0, 0, 1, 1, 2, 2]);
+    }
 
     #[test]
     fn equal_work_keeps_its_order() {

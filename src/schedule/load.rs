@@ -51,6 +51,7 @@ mod tests {
 
     fn run(thread: u32, start_ns: u64, end_ns: u64) -> TileRun {
         TileRun {
+            is_missing: false,
             thread,
             position: 0,
             start_ns,

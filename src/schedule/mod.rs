@@ -39,6 +39,8 @@ pub struct Schedule {
 /// The rendering of one tile.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TileRun {
+    /// Whether the tile was not rendered: then everything else is 0.
+    pub is_missing: bool,
     /// The thread that rendered it, from 0.
     pub thread: u32,
     /// Number of tiles that were taken before it.
@@ -75,7 +77,8 @@ impl TileRun {
 
 impl Schedule {
     /// The schedule of `runs`: for each thread a list of its tiles with their
-    /// numbers, in nanoseconds since `begin`. Each tile of the grid is in one list.
+    /// numbers, in nanoseconds since `begin`. Tiles of the grid that are in no list are
+    /// missing.
     pub fn new(
         grid: TileGrid,
         order: TileOrder,
@@ -83,21 +86,43 @@ impl Schedule {
         runs: Vec<Vec<(u32, TileRun)>>,
     ) -> Self {
         let n_threads = runs.len() as u32;
-        let mut runs: Vec<(u32, TileRun)> = runs.into_iter().flatten().collect();
-        runs.sort_unstable_by_key(|(number, _)| *number);
-        let first_ns = runs.iter().map(|(_, run)| run.start_ns).min().unwrap_or(0);
-        let since_first = |(_, run): (u32, TileRun)| TileRun {
-            start_ns: run.start_ns - first_ns,
-            end_ns: run.end_ns - first_ns,
-            ..run
+        let first = runs.iter().flatten().map(|(_, run)| run.start_ns).min();
+        let first_ns = first.unwrap_or(0);
+        let missing = TileRun {
+            is_missing: true,
+            ..TileRun::default()
         };
+        let mut of_tiles = vec![missing; grid.n_tiles() as usize];
+        for (number, run) in runs.into_iter().flatten() {
+            of_tiles[number as usize] = TileRun {
+                start_ns: run.start_ns - first_ns,
+                end_ns: run.end_ns - first_ns,
+                ..run
+            };
+        }
         Self {
             grid,
             order,
             n_threads,
             begin: begin + Duration::from_nanos(first_ns),
-            runs: runs.into_iter().map(since_first).collect(),
+            runs: of_tiles,
         }
+    }
+
+    /// The tiles that were rendered, with their numbers.
+    pub fn rendered(&self) -> impl Iterator<Item = (u32, &TileRun)> {
+        (0..).zip(&self.runs).filter(|(_, run)| !run.is_missing)
+    }
+
+    /// Whether no tile is missing.
+    pub fn is_whole(&self) -> bool {
+        self.rendered().count() == self.runs.len()
+    }
+
+    /// From the begin of the first tile to the end of the last one.
+    pub fn span(&self) -> Duration {
+        let end_ns = self.runs.iter().map(|run| run.end_ns).max();
+        Duration::from_nanos(end_ns.unwrap_or(0))
     }
 
     /// The sum of the counters of all tiles.

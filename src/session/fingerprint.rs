@@ -3,13 +3,58 @@
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
+use super::Session;
 use crate::background::Background;
+use crate::checkpoint::{Header, Layout, Part};
 use crate::config::{Config, Geometry};
+use crate::film;
+use crate::folder::checksum_of;
 use crate::import;
 use crate::provenance::{Checksum, Hasher};
+use crate::render::least_repeats;
 use crate::scene::SceneFrame;
 use crate::summary::{Build, FrameSection};
+use crate::text::Diagnostic;
 use crate::yaml::{Document, FieldPath, Folders};
+
+impl Session {
+    /// What identifies finished tiles of this scene, rendered by this program. `flags` are
+    /// those of the command line that change its settings.
+    ///
+    /// # Errors
+    /// A file of the scene cannot be read.
+    pub(crate) fn header(
+        &self,
+        flags: Vec<String>,
+        part: Option<Part>,
+    ) -> Result<Header, Diagnostic> {
+        let (config, frame) = (&self.config, self.frame.as_ref());
+        let frame_time = frame.map(|frame| (frame.number, frame.time));
+        let Build {
+            version, commit, ..
+        } = Build::current();
+        let folder = std::env::current_dir().unwrap_or_default();
+        let n_bytes = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+        Ok(Header {
+            raycost: version,
+            commit,
+            byte_order: Header::BYTE_ORDER.to_owned(),
+            scene: self.scene_file().to_owned(),
+            flags,
+            folder: folder.to_string_lossy().into_owned(),
+            frame: frame.map(|frame| frame.number),
+            fingerprint: of_pixels(&self.document, config, frame_time)?,
+            part,
+            layout: Layout {
+                width: config.image.width,
+                height: config.image.height,
+                tile_size: config.tiles.size,
+                n_renderings: least_repeats(config),
+                bytes_per_pixel: n_bytes as u32,
+            },
+        })
+    }
+}
 
 /// The section of a frame in its summary. `flags` are those that change its files, besides
 /// those that change the config.
@@ -43,6 +88,33 @@ pub(super) fn section_of(
         fingerprint: hasher.checksum(),
         states: serde_json::Value::Null,
     }
+}
+
+/// A hash of all that determines the pixels of a scene, except for the program: of the
+/// config, the time of a frame, and the contents of the files. Files and scene may be
+/// elsewhere on another machine.
+///
+/// # Errors
+/// A file cannot be read.
+fn of_pixels(
+    document: &Document,
+    config: &Config,
+    frame: Option<(u32, f64)>,
+) -> Result<Checksum, Diagnostic> {
+    let mut hasher = Hasher::new();
+    hasher.add(format!("{config:?}{frame:?}").as_bytes());
+    let files = picture_files(document, config).into_iter();
+    for file in files.chain(geometry_files(document, config)) {
+        // What is no file cannot be one of the scene: it was read before.
+        if file.is_file() {
+            let sum = checksum_of(&file).map_err(|error| {
+                let shown = file.display();
+                Diagnostic::new(format!("cannot read `{shown}`: {error}"))
+            })?;
+            hasher.add(&sum.bits().to_le_bytes());
+        }
+    }
+    Ok(hasher.checksum())
 }
 
 /// The path of a file, its length, and when it was changed.

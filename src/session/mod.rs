@@ -8,26 +8,24 @@ mod error;
 mod fingerprint;
 mod frames;
 mod input;
+mod measure;
 mod options;
 mod rendering;
+mod scope;
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use serde::Serialize;
 
-use crate::accel::{Accel, AccelIndex};
-use crate::attribution::CostAttribution;
-use crate::config::{Config, TileOrder};
-use crate::cost::Meter;
+use crate::accel::AccelIndex;
+use crate::config::Config;
 use crate::film::{Column, columns};
 use crate::folder::OutputFolder;
-use crate::memory::{self, Memory};
+use crate::memory::Memory;
 use crate::output;
-use crate::render::{N_RENDERINGS, TilePlan, least_repeats, repeat};
 use crate::scene::Scene;
-use crate::stop;
-use crate::summary::{FrameSection, Threads};
+use crate::summary::{FrameSection, OtherRuns, Threads};
 use crate::yaml::{Document, Source};
 
 #[doc(inline)]
@@ -45,8 +43,8 @@ pub(crate) use frames::Frames;
 pub(crate) use input::Input;
 pub use options::{Event, Options};
 pub(crate) use options::{Report, thread_pool};
-use rendering::Measured;
 pub use rendering::Rendering;
+pub(crate) use scope::Scope;
 
 /// A checked scene that can be rendered.
 #[derive(Debug)]
@@ -167,67 +165,35 @@ impl Session {
     /// The acceleration structure is too large, the threads cannot be started, or
     /// the rendering was canceled.
     pub fn render(&self, options: &Options) -> Result<Rendering<'_>, RenderError> {
+        self.render_within(options, &Scope::default())
+    }
+
+    /// Does what [`Self::render`] does, for a part of the picture or with the tiles of
+    /// other runs. Attributes no cost to objects for a part.
+    ///
+    /// # Errors
+    /// Those of [`Self::render`]; or tiles cannot be read or kept.
+    pub(crate) fn render_within(
+        &self,
+        options: &Options,
+        scope: &Scope,
+    ) -> Result<Rendering<'_>, RenderError> {
         let stages = self.stages.lock().ok().and_then(|mut stages| stages.take());
         let mut stages = stages.unwrap_or_default();
         let pool = options.thread_pool()?;
         stages.end("read");
-        let measured = pool.install(|| self.measure(options, &mut stages))?;
+        let measured = pool.install(|| self.measure(options, scope, &mut stages))?;
         Ok(Rendering {
             session: self,
-            measured,
+            other_runs: scope.limits.checkpoint.and_then(OtherRuns::of),
             stages,
             threads: Threads {
-                used: pool.current_num_threads(),
+                used: measured.schedule.n_threads as usize,
                 available: std::thread::available_parallelism().map_or(1, usize::from),
             },
+            measured,
             vtkhdf: options.vtkhdf,
             pool,
-        })
-    }
-
-    /// Renders and measures on the current rayon pool.
-    fn measure(&self, options: &Options, stages: &mut Stages) -> Result<Measured, RenderError> {
-        let accel = &self.accel(options, stages)?;
-        let (config, scene) = (&self.config, &self.scene);
-        let meter = Meter::new(config.cost);
-        if meter.clock().is_some() {
-            stages.end("calibrate");
-        }
-        let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
-        if plan.order == TileOrder::Cost {
-            stages.end("order");
-        }
-        let n_pixels = config.image.n_pixels() as u64;
-        // Before there is a film: two would take more memory than one.
-        let overhead = options.measure_overhead.then(|| {
-            let work = |report: Report| Overhead::measure(scene, accel, &plan, report);
-            let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
-            stages.end("overhead");
-            overhead
-        });
-        let n_rendered = u64::from(least_repeats(config)) * n_pixels;
-        let (film, schedule, repeats) = options.reported("render", n_rendered, |report: Report| {
-            repeat(config.repeats, scene, accel, &plan, &meter, report)
-        });
-        stages.end("render");
-        stop::check()?;
-        let attribution = CostAttribution::is_requested(&config.output).then(|| {
-            let world = (scene, accel, &config.image);
-            let attribution = options.reported("observe", n_pixels, |report: Report| {
-                CostAttribution::measure(world, (&film, &meter), &config.output, report)
-            });
-            stages.end("observe");
-            attribution
-        });
-        stop::check()?;
-        Ok(Measured {
-            bvh: accel.statistics(),
-            meter,
-            film,
-            schedule,
-            repeats,
-            overhead,
-            attribution,
         })
     }
 
@@ -239,27 +205,6 @@ impl Session {
     /// The index of the acceleration structure, once there is one.
     pub(crate) fn index(&self) -> Option<Arc<AccelIndex>> {
         self.index.get().cloned()
-    }
-
-    /// Returns the acceleration structure, after building it if there is none.
-    fn accel(&self, options: &Options, stages: &mut Stages) -> Result<Accel<'_>, RenderError> {
-        let primitives = &self.scene.primitives;
-        if let Some(index) = self.index.get() {
-            return Ok(Accel::of_index(primitives, Arc::clone(index)));
-        }
-        options.report(Event::Begin {
-            stage: "build",
-            n_pixels: 0,
-        });
-        let report = |fraction| options.report(Event::Built { fraction });
-        let accel = Accel::build(primitives, self.config.acceleration, report);
-        options.report(Event::End);
-        let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
-        stages.end("build");
-        // A build that was stopped is not whole.
-        stop::check()?;
-        let _ = self.index.set(accel.index());
-        Ok(accel)
     }
 
     /// The values that the command line set.

@@ -12,13 +12,14 @@ use crate::instruments::{Profiler, Stages};
 use crate::output;
 use crate::render::{Overhead, Repeat};
 use crate::schedule::Schedule;
-use crate::summary::Threads;
+use crate::summary::{OtherRuns, Threads};
 
 /// The pixels of a scene, what they cost, and how they were rendered.
 #[derive(Debug)]
 pub struct Rendering<'s> {
     pub(super) session: &'s Session,
     pub(super) measured: Measured,
+    pub(super) other_runs: Option<OtherRuns>,
     pub(super) stages: Stages,
     pub(super) threads: Threads,
     pub(super) vtkhdf: bool,
@@ -107,6 +108,7 @@ impl Rendering<'_> {
             film: &measured.film,
             schedule: &measured.schedule,
             repeats: &measured.repeats,
+            other_runs: self.other_runs.as_ref(),
             overhead: measured.overhead,
             attribution: measured.attribution.as_ref(),
             vtkhdf: self.vtkhdf,

@@ -8,6 +8,7 @@
 //! it.
 
 mod cost;
+mod other_runs;
 mod program;
 mod read;
 mod scene;
@@ -15,6 +16,7 @@ mod timing;
 mod write;
 
 pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
+pub use other_runs::{OtherRuns, OtherRunsOfFile};
 pub use program::{Build, Machine, Threads};
 pub(crate) use read::{MAX_BYTES, read_json};
 pub use scene::{
@@ -70,6 +72,9 @@ pub struct Summary {
     pub build: Option<Build>,
     /// The number of threads.
     pub threads: Threads,
+    /// The tiles of other runs; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_runs: Option<OtherRuns>,
     /// The stages of the run in their order.
     pub stages: Vec<StageEntry>,
     /// The repeated renderings of the picture.

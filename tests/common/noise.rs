@@ -68,6 +68,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             Vec::new()
         };
         film.tiles[number as usize] = RenderedTile {
+            is_missing: false,
             thread: word() >> 1,
             counters,
         };

@@ -32,6 +32,7 @@ mod paraview_export;
 mod paraview_rays;
 mod paraview_states;
 mod paraview_window;
+mod parts;
 mod picture;
 mod pyvista;
 mod results;

@@ -1,21 +1,23 @@
 //! `raycost render` of an animated scene.
 
 use std::ops::RangeInclusive;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::part::{self, PartDone};
 use super::{RenderArguments, start_profiler};
 use crate::accel::AccelIndex;
+use crate::checkpoint::{PARTS, Part};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
 use crate::config::Config;
-use crate::instruments::Stages;
+use crate::instruments::{Profiler, Stages};
 use crate::memory::Memory;
 use crate::provenance::Checksum;
 use crate::results::complete_frame;
-use crate::series::{FrameSeries, Video, frame_folder};
+use crate::series::{FRAMES, FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
 use crate::stop;
 use crate::summary::FrameSection;
@@ -48,15 +50,21 @@ pub(super) fn render(
     let (mut n_rendered, mut n_kept) = (0, 0);
     for number in wanted {
         let folder = out.join(frame_folder(number));
-        let (document, config, section) = job.frame(number)?;
-        if complete_frame(&folder, &section).is_some() {
-            n_kept += 1;
+        if arguments.merges && !folder.join(PARTS).exists() {
             continue;
         }
-        job.render(&folder, document, config, section)?;
-        n_rendered += 1;
+        let (document, config, section) = job.frame(number)?;
+        let is_complete = complete_frame(&folder, &section).is_some();
+        if is_complete || !job.render(&folder, document, config, section)? {
+            n_kept += 1;
+        } else {
+            n_rendered += 1;
+        }
     }
-    let lines = job.finish()?;
+    let lines = match arguments.part {
+        None => job.finish()?,
+        Some(_) => part::next_line(&out),
+    };
     if !arguments.quiet {
         let kept = match n_kept {
             0 => String::new(),
@@ -71,6 +79,19 @@ pub(super) fn render(
     Ok(())
 }
 
+/// The folders of frames with parts, in the folder of a series.
+pub(super) fn with_parts(out: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(out.join(FRAMES)).into_iter().flatten();
+    let names = entries
+        .flatten()
+        .map(|entry| Path::new(FRAMES).join(entry.file_name()));
+    let mut folders: Vec<PathBuf> = names
+        .filter(|folder| out.join(folder).join(PARTS).is_dir())
+        .collect();
+    folders.sort();
+    folders
+}
+
 /// The numbers of the frames that the command line asks for.
 fn wanted(
     arguments: &RenderArguments,
@@ -83,6 +104,36 @@ fn wanted(
     scene.check_frame(*range.0.start())?;
     scene.check_frame(*range.0.end())?;
     Ok(range.0.clone())
+}
+
+/// What became of a frame.
+enum Done {
+    /// The times of its stages.
+    Whole(String),
+    Part(Part, PartDone),
+}
+
+/// Renders a whole frame into its folder; returns the times of the stages.
+fn whole(
+    arguments: &RenderArguments,
+    session: &Session,
+    folder: &Path,
+    profiler: Option<&Profiler>,
+) -> Result<String, Failure> {
+    let output = session.folder(folder)?.synced(arguments.sync);
+    stop::check()?;
+    let tiles = arguments.tiles(session, folder)?;
+    let bars = Bars::new(arguments.quiet);
+    let on_event = |event| bars.show(event);
+    let options = arguments.options(&on_event);
+    let mut rendering = session.render_within(&options, &tiles.scope())?;
+    rendering.write_to(&output, profiler)?;
+    let stages = rendering.stages().ended.iter();
+    let times = stages.map(|stage| {
+        let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
+        format!("{} {}", stage.name, duration(wall))
+    });
+    Ok(times.collect::<Vec<_>>().join(", "))
 }
 
 /// A run that renders frames.
@@ -111,14 +162,14 @@ impl FrameJob<'_> {
         Ok((document, config, section))
     }
 
-    /// Renders a frame into its folder.
+    /// Renders a frame, or a part of it, into its folder; false if that part was complete.
     fn render(
         &mut self,
         folder: &Path,
         document: Document,
         config: Config,
         section: FrameSection,
-    ) -> Result<(), Failure> {
+    ) -> Result<bool, Failure> {
         let arguments = self.arguments;
         let stages = Stages::start(arguments.hardware());
         let profiler = arguments.profile.then(start_profiler).transpose()?;
@@ -136,29 +187,23 @@ impl FrameJob<'_> {
         if let Some((_, index)) = kept {
             session.keep_index(index);
         }
-        let output = session.folder(folder)?.synced(arguments.sync);
-        stop::check()?;
-        let bars = Bars::new(arguments.quiet);
-        let on_event = |event| bars.show(event);
-        let mut rendering = session.render(&arguments.options(&on_event))?;
-        rendering.write_to(&output, profiler.as_ref())?;
+        let done = match arguments.part {
+            Some(part) => Done::Part(part, part::render(arguments, &session, folder, part)?),
+            None => Done::Whole(whole(arguments, &session, folder, profiler.as_ref())?),
+        };
         self.hierarchy = session.index().map(|index| (geometry, index));
         if !arguments.quiet {
-            let stages = rendering.stages().ended.iter();
-            let times = stages.map(|stage| {
-                let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
-                format!("{} {}", stage.name, duration(wall))
-            });
-            let times: Vec<String> = times.collect();
-            let times = times.join(", ");
             let kept = if is_kept {
                 ", hierarchy kept from the frame before"
             } else {
                 ""
             };
-            text::print(&format!("frame   {number} of {n_frames}: {times}{kept}\n"))?;
+            text::print(&match &done {
+                Done::Part(part, done) => done.line(*part, folder),
+                Done::Whole(times) => format!("frame   {number} of {n_frames}: {times}{kept}\n"),
+            })?;
         }
-        Ok(())
+        Ok(!matches!(done, Done::Part(_, PartDone::Kept)))
     }
 
     /// Writes the files that play all complete frames; returns the lines about them.

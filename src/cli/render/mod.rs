@@ -1,10 +1,14 @@
 //! `raycost render`.
 
 mod frames;
+mod merge;
+mod part;
 
 use std::io;
+use std::path::Path;
 
 use crate::animation::FrameRange;
+use crate::checkpoint::Part;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
@@ -15,6 +19,8 @@ use crate::session::{Event, Options, Session};
 use crate::stop;
 use crate::text::{self, Diagnostic};
 use crate::vtk::hdf;
+
+pub(super) use merge::{MergeArguments, run as run_merge};
 
 /// Render a scene and write its files
 #[derive(Debug, clap::Args)]
@@ -29,6 +35,15 @@ pub(super) struct RenderArguments {
     /// [default: all]
     #[arg(long, value_name = "FRAMES")]
     frames: Option<FrameRange>,
+
+    /// Render only this part, such as 3/16: its tiles, for `raycost merge`. All parts take
+    /// about the same work
+    #[arg(long, value_name = "PART")]
+    part: Option<Part>,
+
+    /// Take all tiles from the files of parts
+    #[arg(skip)]
+    merges: bool,
 
     /// Also write cloud and frame in this format, those of an animation in one file each;
     /// needs a build with `--features hdf5`
@@ -81,6 +96,12 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             stop::request();
         });
     }
+    arguments.check_part()?;
+    render(arguments)
+}
+
+/// Renders a scene, a part of it, or the tiles of all parts.
+fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
     let scene = OpenScene::read(&arguments.scene)?;
@@ -92,16 +113,20 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     let profiler = arguments.profile.then(start_profiler).transpose()?;
     let session = Session::new(scene.load(None, Memory::of)?, stages)?;
-    let folder = session.folder(&arguments.scene.out())?;
-    let folder = folder.synced(arguments.sync);
+    let out = arguments.scene.out();
+    if let Some(part) = arguments.part {
+        return still_part(arguments, &session, &out, part);
+    }
+    let folder = session.folder(&out)?.synced(arguments.sync);
     stop::check()?;
+    let tiles = arguments.tiles(&session, &out)?;
     let bars = Bars::new(arguments.quiet);
     let on_event = |event| bars.show(event);
     let options = Options {
         vtkhdf: arguments.format.is_some(),
         ..arguments.options(&on_event)
     };
-    let mut rendering = session.render(&options)?;
+    let mut rendering = session.render_within(&options, &tiles.scope())?;
     let written = rendering.write_to(&folder, profiler.as_ref())?;
     if !arguments.quiet {
         let view = rendering.view(profiler.as_ref());
@@ -110,6 +135,20 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     // The process ends: the system frees all memory at once.
     std::mem::forget(rendering);
+    Ok(())
+}
+
+/// Renders a part of a still, and prints what comes next.
+fn still_part(
+    arguments: &RenderArguments,
+    session: &Session,
+    out: &Path,
+    part: Part,
+) -> Result<(), Failure> {
+    let done = part::render(arguments, session, out, part)?;
+    if !arguments.quiet {
+        text::print(&format!("{}{}", done.line(part, out), part::next_line(out)))?;
+    }
     Ok(())
 }
 

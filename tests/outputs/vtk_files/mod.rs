@@ -184,6 +184,7 @@ fn check_all_files(read: fn(&Path) -> DataSet) {
 /// compares what `read` finds.
 fn check_tiles(read: fn(&Path) -> DataSet) {
     let run = |number: u32| TileRun {
+        is_missing: false,
         thread: number % 2,
         position: 5 - number,
         start_ns: u64::from(number) << 33,

@@ -1,10 +1,10 @@
 //! The arguments of the command line that name a scene and override its settings.
 
+mod flags;
+
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
-
-use super::shell_word;
+use crate::cli::shell_word;
 use crate::color::ToneCurve;
 use crate::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats,
@@ -12,7 +12,7 @@ use crate::config::{
 };
 use crate::import;
 use crate::starter;
-use crate::text::{Diagnostic, keyword_name};
+use crate::text::Diagnostic;
 use crate::vtk::Codec;
 use crate::yaml::{self, Document, Fault, Source};
 
@@ -21,9 +21,9 @@ const STANDARD_INPUT: &str = "-";
 
 /// The scene file and the settings that override the file's.
 #[derive(Debug, clap::Args)]
-pub(super) struct SceneArguments {
+pub(in crate::cli) struct SceneArguments {
     /// The scene's YAML file; `-` for standard input; or a mesh, for a scene around it
-    pub(super) scene: PathBuf,
+    pub(in crate::cli) scene: PathBuf,
 
     /// Set a value of the scene, such as `camera.look_at.fov_y_deg=30` or
     /// 'objects[0].sphere.radius=0.5'; can be repeated
@@ -106,7 +106,7 @@ impl SceneArguments {
     ///
     /// # Errors
     /// A setting that the scene does not allow.
-    pub(super) fn override_settings(
+    pub(in crate::cli) fn override_settings(
         &self,
         config: &mut Config,
         document: &Document,
@@ -146,12 +146,12 @@ impl SceneArguments {
     }
 
     /// Whether the scene is read from standard input.
-    pub(super) fn is_standard_input(&self) -> bool {
+    pub(in crate::cli) fn is_standard_input(&self) -> bool {
         self.scene == Path::new(STANDARD_INPUT)
     }
 
     /// The command that writes the scene of a mesh as a file; `None` for another scene.
-    pub(super) fn command_to_keep(&self) -> Option<String> {
+    pub(in crate::cli) fn command_to_keep(&self) -> Option<String> {
         let mesh = import::is_mesh(&self.scene).then(|| shell_word(&self.scene))?;
         let stem = self.scene.file_stem().unwrap_or_default();
         let file = Path::new(stem).with_extension("yaml");
@@ -162,7 +162,7 @@ impl SceneArguments {
     ///
     /// # Errors
     /// The first mistake in it.
-    pub(super) fn document(&self) -> Result<Document, Diagnostic> {
+    pub(in crate::cli) fn document(&self) -> Result<Document, Diagnostic> {
         let source = if self.is_standard_input() {
             Source::read_standard_input()?
         } else if import::is_mesh(&self.scene) {
@@ -181,7 +181,7 @@ impl SceneArguments {
     ///
     /// # Errors
     /// `--also` is given.
-    pub(super) fn refuse_also(&self) -> Result<(), Diagnostic> {
+    pub(in crate::cli) fn refuse_also(&self) -> Result<(), Diagnostic> {
         if self.also.is_empty() {
             Ok(())
         } else {
@@ -229,31 +229,8 @@ impl SceneArguments {
         }
     }
 
-    /// The flags that determine the pixels and the output folder, each preceded by a
-    /// blank: with them, another command renders the same pixels.
-    pub(super) fn flags_of_the_picture(&self) -> Vec<String> {
-        let flag = |name: &str, value: Option<String>| value.map(|v| format!(" --{name} {v}"));
-        let number = |n: Option<u32>| n.map(|n| n.to_string());
-        let structure = self.acceleration.and_then(|s| s.to_possible_value());
-        let flags = [
-            flag("width", number(self.width)),
-            flag("height", number(self.height)),
-            flag("spp", number(self.spp)),
-            flag("seed", self.seed.map(|seed| seed.to_string())),
-            flag("max-depth", self.max_depth.map(|n| n.to_string())),
-            flag("exposure", self.exposure.map(|stops| stops.to_string())),
-            flag("tone-curve", self.tone_curve.map(|c| keyword_name(&c))),
-            flag("acceleration", structure.map(|s| s.get_name().to_owned())),
-            flag("count", number(self.count)),
-            flag("out", self.out.as_deref().map(shell_word)),
-        ];
-        let set = self.set.iter().map(Path::new).map(shell_word);
-        let set = set.map(|setting| format!(" --set {setting}"));
-        flags.into_iter().flatten().chain(set).collect()
-    }
-
     /// The folder to write to.
-    pub(super) fn out(&self) -> PathBuf {
+    pub(in crate::cli) fn out(&self) -> PathBuf {
         match &self.out {
             Some(out) => out.clone(),
             None => Path::new("out").join(self.name()),
@@ -261,7 +238,7 @@ impl SceneArguments {
     }
 
     /// The scene's name: the file's stem.
-    pub(super) fn name(&self) -> String {
+    pub(in crate::cli) fn name(&self) -> String {
         if self.is_standard_input() {
             return "stdin".to_owned();
         }

@@ -1,0 +1,148 @@
+//! A finished tile ↔ bytes.
+
+use super::Layout;
+use crate::cost::Cost;
+use crate::film::PackedCounters;
+use crate::schedule::{Tile, TileRun};
+
+/// A tile of one rendering of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TileRecord {
+    /// The rendering, from 0, of several that repeat the picture.
+    pub rendering: u8,
+    /// The tile's number in the grid.
+    pub tile: u32,
+    /// When and by which thread it was rendered, and its counters; the position in the
+    /// order of tiles is not kept.
+    pub run: TileRun,
+    /// The counters of its pixels, in parts of whole rows; empty if nothing was counted.
+    pub counters: Vec<PackedCounters>,
+    /// The pixels in the film's arrays, bit for bit.
+    pub pixels: Vec<u8>,
+}
+
+/// Bytes of a record besides its counters and its pixels.
+pub(super) const FIXED_BYTES: usize = 1 + 1 + 4 + 4 + 4 * 8 + N_COUNTS * 8 + 4;
+/// Numbers of a [`Cost`].
+const N_COUNTS: usize = 8;
+/// Latest time in nanoseconds: sums of many stay below 2^64.
+const MAX_NS: u64 = 1 << 53;
+/// Most threads.
+pub(super) const MAX_THREADS: u32 = 1 << 16;
+
+impl TileRecord {
+    /// Appends the record as bytes: numbers with the lowest byte first, pixels as in
+    /// memory.
+    pub fn append_to(&self, bytes: &mut Vec<u8>) {
+        let run = &self.run;
+        bytes.extend([self.rendering, run.is_interrupted.into()]);
+        bytes.extend(self.tile.to_le_bytes());
+        bytes.extend(run.thread.to_le_bytes());
+        let times = [run.start_ns, run.end_ns, run.film_ns, run.warm_up_ns];
+        for number in times.into_iter().chain(counts(&run.counted)) {
+            bytes.extend(number.to_le_bytes());
+        }
+        bytes.extend((self.counters.len() as u32).to_le_bytes());
+        for part in &self.counters {
+            part.append_to(bytes);
+        }
+        bytes.extend(&self.pixels);
+    }
+
+    /// Reads a record of a rendering with this layout; `None` if it is none. All of
+    /// `bytes` belong to it.
+    pub fn of_bytes(bytes: &[u8], layout: &Layout) -> Option<Self> {
+        let mut bytes = Bytes(bytes);
+        let [rendering, is_interrupted] = bytes.array()?;
+        let [tile, thread] = [bytes.u32()?, bytes.u32()?];
+        let grid = layout.grid();
+        if rendering >= layout.n_renderings || is_interrupted > 1 || tile >= grid.n_tiles() {
+            return None;
+        }
+        let run = TileRun {
+            is_missing: false,
+            thread: Some(thread).filter(|&thread| thread < MAX_THREADS)?,
+            position: 0,
+            start_ns: bytes.time()?,
+            end_ns: bytes.time()?,
+            film_ns: bytes.time()?,
+            warm_up_ns: bytes.time()?,
+            is_interrupted: is_interrupted == 1,
+            counted: bytes.cost()?,
+        };
+        let place = grid.tile(tile);
+        let counters = bytes.counters(&place)?;
+        let n_bytes = place.n_pixels() * layout.bytes_per_pixel as usize;
+        let is_whole = run.start_ns <= run.end_ns && bytes.0.len() == n_bytes;
+        is_whole.then(|| Self {
+            rendering,
+            tile,
+            run,
+            counters,
+            pixels: bytes.0.to_vec(),
+        })
+    }
+}
+
+/// The numbers of a cost.
+fn counts(cost: &Cost) -> [u64; N_COUNTS] {
+    let [camera, shadow, reflection, refraction, diffuse] = cost.rays;
+    let [visits, tests] = [cost.node_visits, cost.primitive_tests];
+    [
+        visits, tests, camera, shadow, reflection, refraction, diffuse, cost.depth,
+    ]
+}
+
+/// Bytes that are read from the start.
+pub(super) struct Bytes<'a>(pub(super) &'a [u8]);
+
+impl Bytes<'_> {
+    pub(super) fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    pub(super) fn u32(&mut self) -> Option<u32> {
+        Some(u32::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn u64(&mut self) -> Option<u64> {
+        Some(u64::from_le_bytes(self.array()?))
+    }
+
+    /// A time in nanoseconds.
+    pub(super) fn time(&mut self) -> Option<u64> {
+        self.u64().filter(|&ns| ns < MAX_NS)
+    }
+
+    fn cost(&mut self) -> Option<Cost> {
+        let mut numbers = [0; N_COUNTS];
+        for number in &mut numbers {
+            *number = self.u64()?;
+        }
+        let [node_visits, primitive_tests, rays @ .., depth] = numbers;
+        Some(Cost {
+            node_visits,
+            primitive_tests,
+            rays,
+            depth,
+        })
+    }
+
+    /// The counters of a tile: parts of whole rows that cover it, or none.
+    fn counters(&mut self, tile: &Tile) -> Option<Vec<PackedCounters>> {
+        let mut n_left = tile.n_pixels();
+        let mut counters = Vec::new();
+        for _ in 0..self.u32()? {
+            let (part, rest) = PackedCounters::split_from(self.0, n_left)?;
+            if part.n_pixels() % tile.width() != 0 {
+                return None;
+            }
+            n_left -= part.n_pixels();
+            self.0 = rest;
+            counters.push(part);
+        }
+        (counters.is_empty() || n_left == 0).then_some(counters)
+    }
+}

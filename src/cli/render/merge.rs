@@ -1,0 +1,185 @@
+//! `raycost merge`: the parts of a picture → all files of a rendering.
+
+use std::path::{Path, PathBuf};
+
+use super::{ExtraFormat, RenderArguments, frames};
+use crate::checkpoint::{Checkpoint, Header, PARTS, Part, PartFaults, PartFiles};
+use crate::cli::scene::SceneArguments;
+use crate::cli::{Failure, shell_word, shown};
+use crate::render::Limits;
+use crate::session::{Scope, Session};
+use crate::text::Diagnostic;
+
+/// Merge the parts of a picture that `raycost render --part` wrote
+///
+/// Checks that all parts are there, of the same scene, settings and program, and writes the
+/// files that a rendering of the whole picture writes.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  raycost render configs/seed_sphere.yaml --part 1/2
+  raycost render configs/seed_sphere.yaml --part 2/2
+  raycost merge out/seed_sphere")]
+pub(in crate::cli) struct MergeArguments {
+    /// The output folder of the parts
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+
+    /// The scene's file, if it is not where it was
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+
+    /// Also write cloud and frame in this format, those of an animation in one file each;
+    /// needs a build with `--features hdf5`
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<ExtraFormat>,
+
+    /// Number of threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Flush the files to the disk before they replace older ones, so that they survive
+    /// a power cut
+    #[arg(long)]
+    sync: bool,
+
+    /// Print only errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    let found = open(folder)?;
+    let in_frames = || {
+        frames::with_parts(folder).into_iter().find_map(|frame| {
+            let files = PartFiles::open(&folder.join(frame)).ok()?;
+            files.header().cloned()
+        })
+    };
+    let header = match found.is_empty() {
+        true => in_frames(),
+        false => found.header().cloned(),
+    };
+    let Some(header) = header else {
+        let shown = shown(folder);
+        let message = match found.is_empty() {
+            true => format!("`{shown}` has no parts: there is no `{PARTS}` with files of them"),
+            false => format!("no file in `{shown}/{PARTS}` is whole"),
+        };
+        let help = "render them with `raycost render SCENE --part 1/4 --out DIR`, and so on";
+        return Err(Diagnostic::new(message).with_help(help).into());
+    };
+    drop(found);
+    super::render(&RenderArguments {
+        scene: scene_of(arguments, &header)?,
+        frames: None,
+        part: None,
+        merges: true,
+        format: arguments.format,
+        threads: arguments.threads,
+        measure_overhead: false,
+        hardware_counters: false,
+        profile: false,
+        sync: arguments.sync,
+        while_input_is_open: false,
+        quiet: arguments.quiet,
+    })
+}
+
+/// The scene of the parts, with its settings.
+fn scene_of(arguments: &MergeArguments, header: &Header) -> Result<SceneArguments, Diagnostic> {
+    let path = arguments.scene.as_deref();
+    let path = path.unwrap_or(Path::new(&header.scene));
+    if !path.exists() {
+        let message = format!("there is no scene `{}`", path.display());
+        let help = format!(
+            "its parts were rendered in `{}`: merge there, or give the file with `--scene`",
+            header.folder
+        );
+        return Err(Diagnostic::new(message).with_help(help));
+    }
+    SceneArguments::of_flags(path, &header.flags, &arguments.folder)
+}
+
+fn open(folder: &Path) -> Result<PartFiles, Diagnostic> {
+    PartFiles::open(folder).map_err(|error| {
+        let message = format!("cannot read the parts in `{}`: {error}", folder.display());
+        Diagnostic::new(message)
+    })
+}
+
+/// The tiles of a rendering that other runs rendered.
+#[derive(Debug, Default)]
+pub(super) struct Tiles(Option<Checkpoint>);
+
+impl Tiles {
+    /// The tiles for the rendering.
+    pub(super) fn scope(&self) -> Scope<'_> {
+        Scope {
+            part: None,
+            limits: Limits {
+                checkpoint: self.0.as_ref(),
+                deadline: None,
+            },
+        }
+    }
+}
+
+impl RenderArguments {
+    /// The tiles of all parts of the session's picture in an output folder, if these are to
+    /// be merged; otherwise none.
+    ///
+    /// # Errors
+    /// The parts are not those of the picture.
+    pub(super) fn tiles(&self, session: &Session, out: &Path) -> Result<Tiles, Diagnostic> {
+        if !self.merges {
+            return Ok(Tiles::default());
+        }
+        let found = open(out)?;
+        let expected = session.header(self.scene.all_flags(), None)?;
+        if let Some(why) = found
+            .header()
+            .and_then(|header| header.foreign_to(&expected))
+        {
+            let message = format!("the parts in `{}` do not fit: {why}", out.display());
+            let help = "undo what has changed since, or render all parts again";
+            return Err(Diagnostic::new(message).with_help(help));
+        }
+        let parts = found.checked(&expected);
+        let parts = parts.map_err(|faults| self.refused(&faults, &expected, out))?;
+        Ok(Tiles(Some(Checkpoint::of_parts(parts))))
+    }
+
+    /// The message about parts that make no picture.
+    fn refused(&self, faults: &PartFaults, expected: &Header, out: &Path) -> Diagnostic {
+        let message = format!("the parts in `{}` make no picture", out.display());
+        let refused = Diagnostic::new(message).with_note(faults.lines.join("\n"));
+        let parts: Vec<Part> = faults.again.iter().copied().collect();
+        match &parts[..] {
+            [] => refused.with_help("remove the files that do not belong there"),
+            [first, others @ ..] => {
+                let frame = expected.frame.map(|frame| format!(" --frames {frame}"));
+                let flags = expected
+                    .flags
+                    .iter()
+                    .map(|flag| shell_word(Path::new(flag)));
+                let words = [shell_word(Path::new(&expected.scene))]
+                    .into_iter()
+                    .chain(flags);
+                let words: Vec<String> = words.collect();
+                let out = shell_word(&self.scene.out());
+                let command = format!(
+                    "raycost render {} --out {out}{} --part {first}",
+                    words.join(" "),
+                    frame.unwrap_or_default(),
+                );
+                let others: Vec<String> = others.iter().map(Part::to_string).collect();
+                let others = match others.len() {
+                    0 => String::new(),
+                    _ => format!(", and so the parts {}", others.join(", ")),
+                };
+                refused.with_help(format!("render again: `{command}`{others}"))
+            }
+        }
+    }
+}

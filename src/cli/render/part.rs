@@ -1,0 +1,136 @@
+//! `raycost render --part`: some tiles of a picture, in a file.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use super::RenderArguments;
+use crate::checkpoint::{Checkpoint, CheckpointFile, Damage, Header, PARTS, Part};
+use crate::cli::progress::Bars;
+use crate::cli::{Failure, shell_word, shown};
+use crate::folder::{WriteError, refuse_file};
+use crate::render::Limits;
+use crate::session::{Scope, Session};
+use crate::text::Diagnostic;
+use crate::text::numbers::{counted, duration};
+
+/// The extension of a file that is not complete.
+const UNFINISHED: &str = "unfinished";
+
+/// What became of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PartDone {
+    /// So many of its tiles were rendered, in so much time.
+    Rendered(u64, Duration),
+    /// It was complete already.
+    Kept,
+}
+
+impl PartDone {
+    /// A line about a part in an output folder.
+    pub(super) fn line(self, part: Part, out: &Path) -> String {
+        let path = shown(&out.join(PARTS).join(part.file_name()));
+        match self {
+            Self::Rendered(n_tiles, wall) => {
+                let (n_tiles, wall) = (counted(n_tiles, "tile"), duration(wall));
+                format!("part    {part}: {n_tiles} in {wall}\nwrote   {path}\n")
+            }
+            Self::Kept => format!("part    {part}: complete from an earlier run, {path}\n"),
+        }
+    }
+}
+
+/// What to do when all parts are there.
+pub(super) fn next_line(out: &Path) -> String {
+    let out = shell_word(out);
+    format!("next    raycost merge {out}, when all parts are there\n")
+}
+
+impl RenderArguments {
+    /// Checks that a part of the picture can have these settings.
+    ///
+    /// # Errors
+    /// The first flag that it cannot have.
+    pub(super) fn check_part(&self) -> Result<(), Diagnostic> {
+        if self.part.is_none() {
+            return Ok(());
+        }
+        let writes_none = "a part writes none of the output files: leave the flag out";
+        let refused = [
+            (self.profile, "profile", writes_none),
+            (self.measure_overhead, "measure-overhead", writes_none),
+            (self.hardware_counters, "hardware-counters", writes_none),
+            (
+                self.format.is_some(),
+                "format",
+                "give it to `raycost merge`, which writes the files",
+            ),
+        ];
+        if let Some((_, flag, help)) = refused.into_iter().find(|(is_given, ..)| *is_given) {
+            let message = format!("`--part` and `--{flag}` exclude each other");
+            return Err(Diagnostic::new(message).with_help(help));
+        }
+        if self.scene.is_standard_input() {
+            let message = "`--part` needs a scene in a file: `raycost merge` reads it again";
+            return Err(Diagnostic::new(message).with_help("write the scene to a file"));
+        }
+        Ok(())
+    }
+}
+
+/// Renders a part of the picture of a session into the folder of parts of an output folder,
+/// unless it is there.
+pub(super) fn render(
+    arguments: &RenderArguments,
+    session: &Session,
+    out: &Path,
+    part: Part,
+) -> Result<PartDone, Failure> {
+    let header = session.header(arguments.scene.all_flags(), Some(part))?;
+    let folder = out.join(PARTS);
+    fs::create_dir_all(&folder).map_err(|error| WriteError::new(&folder, error))?;
+    let path = folder.join(part.file_name());
+    if is_complete(&path, &header)? {
+        return Ok(PartDone::Kept);
+    }
+    let unfinished = path.with_extension(UNFINISHED);
+    is_complete(&unfinished, &header)?;
+    let checkpoint = Checkpoint::create(&unfinished, &header)?;
+    let bars = Bars::new(arguments.quiet);
+    let on_event = |event| bars.show(event);
+    let scope = Scope {
+        part: Some(part),
+        limits: Limits {
+            checkpoint: Some(&checkpoint),
+            deadline: None,
+        },
+    };
+    let rendering = session.render_within(&arguments.options(&on_event), &scope)?;
+    checkpoint.finish(&path, arguments.sync)?;
+    let n_tiles = rendering.schedule().rendered().count() as u64;
+    Ok(PartDone::Rendered(
+        n_tiles,
+        rendering.stages().wall("render"),
+    ))
+}
+
+/// Whether a file has all tiles of this part.
+///
+/// # Errors
+/// There is a file of another program.
+fn is_complete(path: &Path, header: &Header) -> Result<bool, WriteError> {
+    match CheckpointFile::open(path) {
+        Ok(file) => Ok(file.is_complete
+            && !file.is_torn
+            && file.header.part == header.part
+            && file.header.foreign_to(header).is_none()),
+        Err(Damage::Foreign) if !is_empty(path) => Err(refuse_file(path)),
+        Err(_) => Ok(false),
+    }
+}
+
+/// Whether a file has no bytes, as after a crash.
+fn is_empty(path: &Path) -> bool {
+    path.metadata()
+        .is_ok_and(|found| found.is_file() && found.len() == 0)
+}

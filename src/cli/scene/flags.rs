@@ -1,0 +1,153 @@
+//! The settings of a command line as flags of another.
+
+use std::path::Path;
+
+use clap::{Parser, ValueEnum};
+
+use super::SceneArguments;
+use crate::cli::shell_word;
+use crate::text::{Diagnostic, keyword_name};
+
+/// A command line of a scene and its settings alone.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct SceneCommand {
+    #[command(flatten)]
+    scene: SceneArguments,
+}
+
+/// A flag without its dashes, and its value.
+type Flag = (&'static str, String);
+
+impl SceneArguments {
+    /// The flags that determine the pixels and the output folder, each preceded by a
+    /// blank: with them, another command renders the same pixels.
+    pub(in crate::cli) fn flags_of_the_picture(&self) -> Vec<String> {
+        let out = self.out.as_deref().map(shell_word);
+        let picture = self.picture().into_iter();
+        let flags = picture.chain(flag("out", out));
+        let set = self.set.iter().map(Path::new).map(shell_word);
+        let set = set.map(|setting| format!(" --set {setting}"));
+        let shown = flags.map(|(name, value)| format!(" --{name} {value}"));
+        shown.chain(set).collect()
+    }
+
+    /// All flags but the output folder, each as one argument: with them,
+    /// [`of_flags`](Self::of_flags) gives the same settings.
+    pub(in crate::cli) fn all_flags(&self) -> Vec<String> {
+        let cost = if self.no_cost {
+            Some("none".to_owned())
+        } else {
+            self.cost.map(|cost| keyword_name(&cost))
+        };
+        let also: Vec<String> = self.also.iter().map(keyword_name).collect();
+        let measured = [
+            flag("cost", cost),
+            flag("repeats", self.repeats.map(|n| n.to_string())),
+            flag("tile-size", self.tile_size.map(|n| n.to_string())),
+            flag("tile-order", self.tile_order.map(|o| keyword_name(&o))),
+            flag("also", (!also.is_empty()).then(|| also.join(","))),
+            flag("compress", self.compress.map(|codec| keyword_name(&codec))),
+        ];
+        let set = self.set.iter().map(|setting| ("set", setting.clone()));
+        let flags = self
+            .picture()
+            .into_iter()
+            .chain(measured.into_iter().flatten());
+        flags
+            .chain(set)
+            .map(|(name, value)| format!("--{name}={value}"))
+            .collect()
+    }
+
+    /// The arguments of a scene with [`all_flags`](Self::all_flags) of another command, to
+    /// write to a folder.
+    ///
+    /// # Errors
+    /// The flags are not those of a scene.
+    pub(in crate::cli) fn of_flags(
+        scene: &Path,
+        flags: &[String],
+        out: &Path,
+    ) -> Result<Self, Diagnostic> {
+        let out = [Path::new("--out"), out].map(Path::as_os_str);
+        let flags = flags.iter().map(std::ffi::OsStr::new);
+        let scene = [std::ffi::OsStr::new("--"), scene.as_os_str()];
+        let command = SceneCommand::try_parse_from(flags.chain(out).chain(scene));
+        let parsed = command.map_err(|error| {
+            let why = error.to_string();
+            Diagnostic::new(format!("cannot use the settings of the parts: {why}"))
+        })?;
+        Ok(parsed.scene)
+    }
+
+    /// The flags that determine the pixels, besides those of values by their path.
+    fn picture(&self) -> Vec<Flag> {
+        let number = |n: Option<u32>| n.map(|n| n.to_string());
+        let structure = self.acceleration.and_then(|s| s.to_possible_value());
+        let flags = [
+            flag("width", number(self.width)),
+            flag("height", number(self.height)),
+            flag("spp", number(self.spp)),
+            flag("seed", self.seed.map(|seed| seed.to_string())),
+            flag("max-depth", self.max_depth.map(|n| n.to_string())),
+            flag("exposure", self.exposure.map(|stops| stops.to_string())),
+            flag("tone-curve", self.tone_curve.map(|c| keyword_name(&c))),
+            flag("acceleration", structure.map(|s| s.get_name().to_owned())),
+            flag("count", number(self.count)),
+        ];
+        flags.into_iter().flatten().collect()
+    }
+}
+
+fn flag(name: &'static str, value: Option<String>) -> Option<Flag> {
+    value.map(|value| (name, value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_give_the_same_settings() {
+        let all = [
+            "--width=7",
+            "--height=8",
+            "--spp=3",
+            "--seed=18446744073709551615",
+            "--max-depth=0",
+            "--exposure=-0.1",
+            "--tone-curve=filmic",
+            "--acceleration=brute_force",
+            "--count=5",
+            "--cost=time",
+            "--repeats=4",
+            "--tile-size=8",
+            "--tile-order=hilbert",
+            "--also=radiance,schedule",
+            "--compress=lz4",
+            "--set=camera.x='a b'",
+            "--set=y=[1, 2]",
+        ];
+        for flags in [
+            &all[..],
+            &[],
+            &["--no-cost"],
+            &["--repeats=auto", "--cost=none"],
+        ] {
+            let command = flags.iter().copied().chain(["--out", "there"]);
+            let given = SceneCommand::try_parse_from(command.chain(["--", "scene.yaml"]));
+            let given = given.unwrap_or_else(|error| panic!("{error}")).scene;
+            let stored = given.all_flags();
+            let again =
+                SceneArguments::of_flags(Path::new("scene.yaml"), &stored, Path::new("there"));
+            let again = again.unwrap();
+            assert_eq!(again.all_flags(), stored);
+            let shown = format!("{given:?}").replace("cost: None, no_cost: true", "");
+            assert_eq!(
+                format!("{again:?}").replace("cost: Some(None), no_cost: false", ""),
+                shown
+            );
+        }
+    }
+}

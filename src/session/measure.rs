@@ -1,0 +1,93 @@
+//! A scene → its pixels and their cost.
+
+use std::sync::Arc;
+
+use super::options::{Event, Options, Report};
+use super::rendering::Measured;
+use super::scope::Scope;
+use super::{RenderError, Session};
+use crate::accel::Accel;
+use crate::attribution::CostAttribution;
+use crate::config::TileOrder;
+use crate::cost::Meter;
+use crate::instruments::Stages;
+use crate::memory;
+use crate::render::{N_RENDERINGS, Overhead, least_repeats, repeat_within};
+use crate::stop;
+
+impl Session {
+    /// Renders and measures on the current rayon pool.
+    pub(super) fn measure(
+        &self,
+        options: &Options,
+        scope: &Scope,
+        stages: &mut Stages,
+    ) -> Result<Measured, RenderError> {
+        let accel = &self.accel(options, stages)?;
+        let (config, scene) = (&self.config, &self.scene);
+        let meter = Meter::new(config.cost);
+        if meter.clock().is_some() {
+            stages.end("calibrate");
+        }
+        let plan = scope.plan(scene, accel, config);
+        if plan.order == TileOrder::Cost || scope.part.is_some() {
+            stages.end("order");
+        }
+        let n_pixels = config.image.n_pixels() as u64;
+        // Before there is a film: two would take more memory than one.
+        let overhead = options.measure_overhead.then(|| {
+            let work = |report: Report| Overhead::measure(scene, accel, &plan, report);
+            let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
+            stages.end("overhead");
+            overhead
+        });
+        let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
+        let (film, schedule, repeats) = options.reported("render", n_rendered, |report: Report| {
+            let (limits, world) = (&scope.limits, (scene, accel));
+            repeat_within(limits, config.repeats, world, &plan, &meter, report)
+        });
+        stages.end("render");
+        stop::check()?;
+        scope.check()?;
+        let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
+        let attribution = is_attributed.then(|| {
+            let world = (scene, accel, &config.image);
+            let attribution = options.reported("observe", n_pixels, |report: Report| {
+                CostAttribution::measure(world, (&film, &meter), &config.output, report)
+            });
+            stages.end("observe");
+            attribution
+        });
+        stop::check()?;
+        Ok(Measured {
+            bvh: accel.statistics(),
+            meter,
+            film,
+            schedule,
+            repeats,
+            overhead,
+            attribution,
+        })
+    }
+
+    /// Returns the acceleration structure, after building it if there is none.
+    fn accel(&self, options: &Options, stages: &mut Stages) -> Result<Accel<'_>, RenderError> {
+        let primitives = &self.scene.primitives;
+        if let Some(index) = self.index.get() {
+            return Ok(Accel::of_index(primitives, Arc::clone(index)));
+        }
+        options.report(Event::Begin {
+            stage: "build",
+            n_pixels: 0,
+        });
+        let report = |fraction| options.report(Event::Built { fraction });
+        let accel = Accel::build(primitives, self.config.acceleration, report);
+        options.report(Event::End);
+        let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
+        stages.end("build");
+        // A build that was stopped is not whole.
+        stop::check()?;
+        let _ = self.index.set(accel.index());
+        Ok(accel)
+    }
+}

@@ -1,0 +1,48 @@
+//! Which tiles a session renders.
+
+use super::RenderError;
+use crate::accel::Accel;
+use crate::checkpoint::{Failure, Part};
+use crate::config::Config;
+use crate::render::{Limits, TilePlan};
+use crate::scene::Scene;
+use crate::text::Diagnostic;
+
+/// The tiles that a rendering renders, takes over and keeps.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Scope<'a> {
+    /// The part of the picture; `None` for the whole.
+    pub(crate) part: Option<Part>,
+    /// The tiles of other runs, and the end.
+    pub(crate) limits: Limits<'a>,
+}
+
+impl Scope<'_> {
+    /// The tiles in their order.
+    pub(super) fn plan(&self, scene: &Scene, accel: &Accel, config: &Config) -> TilePlan {
+        let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
+        match self.part {
+            None => plan,
+            Some(part) => plan.of_part(scene, accel, part),
+        }
+    }
+
+    /// Checks that tiles could be read and kept.
+    ///
+    /// # Errors
+    /// Why not.
+    pub(super) fn check(&self) -> Result<(), RenderError> {
+        let failure = self.limits.checkpoint.and_then(|kept| kept.failure());
+        Err(match failure {
+            None => return Ok(()),
+            Some(Failure::Write(error)) => {
+                RenderError::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
+            }
+            Some(Failure::Read(path)) => {
+                let message = format!("cannot take over the tiles of `{}`", path.display());
+                let help = "they do not fit the scene, or the file has changed: remove it";
+                RenderError::Scene(Diagnostic::new(message).with_help(help))
+            }
+        })
+    }
+}

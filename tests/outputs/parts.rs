@@ -1,0 +1,527 @@
+//! Pictures rendered in parts and merged.
+#![cfg(unix)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use raycost::checkpoint::{Checkpoint, CheckpointFile};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::common::data_set::{Array, DataSet};
+use crate::common::{assert_success, in_repository, names, raycost};
+
+/// A scene of an animated ball on a floor is a file of the folder.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let temporary = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink(in_repository("configs"), temporary.path().join("configs"))
+            .unwrap();
+        Self(temporary)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let mut command = raycost();
+        command.current_dir(self.0.path()).env("PATH", "/nowhere");
+        command.args(arguments).output().unwrap()
+    }
+
+    /// Renders a scene whole.
+    fn render(&self, scene: &str, flags: &[&str], out: &str) {
+        let scene = format!("configs/{scene}.yaml");
+        let command = ["render", &scene, "--quiet", "--out", out];
+        assert_success(&self.run(&[&command, flags].concat()));
+    }
+
+    /// Renders the parts of a scene.
+    fn render_parts(&self, scene: &str, flags: &[&str], out: &str, n: u32) {
+        for number in 1..=n {
+            // Any number of threads.
+            let part = [
+                format!("--part={number}/{n}"),
+                format!("--threads={}", number % 3 + 1),
+            ];
+            let part = part.each_ref().map(String::as_str);
+            self.render(scene, &[flags, &part].concat(), out);
+        }
+    }
+
+    /// The message of a merge that is refused.
+    fn refused(&self, out: &str) -> String {
+        let output = self.run(&["merge", out]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(!self.path(out).join("summary.json").exists());
+        message
+    }
+
+    fn part(&self, out: &str, name: &str) -> PathBuf {
+        self.path(out).join("parts").join(name)
+    }
+}
+
+/// Arrays that differ from run to run.
+fn is_timed(array: &Array) -> bool {
+    [
+        "time_ns",
+        "attributed_time_ns",
+        "time_mad_ns",
+        "n_rejected",
+        "thread",
+    ]
+    .contains(&array.name.as_str())
+}
+
+/// The arrays of an output that do not differ, and the names of those that do.
+fn arrays(out: &Path, file: &str) -> (Vec<(String, Vec<u8>)>, Vec<String>) {
+    let data = DataSet::read(&out.join(file));
+    let (timed, same): (Vec<Array>, Vec<Array>) = data.arrays.into_iter().partition(is_timed);
+    let same = same.into_iter().map(|array| (array.name, array.bytes));
+    (
+        same.collect(),
+        timed.into_iter().map(|array| array.name).collect(),
+    )
+}
+
+fn summary(out: &Path) -> Value {
+    serde_json::from_slice(&fs::read(out.join("summary.json")).unwrap()).unwrap()
+}
+
+/// The sums of the counters.
+fn totals(out: &Path) -> Value {
+    let mut totals = summary(out)["cost"]["totals"].take();
+    if let Some(totals) = totals.as_object_mut() {
+        totals.retain(|name, _| !name.contains("time"));
+    }
+    totals
+}
+
+/// Checks that two outputs differ in nothing but times and threads.
+fn assert_same_output(one: &Path, other: &Path) {
+    assert_eq!(
+        names(one).len() + usize::from(other.join("parts").exists()),
+        names(other).len()
+    );
+    for file in ["frame.vti", "hits.vtu"] {
+        let [found, expected] = [other, one].map(|out| arrays(out, file));
+        assert_eq!(found.1, expected.1);
+        for ((name, bytes), (expected_name, expected)) in found.0.iter().zip(&expected.0) {
+            assert_eq!(name, expected_name);
+            assert!(bytes == expected, "{file}: {name} differs");
+        }
+        assert_eq!(found.0.len(), expected.0.len());
+    }
+    let pixels = |out: &Path| {
+        image::open(out.join("image.png"))
+            .unwrap()
+            .into_rgb8()
+            .into_raw()
+    };
+    assert!(pixels(one) == pixels(other));
+    assert_eq!(totals(one), totals(other));
+    if one.join("objects.csv").exists()
+        && !fs::read_to_string(one.join("objects.csv"))
+            .unwrap()
+            .contains("time")
+    {
+        assert_eq!(
+            fs::read(one.join("objects.csv")).unwrap(),
+            fs::read(other.join("objects.csv")).unwrap()
+        );
+    }
+}
+
+const SMALL: [&str; 2] = ["--width=70", "--height=50"];
+
+#[test]
+fn merged_parts_are_the_whole_picture() {
+    let cases: [(&str, &[&str], u32); 6] = [
+        ("seed_extended", &["--cost=none"], 2),
+        (
+            "still_life",
+            &["--cost=counters", "--also=objects,schedule,radiance"],
+            3,
+        ),
+        ("glass", &["--cost=time", "--repeats=3", "--tile-size=7"], 5),
+        (
+            "cornell_box",
+            &["--cost=attributed_time", "--spp=4", "--also=layers,bounces"],
+            2,
+        ),
+        (
+            "marbles",
+            &[
+                "--cost=counters",
+                "--spp=16",
+                "--set=image.adaptive={noise: 0.05, min_samples: 4}",
+            ],
+            2,
+        ),
+        (
+            "spot",
+            &["--cost=counters", "--tile-order=cost", "--tile-size=64"],
+            9,
+        ),
+    ];
+    for (scene, flags, n) in cases {
+        let folder = Folder::new();
+        let flags = [&SMALL, flags].concat();
+        folder.render(scene, &flags, "whole");
+        folder.render_parts(scene, &flags, "merged", n);
+        assert_eq!(names(&folder.path("merged/parts")).len(), n as usize);
+        let merged = folder.run(&["merge", "merged"]);
+        assert_success(&merged);
+        assert_same_output(&folder.path("whole"), &folder.path("merged"));
+        assert_success(&folder.run(&["check", "merged"]));
+        let summary = summary(&folder.path("merged"));
+        let files = summary["other_runs"]["files"].as_array().unwrap();
+        assert_eq!(files.len(), n as usize);
+        assert_eq!(files[0]["part"], format!("1/{n}"));
+        // Threads of all machines.
+        let threads: u64 = files
+            .iter()
+            .map(|file| file["threads"].as_u64().unwrap())
+            .sum();
+        assert_eq!(summary["threads"]["used"], threads);
+    }
+}
+
+#[test]
+fn frames_are_rendered_in_parts() {
+    let folder = Folder::new();
+    let flags = ["--width=24", "--height=24", "--spp=1", "--cost=counters"];
+    let some = [&flags[..], &["--frames=1..2"]].concat();
+    folder.render("hopper", &some, "whole");
+    folder.render_parts("hopper", &some, "merged", 2);
+    // A task of an array that is run again.
+    let again = [
+        "render",
+        "configs/hopper.yaml",
+        "--out=merged",
+        "--part=2/2",
+        "--threads=1",
+    ];
+    let output = folder.run(&[&again[..], &some].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("0 frames rendered") && text.contains("2 complete"),
+        "{text}"
+    );
+    let merged = folder.run(&["merge", "merged"]);
+    assert_success(&merged);
+    let text = String::from_utf8(merged.stdout).unwrap();
+    assert!(text.contains("missing 18 frames"), "{text}");
+    for frame in ["frames/0001", "frames/0002"] {
+        let [whole, merged] = ["whole", "merged"].map(|out| folder.path(out).join(frame));
+        assert_same_output(&whole, &merged);
+    }
+    let table = |out: &str| fs::read_to_string(folder.path(out).join("series.csv")).unwrap();
+    assert_eq!(
+        table("merged").lines().count(),
+        table("whole").lines().count()
+    );
+    // A whole run keeps what was merged.
+    let kept = folder.run(
+        &[
+            &["render", "configs/hopper.yaml", "--out=merged"],
+            &some[..],
+        ]
+        .concat(),
+    );
+    let text = String::from_utf8(kept.stdout).unwrap();
+    assert!(text.contains("0 frames rendered"), "{text}");
+}
+
+/// Two parts of a small picture in `out`.
+fn two_parts(folder: &Folder) {
+    folder.render_parts(
+        "seed_extended",
+        &["--width=40", "--height=40", "--cost=counters"],
+        "out",
+        2,
+    );
+}
+
+/// A number that depends on `i` in no simple way.
+fn scrambled(i: usize) -> usize {
+    (i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 20
+}
+
+/// Whether a file with these bytes passes for a complete part.
+fn is_complete(path: &Path, bytes: &[u8]) -> bool {
+    fs::write(path, bytes).unwrap();
+    let found = CheckpointFile::open(path);
+    found.is_ok_and(|file| file.is_complete && !file.is_torn)
+}
+
+#[test]
+fn a_part_that_was_cut_or_changed_anywhere_is_found() {
+    let folder = Folder::new();
+    two_parts(&folder);
+    let path = folder.part("out", "part-1-of-2.tiles");
+    let whole = fs::read(&path).unwrap();
+    assert!(is_complete(&path, &whole));
+    for i in 0..200 {
+        let at = scrambled(i) % whole.len();
+        assert!(!is_complete(&path, &whole[..at]), "cut at {at}");
+        let mut changed = whole.clone();
+        changed[at] ^= 1 << (i % 8);
+        assert!(!is_complete(&path, &changed), "changed at {at}");
+        changed.splice(at..at, [0; 3]);
+        assert!(!is_complete(&path, &changed), "longer at {at}");
+    }
+    assert!(!is_complete(&path, &[&whole[..], &[0]].concat()));
+    for i in 0..5 {
+        let at = scrambled(i) % whole.len();
+        fs::write(&path, &whole[..at]).unwrap();
+        let message = folder.refused("out");
+        assert!(message.contains("part-1-of-2.tiles: "), "{message}");
+        assert!(message.contains("--part 1/2"), "{message}");
+    }
+    // Rendered again alone.
+    let flags = ["--width=40", "--height=40", "--cost=counters", "--part=1/2"];
+    folder.render("seed_extended", &flags, "out");
+    assert_success(&folder.run(&["merge", "out"]));
+}
+
+/// What precedes the cut of a file is unharmed.
+#[test]
+fn the_whole_tiles_of_a_cut_file_are_read() {
+    let folder = Folder::new();
+    two_parts(&folder);
+    let path = folder.part("out", "part-2-of-2.tiles");
+    let bytes = fs::read(&path).unwrap();
+    let records = |path: &Path| -> Vec<_> {
+        let file = Checkpoint::of_parts(vec![CheckpointFile::open(path).unwrap()]);
+        (0..9).filter_map(|tile| file.restore(0, tile)).collect()
+    };
+    let whole = records(&path);
+    assert!((3..=6).contains(&whole.len()));
+    let mut counts = Vec::new();
+    for i in 0..50 {
+        let at = scrambled(i) % bytes.len();
+        fs::write(&path, &bytes[..at]).unwrap();
+        if CheckpointFile::open(&path).is_err() {
+            continue;
+        }
+        let found = records(&path);
+        assert!(found.iter().all(|record| whole.contains(record)));
+        counts.push(found.len());
+    }
+    counts.sort_unstable();
+    counts.dedup();
+    assert!(counts.len() >= 3, "{counts:?}");
+}
+
+#[test]
+fn parts_that_make_no_picture_are_named() {
+    let folder = Folder::new();
+    assert!(folder.refused("nothing").contains("has no parts"));
+    two_parts(&folder);
+    let [one, two] =
+        ["part-1-of-2.tiles", "part-2-of-2.tiles"].map(|name| folder.part("out", name));
+    let away = folder.path("away.tiles");
+    fs::rename(&two, &away).unwrap();
+    let message = folder.refused("out");
+    assert!(message.contains("part 2/2 is missing"), "{message}");
+    assert!(message.contains("--out out --part 2/2"), "{message}");
+    // The same part twice.
+    fs::copy(&one, &two).unwrap();
+    let message = folder.refused("out");
+    assert!(
+        message.contains("part-2-of-2.tiles: it is part 1/2, as is part-1"),
+        "{message}"
+    );
+    // Of another seed.
+    fs::remove_file(&two).unwrap();
+    let small = ["--width=40", "--height=40", "--cost=counters"];
+    folder.render(
+        "seed_extended",
+        &[&small[..], &["--part=2/2", "--seed=8"]].concat(),
+        "out",
+    );
+    let message = folder.refused("out");
+    assert!(message.contains("of another scene"), "{message}");
+    assert!(message.contains(".tiles: it is"), "{message}");
+    // Of another version, and with tiles of another part.
+    for (from, to, expected) in [
+        ("\"raycost\":\"0.", "\"raycost\":\"9.", "raycost 9."),
+        ("\"number\":2", "\"number\":1", "as is part-1-of-2.tiles"),
+    ] {
+        fs::write(&two, with_header(&fs::read(&away).unwrap(), from, to)).unwrap();
+        let message = folder.refused("out");
+        assert!(message.contains(expected), "{message}");
+    }
+    fs::write(
+        &two,
+        with_header(&fs::read(&one).unwrap(), "\"number\":1", "\"number\":2"),
+    )
+    .unwrap();
+    let message = folder.refused("out");
+    assert!(
+        message.contains("part-1-of-2.tiles and part-2-of-2.tiles both have tile"),
+        "{message}"
+    );
+    // Of another number of parts.
+    fs::copy(&away, &two).unwrap();
+    folder.render(
+        "seed_extended",
+        &[&small[..], &["--part=3/3"]].concat(),
+        "out",
+    );
+    let message = folder.refused("out");
+    assert!(
+        message.contains("part-3-of-3.tiles: it is part 3/3, and other parts are of 2"),
+        "{message}"
+    );
+    fs::remove_file(folder.part("out", "part-3-of-3.tiles")).unwrap();
+    // Foreign, and a folder.
+    fs::write(folder.part("out", "mine.tiles"), "mine").unwrap();
+    fs::create_dir(folder.part("out", "folder.tiles")).unwrap();
+    let message = folder.refused("out");
+    assert!(
+        message.contains("mine.tiles: raycost did not write it"),
+        "{message}"
+    );
+    assert!(message.contains("folder.tiles: "), "{message}");
+}
+
+/// The bytes of a file whose header has another text of the same length.
+fn with_header(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+    const BEGIN: usize = 16 + 24;
+    let mut bytes = bytes.to_vec();
+    let length = u32::from_le_bytes(bytes[20..24].try_into().unwrap()) as usize;
+    let header = String::from_utf8(bytes[BEGIN..BEGIN + length].to_vec()).unwrap();
+    let changed = header.replace(from, to);
+    assert!(changed.len() == length && changed != header, "{header}");
+    bytes[BEGIN..BEGIN + length].copy_from_slice(changed.as_bytes());
+    let mut hasher = twox_hash::XxHash3_128::new();
+    hasher.write(&bytes[16..24]);
+    hasher.write(&0_u64.to_le_bytes());
+    hasher.write(changed.as_bytes());
+    bytes[24..BEGIN].copy_from_slice(&hasher.finish_128().to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_scene_that_changed_since_is_refused() {
+    let folder = Folder::new();
+    let text = fs::read_to_string(in_repository("configs/seed_sphere.yaml")).unwrap();
+    let scene = folder.path("scene.yaml");
+    fs::write(&scene, &text).unwrap();
+    for part in ["--part=1/2", "--part=2/2"] {
+        let flags = [
+            "render",
+            "scene.yaml",
+            "--width=30",
+            "--height=30",
+            "--out=out",
+            part,
+        ];
+        assert_success(&folder.run(&flags));
+    }
+    // Comments are no change.
+    fs::write(&scene, format!("{text}\n# The end.\n")).unwrap();
+    assert_success(&folder.run(&["merge", "out"]));
+    fs::remove_file(folder.path("out/summary.json")).unwrap();
+    for name in names(&folder.path("out")) {
+        if name != "parts" {
+            fs::remove_file(folder.path("out").join(name)).unwrap();
+        }
+    }
+    fs::write(&scene, text.replace("radius: 1", "radius: 0.9")).unwrap();
+    let message = folder.refused("out");
+    assert!(message.contains("do not fit"), "{message}");
+    fs::rename(&scene, folder.path("elsewhere.yaml")).unwrap();
+    let message = folder.refused("out");
+    assert!(
+        message.contains("there is no scene `scene.yaml`"),
+        "{message}"
+    );
+    assert!(message.contains("--scene"), "{message}");
+    fs::write(folder.path("elsewhere.yaml"), &text).unwrap();
+    assert_success(&folder.run(&["merge", "out", "--scene=elsewhere.yaml"]));
+}
+
+#[test]
+fn parts_that_cannot_be_are_refused() {
+    let folder = Folder::new();
+    let refused: [(&[&str], &str); 7] = [
+        (&["--part=17/16"], "the parts are 1/16 to 16/16"),
+        (&["--part=0/4"], "the parts are 1/4 to 4/4"),
+        (&["--part=1"], "such as 3/16"),
+        (&["--part=1/2", "--profile"], "`--profile`"),
+        (
+            &["--part=1/2", "--measure-overhead"],
+            "`--measure-overhead`",
+        ),
+        (
+            &["--part=1/2", "--hardware-counters"],
+            "`--hardware-counters`",
+        ),
+        (&["--part=1/2", "--format=vtkhdf"], "raycost merge"),
+    ];
+    for (flags, expected) in refused {
+        let command = ["render", "configs/seed_sphere.yaml", "--out=out"];
+        let output = folder.run(&[&command, flags].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+    let output = folder.run(&["render", "-", "--part=1/2", "--out=out"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!folder.path("out").exists());
+    // A file of others is not replaced.
+    fs::create_dir_all(folder.path("out/parts")).unwrap();
+    let path = folder.part("out", "part-1-of-2.tiles");
+    fs::write(&path, "mine").unwrap();
+    let command = [
+        "render",
+        "configs/seed_sphere.yaml",
+        "--out=out",
+        "--part=1/2",
+    ];
+    assert_eq!(folder.run(&command).status.code(), Some(1));
+    assert_eq!(fs::read(path).unwrap(), b"mine");
+}
+
+/// The job array of the book, each task of it with the variables that Slurm sets.
+#[test]
+fn the_job_array_of_the_book_renders_all_parts() {
+    let page = fs::read_to_string(in_repository("docs/cluster.md")).unwrap();
+    let scripts: Vec<&str> = page.split("```bash\n").skip(1).collect();
+    let script = |name: &str| {
+        let found = scripts
+            .iter()
+            .find(|text| text.contains(&format!("--job-name={name}")));
+        found.unwrap().split("```").next().unwrap()
+    };
+    let folder = Folder::new();
+    let program = PathBuf::from(env!("CARGO_BIN_EXE_raycost"));
+    let path = format!("{}:/usr/bin:/bin", program.parent().unwrap().display());
+    let array = script("parts").split("--array=1-").nth(1).unwrap();
+    let n: u32 = array.lines().next().unwrap().parse().unwrap();
+    let small = script("parts").replace("--quiet", "--quiet --width 40 --height 40 --spp 1");
+    let bash = |script: &str| {
+        let mut command = Command::new("bash");
+        command.args(["-c", script]).current_dir(folder.0.path());
+        command.env("PATH", &path).env("SLURM_CPUS_PER_TASK", "1");
+        command
+    };
+    for task in 1..=n {
+        let mut command = bash(&small);
+        command.env("SLURM_ARRAY_TASK_ID", task.to_string());
+        command.env("SLURM_ARRAY_TASK_COUNT", n.to_string());
+        assert!(command.status().unwrap().success());
+    }
+    assert!(bash(script("merge")).status().unwrap().success());
+    let out = names(&folder.path("out"));
+    assert_success(&folder.run(&["check", &format!("out/{}", out[0])]));
+}
