@@ -67,16 +67,9 @@ impl Folder {
     }
 }
 
-/// Arrays that differ from run to run.
+/// Whether an array differs from run to run.
 fn is_timed(array: &Array) -> bool {
-    [
-        "time_ns",
-        "attributed_time_ns",
-        "time_mad_ns",
-        "n_rejected",
-        "thread",
-    ]
-    .contains(&array.name.as_str())
+    array.name.contains("time_") || ["n_rejected", "thread"].contains(&array.name.as_str())
 }
 
 /// The arrays of an output that do not differ, and the names of those that do.

@@ -117,7 +117,7 @@ mod tests {
             "--seed=18446744073709551615",
             "--max-depth=0",
             "--exposure=-0.1",
-            "--tone-curve=filmic",
+            "--tone-curve=agx",
             "--acceleration=brute_force",
             "--count=5",
             "--cost=time",
