@@ -12,7 +12,7 @@ pub(super) enum BlockKind {
     /// A tile.
     Tile = 2,
     /// The threads of a run, and the time it has taken so far.
-    Session = 3,
+    Run = 3,
     /// Nothing: the last block of a file that is complete.
     End = 4,
 }
@@ -22,7 +22,7 @@ pub(super) const PREFIX: usize = 4 + 4 + 16;
 
 impl BlockKind {
     fn of(number: u32) -> Option<Self> {
-        let kinds = [Self::Header, Self::Tile, Self::Session, Self::End];
+        let kinds = [Self::Header, Self::Tile, Self::Run, Self::End];
         kinds.into_iter().find(|&kind| kind as u32 == number)
     }
 }

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::block::{self, BlockKind, PREFIX};
 use super::record::{Bytes, MAX_THREADS, TileRecord};
-use super::{Header, Layout};
+use super::{Header, RecordLayout};
 
 /// The first bytes of a file; the number is that of the format.
 pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 1\n";
@@ -25,7 +25,7 @@ pub struct CheckpointFile {
     /// Its header.
     pub header: Header,
     /// The runs that wrote it.
-    pub sessions: Vec<Session>,
+    pub sessions: Vec<RunSpan>,
     /// Its tiles in their order.
     pub(super) tiles: Vec<StoredTile>,
     /// Whether its last block says that no tile is missing.
@@ -40,7 +40,7 @@ pub struct CheckpointFile {
 
 /// A run that rendered tiles of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Session {
+pub struct RunSpan {
     /// Number of threads.
     pub n_threads: u32,
     /// Wall time since its rendering began, in nanoseconds.
@@ -144,7 +144,7 @@ impl CheckpointFile {
             block::read(
                 &mut *file,
                 stored.block,
-                layout.max_record_bytes(),
+                TileRecord::max_bytes(layout),
                 &mut content,
             )?
         };
@@ -155,13 +155,13 @@ impl CheckpointFile {
     /// Reads the blocks behind the header; `content` is a buffer.
     fn read_blocks(&mut self, reader: &mut impl Read, mut content: Vec<u8>) -> io::Result<()> {
         let layout = self.header.layout;
-        let max_bytes = layout.max_record_bytes();
+        let max_bytes = TileRecord::max_bytes(&layout);
         loop {
             let kind = block::read(reader, self.n_blocks, max_bytes, &mut content)?;
             let is_good = !self.is_complete
                 && match kind {
                     Some(BlockKind::Tile) => self.add_tile(&content, &layout),
-                    Some(BlockKind::Session) => self.add_session(&content),
+                    Some(BlockKind::Run) => self.add_session(&content),
                     Some(BlockKind::End) => {
                         self.is_complete = content.is_empty();
                         self.is_complete
@@ -179,7 +179,7 @@ impl CheckpointFile {
         }
     }
 
-    fn add_tile(&mut self, content: &[u8], layout: &Layout) -> bool {
+    fn add_tile(&mut self, content: &[u8], layout: &RecordLayout) -> bool {
         let Some(record) = TileRecord::of_bytes(content, layout) else {
             return false;
         };
@@ -199,7 +199,7 @@ impl CheckpointFile {
 
     /// Adds a run, or what it has done since.
     fn add_session(&mut self, content: &[u8]) -> bool {
-        let Some((number, session)) = Session::of_bytes(content) else {
+        let Some((number, session)) = RunSpan::of_bytes(content) else {
             return false;
         };
         let number = number as usize;
@@ -212,7 +212,7 @@ impl CheckpointFile {
     }
 }
 
-impl Session {
+impl RunSpan {
     fn of_bytes(bytes: &[u8]) -> Option<(u32, Self)> {
         let mut bytes = Bytes(bytes);
         let (number, n_threads) = (bytes.u32()?, bytes.u32()?);

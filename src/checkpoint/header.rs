@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::Layout;
+use super::RecordLayout;
 use crate::provenance::Checksum;
 
 /// The first block of a file.
@@ -29,21 +29,21 @@ pub struct Header {
     /// equal where the pixels are.
     pub fingerprint: Checksum,
     /// The part of the picture; `None` for the whole.
-    pub part: Option<Part>,
+    pub part: Option<PicturePart>,
     /// The sizes of the records.
-    pub layout: Layout,
+    pub layout: RecordLayout,
 }
 
 /// One of several parts of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Part {
+pub struct PicturePart {
     /// Its number, from 1.
     pub number: u32,
     /// The number of parts.
     pub of: u32,
 }
 
-impl Part {
+impl PicturePart {
     /// Most parts of a picture.
     pub const MAX: u32 = 65_535;
 
@@ -54,7 +54,7 @@ impl Part {
     }
 }
 
-impl FromStr for Part {
+impl FromStr for PicturePart {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -74,7 +74,7 @@ impl FromStr for Part {
     }
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for PicturePart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.number, self.of)
     }
@@ -116,14 +116,14 @@ mod tests {
 
     #[test]
     fn parts_are_numbered_from_1() {
-        let part: Part = "3/16".parse().unwrap();
-        assert_eq!(part, Part { number: 3, of: 16 });
+        let part: PicturePart = "3/16".parse().unwrap();
+        assert_eq!(part, PicturePart { number: 3, of: 16 });
         assert_eq!(part.to_string(), "3/16");
         assert_eq!(part.file_name(), "part-03-of-16.tiles");
         for wrong in [
             "", "3", "0/4", "17/16", "1/0", "-1/4", "1/65536", "a/b", "1/2/3",
         ] {
-            assert!(wrong.parse::<Part>().is_err(), "{wrong}");
+            assert!(wrong.parse::<PicturePart>().is_err(), "{wrong}");
         }
     }
 }

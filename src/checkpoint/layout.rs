@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{MAX_SIDE, Tiling};
-use crate::film::PackedCounters;
 use crate::schedule::TileGrid;
 
 /// What determines the sizes of the records of a rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Layout {
+pub struct RecordLayout {
     /// Width of the picture in pixels.
     pub width: u32,
     /// Height of the picture in pixels.
@@ -24,7 +23,7 @@ pub struct Layout {
 /// Most bytes of a pixel in all arrays.
 const MAX_BYTES_PER_PIXEL: u32 = 1 << 10;
 
-impl Layout {
+impl RecordLayout {
     /// Whether a scene can have these sizes.
     pub fn is_possible(&self) -> bool {
         let sides = 1..=MAX_SIDE;
@@ -38,12 +37,5 @@ impl Layout {
     /// The tiles.
     pub fn grid(&self) -> TileGrid {
         TileGrid::new(self.width, self.height, self.tile_size)
-    }
-
-    /// Upper bound of the bytes of a record.
-    pub(super) fn max_record_bytes(&self) -> usize {
-        let n_pixels = self.tile_size.pow(2) as usize;
-        let counters = PackedCounters::max_bytes(n_pixels);
-        super::record::FIXED_BYTES + n_pixels * self.bytes_per_pixel as usize + counters
     }
 }

@@ -17,9 +17,9 @@ mod writer;
 mod store;
 mod parts;
 
-pub use file::{CheckpointFile, Damage, Session};
-pub use header::{Header, Part};
-pub use layout::Layout;
+pub use file::{CheckpointFile, Damage, RunSpan};
+pub use header::{Header, PicturePart};
+pub use layout::RecordLayout;
 pub use parts::{PARTS, PartFaults, PartFiles};
 pub use record::TileRecord;
-pub use store::{Checkpoint, Failure, Source};
+pub use store::{Checkpoint, CheckpointFailure, TileSource};

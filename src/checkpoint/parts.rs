@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{CheckpointFile, Damage, Header, Part};
+use super::{CheckpointFile, Damage, Header, PicturePart};
 use crate::text::numbers::counted;
 
 /// The folder of the files of parts, in the output folder.
@@ -25,7 +25,7 @@ pub struct PartFaults {
     /// A line each.
     pub lines: Vec<String>,
     /// The parts to be rendered again.
-    pub again: BTreeSet<Part>,
+    pub again: BTreeSet<PicturePart>,
 }
 
 impl PartFiles {
@@ -107,7 +107,7 @@ impl PartFiles {
             }
         }
         for number in (1..=n).filter(|number| !parts.contains_key(number)) {
-            let part = Part { number, of: n };
+            let part = PicturePart { number, of: n };
             if faults.again.insert(part) {
                 faults.lines.push(format!("part {part} is missing"));
             }
@@ -141,7 +141,7 @@ impl PartFiles {
 }
 
 impl PartFaults {
-    fn add(&mut self, line: String, again: Option<Part>) {
+    fn add(&mut self, line: String, again: Option<PicturePart>) {
         self.lines.push(line);
         self.again.extend(again);
     }
@@ -171,7 +171,7 @@ impl PartFaults {
 }
 
 /// The part of a file of the rendering that `expected` describes, in `n` parts.
-fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<Part, String> {
+fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<PicturePart, String> {
     if let Some(why) = file.header.foreign_to(expected) {
         return Err(why);
     }
@@ -189,7 +189,7 @@ fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<Part, Str
 }
 
 /// The part that a file's name says.
-fn part_of_name(name: &str) -> Option<Part> {
+fn part_of_name(name: &str) -> Option<PicturePart> {
     let name = name.strip_suffix(EXTENSION)?.strip_suffix('.')?;
     let (number, of) = name.strip_prefix("part-")?.split_once("-of-")?;
     format!("{number}/{of}").parse().ok()

@@ -1,6 +1,6 @@
 //! A finished tile ↔ bytes.
 
-use super::Layout;
+use super::RecordLayout;
 use crate::cost::Cost;
 use crate::film::PackedCounters;
 use crate::schedule::{Tile, TileRun};
@@ -22,7 +22,7 @@ pub struct TileRecord {
 }
 
 /// Bytes of a record besides its counters and its pixels.
-pub(super) const FIXED_BYTES: usize = 1 + 1 + 4 + 4 + 4 * 8 + N_COUNTS * 8 + 4;
+const FIXED_BYTES: usize = 1 + 1 + 4 + 4 + 4 * 8 + N_COUNTS * 8 + 4;
 /// Numbers of a [`Cost`].
 const N_COUNTS: usize = 8;
 /// Latest time in nanoseconds: sums of many stay below 2^64.
@@ -31,6 +31,13 @@ const MAX_NS: u64 = 1 << 53;
 pub(super) const MAX_THREADS: u32 = 1 << 16;
 
 impl TileRecord {
+    /// Upper bound of the bytes of a record with this layout.
+    pub(super) fn max_bytes(layout: &RecordLayout) -> usize {
+        let n_pixels = layout.tile_size.pow(2) as usize;
+        let counters = PackedCounters::max_bytes(n_pixels);
+        FIXED_BYTES + n_pixels * layout.bytes_per_pixel as usize + counters
+    }
+
     /// Appends the record as bytes: numbers with the lowest byte first, pixels as in
     /// memory.
     pub fn append_to(&self, bytes: &mut Vec<u8>) {
@@ -51,7 +58,7 @@ impl TileRecord {
 
     /// Reads a record of a rendering with this layout; `None` if it is none. All of
     /// `bytes` belong to it.
-    pub fn of_bytes(bytes: &[u8], layout: &Layout) -> Option<Self> {
+    pub fn of_bytes(bytes: &[u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
         let [rendering, is_interrupted] = bytes.array()?;
         let [tile, thread] = [bytes.u32()?, bytes.u32()?];

@@ -9,23 +9,23 @@ use std::time::Instant;
 use cpu_time::ProcessTime;
 
 use super::file::StoredTile;
-use super::writer::BlockWriter;
-use super::{CheckpointFile, Header, Session, TileRecord};
+use super::writer::TileWriter;
+use super::{CheckpointFile, Header, RunSpan, TileRecord};
 use crate::folder::WriteError;
 
 /// Finished tiles, and where new ones go.
 #[derive(Debug, Default)]
 pub struct Checkpoint {
-    sources: Vec<Source>,
+    sources: Vec<TileSource>,
     /// The source of each tile of each rendering.
     places: HashMap<(u8, u32), (usize, StoredTile)>,
     sink: Option<Sink>,
-    failure: OnceLock<Failure>,
+    failure: OnceLock<CheckpointFailure>,
 }
 
 /// A file of finished tiles, and the number of its first thread among those of all files.
 #[derive(Debug)]
-pub struct Source {
+pub struct TileSource {
     /// The file.
     pub file: CheckpointFile,
     first_thread: u32,
@@ -35,7 +35,7 @@ pub struct Source {
 #[derive(Debug)]
 struct Sink {
     path: PathBuf,
-    writer: Mutex<BlockWriter>,
+    writer: Mutex<TileWriter>,
     /// The number of this run among those that wrote the file.
     number: u32,
     begin: OnceLock<(Instant, ProcessTime, u32)>,
@@ -43,7 +43,7 @@ struct Sink {
 
 /// Why tiles could not be read or kept.
 #[derive(Debug)]
-pub enum Failure {
+pub enum CheckpointFailure {
     /// The file has changed since it was opened.
     Read(PathBuf),
     /// A file could not be written.
@@ -59,7 +59,7 @@ impl Checkpoint {
         for file in files {
             let first_thread = n_threads;
             n_threads += n_threads_of(&file);
-            this.add(Source { file, first_thread });
+            this.add(TileSource { file, first_thread });
         }
         this
     }
@@ -69,7 +69,7 @@ impl Checkpoint {
     /// # Errors
     /// The file cannot be written.
     pub fn create(path: &Path, header: &Header) -> Result<Self, WriteError> {
-        let writer = BlockWriter::create(path, header);
+        let writer = TileWriter::create(path, header);
         let writer = writer.map_err(|error| WriteError::new(path, error))?;
         Ok(Self {
             sink: Some(Sink::new(path, writer, 0)),
@@ -82,13 +82,13 @@ impl Checkpoint {
     /// # Errors
     /// The file cannot be written.
     pub fn resume(file: CheckpointFile) -> Result<Self, WriteError> {
-        let writer = BlockWriter::behind(&file);
+        let writer = TileWriter::behind(&file);
         let writer = writer.map_err(|error| WriteError::new(&file.path, error))?;
         let mut this = Self {
             sink: Some(Sink::new(&file.path, writer, file.sessions.len() as u32)),
             ..Self::default()
         };
-        this.add(Source {
+        this.add(TileSource {
             file,
             first_thread: 0,
         });
@@ -96,7 +96,7 @@ impl Checkpoint {
     }
 
     /// The files that tiles come from.
-    pub fn sources(&self) -> &[Source] {
+    pub fn sources(&self) -> &[TileSource] {
         &self.sources
     }
 
@@ -184,7 +184,7 @@ impl Checkpoint {
     }
 
     /// Why it has.
-    pub fn failure(&self) -> Option<&Failure> {
+    pub fn failure(&self) -> Option<&CheckpointFailure> {
         self.failure.get()
     }
 
@@ -201,7 +201,7 @@ impl Checkpoint {
             .map_err(|error| WriteError::new(path, error))
     }
 
-    fn add(&mut self, source: Source) {
+    fn add(&mut self, source: TileSource) {
         let number = self.sources.len();
         for stored in &source.file.tiles {
             let key = (stored.rendering, stored.tile);
@@ -210,27 +210,27 @@ impl Checkpoint {
         self.sources.push(source);
     }
 
-    fn write(&self, write: impl FnOnce(&Sink, &mut BlockWriter) -> std::io::Result<()>) {
+    fn write(&self, write: impl FnOnce(&Sink, &mut TileWriter) -> std::io::Result<()>) {
         let Some(sink) = self.sink.as_ref().filter(|_| !self.has_failed()) else {
             return;
         };
         if let Err(error) = write(sink, &mut lock(&sink.writer)) {
             let _ = self
                 .failure
-                .set(Failure::Write(WriteError::new(&sink.path, error)));
+                .set(CheckpointFailure::Write(WriteError::new(&sink.path, error)));
         }
     }
 
     fn fail_to_read(&self, path: &Path) {
-        let _ = self.failure.set(Failure::Read(path.to_owned()));
+        let _ = self.failure.set(CheckpointFailure::Read(path.to_owned()));
     }
 }
 
-impl Source {
+impl TileSource {
     /// Wall and CPU time of all runs that rendered its tiles, in nanoseconds.
     pub fn spent_ns(&self) -> [u64; 2] {
         let sessions = &self.file.sessions;
-        let sum = |ns: fn(&Session) -> u64| sessions.iter().map(ns).sum();
+        let sum = |ns: fn(&RunSpan) -> u64| sessions.iter().map(ns).sum();
         [
             sum(|session| session.wall_ns),
             sum(|session| session.cpu_ns),
@@ -249,7 +249,7 @@ fn n_threads_of(file: &CheckpointFile) -> u32 {
 }
 
 impl Sink {
-    fn new(path: &Path, writer: BlockWriter, number: u32) -> Self {
+    fn new(path: &Path, writer: TileWriter, number: u32) -> Self {
         Self {
             path: path.to_owned(),
             writer: Mutex::new(writer),
@@ -259,9 +259,9 @@ impl Sink {
     }
 
     /// What this run has done so far; `None` before it begins.
-    fn session(&self) -> Option<Session> {
+    fn session(&self) -> Option<RunSpan> {
         let (wall, cpu, n_threads) = self.begin.get()?;
-        Some(Session {
+        Some(RunSpan {
             n_threads: *n_threads,
             wall_ns: wall.elapsed().as_nanos() as u64,
             cpu_ns: cpu.elapsed().as_nanos() as u64,
@@ -269,6 +269,6 @@ impl Sink {
     }
 }
 
-fn lock(writer: &Mutex<BlockWriter>) -> MutexGuard<'_, BlockWriter> {
+fn lock(writer: &Mutex<TileWriter>) -> MutexGuard<'_, TileWriter> {
     writer.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -5,18 +5,18 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use super::block::{self, BlockKind};
-use super::file::{CheckpointFile, MAGIC, Session};
+use super::file::{CheckpointFile, MAGIC, RunSpan};
 use super::{Header, TileRecord};
 
 /// Appends blocks to a file.
 #[derive(Debug)]
-pub(super) struct BlockWriter {
+pub(super) struct TileWriter {
     file: BufWriter<File>,
     n_blocks: u64,
     block: Vec<u8>,
 }
 
-impl BlockWriter {
+impl TileWriter {
     /// Creates a file with this header, which replaces an older one.
     pub(super) fn create(path: &Path, header: &Header) -> io::Result<Self> {
         // Not truncated before it is locked: another run may be writing it.
@@ -58,8 +58,8 @@ impl BlockWriter {
     }
 
     /// Appends what the run with this number has done so far.
-    pub(super) fn session(&mut self, number: u32, session: Session) -> io::Result<()> {
-        self.append(BlockKind::Session, |bytes| {
+    pub(super) fn session(&mut self, number: u32, session: RunSpan) -> io::Result<()> {
+        self.append(BlockKind::Run, |bytes| {
             bytes.extend(number.to_le_bytes());
             bytes.extend(session.n_threads.to_le_bytes());
             bytes.extend(session.wall_ns.to_le_bytes());

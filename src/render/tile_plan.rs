@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::{MAX_PIXELS, prepass};
 use crate::accel::Accel;
-use crate::checkpoint::Part;
+use crate::checkpoint::PicturePart;
 use crate::config::{CostMode, Image, TileOrder, Tiling};
 use crate::film::Film;
 use crate::scene::Scene;
@@ -45,7 +45,7 @@ impl TilePlan {
     /// Leaves only the tiles of one part of the picture, in their order. All parts together
     /// have each tile once, and about the same work, whatever the machine and the order.
     /// Traces a few rays through each tile on the current rayon pool.
-    pub fn of_part(mut self, scene: &Scene, accel: &Accel, part: Part) -> Self {
+    pub fn of_part(mut self, scene: &Scene, accel: &Accel, part: PicturePart) -> Self {
         let work = prepass::work(scene, accel, &self.image, &self.grid);
         let parts = dealt(&work, part.of);
         (self.sequence).retain(|&number| parts[number as usize] == part.number - 1);

@@ -5,7 +5,7 @@ use std::time::UNIX_EPOCH;
 
 use super::Session;
 use crate::background::Background;
-use crate::checkpoint::{Header, Layout, Part};
+use crate::checkpoint::{Header, PicturePart, RecordLayout};
 use crate::config::{Config, Geometry};
 use crate::film;
 use crate::folder::checksum_of;
@@ -26,7 +26,7 @@ impl Session {
     pub(crate) fn header(
         &self,
         flags: Vec<String>,
-        part: Option<Part>,
+        part: Option<PicturePart>,
     ) -> Result<Header, Diagnostic> {
         let (config, frame) = (&self.config, self.frame.as_ref());
         let frame_time = frame.map(|frame| (frame.number, frame.time));
@@ -45,7 +45,7 @@ impl Session {
             frame: frame.map(|frame| frame.number),
             fingerprint: of_pixels(&self.document, config, frame_time)?,
             part,
-            layout: Layout {
+            layout: RecordLayout {
                 width: config.image.width,
                 height: config.image.height,
                 tile_size: config.tiles.size,

@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use crate::accel::Accel;
-use crate::checkpoint::{Failure, Part};
+use crate::checkpoint::{CheckpointFailure, PicturePart};
 use crate::config::Config;
 use crate::render::{Limits, TilePlan};
 use crate::scene::Scene;
@@ -12,7 +12,7 @@ use crate::text::Diagnostic;
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Scope<'a> {
     /// The part of the picture; `None` for the whole.
-    pub(crate) part: Option<Part>,
+    pub(crate) part: Option<PicturePart>,
     /// The tiles of other runs, and the end.
     pub(crate) limits: Limits<'a>,
 }
@@ -35,10 +35,10 @@ impl Scope<'_> {
         let failure = self.limits.checkpoint.and_then(|kept| kept.failure());
         Err(match failure {
             None => return Ok(()),
-            Some(Failure::Write(error)) => {
+            Some(CheckpointFailure::Write(error)) => {
                 RenderError::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
             }
-            Some(Failure::Read(path)) => {
+            Some(CheckpointFailure::Read(path)) => {
                 let message = format!("cannot take over the tiles of `{}`", path.display());
                 let help = "they do not fit the scene, or the file has changed: remove it";
                 RenderError::Scene(Diagnostic::new(message).with_help(help))

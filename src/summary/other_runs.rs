@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{Checkpoint, Source};
+use crate::checkpoint::{Checkpoint, TileSource};
 
 /// The tiles that were taken over from other runs: parts of the picture, or what an
 /// interrupted rendering has finished. The stages are those of the run that wrote the
@@ -45,8 +45,8 @@ impl OtherRuns {
     }
 }
 
-impl From<&Source> for OtherRunsOfFile {
-    fn from(source: &Source) -> Self {
+impl From<&TileSource> for OtherRunsOfFile {
+    fn from(source: &TileSource) -> Self {
         let [wall_ms, cpu_ms] = source.spent_ns().map(|ns| ns as f64 / 1e6);
         Self {
             part: source.file.header.part.map(|part| part.to_string()),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::part::{self, PartDone};
 use super::{RenderArguments, start_profiler};
 use crate::accel::AccelIndex;
-use crate::checkpoint::{PARTS, Part};
+use crate::checkpoint::{PARTS, PicturePart};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
@@ -110,7 +110,7 @@ fn wanted(
 enum Done {
     /// The times of its stages.
     Whole(String),
-    Part(Part, PartDone),
+    Part(PicturePart, PartDone),
 }
 
 /// Renders a whole frame into its folder; returns the times of the stages.

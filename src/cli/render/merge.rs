@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{ExtraFormat, RenderArguments, frames};
-use crate::checkpoint::{Checkpoint, Header, PARTS, Part, PartFaults, PartFiles};
+use crate::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, shell_word, shown};
 use crate::render::Limits;
@@ -154,7 +154,7 @@ impl RenderArguments {
     fn refused(&self, faults: &PartFaults, expected: &Header, out: &Path) -> Diagnostic {
         let message = format!("the parts in `{}` make no picture", out.display());
         let refused = Diagnostic::new(message).with_note(faults.lines.join("\n"));
-        let parts: Vec<Part> = faults.again.iter().copied().collect();
+        let parts: Vec<PicturePart> = faults.again.iter().copied().collect();
         match &parts[..] {
             [] => refused.with_help("remove the files that do not belong there"),
             [first, others @ ..] => {
@@ -173,7 +173,7 @@ impl RenderArguments {
                     words.join(" "),
                     frame.unwrap_or_default(),
                 );
-                let others: Vec<String> = others.iter().map(Part::to_string).collect();
+                let others: Vec<String> = others.iter().map(PicturePart::to_string).collect();
                 let others = match others.len() {
                     0 => String::new(),
                     _ => format!(", and so the parts {}", others.join(", ")),

@@ -8,7 +8,7 @@ use std::io;
 use std::path::Path;
 
 use crate::animation::FrameRange;
-use crate::checkpoint::Part;
+use crate::checkpoint::PicturePart;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
@@ -39,7 +39,7 @@ pub(super) struct RenderArguments {
     /// Render only this part, such as 3/16: its tiles, for `raycost merge`. All parts take
     /// about the same work
     #[arg(long, value_name = "PART")]
-    part: Option<Part>,
+    part: Option<PicturePart>,
 
     /// Take all tiles from the files of parts
     #[arg(skip)]
@@ -143,7 +143,7 @@ fn still_part(
     arguments: &RenderArguments,
     session: &Session,
     out: &Path,
-    part: Part,
+    part: PicturePart,
 ) -> Result<(), Failure> {
     let done = part::render(arguments, session, out, part)?;
     if !arguments.quiet {

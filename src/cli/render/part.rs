@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::RenderArguments;
-use crate::checkpoint::{Checkpoint, CheckpointFile, Damage, Header, PARTS, Part};
+use crate::checkpoint::{Checkpoint, CheckpointFile, Damage, Header, PARTS, PicturePart};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
 use crate::folder::{WriteError, refuse_file};
@@ -28,7 +28,7 @@ pub(super) enum PartDone {
 
 impl PartDone {
     /// A line about a part in an output folder.
-    pub(super) fn line(self, part: Part, out: &Path) -> String {
+    pub(super) fn line(self, part: PicturePart, out: &Path) -> String {
         let path = shown(&out.join(PARTS).join(part.file_name()));
         match self {
             Self::Rendered(n_tiles, wall) => {
@@ -84,7 +84,7 @@ pub(super) fn render(
     arguments: &RenderArguments,
     session: &Session,
     out: &Path,
-    part: Part,
+    part: PicturePart,
 ) -> Result<PartDone, Failure> {
     let header = session.header(arguments.scene.all_flags(), Some(part))?;
     let folder = out.join(PARTS);
