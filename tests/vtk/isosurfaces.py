@@ -14,9 +14,10 @@ import sys
 from pathlib import Path
 
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkRectilinearGrid, vtkStructuredGrid, vtkUnstructuredGrid
-from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkContourFilter, vtkFlyingEdges3D, vtkTriangleFilter
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData, vtkRectilinearGrid, vtkStructuredGrid, vtkUnstructuredGrid
+from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkContourFilter, vtkConvertToPolyhedra, vtkFlyingEdges3D, vtkTriangleFilter
 from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
+from vtkmodules.vtkFiltersMeshing import vtkVoronoiFlower3D
 from vtkmodules.vtkIOXML import (
     vtkXMLImageDataWriter,
     vtkXMLRectilinearGridWriter,
@@ -29,6 +30,10 @@ WRITERS = dict(vti=vtkXMLImageDataWriter, vtr=vtkXMLRectilinearGridWriter, vts=v
 
 def eddies(x, y, z):
     return math.sin(2 * x) * math.cos(y) + math.cos(2 * y + z) * math.sin(z) + 0.1 * x
+
+
+def waves(x, y, z):
+    return math.sin(0.6 * x + 0.2 * y) + math.sin(0.5 * y + 0.4 * z) - 1.2
 
 
 def noise(x, y, z):
@@ -93,6 +98,27 @@ def tetrahedra(field):
     return split.GetOutput()
 
 
+def polyhedra(field):
+    convert = vtkConvertToPolyhedra()
+    convert.SetInputData(hexahedra(field))
+    convert.Update()
+    return convert.GetOutput()
+
+
+def voronoi(field):
+    """The cells of random points: faces with three to a dozen corners."""
+    random.seed(3)
+    points, seeds, cells = vtkPoints(), vtkPolyData(), vtkVoronoiFlower3D()
+    for _ in range(300):
+        points.InsertNextPoint(*(random.uniform(0, 4) for _ in range(3)))
+    seeds.SetPoints(points)
+    cells.SetInputData(seeds)
+    cells.SetOutputTypeToVoronoi()
+    cells.MergePointsOn()
+    cells.Update()
+    return add_arrays(cells.GetOutput(), field)
+
+
 def contour(data, value):
     """What VTK says of an isosurface."""
     filter = vtkFlyingEdges3D() if data.IsA("vtkImageData") else vtkContourFilter()
@@ -118,16 +144,19 @@ def contour(data, value):
 
 
 def main(folder):
-    for make, extension in ((image, "vti"), (rectilinear, "vtr"), (curvilinear, "vts"), (hexahedra, "vtu"), (tetrahedra, "vtu")):
-        for field in (eddies, noise):
-            data = make(field)
+    for make, extension in ((image, "vti"), (rectilinear, "vtr"), (curvilinear, "vts"), (hexahedra, "vtu"), (tetrahedra, "vtu"), (polyhedra, "vtu"), (voronoi, "vtu")):
+        # Where corners inside and outside alternate on faces, VTK leaves out parts of polyhedra.
+        for field in [waves] if make is voronoi else (eddies, noise):
+            data = same = make(field)
+            if field is noise and make is polyhedra:
+                same = hexahedra(field)
             writer = WRITERS[extension]()
             path = folder / f"{make.__name__}_{field.__name__}.{extension}"
             writer.SetFileName(str(path))
             writer.SetInputData(data)
             writer.Write()
             for value in (0.05, 0.4):
-                print(json.dumps(dict(file=path.name, value=value, **contour(data, value))))
+                print(json.dumps(dict(file=path.name, value=value, **contour(same, value))))
 
 
 main(Path(sys.argv[1]))

@@ -234,10 +234,10 @@ impl Cells {
         &self.corners[begin..self.ends[cell]]
     }
 
-    /// The fault of a cell that is a polyhedron.
-    pub(super) fn polyhedron(&self, cell: usize) -> FileFault {
-        let expected = "cells of other types (ParaView's filter Tetrahedralize makes those)";
-        FileFault::new("it is a polyhedron", expected).at(at_cell(cell))
+    /// The fault of a polyhedron that its faces do not close.
+    pub(super) fn open_polyhedron(&self, cell: usize) -> FileFault {
+        let expected = "each of its edges in two of its faces";
+        FileFault::new("the faces of this polyhedron leave a hole", expected).at(at_cell(cell))
     }
 
     /// The shape and the points of a cell.

@@ -1,0 +1,114 @@
+//! Isosurfaces: where an array of points has a value within solid cells.
+//!
+//! Lorensen and Cline, "Marching Cubes: A High Resolution 3D Surface Construction Algorithm"
+//! (SIGGRAPH 1987), without its table of cases, so that the cells need not be cubes: the
+//! polygons of a cell follow from its faces. On a face, a line leads from the edge before
+//! each run of corners that are inside to the edge behind it. Two cells agree on the lines
+//! of the face that they share, so that the surface has no holes.
+
+mod polygons;
+mod polyhedron;
+mod gradient;
+mod contour;
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::super::mesh::{CornerValues, Mesh};
+use super::super::{FileFault, Result};
+use super::budget::Budget;
+use super::piece::{Piece, Topology};
+use super::{ArrayChoice, IsosurfaceChoice};
+use contour::Contour;
+
+/// The isosurfaces of the pieces so far.
+pub(super) struct Isosurfaces<'a> {
+    choice: &'a IsosurfaceChoice,
+    /// The array of the colors.
+    array: Option<&'a ArrayChoice>,
+    mesh: Mesh,
+    /// The directions of descent at the vertices; zero where there is none.
+    normals: Vec<Vec3>,
+    /// Whether all pieces are grids, which have gradients.
+    has_normals: bool,
+    scalars: CornerValues<f32>,
+    /// The least and the greatest number of the array.
+    range: [f32; 2],
+}
+
+impl<'a> Isosurfaces<'a> {
+    pub(super) fn new(choice: &'a IsosurfaceChoice, array: Option<&'a ArrayChoice>) -> Self {
+        Self {
+            choice,
+            array,
+            mesh: Mesh::default(),
+            normals: Vec::new(),
+            has_normals: true,
+            scalars: CornerValues::default(),
+            range: [f32::INFINITY, f32::NEG_INFINITY],
+        }
+    }
+
+    /// Adds the isosurfaces of a piece.
+    ///
+    /// # Errors
+    /// An array that is missing, positions that are not finite, cells of unknown types, or
+    /// too many triangles for the memory.
+    pub(super) fn add(&mut self, piece: &Piece, budget: &mut Budget) -> Result<()> {
+        budget.take_of::<[f32; 2]>(piece.n_points() + piece.n_cells())?;
+        let (_, values) = piece.scalars(&self.choice.array)?;
+        let colors = self.array.map(|array| piece.scalars(array)).transpose()?;
+        self.has_normals &= matches!(piece.topology, Topology::Grid(_));
+        for value in values.iter().filter(|value| value.is_finite()) {
+            self.range = [self.range[0].min(*value), self.range[1].max(*value)];
+        }
+        for &level in &self.choice.values {
+            let mut contour = Contour {
+                piece,
+                values: &values,
+                level,
+                colors: colors.as_ref().map(|(of, values)| (*of, &values[..])),
+                vertices: HashMap::new(),
+                of_all: self,
+                budget,
+            };
+            contour.add_cells()?;
+        }
+        Ok(())
+    }
+
+    /// The mesh of all pieces.
+    ///
+    /// # Errors
+    /// It has no triangle.
+    pub(super) fn finish(self) -> Result<Mesh> {
+        let mut mesh = self.mesh;
+        if mesh.triangles.is_empty() {
+            return Err(nowhere(self.choice, self.range));
+        }
+        mesh.scalars = self.array.map(|_| self.scalars);
+        mesh.normals = Some(if self.has_normals {
+            CornerValues {
+                values: self.normals,
+                triangles: mesh.triangles.clone(),
+            }
+        } else {
+            mesh.smooth_normals()
+        });
+        Ok(mesh)
+    }
+}
+
+/// The fault of values that the array has nowhere between the points of a solid cell.
+fn nowhere(choice: &IsosurfaceChoice, [low, high]: [f32; 2]) -> FileFault {
+    let values: Vec<String> = choice.values.iter().map(f32::to_string).collect();
+    let (name, values) = (&choice.array.name, super::super::listed(&values));
+    let problem = format!("`{name}` is nowhere {values} in a solid cell");
+    let expected = if low < high {
+        format!("a value between {low} and {high}, in a grid or other cells with a volume")
+    } else {
+        "cells with a volume, and an array that varies".to_owned()
+    };
+    FileFault::new(problem, expected)
+}
