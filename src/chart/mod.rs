@@ -17,6 +17,7 @@ mod footer;
 mod text;
 mod bar;
 mod layout;
+mod swatches;
 mod legend;
 
 use std::io::{self, Write};
@@ -29,8 +30,9 @@ use canvas::{GRAY_INK, INK, LINE, PAPER};
 use colors::Colors;
 pub use label::short_number;
 use layout::Layout;
-pub use legend::{ColorLegend, draw_legends};
+pub use legend::{ColorLegend, LegendKey, draw_legends};
 pub use range::{Range, Scale};
+pub use swatches::Swatch;
 use text::Style;
 pub use ticks::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
 

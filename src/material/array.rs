@@ -1,5 +1,6 @@
-//! Colors from the arrays of VTK files.
+//! Colors from the arrays of VTK files and the columns of tables.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
-use super::color_table::{ColorChoice, ColorTable};
+use super::color_table::{ColorChoice, ColorTable, MAX_LISTED, category};
 use super::texture_point::TexturePoint;
 use crate::color::{Palette, Transfer};
 use crate::import::{ArrayChoice, ArrayOf};
@@ -27,6 +28,9 @@ use crate::yaml;
 ///   scale: linear          # or log
 ///   nan_color: [1, 1, 0]
 ///   bar: temperature in K  # the title of a color bar in image.png
+/// ").unwrap();
+/// let phases: Texture = raycost::yaml::from_str("
+/// array: { name: phase, map: set1, bar: phase, labels: [gas, liquid, solid] }
 /// ").unwrap();
 /// let vertical: Texture = raycost::yaml::from_str("
 /// array: { name: velocity, component: 2, of: points }
@@ -50,6 +54,9 @@ pub struct ArrayTexture {
     pub nan_color: Vec3,
     /// The title of the color bar in the picture, if it has one.
     pub bar: Option<String>,
+    /// The labels of the categories 0, 1 and so on in the color bar; the others have their
+    /// numbers.
+    pub labels: Vec<String>,
     /// The colors by numbers; none until the array is read.
     pub table: Arc<ColorTable>,
 }
@@ -85,7 +92,15 @@ struct ArrayKeys {
     /// The title of a color bar that is drawn onto `image.png`; without it there is none.
     #[serde(default, deserialize_with = "title")]
     bar: Option<String>,
+    /// The labels of the categories 0, 1 and so on in the color bar; the others have their
+    /// numbers.
+    #[serde(default)]
+    labels: Vec<CategoryLabel>,
 }
+
+#[derive(Deserialize)]
+#[serde(transparent)]
+struct CategoryLabel(#[serde(deserialize_with = "yaml::name")] String);
 
 /// What an array has values of.
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -148,10 +163,15 @@ impl TryFrom<ArrayKeys> for ArrayTexture {
     type Error = &'static str;
 
     fn try_from(keys: ArrayKeys) -> Result<Self, Self::Error> {
-        let has_positions = keys.range.is_some() || keys.scale.is_some() || keys.bar.is_some();
-        if keys.map.n_categories().is_some() && has_positions {
-            return Err("cannot have a `range`, a `scale` or a `bar`, \
-                 expected none of them beside a `map` of categories");
+        let has_categories = keys.map.n_categories().is_some();
+        if has_categories && (keys.range.is_some() || keys.scale.is_some()) {
+            return Err("cannot have a `range` or a `scale`, \
+                 expected neither of them beside a `map` of categories");
+        }
+        let shows_labels = has_categories && keys.bar.is_some();
+        if !shows_labels && !keys.labels.is_empty() {
+            return Err("cannot have `labels`, \
+                 expected them beside a `map` of categories and a `bar` alone");
         }
         let (range, scale) = (
             keys.range.unwrap_or_default(),
@@ -173,6 +193,7 @@ impl TryFrom<ArrayKeys> for ArrayTexture {
             scale,
             nan_color: keys.nan_color,
             bar: keys.bar,
+            labels: keys.labels.into_iter().map(|label| label.0).collect(),
             table: Arc::default(),
         })
     }
@@ -212,6 +233,10 @@ impl ArrayTexture {
                 numbers.iter().any(|number| *number < low),
                 numbers.iter().any(|number| *number > high),
             ],
+            categories: match (n_categories, &self.bar) {
+                (Some(_), Some(_)) => categories(numbers),
+                _ => Vec::new(),
+            },
             is_log: self.scale == ArrayScale::Log,
             choice,
             colors: (0..n).map(color).collect(),
@@ -267,6 +292,17 @@ impl ArrayTexture {
         };
         Some([low?, high?])
     }
+}
+
+/// The least [`MAX_LISTED`] categories among the numbers, in ascending order.
+fn categories(numbers: &[f32]) -> Vec<i64> {
+    let mut found = BTreeSet::new();
+    for number in numbers.iter().filter(|number| number.is_finite()) {
+        if found.insert(category(*number)) && found.len() > MAX_LISTED {
+            found.pop_last();
+        }
+    }
+    found.into_iter().collect()
 }
 
 /// Number of colors of a gradient: with 1024 the nearest one is within a level of 8 bits.
@@ -400,6 +436,23 @@ mod tests {
         let of = |number: f32| texture.table.values_at([number]);
         assert_eq!([of(0.4), of(9.0), of(-8.9)], [of(0.0); 3]);
         assert_ne!(of(1.0), of(0.0));
+    }
+
+    #[test]
+    fn a_color_bar_lists_the_categories_of_the_data() {
+        let numbers = [3.2, -1.0, 2.7, f32::NAN, f32::INFINITY, 7.0, -0.2];
+        let texture = prepared(", map: set1, bar: rank", &numbers);
+        assert_eq!(texture.table.categories, [-1, 0, 3, 7]);
+        assert!(
+            prepared(", map: set1", &numbers)
+                .table
+                .categories
+                .is_empty()
+        );
+        let many: Vec<f32> = (0..1000).rev().map(|i| i as f32).collect();
+        let table = &prepared(", map: set1, bar: rank", &many).table;
+        let listed = table.categories.iter().copied();
+        assert!(listed.eq(0..MAX_LISTED as i64));
     }
 
     #[test]

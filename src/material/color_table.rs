@@ -2,6 +2,9 @@
 
 use crate::simd::LookupTable;
 
+/// Most categories that a color bar lists.
+pub const MAX_LISTED: usize = 256;
+
 /// See the file's documentation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColorTable {
@@ -9,6 +12,9 @@ pub struct ColorTable {
     pub ends: [f32; 2],
     /// Whether there are numbers below the first and above the last.
     pub clips: [bool; 2],
+    /// The categories among the numbers in ascending order, at most 256 of them;
+    /// none unless the colors are those of categories that a color bar lists.
+    pub categories: Vec<i64>,
     pub(super) is_log: bool,
     pub(super) choice: ColorChoice,
     /// Linear light.
@@ -40,11 +46,17 @@ impl LookupTable<1, 3> for ColorTable {
         let index = match self.choice {
             ColorChoice::Nearest => (position() * n.saturating_sub(1) as f64 + 0.5) as usize,
             ColorChoice::Band => (position() * n as f64) as usize,
-            ColorChoice::Category => (number.round() as i64).rem_euclid(n.max(1) as i64) as usize,
+            ColorChoice::Category => category(number).rem_euclid(n.max(1) as i64) as usize,
         };
         let last = self.colors.last().copied().unwrap_or([1.0; 3]);
         self.colors.get(index).copied().unwrap_or(last)
     }
+}
+
+/// The category of a number: the whole number nearest to it.
+pub(super) fn category(number: f32) -> i64 {
+    // The cast saturates.
+    number.round() as i64
 }
 
 impl ColorTable {

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
-pub use array::{ArrayRange, ArrayScale};
+pub use array::{ArrayRange, ArrayScale, ArrayTexture};
 pub use checker::{Axes, Rounding};
 pub use color_table::ColorTable;
 pub use conductor::Conductor;

@@ -3,17 +3,18 @@
 //! ParaView 5.12 and later opens a PNG as a state when its text chunk
 //! `ParaViewState` holds one.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use image::RgbImage;
 use rayon::prelude::*;
 
 use super::file::{FileContent, Job, OutputFile};
-use crate::chart::{ColorLegend, Scale, draw_legends, png};
+use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends, png};
 use crate::config::Config;
 use crate::film::{Film, STRIP_ROWS, Strip};
 use crate::folder::FileWriter;
-use crate::material::ArrayScale;
+use crate::material::{ArrayScale, ArrayTexture};
 use crate::provenance;
 use crate::scene::Scene;
 
@@ -60,14 +61,24 @@ pub(super) fn write_bytes(config: &Config) -> u64 {
 /// The color bars of the scene's materials, each once.
 fn legends(scene: &Scene) -> Vec<ColorLegend> {
     let mut legends = Vec::new();
-    for array in scene
-        .materials
-        .iter()
-        .filter_map(|material| material.color.array())
-    {
+    let materials = scene.materials.iter();
+    for array in materials.filter_map(|material| material.color.array()) {
         let Some(title) = &array.bar else { continue };
         let legend = ColorLegend {
             title: title.clone(),
+            key: key(array),
+        };
+        if !legends.contains(&legend) {
+            legends.push(legend);
+        }
+    }
+    legends
+}
+
+/// What the colors of an array mean.
+fn key(array: &ArrayTexture) -> LegendKey {
+    let Some(n_colors) = array.map.n_categories() else {
+        return LegendKey::Range {
             map: array.map.clone(),
             ends: array.table.ends,
             scale: match array.scale {
@@ -76,11 +87,21 @@ fn legends(scene: &Scene) -> Vec<ColorLegend> {
             },
             clips: array.table.clips,
         };
-        if !legends.contains(&legend) {
-            legends.push(legend);
+    };
+    let labeled = 0..array.labels.len() as i64;
+    let present = array.table.categories.iter().copied();
+    let all: BTreeSet<i64> = labeled.chain(present).collect();
+    let swatch = |category: i64| {
+        let label = usize::try_from(category).ok();
+        let label = label.and_then(|i| array.labels.get(i)).cloned();
+        let turn = category.rem_euclid(n_colors as i64) as f64;
+        let color = array.map.at((turn + 0.5) / n_colors as f64);
+        Swatch {
+            label: label.unwrap_or_else(|| category.to_string().replace('-', "−")),
+            color: color.map(|number| (255.0 * number).round() as u8),
         }
-    }
-    legends
+    };
+    LegendKey::Categories(all.into_iter().map(swatch).collect())
 }
 
 /// Writes the picture with color bars.

@@ -261,7 +261,7 @@ const GRAIN_COLORS: [&str; 2] = [
 const WIRE_COLORS: [&str; 3] = [
     "0.4",
     "{ array: { name: speed, map: viridis } }",
-    "{ array: { name: number, map: set2 } }",
+    "{ array: { name: number, map: set2, bar: number, labels: [none, one] } }",
 ];
 
 /// Holes in the floor, the cloud and the mesh.
