@@ -73,13 +73,13 @@ pub fn geometry(input: &[u8]) {
         }
         b's' => {
             let path = folder.write("a.csv", bytes);
-            if let Ok(spheres) = read_spheres(&path, Some(1.0)) {
+            if let Ok(spheres) = read_spheres(&path, Some(&RadiusChoice::Same(1.0)), None) {
                 assert!(spheres.n_bytes() <= most, "{} of {most}", spheres.n_bytes());
             }
         }
         b't' => {
             let path = folder.write("a.csv", bytes);
-            if let Ok(tubes) = read_tubes(&path, Some(1.0)) {
+            if let Ok(tubes) = read_tubes(&path, Some(&RadiusChoice::Same(1.0)), None) {
                 assert!(tubes.n_bytes() <= most, "{} of {most}", tubes.n_bytes());
             }
         }

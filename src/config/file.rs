@@ -112,8 +112,9 @@ pub enum MeshNormals {
 }
 
 /// A table of spheres: comma-separated values below a header with the columns
-/// `x`, `y` and `z`, and optionally `r` (radius) and `color` (`#rrggbb`,
-/// replaces the material's). Or a VTK file: a sphere for each of its points.
+/// `x`, `y` and `z`, and optionally `r` (radius), `color` (`#rrggbb`,
+/// replaces the material's) and others, which are arrays. Or a VTK file: a sphere for each of
+/// its points.
 ///
 /// ```
 /// # use raycost::config::SpheresFile;
@@ -133,16 +134,16 @@ pub struct SpheresFile {
     /// The file, relative to the scene file's folder; or one for each time step:
     /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
     pub file: PathBuf,
-    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; of
-    /// a VTK file also an array of radii at its points.
+    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; or an
+    /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
 }
 
 /// The lines of a VTK file as tubes, with a radius that changes from point to point. Or a
 /// table: comma-separated values below a header with the columns `x`, `y` and `z`, and
-/// optionally `r` (radius) and `line` (a number or a name; where it changes, another line
-/// begins).
+/// optionally `r` (radius), `line` (a number or a name; where it changes, another line
+/// begins) and others, which are arrays.
 ///
 /// ```
 /// # use raycost::config::TubesFile;
@@ -162,13 +163,13 @@ pub struct TubesFile {
     /// The file, relative to the scene file's folder; or one for each time step:
     /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
     pub file: PathBuf,
-    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; of
-    /// a VTK file also an array of radii at its points.
+    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; or an
+    /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
 }
 
-/// The radii of spheres or tubes: one number, or an array of a VTK file.
+/// The radii of spheres or tubes: one number, or an array of a VTK file or a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PointRadius {
     /// The same for all.
@@ -184,7 +185,7 @@ pub enum PointRadius {
     expecting = "an array such as { array: diameter, scale: 0.5 }"
 )]
 pub struct RadiusArray {
-    /// The name of the array of points.
+    /// The name of the array of points, or of the column of a table.
     pub array: String,
     /// The factor from its numbers to radii, greater than 0; 1 by default.
     #[serde(default = "one", deserialize_with = "yaml::positive")]
@@ -201,13 +202,12 @@ impl SpheresFile {
     /// # Errors
     /// A file that cannot be read, is damaged, or has no radius, no such array or no sphere.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Spheres> {
-        match PointRadius::of_points(self.radius.as_ref(), path)? {
-            Some(radius) => import::read_points(path, &radius, array),
-            None => {
-                let radius = PointRadius::of_table(self.radius.as_ref(), path, array)?;
-                import::read_spheres(path, radius)
-            }
+        let radius = self.radius.as_ref().map(PointRadius::choice);
+        if import::is_vtk(path) {
+            let radius = radius.ok_or_else(|| FileFault::without_radius(path))?;
+            return import::read_points(path, &radius, array);
         }
+        import::read_spheres(path, radius.as_ref(), array)
     }
 }
 
@@ -217,26 +217,20 @@ impl TubesFile {
     /// # Errors
     /// A file that cannot be read, is damaged, or has no radius, no such array or no line.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Tubes> {
-        match PointRadius::of_points(self.radius.as_ref(), path)? {
-            Some(radius) => import::read_lines(path, &radius, array),
-            None => {
-                let radius = PointRadius::of_table(self.radius.as_ref(), path, array)?;
-                import::read_tubes(path, radius)
-            }
+        let radius = self.radius.as_ref().map(PointRadius::choice);
+        if import::is_vtk(path) {
+            let radius = radius.ok_or_else(|| FileFault::without_radius(path))?;
+            return import::read_lines(path, &radius, array);
         }
+        import::read_tubes(path, radius.as_ref(), array)
     }
 }
 
 impl PointRadius {
-    /// The radii of the points of a VTK file; `None` for a table.
-    fn of_points(radius: Option<&Self>, path: &Path) -> import::Result<Option<RadiusChoice>> {
-        if !import::is_vtk(path) {
-            return Ok(None);
-        }
-        Ok(Some(match radius {
-            None => return Err(FileFault::without_radius(path)),
-            Some(Self::Same(radius)) => RadiusChoice::Same(*radius),
-            Some(Self::Array(RadiusArray { array, scale })) => RadiusChoice::Array {
+    fn choice(&self) -> RadiusChoice {
+        match self {
+            Self::Same(radius) => RadiusChoice::Same(*radius),
+            Self::Array(RadiusArray { array, scale }) => RadiusChoice::Array {
                 array: ArrayChoice {
                     name: array.clone(),
                     component: None,
@@ -245,22 +239,6 @@ impl PointRadius {
                 },
                 factor: *scale,
             },
-        }))
-    }
-
-    /// The radius of all points of a table, which has no arrays.
-    fn of_table(
-        radius: Option<&Self>,
-        path: &Path,
-        array: Option<&ArrayChoice>,
-    ) -> import::Result<Option<f32>> {
-        if array.is_some() {
-            return Err(FileFault::without_arrays(path, "points of a VTK file"));
-        }
-        match radius {
-            None => Ok(None),
-            Some(Self::Same(radius)) => Ok(Some(*radius)),
-            Some(Self::Array(_)) => Err(FileFault::without_arrays(path, "a number as `radius`")),
         }
     }
 }

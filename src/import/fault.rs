@@ -52,11 +52,6 @@ impl FileFault {
         }
     }
 
-    /// The fault of a file that has no arrays.
-    pub fn without_arrays(path: &Path, expected: &str) -> Self {
-        Self::new("it is a table, which has no arrays", expected).in_file(path)
-    }
-
     /// The fault of a mesh of an object without a material.
     pub fn without_materials(path: &Path) -> Self {
         let problem = "it has no materials of its own";

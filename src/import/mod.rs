@@ -6,6 +6,7 @@
 //! and its line in `FORMATS`.
 
 mod fault;
+mod choice;
 mod lines;
 mod budget;
 mod picture;
@@ -30,6 +31,7 @@ use glam::Vec3;
 
 use crate::stop;
 
+pub use choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 pub use fault::{FileFault, FileLocation};
 pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
@@ -38,7 +40,6 @@ pub use pieces::pieces_of;
 pub use series::{DataSeries, TimeStep, is_series, read_series};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
-pub use vtk::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 
 /// The result of a reader.
 pub type Result<T> = std::result::Result<T, FileFault>;
@@ -204,14 +205,19 @@ pub fn read_isosurface(
     read.map_err(|fault| fault.in_file(path))
 }
 
-/// Reads a list of spheres from a table of comma-separated values. `radius` is the
-/// radius of all spheres if the table has no column of radii.
+/// Reads a list of spheres from a table of comma-separated values, with the numbers of a
+/// column. `radius` is the radius of all spheres if the table has no column `r`, or another
+/// column.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no radius or has no sphere.
-pub fn read_spheres(path: &Path, radius: Option<f32>) -> Result<Spheres> {
+/// A file that cannot be read, is damaged, has no radius, no such column or no sphere.
+pub fn read_spheres(
+    path: &Path,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
     open(path)
-        .and_then(|file| spheres::read(file, radius))
+        .and_then(|file| spheres::read(file, radius, array))
         .map_err(|fault| fault.in_file(path))
 }
 
@@ -237,14 +243,18 @@ pub fn read_points(
     read.map_err(|fault| fault.in_file(path))
 }
 
-/// Reads tubes from a table of comma-separated values. `radius` is the radius of all tubes
-/// if the table has no column of radii.
+/// Reads tubes from a table of comma-separated values, with the numbers of a column. `radius`
+/// is the radius of all tubes if the table has no column `r`, or another column.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no radius or has no line.
-pub fn read_tubes(path: &Path, radius: Option<f32>) -> Result<Tubes> {
+/// A file that cannot be read, is damaged, has no radius, no such column or no line.
+pub fn read_tubes(
+    path: &Path,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Tubes> {
     open(path)
-        .and_then(|file| tubes::read(file, radius))
+        .and_then(|file| tubes::read(file, radius, array))
         .map_err(|fault| fault.in_file(path))
 }
 

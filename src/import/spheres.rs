@@ -1,12 +1,15 @@
 //! Spheres from a table of comma-separated values.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 
 use csv::{ByteRecord, ErrorKind, Position, ReaderBuilder, Trim};
 
+use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
 use super::fault::cut;
 use super::mesh::finite;
-use super::{FileFault, FileLocation, GeometryFileReader, Result};
+use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
 use crate::geometry::Sphere;
 use crate::text::did_you_mean;
 use crate::yaml::hex_color;
@@ -37,22 +40,34 @@ impl Spheres {
     }
 }
 
-pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Spheres> {
+/// Reads a table. `radius` is that of all spheres, which a column of radii replaces, or a
+/// column with a factor; `array` is the column of the numbers.
+pub(super) fn read(
+    file: GeometryFileReader,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let columns = Columns::of(table.byte_headers().map_err(of_table)?, "color", radius)
+    let header = table.byte_headers().map_err(of_table)?;
+    let columns = Columns::of(header, "color", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
+    // The colors of an array take the place of those of the table.
+    let color_column = columns.extra.filter(|_| array.is_none());
     let mut found = Spheres {
         spheres: Vec::new(),
-        colors: columns.extra.map(|_| Vec::new()),
-        scalars: None,
+        colors: color_column.map(|_| Vec::new()),
+        scalars: array.map(|_| Vec::new()),
     };
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
         let line = row.position().map_or(0, Position::line);
         let at_line = |fault: FileFault| fault.at(FileLocation::Line(line));
         found.spheres.push(columns.sphere(&row).map_err(at_line)?);
-        if let (Some(column), Some(colors)) = (columns.extra, &mut found.colors) {
+        if let (Some(column), Some(colors)) = (color_column, &mut found.colors) {
             colors.push(color(word(&row, column)).map_err(at_line)?);
+        }
+        if let Some(scalars) = &mut found.scalars {
+            scalars.push(columns.number(&row).map_err(at_line)?);
         }
     }
     if found.spheres.is_empty() {
@@ -62,50 +77,67 @@ pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Sphe
     }
 }
 
-/// The positions of a table's columns of points with radii, and of one more column.
+/// The positions of a table's columns of points with radii, of one more column and of that of
+/// the numbers.
 pub(super) struct Columns {
     center: [usize; 3],
     radius: Radius,
     pub(super) extra: Option<usize>,
+    number: Option<usize>,
 }
 
 enum Radius {
-    Column(usize),
+    /// The column, and the factor from its numbers to radii.
+    Column(usize, f32),
     OfAll(f32),
 }
 
 impl Columns {
-    /// Reads the table's first line, in which there may be a column named `extra`. `radius`
-    /// is the radius of all points if there is no column of radii.
-    pub(super) fn of(header: &ByteRecord, extra: &str, radius: Option<f32>) -> Result<Self> {
-        let names = ["x", "y", "z", "r", extra];
-        let mut columns = [None; 5];
-        for (i, name) in header.iter().enumerate() {
-            let name = String::from_utf8_lossy(name);
-            let known = names.iter().position(|known| *known == name);
-            let column = &mut columns[known.ok_or_else(|| unknown_column(&name, names))?];
-            if column.replace(i).is_some() {
-                let problem = format!("two columns are named `{}`", cut(&name));
+    /// Reads the table's first line, in which there may be a column named `extra` and columns
+    /// of other names. `radius` is that of all points if there is no column of radii, or the
+    /// column of radii; `array` is the column of the numbers.
+    pub(super) fn of(
+        header: &ByteRecord,
+        extra: &str,
+        radius: Option<&RadiusChoice>,
+        array: Option<&ArrayChoice>,
+    ) -> Result<Self> {
+        let names: Vec<_> = header.iter().map(String::from_utf8_lossy).collect();
+        for (i, name) in names.iter().enumerate() {
+            if !name.is_empty() && names[..i].contains(name) {
+                let problem = format!("two columns are named `{}`", cut(name));
                 return Err(FileFault::new(problem, "different names"));
             }
         }
-        let [x, y, z, r, extra_column] = columns;
-        let column = |column: Option<usize>, name: &str| {
+        let find = |name: &str| names.iter().position(|known| known == name);
+        let column = |name: &str| {
             let problem = || format!("there is no column `{name}`");
             let expected = || format!("a first line such as `x,y,z,r,{extra}`");
-            column.ok_or_else(|| FileFault::new(problem(), expected()))
+            find(name).ok_or_else(|| FileFault::new(problem(), expected()))
+        };
+        let center = [column("x")?, column("y")?, column("z")?];
+        let extra_column = find(extra);
+        if extra_column.is_none() {
+            let misspelled = names.iter().find(|name| is_nearly(name, extra));
+            misspelled.map_or(Ok(()), |name| Err(unknown_column(name, extra)))?;
+        }
+        let chosen = |array: &ArrayChoice| chosen_column(array, &names);
+        let radius = match (radius, find("r")) {
+            (Some(RadiusChoice::Array { array, factor }), _) => {
+                Radius::Column(chosen(array)?, *factor)
+            }
+            (_, Some(column)) => Radius::Column(column, 1.0),
+            (Some(RadiusChoice::Same(radius)), None) => Radius::OfAll(*radius),
+            (None, None) => {
+                let expected = "one, or a `radius` in the scene: that of all, or `{ array: … }`";
+                return Err(FileFault::new("there is no column `r`", expected));
+            }
         };
         Ok(Self {
-            center: [column(x, "x")?, column(y, "y")?, column(z, "z")?],
-            radius: match (r, radius) {
-                (Some(column), _) => Radius::Column(column),
-                (None, Some(radius)) => Radius::OfAll(radius),
-                (None, None) => {
-                    let expected = "one, or a `radius` for all in the scene";
-                    return Err(FileFault::new("there is no column `r`", expected));
-                }
-            },
+            center,
+            radius,
             extra: extra_column,
+            number: array.map(chosen).transpose()?,
         })
     }
 
@@ -114,7 +146,7 @@ impl Columns {
         let [x, y, z] = self.center.map(|column| number(word(row, column)));
         let radius = match self.radius {
             Radius::OfAll(radius) => radius,
-            Radius::Column(column) => number(word(row, column))?,
+            Radius::Column(column, factor) => factor * number(word(row, column))?,
         };
         if !(radius.is_finite() && radius > 0.0) {
             let problem = format!("a radius is {radius}");
@@ -125,15 +157,54 @@ impl Columns {
             radius,
         })
     }
+
+    /// The number of a row in the column of numbers: NaN where it is empty, or where there is
+    /// no such column.
+    pub(super) fn number(&self, row: &ByteRecord) -> Result<f32> {
+        let word = self.number.map_or("", |column| word(row, column));
+        if word.is_empty() {
+            Ok(f32::NAN)
+        } else {
+            number(word)
+        }
+    }
 }
 
-fn unknown_column(name: &str, names: [&str; 5]) -> FileFault {
-    let problem = match did_you_mean(name, names) {
-        Some(suggestion) => format!("unknown column `{name}`, {suggestion}"),
-        None => format!("unknown column `{}`", cut(name)),
-    };
-    let [x, y, z, r, extra] = names;
-    let expected = format!("a first line of `{x}`, `{y}`, `{z}`, `{r}` and `{extra}`");
+/// The column of an array.
+fn chosen_column(array: &ArrayChoice, names: &[Cow<str>]) -> Result<usize> {
+    let name = cut(&array.name);
+    if array.is_color || array.of == Some(ArrayOf::Cells) || array.component > Some(0) {
+        let problem = format!("`{name}` can only be a column of a table");
+        return Err(FileFault::new(problem, "one number for each point"));
+    }
+    let found = names.iter().position(|known| *known == array.name);
+    found.ok_or_else(|| {
+        let mut problem = format!("it has no column `{name}`");
+        if let Some(suggestion) = did_you_mean(&array.name, names.iter().map(|name| &**name)) {
+            problem += &format!(", {suggestion}");
+        }
+        let known = names.iter().take(MAX_LISTED);
+        let known: Vec<String> = known.map(|name| format!("`{}`", cut(name))).collect();
+        FileFault::new(
+            problem,
+            format!("one of its columns, such as {}", listed(&known)),
+        )
+    })
+}
+
+/// Most names of columns in a message.
+const MAX_LISTED: usize = 8;
+
+/// Whether a name is another one with a letter too many or too few, or in another case.
+fn is_nearly(name: &str, other: &str) -> bool {
+    let is_longer_by_one = name.len().abs_diff(other.len()) == 1;
+    name.eq_ignore_ascii_case(other)
+        || (is_longer_by_one && strsim::levenshtein(&name.to_lowercase(), other) == 1)
+}
+
+fn unknown_column(name: &str, extra: &str) -> FileFault {
+    let problem = format!("unknown column `{}`, did you mean `{extra}`?", cut(name));
+    let expected = format!("a first line such as `x,y,z,r,{extra}`, or another name");
     FileFault::new(problem, expected)
 }
 

@@ -2,6 +2,7 @@
 
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 
+use super::choice::{ArrayChoice, RadiusChoice};
 use super::mesh::count;
 use super::spheres::{Columns, of_table};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
@@ -95,24 +96,31 @@ impl Tubes {
 }
 
 /// Reads a table: a line goes through the points of consecutive rows with the same number or
-/// name in the column `line`. `radius` is that of all points if there is no column of radii.
-pub(super) fn read(file: GeometryFileReader, radius: Option<f32>) -> Result<Tubes> {
+/// name in the column `line`. `radius` is that of all points, which a column of radii replaces,
+/// or a column with a factor; `array` is the column of the numbers.
+pub(super) fn read(
+    file: GeometryFileReader,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Tubes> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let columns = Columns::of(table.byte_headers().map_err(of_table)?, "line", radius)
+    let header = table.byte_headers().map_err(of_table)?;
+    let columns = Columns::of(header, "line", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
-    let mut tubes = Tubes::default();
+    let mut tubes = Tubes::with_scalars(array.is_some());
     let (mut line, mut name) = (Vec::new(), Vec::new());
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
-        let number = row.position().map_or(0, Position::line);
-        let point = columns.sphere(&row);
-        let point = point.map_err(|fault| fault.at(FileLocation::Line(number)))?;
+        let line_number = row.position().map_or(0, Position::line);
+        let at_line = |fault: FileFault| fault.at(FileLocation::Line(line_number));
+        let point = columns.sphere(&row).map_err(at_line)?;
+        let number = columns.number(&row).map_err(at_line)?;
         let name_of_row = columns.extra.map_or(&b""[..], |column| &row[column]);
         if name != name_of_row {
             tubes.add_line(line.drain(..))?;
             name = name_of_row.to_vec();
         }
-        line.push((point, 0.0));
+        line.push((point, number));
     }
     tubes.add_line(line.drain(..))?;
     tubes.at_least_one()

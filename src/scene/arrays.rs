@@ -77,6 +77,6 @@ fn has_none(object: &Object, path: FieldPath, material: &str, choice: &ArrayChoi
     Fault::new(
         path.key("material"),
         message,
-        "expected a mesh, spheres or tubes of a VTK file",
+        "expected a mesh of a VTK file, or spheres or tubes of one or of a table",
     )
 }

@@ -22,6 +22,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::budget::{self, Budget};
+use super::choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 use super::mesh::Mesh;
 use super::spheres::Spheres;
 use super::tubes::Tubes;
@@ -35,43 +36,12 @@ pub(super) const EXTENSIONS: [&str; 12] = [
     "vtp", "vtu", "vts", "vtr", "vti", "vtk", "pvtp", "pvtu", "pvts", "pvtr", "pvti", "vtm",
 ];
 
-/// Which numbers of a file make colors.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ArrayChoice {
-    /// The name of the array.
-    pub name: String,
-    /// The component of its tuples, of which the first is 0; `None` for the magnitude.
-    pub component: Option<usize>,
-    /// Whether it is an array of points or of cells; `None` for the one that there is.
-    pub of: Option<ArrayOf>,
-    /// Whether its tuples are colors themselves.
-    pub is_color: bool,
-}
-
-/// What an array has values of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ArrayOf {
-    /// Of points.
-    Points,
-    /// Of cells.
-    Cells,
-}
-
 /// Reads the surface of a data set, with the numbers of an array.
 pub(super) fn read_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
     let mut mesh = mesh::Pieces::new(array);
     let wanted: Vec<&str> = array.iter().map(|array| array.name.as_str()).collect();
     for_each_piece(path, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
     Ok(mesh.finish())
-}
-
-/// Isosurfaces.
-#[derive(Debug, Clone, PartialEq)]
-pub struct IsosurfaceChoice {
-    /// The array of points.
-    pub array: ArrayChoice,
-    /// Its value on each surface.
-    pub values: Vec<f32>,
 }
 
 /// Reads the isosurfaces of an array of a data set, with the numbers of another one.
@@ -88,20 +58,6 @@ pub(super) fn read_isosurface(
         surfaces.add(piece, budget)
     })?;
     surfaces.finish()
-}
-
-/// The radii of spheres, or of tubes at their points.
-#[derive(Debug, Clone, PartialEq)]
-pub enum RadiusChoice {
-    /// The same for all.
-    Same(f32),
-    /// The numbers of an array of points, times a factor.
-    Array {
-        /// The array.
-        array: ArrayChoice,
-        /// The factor.
-        factor: f32,
-    },
 }
 
 /// Reads the points of a data set as spheres, with the numbers of an array.

@@ -217,7 +217,8 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         ),
         (
             "x,y,z\n",
-            ", line 1: there is no column `r`, expected one, or a `radius` for all in the scene",
+            ", line 1: there is no column `r`, expected one, or a `radius` in the scene: \
+             that of all, or `{ array: … }`",
         ),
         (
             "x,y,z,r,x\n",
@@ -226,7 +227,7 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         (
             "x,y,z,r,colr\n",
             ", line 1: unknown column `colr`, did you mean `color`?, \
-             expected a first line of `x`, `y`, `z`, `r` and `color`",
+             expected a first line such as `x,y,z,r,color`, or another name",
         ),
         (
             "x,y,z,r\n",
@@ -258,7 +259,9 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         ),
     ];
     for (text, expected) in cases {
-        let read = reading("a.csv", text.as_bytes(), |path| read_spheres(path, None));
+        let read = reading("a.csv", text.as_bytes(), |path| {
+            read_spheres(path, None, None)
+        });
         assert_eq!(message(read), expected, "{text}");
     }
 }

@@ -80,7 +80,7 @@ fn lines_of_all_kinds_of_cells_are_tubes() {
 fn a_table_has_lines_by_their_names() {
     let read = |text: &str| {
         reading("a.csv", text.as_bytes(), |path: &Path| {
-            read_tubes(path, Some(0.5))
+            read_tubes(path, Some(&RadiusChoice::Same(0.5)), None)
         })
     };
     let ends = |text: &str| {
@@ -101,7 +101,7 @@ fn a_table_has_lines_by_their_names() {
         ]
     );
     assert_eq!(ends("z,y,x\n0,0,0\n0,0,1\n"), [[0.0, 1.0, 0.5, 0.5]]);
-    let expected = "a first line of `x`, `y`, `z`, `r` and `line`";
+    let expected = "a first line such as `x,y,z,r,line`, or another name";
     for (text, expected) in [
         (
             "x,y,z,lin\n",

@@ -14,7 +14,10 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use raycost::import::{CornerValues, FileFault, Mesh, read_mesh, read_spheres};
+use raycost::import::{
+    ArrayChoice, ArrayOf, CornerValues, FileFault, Mesh, RadiusChoice, read_mesh, read_spheres,
+    read_tubes,
+};
 use write::{Encoding, binary_stl, obj, ply, stl};
 
 /// Writes `bytes` to a file of this name, which `read` reads.
@@ -241,15 +244,101 @@ fn a_text_is_read_whatever_wrote_it() {
 
 #[test]
 fn a_table_gives_its_spheres() {
-    let read = |text: &str, radius| {
-        reading("a.csv", text.as_bytes(), |path| read_spheres(path, radius)).unwrap()
+    let read = |text: &str| {
+        let radius = RadiusChoice::Same(0.5);
+        let read = |path: &Path| read_spheres(path, Some(&radius), None);
+        reading("a.csv", text.as_bytes(), read).unwrap()
     };
-    let plain = read("x,y,z\n1,2,3\n-4, 5e0 ,6\n", Some(0.5));
-    assert_eq!(plain.colors, None);
+    let plain = read("x,y,z\n1,2,3\n-4, 5e0 ,6\n");
+    assert_eq!((plain.colors, plain.scalars), (None, None));
     assert_eq!(plain.spheres[1].center, Vec3::new(-4.0, 5.0, 6.0));
     assert_eq!(plain.spheres[1].radius, 0.5);
-    let full = read("color,r,z,y,x\r\n#0a0B0c,7,3,2,1\r\n", Some(0.5));
+    let full = read("color,r,z,y,x,,mass\r\n#0a0B0c,7,3,2,1,first,heavy\r\n");
     assert_eq!(full.colors, Some(vec![Vec3::new(10.0, 11.0, 12.0) / 255.0]));
     assert_eq!(full.spheres[0].center, Vec3::new(1.0, 2.0, 3.0));
     assert_eq!(full.spheres[0].radius, 7.0);
+}
+
+fn column(name: &str) -> ArrayChoice {
+    ArrayChoice {
+        name: name.to_owned(),
+        component: None,
+        of: None,
+        is_color: false,
+    }
+}
+
+#[test]
+fn the_columns_of_a_table_are_arrays() {
+    let text = "x,y,z,r,d,mass,color\n0,0,0,1,4,,#000000\n1,0,0,2,6,-7e3,#ffffff\n";
+    let radius = RadiusChoice::Array {
+        array: column("d"),
+        factor: 0.5,
+    };
+    let read = |array: &ArrayChoice| {
+        let read = |path: &Path| read_spheres(path, Some(&radius), Some(array));
+        reading("a.csv", text.as_bytes(), read)
+    };
+    let found = read(&column("mass")).unwrap();
+    let radii: Vec<f32> = found.spheres.iter().map(|sphere| sphere.radius).collect();
+    assert_eq!(radii, [2.0, 3.0]);
+    let numbers = found.scalars.unwrap();
+    assert!(numbers[0].is_nan() && numbers[1] == -7000.0 && numbers.len() == 2);
+    // The colors of the array are seen, not those of the column `color`.
+    assert_eq!(found.colors, None);
+    let first = ArrayChoice {
+        component: Some(0),
+        of: Some(ArrayOf::Points),
+        ..column("x")
+    };
+    assert_eq!(read(&first).unwrap().scalars, Some(vec![0.0, 1.0]));
+    for (array, expected) in [
+        (
+            column("mas"),
+            ", line 1: it has no column `mas`, did you mean `mass`?, expected one of its columns, \
+             such as `x`, `y`, `z`, `r`, `d`, `mass` or `color`",
+        ),
+        (
+            column("color"),
+            ", line 2: `#000000` is no number, expected a number",
+        ),
+        (
+            ArrayChoice {
+                component: Some(1),
+                ..column("mass")
+            },
+            ", line 1: `mass` can only be a column of a table, expected one number for each point",
+        ),
+        (
+            ArrayChoice {
+                of: Some(ArrayOf::Cells),
+                ..column("mass")
+            },
+            ", line 1: `mass` can only be a column of a table, expected one number for each point",
+        ),
+    ] {
+        assert_eq!(message(read(&array)), expected);
+    }
+}
+
+#[test]
+fn the_columns_of_a_table_of_tubes_are_arrays() {
+    let text = "x,y,z,line,speed\n0,0,0,a,1\n0,0,0,a,9\n1,0,0,a,2\n2,0,0,b,3\n3,0,0,b,\n";
+    let radius = RadiusChoice::Array {
+        array: column("speed"),
+        factor: 0.5,
+    };
+    let of_all = RadiusChoice::Same(0.1);
+    let read = |radius: &RadiusChoice| {
+        let speed = column("speed");
+        let read = |path: &Path| read_tubes(path, Some(radius), Some(&speed));
+        reading("a.csv", text.as_bytes(), read)
+    };
+    let numbers = read(&of_all).unwrap().scalars.unwrap();
+    assert_eq!(numbers[0], [1.0, 2.0]);
+    assert!(numbers[1][0] == 3.0 && numbers[1][1].is_nan() && numbers.len() == 2);
+    assert_eq!(
+        message(read(&radius)),
+        ", line 6: `` is no number, expected a number"
+    );
 }
