@@ -8,7 +8,9 @@ use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use super::isosurface::Isosurface;
-use crate::import::{self, ArrayChoice, ArrayOf, FileFault, RadiusChoice, Spheres, Tubes};
+use crate::import::{
+    self, ArrayChoice, ArrayOf, DataFile, FileFault, RadiusChoice, Spheres, Tubes,
+};
 use crate::yaml;
 
 /// A file of shapes.
@@ -88,6 +90,9 @@ pub struct MeshFile {
     /// The file, relative to the scene file's folder; or one for each time step:
     /// `step_%04d.vtu`, or a list of ParaView, `.pvd` or `.vtu.series`.
     pub file: PathBuf,
+    /// The time step of a VTKHDF file with several, the first of which is 0, the default.
+    #[serde(default, deserialize_with = "step")]
+    pub step: Option<usize>,
     /// The shading normals.
     #[serde(default)]
     pub normals: MeshNormals,
@@ -138,6 +143,9 @@ pub struct SpheresFile {
     /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
+    /// The time step of a VTKHDF file with several, the first of which is 0, the default.
+    #[serde(default, deserialize_with = "step")]
+    pub step: Option<usize>,
 }
 
 /// The lines of a VTK file as tubes, with a radius that changes from point to point. Or a
@@ -167,6 +175,9 @@ pub struct TubesFile {
     /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
+    /// The time step of a VTKHDF file with several, the first of which is 0, the default.
+    #[serde(default, deserialize_with = "step")]
+    pub step: Option<usize>,
 }
 
 /// The radii of spheres or tubes: one number, or an array of a VTK file or a table.
@@ -196,18 +207,34 @@ fn one() -> f32 {
     1.0
 }
 
+fn step<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {
+    yaml::whole(d, 0..=MAX_STEP).map(|step| Some(step as usize))
+}
+
+/// The last time step of a file that has many.
+const MAX_STEP: u32 = 999_999;
+
+impl MeshFile {
+    /// The file at `path`, with the time step.
+    pub fn data_file<'a>(&self, path: &'a Path) -> DataFile<'a> {
+        let step = self.step;
+        DataFile { path, step }
+    }
+}
+
 impl SpheresFile {
     /// Reads the spheres from their file at `path`, with the numbers of an array.
     ///
     /// # Errors
     /// A file that cannot be read, is damaged, or has no radius, no such array or no sphere.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Spheres> {
-        let radius = self.radius.as_ref().map(PointRadius::choice);
+        let (step, radius) = (self.step, self.radius.as_ref().map(PointRadius::choice));
+        let file = DataFile { path, step };
         if import::is_vtk(path) {
             let radius = radius.ok_or_else(|| FileFault::without_radius(path))?;
-            return import::read_points(path, &radius, array);
+            return import::read_points(file, &radius, array);
         }
-        import::read_spheres(path, radius.as_ref(), array)
+        import::read_spheres(file, radius.as_ref(), array)
     }
 }
 
@@ -217,12 +244,13 @@ impl TubesFile {
     /// # Errors
     /// A file that cannot be read, is damaged, or has no radius, no such array or no line.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Tubes> {
-        let radius = self.radius.as_ref().map(PointRadius::choice);
+        let (step, radius) = (self.step, self.radius.as_ref().map(PointRadius::choice));
+        let file = DataFile { path, step };
         if import::is_vtk(path) {
             let radius = radius.ok_or_else(|| FileFault::without_radius(path))?;
-            return import::read_lines(path, &radius, array);
+            return import::read_lines(file, &radius, array);
         }
-        import::read_tubes(path, radius.as_ref(), array)
+        import::read_tubes(file, radius.as_ref(), array)
     }
 }
 

@@ -71,6 +71,36 @@ impl Read for Stoppable {
     }
 }
 
+/// A file of geometry, and which time step of a file with several.
+#[derive(Debug, Clone, Copy)]
+pub struct DataFile<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// The time step, the first of which is 0; the first one by default.
+    pub step: Option<usize>,
+}
+
+impl DataFile<'_> {
+    /// Refuses a time step behind the first of a file that has one alone.
+    fn refuse_step(self) -> Result<()> {
+        match self.step.filter(|step| *step > 0) {
+            None => Ok(()),
+            Some(step) => {
+                let problem = format!("it has no time step {step}");
+                let expected = "a file with time steps: one of VTKHDF";
+                Err(FileFault::new(problem, expected))
+            }
+        }
+    }
+}
+
+impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for DataFile<'a> {
+    fn from(path: &'a P) -> Self {
+        let path = path.as_ref();
+        Self { path, step: None }
+    }
+}
+
 /// Upper bound of the memory of a reader, in bytes per byte of a file that is none of
 /// VTK's. Each
 /// corner of a polygon adds a triangle, and takes two bytes in a text file and one
@@ -126,9 +156,12 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
 ///
 /// # Errors
 /// Those of [`read_mesh`], and an array that the file does not have.
-pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
-    let read = read_any_mesh(path, array, None);
-    with_triangles(read, path)
+pub fn read_mesh_with<'a>(
+    file: impl Into<DataFile<'a>>,
+    array: Option<&ArrayChoice>,
+) -> Result<Mesh> {
+    let file = file.into();
+    with_triangles(read_any_mesh(file, array, None), file.path)
 }
 
 /// Reads a triangle mesh with the materials that its file gives it; of a file without any that
@@ -137,8 +170,9 @@ pub fn read_mesh_with(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> 
 ///
 /// # Errors
 /// Those of [`read_mesh`], and materials or pictures that are missing or damaged.
-pub fn read_mesh_with_materials(path: &Path, available: u64) -> Result<Mesh> {
-    let mut mesh = with_triangles(read_any_mesh(path, None, Some(available)), path)?;
+pub fn read_mesh_with_materials<'a>(file: impl Into<DataFile<'a>>, available: u64) -> Result<Mesh> {
+    let file = file.into();
+    let mut mesh = with_triangles(read_any_mesh(file, None, Some(available)), file.path)?;
     if mesh.materials.is_empty() && mesh.colors.is_some() {
         mesh.material_of = vec![0; mesh.triangles.len()];
         mesh.materials.push(MeshMaterial {
@@ -167,10 +201,12 @@ fn with_triangles(read: Result<Mesh>, path: &Path) -> Result<Mesh> {
 }
 
 /// Reads a mesh, and its materials if there is `memory` for their pictures.
-fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>, memory: Option<u64>) -> Result<Mesh> {
+fn read_any_mesh(file: DataFile, array: Option<&ArrayChoice>, memory: Option<u64>) -> Result<Mesh> {
+    let path = file.path;
     if is_vtk(path) {
-        return vtk::read_mesh(path, array);
+        return vtk::read_mesh(file, array);
     }
+    file.refuse_step()?;
     let extension = extension(path);
     let known = FORMATS.iter().find(|(known, _)| *known == extension);
     let (_, read) = known.ok_or_else(|| unknown_format(&extension))?;
@@ -188,13 +224,14 @@ fn read_any_mesh(path: &Path, array: Option<&ArrayChoice>, memory: Option<u64>) 
 /// # Errors
 /// A file that cannot be read, is damaged, has no such array, or in which the array has the
 /// values nowhere within a cell.
-pub fn read_isosurface(
-    path: &Path,
+pub fn read_isosurface<'a>(
+    file: impl Into<DataFile<'a>>,
     choice: &IsosurfaceChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Mesh> {
-    let read = if is_vtk(path) {
-        vtk::read_isosurface(path, choice, array)
+    let file = file.into();
+    let read = if is_vtk(file.path) {
+        vtk::read_isosurface(file, choice, array)
     } else {
         let expected = "a VTK file, such as one that ends in .vti or .vtu";
         Err(FileFault::new(
@@ -202,7 +239,7 @@ pub fn read_isosurface(
             expected,
         ))
     };
-    read.map_err(|fault| fault.in_file(path))
+    read.map_err(|fault| fault.in_file(file.path))
 }
 
 /// Reads a list of spheres from a table of comma-separated values, with the numbers of a
@@ -211,26 +248,29 @@ pub fn read_isosurface(
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, has no radius, no such column or no sphere.
-pub fn read_spheres(
-    path: &Path,
+pub fn read_spheres<'a>(
+    file: impl Into<DataFile<'a>>,
     radius: Option<&RadiusChoice>,
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
-    open(path)
-        .and_then(|file| spheres::read(file, radius, array))
-        .map_err(|fault| fault.in_file(path))
+    let file = file.into();
+    let opened = file.refuse_step().and_then(|()| open(file.path));
+    opened
+        .and_then(|table| spheres::read(table, radius, array))
+        .map_err(|fault| fault.in_file(file.path))
 }
 
 /// Reads the points of a VTK file as spheres, with the numbers of an array.
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, has no such array or no point.
-pub fn read_points(
-    path: &Path,
+pub fn read_points<'a>(
+    file: impl Into<DataFile<'a>>,
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
-    let read = vtk::read_spheres(path, radius, array).and_then(|spheres| {
+    let file = file.into();
+    let read = vtk::read_spheres(file, radius, array).and_then(|spheres| {
         if spheres.spheres.is_empty() {
             Err(FileFault::new(
                 "no point in the file",
@@ -240,7 +280,7 @@ pub fn read_points(
             Ok(spheres)
         }
     });
-    read.map_err(|fault| fault.in_file(path))
+    read.map_err(|fault| fault.in_file(file.path))
 }
 
 /// Reads tubes from a table of comma-separated values, with the numbers of a column. `radius`
@@ -248,26 +288,29 @@ pub fn read_points(
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, has no radius, no such column or no line.
-pub fn read_tubes(
-    path: &Path,
+pub fn read_tubes<'a>(
+    file: impl Into<DataFile<'a>>,
     radius: Option<&RadiusChoice>,
     array: Option<&ArrayChoice>,
 ) -> Result<Tubes> {
-    open(path)
-        .and_then(|file| tubes::read(file, radius, array))
-        .map_err(|fault| fault.in_file(path))
+    let file = file.into();
+    let opened = file.refuse_step().and_then(|()| open(file.path));
+    opened
+        .and_then(|table| tubes::read(table, radius, array))
+        .map_err(|fault| fault.in_file(file.path))
 }
 
 /// Reads the lines of a VTK file as tubes, with the numbers of an array.
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, has no such array or no line.
-pub fn read_lines(
-    path: &Path,
+pub fn read_lines<'a>(
+    file: impl Into<DataFile<'a>>,
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Tubes> {
-    vtk::read_tubes(path, radius, array).map_err(|fault| fault.in_file(path))
+    let file = file.into();
+    vtk::read_tubes(file, radius, array).map_err(|fault| fault.in_file(file.path))
 }
 
 /// Whether the file's extension is one of VTK's.

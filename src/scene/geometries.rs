@@ -241,12 +241,12 @@ fn read(file: &GeometryFile, folder: &Path, extra: Extra) -> import::Result<Obje
 fn read_mesh(file: &MeshFile, path: &Path, extra: Extra) -> import::Result<Mesh> {
     let mut mesh = match (&file.isosurface, extra) {
         (Some(isosurface), Extra::Array(array)) => {
-            import::read_isosurface(path, &isosurface.choice(), array)?
+            import::read_isosurface(file.data_file(path), &isosurface.choice(), array)?
         }
         (Some(_), Extra::Materials(_)) => return Err(FileFault::without_materials(path)),
-        (None, Extra::Array(array)) => import::read_mesh_with(path, array)?,
+        (None, Extra::Array(array)) => import::read_mesh_with(file.data_file(path), array)?,
         (None, Extra::Materials(available)) => {
-            let mesh = import::read_mesh_with_materials(path, available)?;
+            let mesh = import::read_mesh_with_materials(file.data_file(path), available)?;
             if mesh.materials.is_empty() {
                 return Err(FileFault::without_materials(path));
             }

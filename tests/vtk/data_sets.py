@@ -276,4 +276,5 @@ def main(folder):
     write(vtkXMLMultiBlockDataWriter(), multi, folder / "blocks.vtm", both)
 
 
-main(Path(sys.argv[1]))
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -13,6 +13,7 @@ mod piece;
 mod surface;
 mod legacy;
 mod xml;
+mod hdf;
 mod mesh;
 mod points;
 mod lines;
@@ -26,27 +27,39 @@ use super::choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 use super::mesh::Mesh;
 use super::spheres::Spheres;
 use super::tubes::Tubes;
-use super::{FileFault, Result, extension, max_bytes, open};
+use super::{DataFile, FileFault, Result, extension, max_bytes, open};
 pub(super) use collection::read as read_collection;
 use piece::{Piece, Wanted};
 use xml::Contents;
 
 /// The extensions of VTK's files, in lower case.
-pub(super) const EXTENSIONS: [&str; 12] = [
-    "vtp", "vtu", "vts", "vtr", "vti", "vtk", "pvtp", "pvtu", "pvts", "pvtr", "pvti", "vtm",
+pub(super) const EXTENSIONS: [&str; 13] = [
+    "vtp",
+    "vtu",
+    "vts",
+    "vtr",
+    "vti",
+    "vtk",
+    "pvtp",
+    "pvtu",
+    "pvts",
+    "pvtr",
+    "pvti",
+    "vtm",
+    hdf::EXTENSION,
 ];
 
 /// Reads the surface of a data set, with the numbers of an array.
-pub(super) fn read_mesh(path: &Path, array: Option<&ArrayChoice>) -> Result<Mesh> {
+pub(super) fn read_mesh(file: DataFile, array: Option<&ArrayChoice>) -> Result<Mesh> {
     let mut mesh = mesh::Pieces::new(array);
     let wanted: Vec<&str> = array.iter().map(|array| array.name.as_str()).collect();
-    for_each_piece(path, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
+    for_each_piece(file, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
     Ok(mesh.finish())
 }
 
 /// Reads the isosurfaces of an array of a data set, with the numbers of another one.
 pub(super) fn read_isosurface(
-    path: &Path,
+    file: DataFile,
     choice: &IsosurfaceChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Mesh> {
@@ -54,7 +67,7 @@ pub(super) fn read_isosurface(
     let mut surfaces = isosurface::Isosurfaces::new(choice, array);
     let wanted = array.into_iter().chain([&choice.array]);
     let wanted: Vec<&str> = wanted.map(|array| array.name.as_str()).collect();
-    for_each_piece(path, &wanted, &mut |piece, budget| {
+    for_each_piece(file, &wanted, &mut |piece, budget| {
         surfaces.add(piece, budget)
     })?;
     surfaces.finish()
@@ -62,7 +75,7 @@ pub(super) fn read_isosurface(
 
 /// Reads the points of a data set as spheres, with the numbers of an array.
 pub(super) fn read_spheres(
-    path: &Path,
+    file: DataFile,
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
@@ -72,7 +85,7 @@ pub(super) fn read_spheres(
         colors: array.filter(|array| array.is_color).map(|_| Vec::new()),
         ..Spheres::default()
     };
-    for_each_piece(path, &wanted, &mut |piece, budget| {
+    for_each_piece(file, &wanted, &mut |piece, budget| {
         points::add(piece, radius, array, &mut spheres, budget)
     })?;
     Ok(spheres)
@@ -80,13 +93,13 @@ pub(super) fn read_spheres(
 
 /// Reads the lines of a data set as tubes, with the numbers of an array.
 pub(super) fn read_tubes(
-    path: &Path,
+    file: DataFile,
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Tubes> {
     refuse_colors(array, "tubes")?;
     let mut tubes = Tubes::with_scalars(array.is_some());
-    for_each_piece(path, &wanted(radius, array), &mut |piece, budget| {
+    for_each_piece(file, &wanted(radius, array), &mut |piece, budget| {
         lines::add(piece, radius, array, &mut tubes, budget)
     })?;
     tubes.at_least_one()
@@ -120,8 +133,14 @@ fn wanted<'a>(radius: &'a RadiusChoice, array: Option<&'a ArrayChoice>) -> Vec<&
 type Visit<'a> = dyn FnMut(&Piece, &mut Budget) -> Result<()> + 'a;
 
 /// Reads a data set piece by piece.
-fn for_each_piece(path: &Path, wanted: &Wanted, visit: &mut Visit) -> Result<()> {
+fn for_each_piece(file: DataFile, wanted: &Wanted, visit: &mut Visit) -> Result<()> {
     let budget = &mut Budget::new();
+    let path = file.path;
+    if hdf::is_hdf(path) {
+        let pieces = hdf::read(path, file.step.unwrap_or(0), wanted, budget)?;
+        return pieces.iter().try_for_each(|piece| visit(piece, budget));
+    }
+    file.refuse_step()?;
     let files = match read_file(path, wanted, budget)? {
         Contents::Pieces(pieces) => {
             return pieces.iter().try_for_each(|piece| visit(piece, budget));

@@ -11,13 +11,13 @@ fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
             "a.fbx",
             "",
             ": unknown mesh format `.fbx`, expected a file that ends in .obj, .ply, .stl, .gltf, .glb, .vtp, .vtu, \
-             .vts, .vtr, .vti, .vtk, .pvtp, .pvtu, .pvts, .pvtr, .pvti or .vtm",
+             .vts, .vtr, .vti, .vtk, .pvtp, .pvtu, .pvts, .pvtr, .pvti, .vtm or .vtkhdf",
         ),
         (
             "mesh",
             "",
             ": its name has no extension, expected a file that ends in .obj, .ply, .stl, .gltf, .glb, .vtp, \
-             .vtu, .vts, .vtr, .vti, .vtk, .pvtp, .pvtu, .pvts, .pvtr, .pvti or .vtm",
+             .vtu, .vts, .vtr, .vti, .vtk, .pvtp, .pvtu, .pvts, .pvtr, .pvti, .vtm or .vtkhdf",
         ),
         ("a.obj", "", ": no triangle in the file, expected faces"),
         (

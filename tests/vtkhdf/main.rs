@@ -1,6 +1,7 @@
-//! `raycost render --format vtkhdf`: with the feature `hdf5` it also writes cloud and frame
-//! as VTKHDF; without, it says so.
+//! VTKHDF: with the feature `hdf5`, `raycost render --format vtkhdf` also writes cloud and
+//! frame so, and scenes may name such files; without, it says so.
 
+#[path = "../common/mod.rs"]
 mod common;
 
 use std::path::Path;
@@ -41,6 +42,20 @@ fn without_hdf5_it_says_how_to_build_it() {
     assert!(message.contains("--features hdf5"), "{message}");
     assert!(output.stdout.is_empty() && !folder.path().join("out").exists());
 }
+
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn without_hdf5_files_of_a_scene_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("flow.vtkhdf");
+    std::fs::write(&file, b"\x89HDF\r\n\x1a\n").unwrap();
+    let fault = raycost::import::read_mesh(&file).unwrap_err().to_string();
+    assert!(fault.contains("--features hdf5"), "{fault}");
+    assert!(fault.contains("flow.vtkhdf"), "{fault}");
+}
+
+#[cfg(feature = "hdf5")]
+mod read;
 
 #[cfg(feature = "hdf5")]
 mod built {

@@ -1,0 +1,176 @@
+//! Rows of datasets as numbers.
+
+use std::ops::Range;
+
+use hdf5_metno::types::{FloatSize, IntSize, TypeDescriptor};
+use hdf5_metno::{Dataset, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
+use ndarray::{ArrayD, IxDyn};
+
+use super::super::super::{FileFault, Result};
+use super::super::budget::Budget;
+use super::super::numbers::{ByteOrder, NumberType, Numbers};
+use crate::import::fault::cut;
+
+/// What zlib makes of a byte at most, rounded up; other filters of HDF5 make less.
+const MAX_INFLATION: u64 = 1100;
+
+/// The datasets of a file.
+pub(super) struct Datasets<'a> {
+    /// Length of the file in bytes.
+    pub(super) n_file_bytes: u64,
+    pub(super) budget: &'a mut Budget,
+}
+
+impl Datasets<'_> {
+    /// Opens a dataset, if the group has one of this name.
+    ///
+    /// # Errors
+    /// Its sizes are beyond what the file stores for it.
+    pub(super) fn open(&self, group: &Group, name: &str) -> Result<Option<Dataset>> {
+        if !group.link_exists(name) {
+            return Ok(None);
+        }
+        let dataset = group.dataset(name).map_err(|error| damaged(name, &error))?;
+        let shape = dataset.get_shape().map_err(|error| damaged(name, &error))?;
+        let kind = dataset.dtype().map_err(|error| damaged(name, &error))?;
+        let n_bytes = bytes_of(&shape, kind.size());
+        let n_chunk_bytes = bytes_of(&dataset.chunk().unwrap_or_default(), kind.size());
+        let n_stored = dataset.storage_size();
+        let is_inflated = dataset.is_chunked() && !dataset.filters().is_empty();
+        let most = match is_inflated {
+            true => n_stored.saturating_mul(MAX_INFLATION),
+            false => n_stored,
+        };
+        let has_room = n_bytes.is_some_and(|n| n <= most)
+            && n_stored <= self.n_file_bytes
+            && (n_bytes == Some(0) || n_chunk_bytes.is_some_and(|n| n <= most.max(1)));
+        if !has_room {
+            let problem = format!("the dataset `{}` is larger than its data", cut(name));
+            return Err(FileFault::new(problem, "a file that is not damaged"));
+        }
+        Ok(Some(dataset))
+    }
+
+    /// All numbers of a dataset of the name; none if there is no such dataset.
+    ///
+    /// # Errors
+    /// It is damaged, or has no numbers.
+    pub(super) fn list(&mut self, group: &Group, name: &str) -> Result<Option<Vec<i64>>> {
+        let Some(dataset) = self.open(group, name)? else {
+            return Ok(None);
+        };
+        let n_rows = dataset.shape().first().copied().unwrap_or(1);
+        let numbers = self.rows(&dataset, name, &[], 0..n_rows)?;
+        Ok(Some(numbers.iter().map(|number| number as i64).collect()))
+    }
+
+    /// Rows of a dataset, which are tuples of the product of the sizes behind that of the
+    /// rows: the first index behind `before`.
+    ///
+    /// # Errors
+    /// There are no such rows, it has no numbers, or is damaged, or too large for the memory.
+    pub(super) fn rows(
+        &mut self,
+        dataset: &Dataset,
+        name: &str,
+        before: &[usize],
+        rows: Range<usize>,
+    ) -> Result<Numbers> {
+        let shape = dataset.shape();
+        let is_inside = before.len() < shape.len()
+            && before.iter().zip(&shape).all(|(i, n)| i < n)
+            && rows.end <= shape[before.len()];
+        if !is_inside {
+            let problem = format!("the dataset `{}` has the shape {shape:?}", cut(name));
+            let place = [before, &[rows.end]].concat();
+            return Err(FileFault::new(problem, format!("at least {place:?}")));
+        }
+        let row = &shape[before.len() + 1..];
+        let slices = (before.iter().map(|&i| at(i, 1)))
+            .chain([at(rows.start, rows.len())])
+            .chain(row.iter().map(|&n| at(0, n)));
+        let selection = Selection::from(Hyperslab::from(slices.collect::<Vec<_>>()));
+        let n_components: usize = row.iter().product();
+        let kind = kind_of(dataset, name)?;
+        self.budget.take_of::<u8>(
+            (rows.len())
+                .saturating_mul(n_components)
+                .saturating_mul(2 * kind.n_bytes()),
+        )?;
+        let bytes = match kind {
+            NumberType::I8 => read(dataset, selection, |x: i8| x.to_le_bytes()),
+            NumberType::U8 => read(dataset, selection, |x: u8| x.to_le_bytes()),
+            NumberType::I16 => read(dataset, selection, |x: i16| x.to_le_bytes()),
+            NumberType::U16 => read(dataset, selection, |x: u16| x.to_le_bytes()),
+            NumberType::I32 => read(dataset, selection, |x: i32| x.to_le_bytes()),
+            NumberType::U32 => read(dataset, selection, |x: u32| x.to_le_bytes()),
+            NumberType::I64 => read(dataset, selection, |x: i64| x.to_le_bytes()),
+            NumberType::U64 => read(dataset, selection, |x: u64| x.to_le_bytes()),
+            NumberType::F32 => read(dataset, selection, |x: f32| x.to_le_bytes()),
+            NumberType::F64 => read(dataset, selection, |x: f64| x.to_le_bytes()),
+        };
+        let bytes = bytes.map_err(|error| damaged(name, &error))?;
+        let numbers = Numbers::new(kind, ByteOrder::Little, bytes);
+        Ok(numbers.in_tuples_of(n_components))
+    }
+}
+
+/// The fault of a dataset that cannot be read.
+pub(super) fn damaged(name: &str, error: &hdf5_metno::Error) -> FileFault {
+    let problem = format!("cannot read `{}`: {error}", cut(name));
+    FileFault::new(problem, "a VTKHDF file that is not damaged")
+}
+
+/// The fault of a dataset or an attribute that is not there.
+pub(super) fn missing(name: &str) -> FileFault {
+    let problem = format!("it has no dataset `{name}`");
+    FileFault::new(problem, "those of the VTKHDF format")
+}
+
+fn at(start: usize, count: usize) -> SliceOrIndex {
+    SliceOrIndex::SliceCount {
+        start,
+        step: 1,
+        count,
+        block: 1,
+    }
+}
+
+fn bytes_of(shape: &[usize], n_number_bytes: usize) -> Option<u64> {
+    let product = shape
+        .iter()
+        .try_fold(n_number_bytes, |n, side| n.checked_mul(*side));
+    product.and_then(|n| u64::try_from(n).ok())
+}
+
+fn kind_of(dataset: &Dataset, name: &str) -> Result<NumberType> {
+    let kind = dataset.dtype().and_then(|kind| kind.to_descriptor());
+    Ok(match kind.map_err(|error| damaged(name, &error))? {
+        TypeDescriptor::Integer(IntSize::U1) => NumberType::I8,
+        TypeDescriptor::Integer(IntSize::U2) => NumberType::I16,
+        TypeDescriptor::Integer(IntSize::U4) => NumberType::I32,
+        TypeDescriptor::Integer(IntSize::U8) => NumberType::I64,
+        TypeDescriptor::Unsigned(IntSize::U1) => NumberType::U8,
+        TypeDescriptor::Unsigned(IntSize::U2) => NumberType::U16,
+        TypeDescriptor::Unsigned(IntSize::U4) => NumberType::U32,
+        TypeDescriptor::Unsigned(IntSize::U8) => NumberType::U64,
+        TypeDescriptor::Float(FloatSize::U4) => NumberType::F32,
+        TypeDescriptor::Float(FloatSize::U8) => NumberType::F64,
+        _ => {
+            let problem = format!("the dataset `{}` has no numbers", cut(name));
+            return Err(FileFault::new(
+                problem,
+                "integers or floats of up to 64 bits",
+            ));
+        }
+    })
+}
+
+fn read<T: H5Type + Copy, const N: usize>(
+    dataset: &Dataset,
+    selection: Selection,
+    bytes: impl Fn(T) -> [u8; N],
+) -> hdf5_metno::Result<Vec<u8>> {
+    let numbers: ArrayD<T> = dataset.read_slice::<T, _, IxDyn>(selection)?;
+    Ok(numbers.iter().flat_map(|number| bytes(*number)).collect())
+}
