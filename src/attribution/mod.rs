@@ -98,10 +98,7 @@ impl CostAttribution {
                         attributor.pixel((x, y), time_ns)
                     })
                     .sum();
-                report(Progress {
-                    n_pixels: film.grid.width.into(),
-                    n_rays,
-                });
+                report(Progress::of_pixels(film.grid.width.into(), n_rays));
             });
         tallies.into_attribution(nodes)
     }

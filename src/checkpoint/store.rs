@@ -188,6 +188,17 @@ impl Checkpoint {
         self.failure.get()
     }
 
+    /// Removes the file of new tiles, as the output has them.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn remove(self) -> Result<(), WriteError> {
+        let Some(sink) = self.sink else {
+            return Ok(());
+        };
+        fs::remove_file(&sink.path).map_err(|error| WriteError::new(sink.path, error))
+    }
+
     /// Marks the file of new tiles as complete, and gives it this path.
     ///
     /// # Errors

@@ -10,6 +10,8 @@ use crate::text::Diagnostic;
 pub enum Failure {
     /// The user's input is wrong: exit code 2.
     Input(Diagnostic),
+    /// The output is not complete, as a message on standard output says: exit code 4.
+    Partial,
     /// B costs more than the gate of `diff` allows: exit code 3.
     Gate(Diagnostic),
     /// The system refused, for example to write a file: exit code 1.
@@ -67,6 +69,7 @@ impl Failure {
     /// The process's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Partial => 4,
             Self::Gate(_) => 3,
             Self::Input(_) | Self::Usage(_) => 2,
             Self::Machine(_) => 1,
@@ -82,7 +85,7 @@ impl Failure {
                 Some(diagnostic.render(true))
             }
             Self::Usage(text) => Some(text.trim_end().to_owned()),
-            Self::Stopped(_) | Self::ClosedOutput => None,
+            Self::Stopped(_) | Self::ClosedOutput | Self::Partial => None,
         }
     }
 }

@@ -101,7 +101,8 @@ fn tiles(schedule: &Schedule) -> String {
 
 /// Rays per second, or samples per second if rays were not counted.
 fn speed(rendering: &RenderingView) -> String {
-    let seconds = rendering.median_wall().as_secs_f64();
+    // Of a partial picture without tiles, nothing took no time.
+    let seconds = rendering.median_wall().as_secs_f64().max(1e-9);
     let millions = |n: u64| n as f64 / seconds / 1e6;
     if rendering.film.cost.has_counters() {
         let n_rays = rendering.film.totals.n_rays();

@@ -234,12 +234,7 @@ fn observe(
 ) -> Result<Vec<ObservedPixel>, Failure> {
     let n_pixels = pixels.n();
     let bar = PixelBar::new(n_pixels, quiet);
-    let report = |n_pixels| {
-        bar.advance(Progress {
-            n_pixels,
-            n_rays: 0,
-        })
-    };
+    let report = |n_pixels| bar.advance(Progress::of_pixels(n_pixels, 0));
     let observed = observer.observe_many(pixels.places(), memory::available() / 2, report);
     bar.clear();
     observed.map_err(|error| too_many(error, n_pixels))

@@ -7,6 +7,7 @@ use super::{Failure, shown};
 use crate::folder::SUMMARY;
 use crate::results::{read_unchanged, verify};
 use crate::series::FRAMES;
+use crate::summary::Summary;
 use crate::text::numbers::counted;
 use crate::text::{self, Diagnostic};
 
@@ -30,10 +31,14 @@ pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
 /// # Errors
 /// A file that is not as it was written.
 pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> {
-    let (mut n, mut broken) = (0, Vec::new());
+    let (mut n, mut broken, mut notes) = (0, Vec::new(), String::new());
     for part in parts {
         let within = part.strip_prefix(folder).unwrap_or(Path::new(""));
         let verdicts = read_unchanged(&[part], || verify(part))?;
+        let summary = Summary::read(&part.join(SUMMARY)).ok();
+        if let Some(partial) = summary.and_then(|summary| summary.partial) {
+            notes += &format!("note    {}: {partial}\n", shown(part));
+        }
         n += verdicts.len() as u64;
         broken.extend(verdicts.iter().filter_map(|verdict| {
             let name = within.join(&verdict.name);
@@ -50,7 +55,7 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> 
         ),
     };
     if broken.is_empty() {
-        let text = format!("output  {shown} is whole: {files}\n");
+        let text = format!("output  {shown} is whole: {files}\n{notes}");
         return Ok(text::print(&text)?);
     }
     let message = format!(

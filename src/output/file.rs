@@ -11,7 +11,7 @@ use crate::config::{Config, OptionalOutput};
 use crate::folder::{FileWriter, StagedFile, Staging, WriteError, Written};
 use crate::instruments::Stages;
 use crate::provenance::{RunId, stamped};
-use crate::vtk::{Codec, Encoding};
+use crate::vtk::{Codec, Encoding, Field};
 
 /// A file of the output folder. Its source file defines it; [`files`](super::files)
 /// lists all.
@@ -70,7 +70,8 @@ impl OutputFile {
             FileContent::AtPath(write) => staging.stage_at(self.name, |path| write(job, path)),
             FileContent::State(template) => staging.stage(self.name, |out| {
                 let state = job.states.filled(template);
-                out.write_all(stamped(&state, job.run).as_bytes())
+                let comment = job.partial_comment();
+                out.write_all(stamped(&format!("{state}{comment}"), job.run).as_bytes())
             }),
         }
     }
@@ -96,6 +97,12 @@ impl Job<'_> {
         }
     }
 
+    /// An XML comment on what is missing; empty if nothing is.
+    fn partial_comment(&self) -> String {
+        let partial = self.rendering.partial;
+        partial.map_or(String::new(), |partial| format!("<!-- {partial} -->\n"))
+    }
+
     /// How far the hits are.
     pub(super) fn distances(&self) -> &Distances {
         self.states.distances()
@@ -106,6 +113,8 @@ impl Job<'_> {
         let rendering = self.rendering;
         let mut fields = fields::of_run(&[rendering.name], self.run);
         fields.extend(fields::of_camera(&rendering.scene.image_plane));
+        let partial = rendering.partial.map(|partial| partial.to_string());
+        fields.extend(partial.map(|partial| Field::texts("partial", [partial])));
         fields.extend(rendering.frame.map(|frame| fields::of_time(frame.time)));
         Encoding {
             codec: rendering.config.compress,

@@ -19,8 +19,7 @@ pub(super) const FILE: OutputFile = OutputFile {
     }),
 };
 
-/// Writes the map of the film's first metric, whose range is known; nothing for a film
-/// without cost.
+/// Writes the map of the film's first metric, whose range is known.
 fn write(
     rendering: &RenderingView,
     range: &Range,
@@ -28,16 +27,18 @@ fn write(
     out: &mut impl Write,
 ) -> io::Result<()> {
     let film = rendering.film;
-    let Some([metric, _]) = film.heatmap_metrics() else {
-        return Ok(());
-    };
+    // Without any cost, as before the first tile, that of rays is 0 everywhere.
+    let metrics = film.heatmap_metrics();
+    let metric = metrics.map_or(Metric::RAYS, |[metric, _]| metric);
     let values = film.metric(metric);
+    let partial = rendering.partial.map(|partial| format!(" ({partial})"));
+    let partial = partial.unwrap_or_default();
     let map = CostMap {
         values: &values,
         range: *range,
         width: film.grid.width,
         height: film.grid.height,
-        title: &format!("{}: {}", rendering.name, metric.title),
+        title: &format!("{}: {}{partial}", rendering.name, metric.title),
         unit: metric.unit_label(),
         subtitle: &subtitle(rendering, metric, &values),
     };

@@ -63,7 +63,7 @@ use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::statistics::upper_median;
-use crate::summary::{FrameSection, OtherRuns, Threads};
+use crate::summary::{FrameSection, OtherRuns, Partial, Threads};
 use crate::vtk::{Codec, compressed};
 
 /// Upper bound of the bytes per pixel to write pictures and files: a copy of the
@@ -165,6 +165,8 @@ pub struct RenderingView<'a> {
     pub schedule: &'a Schedule,
     /// The repeated renderings.
     pub repeats: &'a [Repeat],
+    /// What is missing, if anything is.
+    pub partial: Option<Partial>,
     /// The tiles of other runs, if there are any.
     pub other_runs: Option<&'a OtherRuns>,
     /// The overhead of measurement, if requested.

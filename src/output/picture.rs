@@ -153,10 +153,10 @@ fn write<'a>(
     out: &mut impl Write,
 ) -> io::Result<()> {
     let rows: Vec<&[u8]> = rows.collect();
-    let texts = [
-        (provenance::KEY, &*job.run.to_string()),
-        ("ParaViewState", &*job.states.geometry()),
-    ];
+    let (run, state) = (job.run.to_string(), job.states.geometry());
+    let mut texts = vec![(provenance::KEY, &*run), ("ParaViewState", &*state)];
+    let partial = job.rendering.partial.map(|partial| partial.to_string());
+    texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
     let grid = &job.rendering.film.grid;
     png::write([grid.width, grid.height], &rows, &texts, out)
 }

@@ -39,6 +39,7 @@ fn of(job: &Job) -> Summary {
             states: serde_json::to_value(job.states.values()).unwrap_or_default(),
             ..frame.clone()
         }),
+        partial: rendering.partial,
         image: (&config.image).into(),
         film: FilmSection::new(&config.film, config.shading.model),
         camera: Some((&rendering.scene.image_plane).into()),

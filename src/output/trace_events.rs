@@ -59,10 +59,13 @@ fn write(
         let args = arguments(&tile, run, has_counters);
         event(&format!("tile {number}"), line_of(run.thread), span, args)
     });
+    let partial = rendering.partial;
+    let partial = partial.map(|partial| format!(",\"partial\":\"{partial}\""));
+    let partial = partial.unwrap_or_default();
     let events = names.into_iter().chain(threads);
     writeln!(
         out,
-        "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"{KEY}\":\"{run}\"}},\"traceEvents\":["
+        "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"{KEY}\":\"{run}\"{partial}}},\"traceEvents\":["
     )?;
     for (i, event) in events.chain(of_stages).chain(of_tiles).enumerate() {
         if i > 0 {

@@ -56,6 +56,23 @@ pub struct Progress {
     pub n_pixels: u64,
     /// Rays; 0 if they are not counted.
     pub n_rays: u64,
+    /// The work as estimated before the rendering, in pixels of average cost: that of all
+    /// reports adds up to the number of pixels.
+    pub work: f64,
+    /// Whether an earlier run did it.
+    pub is_restored: bool,
+}
+
+impl Progress {
+    /// Pixels of average cost, and so many rays.
+    pub(crate) fn of_pixels(n_pixels: u64, n_rays: u64) -> Self {
+        Self {
+            n_pixels,
+            n_rays,
+            work: n_pixels as f64,
+            is_restored: false,
+        }
+    }
 }
 
 /// Renders the plan on all threads of the current rayon pool and measures
@@ -126,10 +143,13 @@ fn render_tiles<R: TileRenderer>(
         let mut runs = Vec::new();
         loop {
             let position = n_taken.fetch_add(1, Ordering::Relaxed);
-            let Some(tile) = plan.tile(position).filter(|_| !pass.is_over()) else {
+            let Some(tile) = plan.tile(position).filter(|_| !pass.is_canceled()) else {
                 return runs;
             };
             let restored = pass.restored(&tile, &canvas);
+            if restored.is_none() && pass.is_over() {
+                continue;
+            }
             let run = restored.unwrap_or_else(|| {
                 interruptions.take();
                 let run = render_tile(&mut renderer, &tile, &canvas, begin);
@@ -147,6 +167,8 @@ fn render_tiles<R: TileRenderer>(
             report(Progress {
                 n_pixels: tile.n_pixels() as u64,
                 n_rays: run.counted.n_rays(),
+                work: plan.work(&tile),
+                is_restored: restored.is_some(),
             });
         }
     };

@@ -48,15 +48,15 @@ impl<'a> Pass<'a> {
         }
     }
 
+    /// Whether the result counts for nothing.
+    pub(super) fn is_canceled(&self) -> bool {
+        stop::is_requested() || self.limits.checkpoint.is_some_and(Checkpoint::has_failed)
+    }
+
     /// Whether no further tile is begun.
     pub(super) fn is_over(&self) -> bool {
-        let Limits {
-            checkpoint,
-            deadline,
-        } = self.limits;
-        stop::is_requested()
-            || deadline.is_some_and(|deadline| Instant::now() >= deadline)
-            || checkpoint.is_some_and(Checkpoint::has_failed)
+        let deadline = self.limits.deadline;
+        self.is_canceled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     /// Takes over a finished tile; `None` if it has to be rendered.

@@ -22,6 +22,9 @@ pub struct TilePlan {
     pub order: TileOrder,
     /// The tiles' numbers in that order.
     sequence: Vec<u32>,
+    /// The estimated work of each tile of the grid; `None` if it is not known.
+    work: Option<Vec<u64>>,
+    pixels_per_work: f64,
 }
 
 impl TilePlan {
@@ -29,27 +32,67 @@ impl TilePlan {
     /// a few rays through each tile on the current rayon pool.
     pub fn new(scene: &Scene, accel: &Accel, image: &Image, tiling: Tiling) -> Self {
         let grid = TileGrid::new(image.width, image.height, tiling.size);
+        let mut work = None;
         let sequence = match tiling.order {
             TileOrder::Scanline => (0..grid.n_tiles()).collect(),
             TileOrder::Hilbert => grid.numbers(hilbert_curve(grid.n_columns, grid.n_rows)),
-            TileOrder::Cost => most_work_first(&prepass::work(scene, accel, image, &grid)),
+            TileOrder::Cost => {
+                most_work_first(work.insert(prepass::work(scene, accel, image, &grid)))
+            }
         };
-        Self {
+        let this = Self {
+            work,
+            pixels_per_work: 1.0,
             image: *image,
             grid,
             order: tiling.order,
             sequence,
-        }
+        };
+        this.scaled()
     }
 
     /// Leaves only the tiles of one part of the picture, in their order. All parts together
     /// have each tile once, and about the same work, whatever the machine and the order.
     /// Traces a few rays through each tile on the current rayon pool.
     pub fn of_part(mut self, scene: &Scene, accel: &Accel, part: PicturePart) -> Self {
-        let work = prepass::work(scene, accel, &self.image, &self.grid);
-        let parts = dealt(&work, part.of);
+        let parts = dealt(self.estimated(scene, accel), part.of);
         (self.sequence).retain(|&number| parts[number as usize] == part.number - 1);
+        self.scaled()
+    }
+
+    /// Estimates the work of each tile, if it is not known, by a few rays through each on
+    /// the current rayon pool.
+    pub fn with_estimate(mut self, scene: &Scene, accel: &Accel) -> Self {
+        self.estimated(scene, accel);
+        self.scaled()
+    }
+
+    /// Measures work in pixels of average cost.
+    fn scaled(mut self) -> Self {
+        let work = self.work.as_deref().unwrap_or_default();
+        let of_tiles = self
+            .sequence
+            .iter()
+            .filter_map(|&number| work.get(number as usize));
+        let sum: u64 = of_tiles.sum();
+        self.pixels_per_work = self.n_pixels() as f64 / sum.max(1) as f64;
         self
+    }
+
+    fn estimated(&mut self, scene: &Scene, accel: &Accel) -> &[u64] {
+        let Self {
+            image, grid, work, ..
+        } = self;
+        work.get_or_insert_with(|| prepass::work(scene, accel, image, grid))
+    }
+
+    /// The work of a tile in pixels of average cost; that of all tiles of the plan adds up
+    /// to the number of their pixels.
+    pub(super) fn work(&self, tile: &Tile) -> f64 {
+        match &self.work {
+            Some(work) => work[tile.number as usize] as f64 * self.pixels_per_work,
+            None => tile.n_pixels() as f64,
+        }
     }
 
     /// Number of tiles.

@@ -20,5 +20,5 @@ pub(crate) fn complete_frame(folder: &Path, expected: &FrameSection) -> Option<S
         let at = folder.join(&file.name).symlink_metadata();
         at.is_ok_and(|at| at.is_file() && at.len() == file.bytes)
     });
-    (is_same && is_whole).then_some(summary)
+    (is_same && is_whole && summary.partial.is_none()).then_some(summary)
 }

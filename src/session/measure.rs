@@ -29,8 +29,12 @@ impl Session {
         if meter.clock().is_some() {
             stages.end("calibrate");
         }
-        let plan = scope.plan(scene, accel, config);
-        if plan.order == TileOrder::Cost || scope.part.is_some() {
+        let mut plan = scope.plan(scene, accel, config);
+        if options.estimates_work {
+            plan = plan.with_estimate(scene, accel);
+        }
+        let is_estimated = scope.part.is_some() || options.estimates_work;
+        if plan.order == TileOrder::Cost || is_estimated {
             stages.end("order");
         }
         let n_pixels = config.image.n_pixels() as u64;
@@ -63,6 +67,7 @@ impl Session {
             bvh: accel.statistics(),
             meter,
             film,
+            n_tiles: plan.n_tiles(),
             schedule,
             repeats,
             overhead,

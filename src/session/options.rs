@@ -28,6 +28,9 @@ pub struct Options<'a> {
     /// Whether the picture is also rendered in each cost mode in turn, for
     /// [`Rendering::overhead`](super::Rendering::overhead).
     pub measure_overhead: bool,
+    /// Whether a few rays estimate the work of each tile before the rendering, for
+    /// [`Progress::work`]: without, all pixels count the same.
+    pub estimates_work: bool,
     /// Whether [`Rendering::write`](super::Rendering::write) also writes cloud and frame as
     /// VTKHDF; needs the cargo feature `hdf5`.
     pub vtkhdf: bool,
@@ -109,6 +112,7 @@ impl fmt::Debug for Options<'_> {
         f.debug_struct("Options")
             .field("threads", &self.threads)
             .field("measure_overhead", &self.measure_overhead)
+            .field("estimates_work", &self.estimates_work)
             .field("vtkhdf", &self.vtkhdf)
             .field("cancellation", &self.cancellation)
             .finish_non_exhaustive()

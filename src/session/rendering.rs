@@ -10,9 +10,9 @@ use crate::film::Film;
 use crate::folder::{OutputFolder, WriteError, Written};
 use crate::instruments::{Profiler, Stages};
 use crate::output;
-use crate::render::{Overhead, Repeat};
+use crate::render::{Overhead, Repeat, least_repeats};
 use crate::schedule::Schedule;
-use crate::summary::{OtherRuns, Threads};
+use crate::summary::{OtherRuns, Partial, Threads};
 
 /// The pixels of a scene, what they cost, and how they were rendered.
 #[derive(Debug)]
@@ -32,6 +32,8 @@ pub(super) struct Measured {
     pub(super) bvh: Option<BvhStatistics>,
     pub(super) meter: Meter,
     pub(super) film: Film,
+    /// Number of tiles that were to be rendered.
+    pub(super) n_tiles: u32,
     pub(super) schedule: Schedule,
     pub(super) repeats: Vec<Repeat>,
     pub(super) overhead: Option<Overhead>,
@@ -93,6 +95,19 @@ impl Rendering<'_> {
         written
     }
 
+    /// What is missing because the rendering ended at a deadline; `None` if nothing is.
+    pub(crate) fn partial(&self) -> Option<Partial> {
+        let Measured {
+            film,
+            schedule,
+            n_tiles,
+            ..
+        } = &self.measured;
+        let n_rendered = schedule.rendered().count() as u32;
+        let asked = least_repeats(self.session.config());
+        Partial::of([n_rendered, *n_tiles], [film.n_repeats, asked])
+    }
+
     /// Borrows the rendering for the writers.
     pub(crate) fn view<'a>(&'a self, profiler: Option<&'a Profiler>) -> output::RenderingView<'a> {
         let measured = &self.measured;
@@ -108,6 +123,7 @@ impl Rendering<'_> {
             film: &measured.film,
             schedule: &measured.schedule,
             repeats: &measured.repeats,
+            partial: self.partial(),
             other_runs: self.other_runs.as_ref(),
             overhead: measured.overhead,
             attribution: measured.attribution.as_ref(),

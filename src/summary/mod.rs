@@ -9,6 +9,7 @@
 
 mod cost;
 mod other_runs;
+mod partial;
 mod program;
 mod read;
 mod scene;
@@ -17,6 +18,7 @@ mod write;
 
 pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
 pub use other_runs::{OtherRuns, OtherRunsOfFile};
+pub use partial::Partial;
 pub use program::{Build, Machine, Threads};
 pub(crate) use read::{MAX_BYTES, read_json};
 pub use scene::{
@@ -46,6 +48,9 @@ pub struct Summary {
     /// The frame of an animated scene; left out for a still.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<FrameSection>,
+    /// What is missing; left out if the output is complete.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partial: Option<Partial>,
     /// Size and sampling of the picture.
     pub image: ImageSection,
     /// How light became the numbers of the picture; left out if they are proportional to

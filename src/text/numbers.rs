@@ -45,6 +45,30 @@ pub fn duration(elapsed: Duration) -> String {
     scaled(elapsed.as_nanos() as f64, 1e3, &["ns", "µs", "ms", "s"])
 }
 
+/// Reads a duration such as `90s`, `30m`, `1.5h` or `2d`: a number above 0 and its unit.
+///
+/// # Errors
+/// What is expected.
+pub(crate) fn parse_duration(text: &str) -> Result<Duration, String> {
+    const UNITS: [(&str, f64); 5] = [
+        ("ms", 1e-3),
+        ("s", 1.0),
+        ("m", 60.0),
+        ("h", 3600.0),
+        ("d", 86_400.0),
+    ];
+    let text = text.trim();
+    let digits = text
+        .find(|c: char| c.is_ascii_alphabetic())
+        .unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let unit = UNITS.iter().find(|(name, _)| *name == unit);
+    let number = number.trim().parse::<f64>().ok().filter(|&n| n > 0.0);
+    let seconds = unit.zip(number).map(|((_, seconds), n)| n * seconds);
+    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration.ok_or_else(|| "expected a duration such as 90s, 30m or 1.5h".to_owned())
+}
+
 /// The path as one word for a shell.
 pub(crate) fn shell_word(path: &Path) -> String {
     let text = one_line(&path.to_string_lossy()).into_owned();
@@ -93,6 +117,19 @@ mod tests {
     fn units_fit() {
         assert_eq!(bytes(512), "512 B");
         assert_eq!(bytes(1_500_000), "1.50 MB");
+        for (text, seconds) in [
+            ("90s", 90.0),
+            ("30m", 1800.0),
+            ("1.5h", 5400.0),
+            ("250 ms", 0.25),
+        ] {
+            assert_eq!(parse_duration(text), Ok(Duration::from_secs_f64(seconds)));
+        }
+        for wrong in [
+            "", "30", "m", "-1s", "0s", "nan s", "inf s", "1e300d", "1 week", "1m30s",
+        ] {
+            assert!(parse_duration(wrong).is_err(), "{wrong}");
+        }
         assert_eq!(duration(Duration::from_nanos(60)), "60 ns");
         assert_eq!(duration(Duration::from_micros(1250)), "1.25 ms");
         assert_eq!(duration(Duration::from_secs(250)), "250 s");

@@ -66,6 +66,10 @@ impl Page {
         let cloud = Cloud::read(&mut results.hits()?, &pixels)?;
         let table = results.objects()?;
         let notes = [
+            results
+                .summary
+                .partial
+                .map(|partial| format!("The picture is {partial}.")),
             pixels.note(),
             cloud.note(),
             about::missing(&results.summary),
@@ -82,7 +86,10 @@ impl Page {
         let n_pixel_bytes = payloads.iter().map(Payload::n_bytes).sum();
         payloads.extend(table.as_ref().map(table::payload));
         Ok(Self {
-            title: results.summary.scene.name.clone(),
+            title: match results.summary.partial {
+                Some(_) => format!("{} (partial)", results.summary.scene.name),
+                None => results.summary.scene.name.clone(),
+            },
             // Outputs of older versions have no id: the page needs one.
             run: (results.summary.run).unwrap_or_else(|| checksum(about.as_bytes()).into()),
             about,

@@ -36,6 +36,7 @@ mod parts;
 mod picture;
 mod pyvista;
 mod results;
+mod resume;
 mod series;
 mod view;
 mod vtk_files;

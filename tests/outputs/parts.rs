@@ -13,21 +13,21 @@ use crate::common::data_set::{Array, DataSet};
 use crate::common::{assert_success, in_repository, names, raycost};
 
 /// A scene of an animated ball on a floor is a file of the folder.
-struct Folder(TempDir);
+pub struct Folder(pub TempDir);
 
 impl Folder {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let temporary = tempfile::tempdir().unwrap();
         std::os::unix::fs::symlink(in_repository("configs"), temporary.path().join("configs"))
             .unwrap();
         Self(temporary)
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
+    pub fn run(&self, arguments: &[&str]) -> Output {
         let mut command = raycost();
         command.current_dir(self.0.path()).env("PATH", "/nowhere");
         command.args(arguments).output().unwrap()
@@ -83,7 +83,7 @@ fn arrays(out: &Path, file: &str) -> (Vec<(String, Vec<u8>)>, Vec<String>) {
     )
 }
 
-fn summary(out: &Path) -> Value {
+pub fn summary(out: &Path) -> Value {
     serde_json::from_slice(&fs::read(out.join("summary.json")).unwrap()).unwrap()
 }
 
@@ -97,7 +97,7 @@ fn totals(out: &Path) -> Value {
 }
 
 /// Checks that two outputs differ in nothing but times and threads.
-fn assert_same_output(one: &Path, other: &Path) {
+pub fn assert_same_output(one: &Path, other: &Path) {
     assert_eq!(
         names(one).len() + usize::from(other.join("parts").exists()),
         names(other).len()
@@ -145,7 +145,7 @@ fn merged_parts_are_the_whole_picture() {
         ("glass", &["--cost=time", "--repeats=3", "--tile-size=7"], 5),
         (
             "cornell_box",
-            &["--cost=attributed_time", "--spp=4", "--also=layers,bounces"],
+            &["--cost=attributed_time", "--spp=4", "--also=exr,bounces"],
             2,
         ),
         (
@@ -153,6 +153,7 @@ fn merged_parts_are_the_whole_picture() {
             &[
                 "--cost=counters",
                 "--spp=16",
+                "--set=image.sampler=sobol",
                 "--set=image.adaptive={noise: 0.05, min_samples: 4}",
             ],
             2,

@@ -1,11 +1,12 @@
 //! `raycost render` of an animated scene.
 
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::part::{self, PartDone};
+use super::tiles::Tiles;
 use super::{RenderArguments, start_profiler};
 use crate::accel::AccelIndex;
 use crate::checkpoint::{PARTS, PicturePart};
@@ -17,10 +18,10 @@ use crate::instruments::{Profiler, Stages};
 use crate::memory::Memory;
 use crate::provenance::Checksum;
 use crate::results::complete_frame;
-use crate::series::{FRAMES, FrameSeries, Video, frame_folder};
+use crate::series::{FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
 use crate::stop;
-use crate::summary::FrameSection;
+use crate::summary::{FrameSection, Partial};
 use crate::text;
 use crate::text::numbers::{counted, duration};
 use crate::yaml::Document;
@@ -30,6 +31,7 @@ pub(super) fn render(
     arguments: &RenderArguments,
     scene: &OpenScene,
     frames: &Frames,
+    deadline: Option<Instant>,
 ) -> Result<(), Failure> {
     let start = Instant::now();
     let out = arguments.scene.out();
@@ -45,9 +47,10 @@ pub(super) fn render(
         scene,
         frames,
         out: &out,
+        deadline,
         hierarchy: None,
     };
-    let (mut n_rendered, mut n_kept) = (0, 0);
+    let (mut n_rendered, mut n_kept, mut is_partial) = (0, 0, false);
     for number in wanted {
         let folder = out.join(frame_folder(number));
         if arguments.merges && !folder.join(PARTS).exists() {
@@ -55,10 +58,17 @@ pub(super) fn render(
         }
         let (document, config, section) = job.frame(number)?;
         let is_complete = complete_frame(&folder, &section).is_some();
-        if is_complete || !job.render(&folder, document, config, section)? {
-            n_kept += 1;
-        } else {
-            n_rendered += 1;
+        let done = match is_complete {
+            true => FrameDone::Kept,
+            false => job.render(&folder, document, config, section)?,
+        };
+        match done {
+            FrameDone::Kept => n_kept += 1,
+            FrameDone::Rendered => n_rendered += 1,
+            FrameDone::Partial => {
+                is_partial = true;
+                break;
+            }
         }
     }
     let lines = match arguments.part {
@@ -76,20 +86,11 @@ pub(super) fn render(
             "frames  {rendered} rendered in {took}{kept}\n{lines}"
         ))?;
     }
-    Ok(())
-}
-
-/// The folders of frames with parts, in the folder of a series.
-pub(super) fn with_parts(out: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(out.join(FRAMES)).into_iter().flatten();
-    let names = entries
-        .flatten()
-        .map(|entry| Path::new(FRAMES).join(entry.file_name()));
-    let mut folders: Vec<PathBuf> = names
-        .filter(|folder| out.join(folder).join(PARTS).is_dir())
-        .collect();
-    folders.sort();
-    folders
+    if is_partial {
+        Err(Failure::Partial)
+    } else {
+        Ok(())
+    }
 }
 
 /// The numbers of the frames that the command line asks for.
@@ -107,33 +108,58 @@ fn wanted(
 }
 
 /// What became of a frame.
-enum Done {
-    /// The times of its stages.
-    Whole(String),
+enum FrameDone {
+    Rendered,
+    /// The time was over.
+    Partial,
+    /// It was complete.
+    Kept,
+}
+
+/// What was rendered of a frame.
+enum FrameRender {
+    /// The times of its stages, and what is missing.
+    Whole(String, Option<Partial>),
     Part(PicturePart, PartDone),
 }
 
-/// Renders a whole frame into its folder; returns the times of the stages.
+impl FrameRender {
+    fn of_frame(&self) -> FrameDone {
+        match self {
+            Self::Part(_, PartDone::Kept) => FrameDone::Kept,
+            Self::Whole(_, Some(_)) | Self::Part(_, PartDone::Partial(_)) => FrameDone::Partial,
+            Self::Whole(_, None) | Self::Part(_, PartDone::Rendered(..)) => FrameDone::Rendered,
+        }
+    }
+}
+
+/// Renders a whole frame into its folder.
 fn whole(
     arguments: &RenderArguments,
     session: &Session,
     folder: &Path,
-    profiler: Option<&Profiler>,
-) -> Result<String, Failure> {
+    (deadline, profiler): (Option<Instant>, Option<&Profiler>),
+) -> Result<FrameRender, Failure> {
     let output = session.folder(folder)?.synced(arguments.sync);
     stop::check()?;
-    let tiles = arguments.tiles(session, folder)?;
+    let tiles = Tiles::of(arguments, session, folder, deadline)?;
     let bars = Bars::new(arguments.quiet);
     let on_event = |event| bars.show(event);
     let options = arguments.options(&on_event);
     let mut rendering = session.render_within(&options, &tiles.scope())?;
     rendering.write_to(&output, profiler)?;
+    let partial = rendering.partial();
+    tiles.settle(partial)?;
     let stages = rendering.stages().ended.iter();
     let times = stages.map(|stage| {
         let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
         format!("{} {}", stage.name, duration(wall))
     });
-    Ok(times.collect::<Vec<_>>().join(", "))
+    let mut text = times.collect::<Vec<_>>().join(", ");
+    if let Some(partial) = partial {
+        text += &format!("; {partial}");
+    }
+    Ok(FrameRender::Whole(text, partial))
 }
 
 /// A run that renders frames.
@@ -143,6 +169,8 @@ struct FrameJob<'a> {
     frames: &'a Frames,
     /// The folder of the series.
     out: &'a Path,
+    /// When no further tile is begun.
+    deadline: Option<Instant>,
     /// The index of the last frame's acceleration structure, and the hash of its geometry.
     hierarchy: Option<(Checksum, Arc<AccelIndex>)>,
 }
@@ -162,14 +190,14 @@ impl FrameJob<'_> {
         Ok((document, config, section))
     }
 
-    /// Renders a frame, or a part of it, into its folder; false if that part was complete.
+    /// Renders a frame, or a part of it, into its folder.
     fn render(
         &mut self,
         folder: &Path,
         document: Document,
         config: Config,
         section: FrameSection,
-    ) -> Result<bool, Failure> {
+    ) -> Result<FrameDone, Failure> {
         let arguments = self.arguments;
         let stages = Stages::start(arguments.hardware());
         let profiler = arguments.profile.then(start_profiler).transpose()?;
@@ -188,8 +216,14 @@ impl FrameJob<'_> {
             session.keep_index(index);
         }
         let done = match arguments.part {
-            Some(part) => Done::Part(part, part::render(arguments, &session, folder, part)?),
-            None => Done::Whole(whole(arguments, &session, folder, profiler.as_ref())?),
+            Some(part) => {
+                let part_until = (part, self.deadline);
+                FrameRender::Part(part, part::render(arguments, &session, folder, part_until)?)
+            }
+            None => {
+                let profiled = (self.deadline, profiler.as_ref());
+                whole(arguments, &session, folder, profiled)?
+            }
         };
         self.hierarchy = session.index().map(|index| (geometry, index));
         if !arguments.quiet {
@@ -199,11 +233,13 @@ impl FrameJob<'_> {
                 ""
             };
             text::print(&match &done {
-                Done::Part(part, done) => done.line(*part, folder),
-                Done::Whole(times) => format!("frame   {number} of {n_frames}: {times}{kept}\n"),
+                FrameRender::Part(part, done) => done.line(*part, folder),
+                FrameRender::Whole(text, _) => {
+                    format!("frame   {number} of {n_frames}: {text}{kept}\n")
+                }
             })?;
         }
-        Ok(!matches!(done, Done::Part(_, PartDone::Kept)))
+        Ok(done.of_frame())
     }
 
     /// Writes the files that play all complete frames; returns the lines about them.

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ExtraFormat, RenderArguments, frames};
+use super::{ExtraFormat, RenderArguments};
 use crate::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, shell_word, shown};
-use crate::render::Limits;
-use crate::session::{Scope, Session};
+use crate::series::FRAMES;
+use crate::session::Session;
 use crate::text::Diagnostic;
 
 /// Merge the parts of a picture that `raycost render --part` wrote
@@ -51,7 +51,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     let folder = &arguments.folder;
     let found = open(folder)?;
     let in_frames = || {
-        frames::with_parts(folder).into_iter().find_map(|frame| {
+        frames_with_parts(folder).into_iter().find_map(|frame| {
             let files = PartFiles::open(&folder.join(frame)).ok()?;
             files.header().cloned()
         })
@@ -75,6 +75,8 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         frames: None,
         part: None,
         merges: true,
+        resume: false,
+        timeout: None,
         format: arguments.format,
         threads: arguments.threads,
         measure_overhead: false,
@@ -84,6 +86,19 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         while_input_is_open: false,
         quiet: arguments.quiet,
     })
+}
+
+/// The folders of frames with parts, in the folder of a series.
+fn frames_with_parts(out: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(out.join(FRAMES)).into_iter().flatten();
+    let names = entries
+        .flatten()
+        .map(|entry| Path::new(FRAMES).join(entry.file_name()));
+    let mut folders: Vec<PathBuf> = names
+        .filter(|folder| out.join(folder).join(PARTS).is_dir())
+        .collect();
+    folders.sort();
+    folders
 }
 
 /// The scene of the parts, with its settings.
@@ -108,48 +123,31 @@ fn open(folder: &Path) -> Result<PartFiles, Diagnostic> {
     })
 }
 
-/// The tiles of a rendering that other runs rendered.
-#[derive(Debug, Default)]
-pub(super) struct Tiles(Option<Checkpoint>);
-
-impl Tiles {
-    /// The tiles for the rendering.
-    pub(super) fn scope(&self) -> Scope<'_> {
-        Scope {
-            part: None,
-            limits: Limits {
-                checkpoint: self.0.as_ref(),
-                deadline: None,
-            },
-        }
+/// The tiles of all parts of a session's picture in an output folder.
+///
+/// # Errors
+/// The parts are not those of the picture.
+pub(super) fn parts(
+    arguments: &RenderArguments,
+    session: &Session,
+    out: &Path,
+) -> Result<Checkpoint, Diagnostic> {
+    let found = open(out)?;
+    let expected = session.header(arguments.scene.all_flags(), None)?;
+    if let Some(why) = found
+        .header()
+        .and_then(|header| header.foreign_to(&expected))
+    {
+        let message = format!("the parts in `{}` do not fit: {why}", out.display());
+        let help = "undo what has changed since, or render all parts again";
+        return Err(Diagnostic::new(message).with_help(help));
     }
+    let parts = found.checked(&expected);
+    let parts = parts.map_err(|faults| arguments.refused(&faults, &expected, out))?;
+    Ok(Checkpoint::of_parts(parts))
 }
 
 impl RenderArguments {
-    /// The tiles of all parts of the session's picture in an output folder, if these are to
-    /// be merged; otherwise none.
-    ///
-    /// # Errors
-    /// The parts are not those of the picture.
-    pub(super) fn tiles(&self, session: &Session, out: &Path) -> Result<Tiles, Diagnostic> {
-        if !self.merges {
-            return Ok(Tiles::default());
-        }
-        let found = open(out)?;
-        let expected = session.header(self.scene.all_flags(), None)?;
-        if let Some(why) = found
-            .header()
-            .and_then(|header| header.foreign_to(&expected))
-        {
-            let message = format!("the parts in `{}` do not fit: {why}", out.display());
-            let help = "undo what has changed since, or render all parts again";
-            return Err(Diagnostic::new(message).with_help(help));
-        }
-        let parts = found.checked(&expected);
-        let parts = parts.map_err(|faults| self.refused(&faults, &expected, out))?;
-        Ok(Tiles(Some(Checkpoint::of_parts(parts))))
-    }
-
     /// The message about parts that make no picture.
     fn refused(&self, faults: &PartFaults, expected: &Header, out: &Path) -> Diagnostic {
         let message = format!("the parts in `{}` make no picture", out.display());

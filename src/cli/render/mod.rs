@@ -3,9 +3,14 @@
 mod frames;
 mod merge;
 mod part;
+mod tiles;
 
 use std::io;
 use std::path::Path;
+use std::time::{Duration, Instant};
+
+use part::PartDone;
+use tiles::Tiles;
 
 use crate::animation::FrameRange;
 use crate::checkpoint::PicturePart;
@@ -17,6 +22,7 @@ use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::Memory;
 use crate::session::{Event, Options, Session};
 use crate::stop;
+use crate::text::numbers::parse_duration;
 use crate::text::{self, Diagnostic};
 use crate::vtk::hdf;
 
@@ -40,6 +46,16 @@ pub(super) struct RenderArguments {
     /// about the same work
     #[arg(long, value_name = "PART")]
     part: Option<PicturePart>,
+
+    /// Keep finished tiles in the output folder while rendering, and go on with those of
+    /// an interrupted run
+    #[arg(long)]
+    resume: bool,
+
+    /// Begin no tile after this time, such as 90s, 30m or 1.5h, and write what there is,
+    /// marked as partial: `--resume` goes on
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
+    timeout: Option<Duration>,
 
     /// Take all tiles from the files of parts
     #[arg(skip)]
@@ -97,16 +113,18 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         });
     }
     arguments.check_part()?;
+    arguments.check_kept()?;
     render(arguments)
 }
 
 /// Renders a scene, a part of it, or the tiles of all parts.
 fn render(arguments: &RenderArguments) -> Result<(), Failure> {
+    let deadline = arguments.deadline();
     arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
     let scene = OpenScene::read(&arguments.scene)?;
     if let Some(frames) = &scene.frames {
-        return frames::render(arguments, &scene, frames);
+        return frames::render(arguments, &scene, frames, deadline);
     }
     if let Some(range) = &arguments.frames {
         scene.check_frame(*range.0.start())?;
@@ -115,11 +133,11 @@ fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     let session = Session::new(scene.load(None, Memory::of)?, stages)?;
     let out = arguments.scene.out();
     if let Some(part) = arguments.part {
-        return still_part(arguments, &session, &out, part);
+        return still_part(arguments, &session, &out, (part, deadline));
     }
     let folder = session.folder(&out)?.synced(arguments.sync);
     stop::check()?;
-    let tiles = arguments.tiles(&session, &out)?;
+    let tiles = Tiles::of(arguments, &session, &out, deadline)?;
     let bars = Bars::new(arguments.quiet);
     let on_event = |event| bars.show(event);
     let options = Options {
@@ -128,14 +146,17 @@ fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     };
     let mut rendering = session.render_within(&options, &tiles.scope())?;
     let written = rendering.write_to(&folder, profiler.as_ref())?;
+    let partial = rendering.partial();
+    let of_tiles = tiles.settle(partial)?;
     if !arguments.quiet {
         let view = rendering.view(profiler.as_ref());
         let text = run_summary::lines(&arguments.scene, &view, rendering.stages(), &written);
-        text::print(&text)?;
+        let last = partial.map(|partial| tiles::partial_line(arguments, partial));
+        text::print(&format!("{text}{of_tiles}{}", last.unwrap_or_default()))?;
     }
     // The process ends: the system frees all memory at once.
     std::mem::forget(rendering);
-    Ok(())
+    partial.map_or(Ok(()), |_| Err(Failure::Partial))
 }
 
 /// Renders a part of a still, and prints what comes next.
@@ -143,13 +164,16 @@ fn still_part(
     arguments: &RenderArguments,
     session: &Session,
     out: &Path,
-    part: PicturePart,
+    (part, deadline): (PicturePart, Option<Instant>),
 ) -> Result<(), Failure> {
-    let done = part::render(arguments, session, out, part)?;
+    let done = part::render(arguments, session, out, (part, deadline))?;
     if !arguments.quiet {
         text::print(&format!("{}{}", done.line(part, out), part::next_line(out)))?;
     }
-    Ok(())
+    match done {
+        PartDone::Partial(_) => Err(Failure::Partial),
+        PartDone::Rendered(..) | PartDone::Kept => Ok(()),
+    }
 }
 
 impl RenderArguments {
@@ -160,6 +184,27 @@ impl RenderArguments {
         } else {
             HardwareCounters::none()
         }
+    }
+
+    /// When no further tile is begun, if it begins now.
+    fn deadline(&self) -> Option<Instant> {
+        // Without a deadline if the system's clock has no such time.
+        self.timeout
+            .and_then(|timeout| Instant::now().checked_add(timeout))
+    }
+
+    /// Checks that what is measured can go on in another run.
+    fn check_kept(&self) -> Result<(), Diagnostic> {
+        let flag = match self.timeout {
+            Some(_) => "timeout",
+            None => "resume",
+        };
+        if self.measure_overhead && (self.resume || self.timeout.is_some()) {
+            let message = format!("`--{flag}` and `--measure-overhead` exclude each other");
+            let help = "the overhead takes many whole renderings: measure it in another run";
+            return Err(Diagnostic::new(message).with_help(help));
+        }
+        Ok(())
     }
 
     /// Checks that this program can write the format that is asked for.

@@ -2,17 +2,18 @@
 
 use std::fs;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use super::RenderArguments;
-use crate::checkpoint::{Checkpoint, CheckpointFile, Damage, Header, PARTS, PicturePart};
+use super::{RenderArguments, tiles};
+use crate::checkpoint::{Checkpoint, CheckpointFile, PARTS, PicturePart};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
-use crate::folder::{WriteError, refuse_file};
+use crate::folder::WriteError;
 use crate::render::Limits;
 use crate::session::{Scope, Session};
+use crate::summary::Partial;
 use crate::text::Diagnostic;
-use crate::text::numbers::{counted, duration};
+use crate::text::numbers::{count, counted, duration};
 
 /// The extension of a file that is not complete.
 const UNFINISHED: &str = "unfinished";
@@ -22,6 +23,8 @@ const UNFINISHED: &str = "unfinished";
 pub(super) enum PartDone {
     /// So many of its tiles were rendered, in so much time.
     Rendered(u64, Duration),
+    /// It is not complete yet: the time is over.
+    Partial(Partial),
     /// It was complete already.
     Kept,
 }
@@ -34,6 +37,10 @@ impl PartDone {
             Self::Rendered(n_tiles, wall) => {
                 let (n_tiles, wall) = (counted(n_tiles, "tile"), duration(wall));
                 format!("part    {part}: {n_tiles} in {wall}\nwrote   {path}\n")
+            }
+            Self::Partial(partial) => {
+                let (n, of) = (count(partial.n_missing_tiles), count(partial.n_tiles));
+                format!("part    {part}: partial, {n} of {of} tiles are missing; run it again\n")
             }
             Self::Kept => format!("part    {part}: complete from an earlier run, {path}\n"),
         }
@@ -79,58 +86,46 @@ impl RenderArguments {
 }
 
 /// Renders a part of the picture of a session into the folder of parts of an output folder,
-/// unless it is there.
+/// unless it is there. Goes on where an interrupted run of the same part was.
 pub(super) fn render(
     arguments: &RenderArguments,
     session: &Session,
     out: &Path,
-    part: PicturePart,
+    (part, deadline): (PicturePart, Option<Instant>),
 ) -> Result<PartDone, Failure> {
     let header = session.header(arguments.scene.all_flags(), Some(part))?;
     let folder = out.join(PARTS);
     fs::create_dir_all(&folder).map_err(|error| WriteError::new(&folder, error))?;
     let path = folder.join(part.file_name());
-    if is_complete(&path, &header)? {
+    let is_same = |file: &CheckpointFile| {
+        file.header.part == header.part && file.header.foreign_to(&header).is_none()
+    };
+    let whole = tiles::open(&path)?.filter(is_same);
+    if whole.is_some_and(|file| file.is_complete && !file.is_torn) {
         return Ok(PartDone::Kept);
     }
     let unfinished = path.with_extension(UNFINISHED);
-    is_complete(&unfinished, &header)?;
-    let checkpoint = Checkpoint::create(&unfinished, &header)?;
+    let checkpoint = match tiles::open(&unfinished)?.filter(is_same) {
+        Some(file) if !file.is_complete => Checkpoint::resume(file)?,
+        _ => Checkpoint::create(&unfinished, &header)?,
+    };
     let bars = Bars::new(arguments.quiet);
     let on_event = |event| bars.show(event);
     let scope = Scope {
         part: Some(part),
         limits: Limits {
             checkpoint: Some(&checkpoint),
-            deadline: None,
+            deadline,
         },
     };
     let rendering = session.render_within(&arguments.options(&on_event), &scope)?;
+    if let Some(partial) = rendering.partial() {
+        return Ok(PartDone::Partial(partial));
+    }
     checkpoint.finish(&path, arguments.sync)?;
     let n_tiles = rendering.schedule().rendered().count() as u64;
     Ok(PartDone::Rendered(
         n_tiles,
         rendering.stages().wall("render"),
     ))
-}
-
-/// Whether a file has all tiles of this part.
-///
-/// # Errors
-/// There is a file of another program.
-fn is_complete(path: &Path, header: &Header) -> Result<bool, WriteError> {
-    match CheckpointFile::open(path) {
-        Ok(file) => Ok(file.is_complete
-            && !file.is_torn
-            && file.header.part == header.part
-            && file.header.foreign_to(header).is_none()),
-        Err(Damage::Foreign) if !is_empty(path) => Err(refuse_file(path)),
-        Err(_) => Ok(false),
-    }
-}
-
-/// Whether a file has no bytes, as after a crash.
-fn is_empty(path: &Path) -> bool {
-    path.metadata()
-        .is_ok_and(|found| found.is_file() && found.len() == 0)
 }

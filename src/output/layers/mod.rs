@@ -62,7 +62,7 @@ fn block_memory([width, n_rows]: [u32; 2], n_channels: usize) -> u64 {
 fn write(rendering: &RenderingView, run: RunId, out: &mut (impl Write + Seek)) -> io::Result<()> {
     let film = rendering.film;
     let channels = channels(film, rendering.scene.image_plane);
-    let headers = Headers::from_elem(header(film, &channels, run), 1);
+    let headers = Headers::from_elem(header(rendering, &channels, run), 1);
     let write_blocks = |_, chunks: &mut _| write_blocks(film, &channels, &headers, chunks);
     write_chunks_with(out, headers.clone(), true, write_blocks).map_err(|error| match error {
         Error::Io(error) => error,
@@ -70,7 +70,8 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut (impl Write + Seek)) -
     })
 }
 
-fn header(film: &Film, channels: &[Channel], run: RunId) -> Header {
+fn header(rendering: &RenderingView, channels: &[Channel], run: RunId) -> Header {
+    let film = rendering.film;
     let size = Vec2(film.grid.width as usize, film.grid.height as usize);
     let described = channels.iter().map(Channel::described).collect();
     let mut header = Header::new(Text::from(""), size, described).with_encoding(
@@ -82,6 +83,8 @@ fn header(film: &Film, channels: &[Channel], run: RunId) -> Header {
     header.own_attributes.layer_name = None;
     let program = concat!("raycost ", env!("CARGO_PKG_VERSION"));
     header.own_attributes.software_name = Some(Text::from(program));
+    let partial = rendering.partial.map(|partial| partial.to_string());
+    header.own_attributes.comments = partial.map(|partial| Text::from(&*partial));
     // One attribute alone, as the crate writes several in any order.
     let run = AttributeValue::Text(Text::from(&*run.to_string()));
     let key = Text::from(provenance::KEY);

@@ -46,6 +46,9 @@ pub(crate) struct StateValues {
     size: [f64; 2],
     schedule: TileValues,
     has_hits: bool,
+    /// Whether tiles or renderings are missing.
+    #[serde(default)]
+    is_partial: bool,
     /// Largest distance of hits that are shown.
     max_distance: f64,
     attribution: AttributionValues,
@@ -115,6 +118,7 @@ impl StateValues {
             size,
             schedule: TileValues::of(rendering.schedule, n_labels),
             has_hits: distances.median.is_some(),
+            is_partial: rendering.partial.is_some(),
             max_distance: distances.max_shown,
             attribution: AttributionValues::of(rendering),
         };
@@ -132,6 +136,7 @@ impl StateValues {
             size: self.size,
             schedule: self.schedule.spanning(&other.schedule),
             has_hits: self.has_hits || other.has_hits,
+            is_partial: self.is_partial || other.is_partial,
             max_distance: self.max_distance.max(other.max_distance),
             attribution: self.attribution.spanning(&other.attribution),
         }
@@ -148,12 +153,25 @@ impl StateValues {
         })
     }
 
+    /// The value of a key; titles say if the picture is partial.
     fn value(&self, key: &str) -> Option<StateValue> {
+        let value = self.value_of_whole(key);
+        let is_title = ["cost.title", "counter.title", "hits.caption"].contains(&key);
+        match value {
+            Some(StateValue::One(title)) if self.is_partial && is_title => {
+                Some(format!("{title} (partial picture)").into())
+            }
+            value => value,
+        }
+    }
+
+    fn value_of_whole(&self, key: &str) -> Option<StateValue> {
         match key {
             "hits.max_distance" => return Some(self.max_distance.to_string().into()),
             "hits.caption" if !self.has_hits => {
                 return Some("True colors: no ray met anything".into());
             }
+            "hits.caption" if self.is_partial => return Some("True colors".into()),
             _ => {}
         }
         if let Some(value) = self.camera.value(self.size, key) {

@@ -1,0 +1,160 @@
+//! The tiles of other runs that a rendering takes over, and those that it keeps.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::{RenderArguments, merge};
+use crate::checkpoint::{Checkpoint, CheckpointFile, Damage};
+use crate::cli::{Failure, shell_word, shown};
+use crate::folder::{WriteError, refuse_file};
+use crate::render::Limits;
+use crate::session::{Scope, Session};
+use crate::summary::Partial;
+use crate::text::Diagnostic;
+use crate::text::numbers::{count, counted};
+
+/// The file of finished tiles, in the output folder until that is complete.
+const UNFINISHED: &str = "unfinished.tiles";
+
+/// The tiles of a whole picture.
+#[derive(Debug, Default)]
+pub(super) struct Tiles {
+    checkpoint: Option<Checkpoint>,
+    deadline: Option<Instant>,
+    /// The file of an interrupted run that this one does not continue.
+    left: Option<PathBuf>,
+}
+
+impl Tiles {
+    /// The tiles that a session's rendering takes over from files in its output folder. It
+    /// ends at the deadline.
+    ///
+    /// # Errors
+    /// A file does not belong to the rendering, or cannot be written.
+    pub(super) fn of(
+        arguments: &RenderArguments,
+        session: &Session,
+        out: &Path,
+        deadline: Option<Instant>,
+    ) -> Result<Self, Failure> {
+        let path = out.join(UNFINISHED);
+        let checkpoint = if arguments.merges {
+            merge::parts(arguments, session, out)?
+        } else if arguments.resume || arguments.timeout.is_some() {
+            kept(arguments, session, &path)?
+        } else {
+            return Ok(Self {
+                left: Some(path).filter(|path| path.is_file()),
+                ..Self::default()
+            });
+        };
+        Ok(Self {
+            checkpoint: Some(checkpoint),
+            deadline,
+            left: None,
+        })
+    }
+
+    /// The tiles for the rendering.
+    pub(super) fn scope(&self) -> Scope<'_> {
+        Scope {
+            part: None,
+            limits: Limits {
+                checkpoint: self.checkpoint.as_ref(),
+                deadline: self.deadline,
+            },
+        }
+    }
+
+    /// Removes the file of finished tiles if the output, which was written, is complete;
+    /// returns lines about tiles of other runs.
+    ///
+    /// # Errors
+    /// The file cannot be removed.
+    pub(super) fn settle(self, partial: Option<Partial>) -> Result<String, WriteError> {
+        let mut lines = String::new();
+        if let Some(left) = &self.left {
+            let left = shown(left);
+            lines += &format!("kept    {left} of an interrupted run: `--resume` continues it\n");
+        }
+        let Some(checkpoint) = self.checkpoint.filter(Checkpoint::keeps) else {
+            return Ok(lines);
+        };
+        let n_restored = checkpoint.n_restored();
+        if n_restored > 0 {
+            let n_tiles = counted(n_restored as u64, "tile");
+            lines += &format!("resumed {n_tiles} of an interrupted run\n");
+        }
+        if partial.is_none() {
+            checkpoint.remove()?;
+        }
+        Ok(lines)
+    }
+}
+
+/// The line about what is missing, and how to go on.
+pub(super) fn partial_line(arguments: &RenderArguments, partial: Partial) -> String {
+    let what = match partial.n_missing_tiles {
+        0 => format!(
+            "{} of {} renderings",
+            partial.n_renderings, partial.n_renderings_asked
+        ),
+        n => format!(
+            "{} of {} tiles are missing",
+            count(n),
+            count(partial.n_tiles)
+        ),
+    };
+    let scene = shell_word(&arguments.scene.scene);
+    format!("partial {what}: go on with `raycost render {scene} --resume` and the same flags\n")
+}
+
+/// The tiles of an interrupted run, and the file for new ones.
+fn kept(
+    arguments: &RenderArguments,
+    session: &Session,
+    path: &Path,
+) -> Result<Checkpoint, Failure> {
+    let header = session.header(arguments.scene.all_flags(), None)?;
+    let found = open(path)?;
+    let file = shown(path);
+    match found {
+        Some(found) if arguments.resume => {
+            if let Some(why) = found.header.foreign_to(&header) {
+                let message = format!("cannot go on with `{file}`: {why}");
+                let help = "undo what has changed since, or remove the file to begin again";
+                return Err(Diagnostic::new(message).with_help(help).into());
+            }
+            Ok(Checkpoint::resume(found)?)
+        }
+        Some(found) if found.n_tiles() > 0 => {
+            let n_tiles = counted(found.n_tiles() as u64, "finished tile");
+            let message = format!("`{file}` has {n_tiles} of an interrupted run");
+            let help = "go on with `--resume`, or remove the file";
+            Err(Diagnostic::new(message).with_help(help).into())
+        }
+        _ => Ok(Checkpoint::create(path, &header)?),
+    }
+}
+
+/// Opens a file of finished tiles; `None` if there is none, or no whole header.
+///
+/// # Errors
+/// Another program wrote it, or another version of raycost.
+pub(super) fn open(path: &Path) -> Result<Option<CheckpointFile>, Failure> {
+    match CheckpointFile::open(path) {
+        Ok(file) => Ok(Some(file)),
+        Err(Damage::Foreign) if !is_empty(path) => Err(refuse_file(path).into()),
+        Err(Damage::OtherFormat) => {
+            let message = format!("another version of raycost wrote `{}`", path.display());
+            Err(Diagnostic::new(message).with_help("remove the file").into())
+        }
+        Err(_) => Ok(None),
+    }
+}
+
+/// Whether a file has no bytes, as after a crash.
+fn is_empty(path: &Path) -> bool {
+    path.metadata()
+        .is_ok_and(|found| found.is_file() && found.len() == 0)
+}
