@@ -4,14 +4,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{PoisonError, RwLock};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::instruments::TimeLeft;
 use crate::render::Progress;
 use crate::session::{Event, Report};
 use crate::text::one_line;
 
 /// A build shows no bar before this time.
 const BAR_DELAY: Duration = Duration::from_secs(1);
+/// The length of bars of fractions.
+const MILLION: u64 = 1_000_000;
 
 /// A bar on standard error, if that is a terminal.
 fn bar(length: u64, quiet: bool) -> ProgressBar {
@@ -39,7 +42,7 @@ impl BuildBar {
     /// A bar that is never drawn if `quiet`.
     pub(super) fn new(quiet: bool) -> Self {
         Self {
-            bar: bar(1_000_000, quiet).with_message("building"),
+            bar: bar(MILLION, quiet).with_message("building"),
             n_millionths: AtomicU64::new(0),
         }
     }
@@ -59,17 +62,23 @@ impl BuildBar {
     }
 }
 
-/// A bar for rendering, which counts pixels.
+/// A bar for rendering, which shows the estimated work.
 pub(super) struct PixelBar {
     bar: ProgressBar,
+    time_left: TimeLeft,
     n_rays: AtomicU64,
 }
 
 impl PixelBar {
     /// A bar of `n_pixels`; never drawn if `quiet`.
     pub(super) fn new(n_pixels: u64, quiet: bool) -> Self {
+        let bar = bar(MILLION, quiet);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40.cyan} {percent:>3} %  {msg}") {
+            bar.set_style(style);
+        }
         Self {
-            bar: bar(n_pixels, quiet),
+            bar,
+            time_left: TimeLeft::begin(n_pixels as f64),
             n_rays: AtomicU64::new(0),
         }
     }
@@ -79,13 +88,19 @@ impl PixelBar {
         if self.bar.is_hidden() {
             return;
         }
+        let part = (self.time_left).advance(progress.work, progress.is_restored);
         let n_rays = progress.n_rays + self.n_rays.fetch_add(progress.n_rays, Ordering::Relaxed);
         let seconds = self.bar.elapsed().as_secs_f64().max(1e-3);
+        let mut message = String::new();
         if n_rays > 0 {
             let mrays = n_rays as f64 / seconds / 1e6;
-            self.bar.set_message(format!("{mrays:.1} Mrays/s"));
+            message = format!("{mrays:.1} Mrays/s  ");
         }
-        self.bar.inc(progress.n_pixels);
+        if let Some(left) = self.time_left.left() {
+            message += &format!("{:#} left", HumanDuration(left));
+        }
+        self.bar.set_message(message);
+        self.bar.set_position((part * MILLION as f64) as u64);
     }
 
     /// Removes the bar from the terminal.
@@ -113,6 +128,11 @@ impl Bars {
             quiet,
             current: RwLock::new(None),
         }
+    }
+
+    /// Whether bars are drawn, if not `quiet`.
+    pub(super) fn are_shown(quiet: bool) -> bool {
+        !quiet && !ProgressDrawTarget::stderr().is_hidden()
     }
 
     /// Shows an event of a session.

@@ -8,6 +8,7 @@ mod memory_benchmark;
 mod resources;
 mod profile;
 mod stages;
+mod time_left;
 
 pub use hardware::{Counts, HardwareCounters};
 pub use machine_limits::{DataCache, MachineLimits, MemoryBlock, MemoryLevel};
@@ -15,3 +16,4 @@ pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;
 pub(crate) use resources::peak_memory_bytes;
 pub use stages::{Stage, Stages};
+pub use time_left::TimeLeft;

@@ -223,6 +223,7 @@ impl RenderArguments {
         Options {
             threads: self.threads,
             measure_overhead: self.measure_overhead,
+            estimates_work: Bars::are_shown(self.quiet),
             on_event: Some(on_event),
             ..Options::default()
         }

@@ -1,0 +1,88 @@
+//! How long a stage will still take.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Estimates the time left of a stage by the work that is done.
+#[derive(Debug)]
+pub struct TimeLeft {
+    begin: Instant,
+    work: f64,
+    done: Mutex<WorkDone>,
+}
+
+/// The work that is done.
+#[derive(Debug, Clone, Copy, Default)]
+struct WorkDone {
+    /// By this run.
+    here: f64,
+    /// By earlier ones.
+    before: f64,
+}
+
+impl TimeLeft {
+    /// A stage with so much work, in any unit, begins now.
+    pub fn begin(work: f64) -> Self {
+        Self {
+            begin: Instant::now(),
+            work,
+            done: Mutex::default(),
+        }
+    }
+
+    /// Some work is done; if `is_restored`, an earlier run did it, and it took no time.
+    /// Returns the part of the work that is done, from 0 to 1.
+    pub fn advance(&self, work: f64, is_restored: bool) -> f64 {
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        if is_restored {
+            done.before += work;
+        } else {
+            done.here += work;
+        }
+        ((done.here + done.before) / self.work).min(1.0)
+    }
+
+    /// The time left, if the rest takes as long for its work as what this run has done;
+    /// `None` before the first.
+    pub fn left(&self) -> Option<Duration> {
+        let done = *self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        done.left(self.work, self.begin.elapsed())
+    }
+}
+
+impl WorkDone {
+    fn left(self, work: f64, elapsed: Duration) -> Option<Duration> {
+        let rest = (work - self.here - self.before).max(0.0);
+        let left = elapsed.as_secs_f64() * rest / self.here;
+        Duration::try_from_secs_f64(left).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_takes_as_long_for_its_work() {
+        let left = |here, before| {
+            let left = WorkDone { here, before }.left(100.0, Duration::from_secs(10));
+            left.map(|left| left.as_secs_f64().round())
+        };
+        assert_eq!(left(10.0, 0.0), Some(90.0));
+        assert_eq!(left(10.0, 40.0), Some(50.0));
+        assert_eq!(left(25.0, 75.0), Some(0.0));
+        assert_eq!(left(0.0, 50.0), None);
+        // Rounding may add up to a little more.
+        assert_eq!(left(100.1, 0.0), Some(0.0));
+    }
+
+    #[test]
+    fn all_work_adds_up() {
+        let stage = TimeLeft::begin(4.0);
+        assert_eq!(stage.left(), None);
+        assert_eq!(stage.advance(1.0, true), 0.25);
+        assert_eq!(stage.advance(2.0, false), 0.75);
+        assert!(stage.left().is_some());
+        assert_eq!(stage.advance(2.0, false), 1.0);
+    }
+}
