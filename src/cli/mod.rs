@@ -20,6 +20,7 @@ mod timing_quality;
 mod trace;
 mod tree;
 mod verify_output;
+mod version;
 mod view;
 
 use std::ffi::OsString;
@@ -39,7 +40,8 @@ use crate::text::{self, Diagnostic, one_line};
 /// Reads a scene from a YAML file; writes its picture, a map of the cost of each pixel,
 /// and VTK files with ParaView states that show both.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, subcommand_required = true)]
+#[command(version, long_version = version::LONG.as_str())]
+#[command(propagate_version = true, subcommand_required = true)]
 #[command(after_help = "Start with:\n  raycost new scene.yaml\n  raycost render scene.yaml")]
 pub struct Cli {
     #[command(subcommand)]

@@ -25,3 +25,4 @@ mod settings;
 mod study;
 mod terminal;
 mod trace;
+mod version;

@@ -1,0 +1,35 @@
+//! `raycost --version`: what this program was built from, and what it runs with here.
+
+use std::sync::LazyLock;
+
+use crate::simd::Simd;
+use crate::summary::Build;
+
+/// The cargo features, and whether this program was built with them.
+const FEATURES: [(&str, bool); 2] = [
+    ("hdf5", cfg!(feature = "hdf5")),
+    ("profile", cfg!(feature = "profile")),
+];
+
+/// The version with commit, features, instruction set, compiler and profile, a line each.
+pub(super) static LONG: LazyLock<String> = LazyLock::new(|| {
+    let build = Build::current();
+    let built_in = FEATURES.iter().filter(|(_, is_built_in)| *is_built_in);
+    let features: Vec<&str> = built_in.map(|(name, _)| *name).collect();
+    let features = match &features[..] {
+        [] => "none".to_owned(),
+        some => some.join(", "),
+    };
+    let lines = [
+        build.version,
+        format!("commit    {}", build.commit.as_deref().unwrap_or("unknown")),
+        format!("features  {features}"),
+        format!(
+            "simd      {}, the best that this processor has",
+            Simd::best()
+        ),
+        format!("compiler  {}", build.compiler),
+        format!("profile   {}", build.profile),
+    ];
+    lines.join("\n")
+});
