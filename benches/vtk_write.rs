@@ -149,7 +149,7 @@ fn film(width: u32, height: u32) -> Film {
     (config.image.width, config.image.height) = (width, height);
     let geometries = Geometries::read(&mut config, Path::new("configs"), u64::MAX).unwrap();
     let scene = Scene::new(&config, geometries).unwrap();
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }

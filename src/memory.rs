@@ -6,7 +6,7 @@ use crate::config::{Acceleration, Config, Image, Repeats};
 use crate::film;
 use crate::output;
 use crate::render::repeat_bytes_per_pixel;
-use crate::scene::{Geometries, Primitive, SurfaceClass};
+use crate::scene::{Geometries, Instance, Primitive, SurfaceClass};
 use crate::schedule::{self, TileGrid};
 use crate::yaml::{Fault, FieldPath};
 
@@ -49,19 +49,30 @@ impl Memory {
         }
     }
 
-    /// Estimates the memory of the scene without a film.
-    pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
-        let per_primitive = size_of::<Primitive>()
+    /// Estimates the memory of an instance of a mesh: an upper bound.
+    pub fn of_instance(config: &Config) -> u64 {
+        (Self::per_primitive(config) + size_of::<Instance>()) as u64
+    }
+
+    /// Upper bound of the bytes of a primitive and its share of the acceleration structure.
+    fn per_primitive(config: &Config) -> usize {
+        size_of::<Primitive>()
             + size_of::<SurfaceClass>()
             + match config.acceleration {
                 Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
                 Acceleration::BruteForce => size_of::<u32>(),
-            };
+            }
+    }
+
+    /// Estimates the memory of the scene without a film.
+    pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
+        let per_primitive = Self::per_primitive(config);
         let n_primitives = geometries.n_primitives();
         Self {
             film: 0,
             // The geometries as read, and their attributes in world space.
             scene: n_primitives as u64 * per_primitive as u64
+                + (geometries.n_instances() * size_of::<Instance>()) as u64
                 + 2 * geometries.n_bytes()
                 + geometries.picture_bytes(),
             n_primitives,

@@ -112,7 +112,11 @@ const NO_HITS: HitFields<[f32; 16], [u32; 16]> = HitFields {
 };
 
 fn hit(geometry: u32, t: f32, primitive: u32) -> Option<Hit> {
-    (geometry != INVALID_ID).then_some(Hit { t, primitive })
+    (geometry != INVALID_ID).then_some(Hit {
+        t,
+        primitive,
+        instance: None,
+    })
 }
 
 #[inline]

@@ -89,7 +89,7 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
 
 fn compare(path: &Path) -> Result<Value, Diagnostic> {
     let (config, scene) = read(path)?;
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let meters = MODES.map(Meter::new);
     let mut times = [[0.0; N_ROUNDS]; MODES.len()];

@@ -1,7 +1,7 @@
 //! What rays are asked for, and what they find.
 
 use crate::geometry::{Ray, RayStream};
-use crate::scene::ObjectId;
+use crate::scene::{InstanceId, ObjectId, PlacedPrimitive};
 use crate::simd::{Lanes, N_LANES, Vector, grow, lanes_mut};
 
 /// A ray's hit on a primitive.
@@ -11,6 +11,19 @@ pub struct Hit {
     pub t: f32,
     /// The primitive's index in the scene.
     pub primitive: u32,
+    /// The instance, if the primitive is one of a mesh that is placed many times.
+    pub instance: Option<InstanceId>,
+}
+
+impl Hit {
+    /// What was hit.
+    #[inline]
+    pub fn placed(&self) -> PlacedPrimitive {
+        PlacedPrimitive {
+            primitive: self.primitive,
+            instance: self.instance,
+        }
+    }
 }
 
 /// A ray to be tested for occlusion.

@@ -5,6 +5,9 @@
 //! and stay outside the hierarchy. Of two hits at the same distance the one on
 //! the primitive with the lower index counts.
 //!
+//! A scene with instances has two levels ([`World`]): a ray that is tested against an instance
+//! traverses the structure of its mesh (`instanced`).
+//!
 //! `build` writes the hierarchy as cache lines (`layout`, `arena`); `kernel`
 //! traverses it, with eight lanes (`simd`), for a nearest-hit or an any-hit
 //! `search`.
@@ -20,34 +23,35 @@ mod statistics;
 mod unbounded;
 mod nodes;
 mod bvh;
+mod level;
+mod instanced;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::config::Acceleration;
-use crate::cost::{NoProbe, Probe, StreamProbe};
+use crate::cost::{NoProbe, Probe, StreamProbe, Traversals};
 use crate::geometry::{Ray, RayStream};
-use crate::scene::{ObjectId, Primitive};
+use crate::scene::{Instances, ObjectId, World};
 use crate::simd::Simd;
 
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
 pub use hit::{Hit, ShadowRay, ShadowStream};
+use instanced::{Instanced, LevelCounts, LowerLevels, NearestPlaced, PlacedSearch};
 pub use kernel::RAYS_IN_FLIGHT;
 use kernel::{Batch, PacketTraversal, StreamTraversal};
+use level::Level;
 pub use nodes::BvhNode;
 use record::Recorder;
 pub use record::TraversalStep;
 use search::{AnyHit, NearestHit, Queries, Search};
 pub use statistics::BvhStatistics;
-use unbounded::Unbounded;
 
-/// An acceleration structure over the primitives of a scene.
+/// An acceleration structure over everything in a scene that rays can hit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accel<'a> {
-    primitives: &'a [Primitive],
+    world: World<'a>,
     index: Arc<AccelIndex>,
     simd: Simd,
 }
@@ -55,8 +59,11 @@ pub struct Accel<'a> {
 /// What an acceleration structure knows of primitives that it does not borrow.
 #[derive(Debug, PartialEq)]
 pub(crate) struct AccelIndex {
-    unbounded: Unbounded,
-    bvh: Option<Bvh>,
+    upper: Level,
+    /// The structures of meshes that are placed many times.
+    lower: Vec<Level>,
+    /// The id of the first node of each of them.
+    first_ids: Vec<u32>,
 }
 
 impl<'a> Accel<'a> {
@@ -66,8 +73,8 @@ impl<'a> Accel<'a> {
     /// # Panics
     /// If the hierarchy is too large: where [`build`](Self::build) returns an
     /// error.
-    pub fn new(primitives: &'a [Primitive], kind: Acceleration) -> Self {
-        let built = Self::build(primitives, kind, |_| {});
+    pub fn new(world: impl Into<World<'a>>, kind: Acceleration) -> Self {
+        let built = Self::build(world, kind, |_| {});
         built.unwrap_or_else(|too_large| panic!("{too_large}"))
     }
 
@@ -79,28 +86,33 @@ impl<'a> Accel<'a> {
     /// If the hierarchy is larger than 8 GiB, which takes at least 100 million
     /// primitives.
     pub fn build(
-        primitives: &'a [Primitive],
+        world: impl Into<World<'a>>,
         kind: Acceleration,
         report: impl Fn(f64) + Sync,
     ) -> Result<Self, TooLarge> {
-        let all = 0..primitives.len() as u32;
-        let (unbounded, bvh) = match kind {
-            Acceleration::BruteForce => (Unbounded::one_by_one(all.collect()), None),
-            Acceleration::Bvh(quality) => {
-                let is_unbounded = |&i: &u32| primitives[i as usize].is_unbounded();
-                let unbounded: Vec<u32> = all.into_par_iter().filter(is_unbounded).collect();
-                let bvh = Bvh::new(primitives, &unbounded, quality, report)?;
-                (Unbounded::new(primitives, unbounded), Some(bvh))
-            }
+        let world = world.into();
+        let n_all = world.primitives.len() as f64;
+        let level = |primitives: &[_]| {
+            let share = primitives.len() as f64 / n_all;
+            Level::build(primitives, kind, |part| report(share * part))
         };
-        let index = Arc::new(AccelIndex { unbounded, bvh });
-        Ok(Self::of_index(primitives, index))
+        let upper = level(world.upper_level())?;
+        let meshes = world.instances.into_iter().flat_map(Instances::meshes);
+        let lower = meshes.map(|mesh| level(&world.primitives[mesh.range()]));
+        let lower = lower.collect::<Result<Vec<Level>, TooLarge>>()?;
+        let first_ids = level::first_ids(&upper, &lower)?;
+        let index = Arc::new(AccelIndex {
+            upper,
+            lower,
+            first_ids,
+        });
+        Ok(Self::of_index(world, index))
     }
 
-    /// The structure with an index that was built over these primitives.
-    pub(crate) fn of_index(primitives: &'a [Primitive], index: Arc<AccelIndex>) -> Self {
+    /// The structure with an index that was built over the same primitives.
+    pub(crate) fn of_index(world: impl Into<World<'a>>, index: Arc<AccelIndex>) -> Self {
         Self {
-            primitives,
+            world: world.into(),
             index,
             simd: Simd::best(),
         }
@@ -122,15 +134,25 @@ impl<'a> Accel<'a> {
         self.simd
     }
 
-    /// Size and expected cost of the hierarchy; `None` for brute force.
+    /// Size and expected cost of the hierarchy, with those of meshes that are placed many times;
+    /// `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
-        self.index.bvh.as_ref().map(Bvh::statistics)
+        let upper = self.index.upper.bvh.as_ref()?.statistics();
+        let lower = self
+            .index
+            .lower
+            .iter()
+            .filter_map(|level| level.bvh.as_ref());
+        Some(upper.with_lower(lower.map(Bvh::statistics)))
     }
 
     /// The nearest hit with `t > 0` of the ray, whose direction is a unit
     /// vector.
     pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut nearest = NearestHit::new(self.primitives);
+        if let Some(lower) = self.lower_levels() {
+            return self.nearest_placed(lower, ray, probe);
+        }
+        let mut nearest = NearestHit::new(self.world.primitives);
         self.search(ray, &mut nearest, probe);
         nearest.hit()
     }
@@ -147,16 +169,26 @@ impl<'a> Accel<'a> {
         ignored: Option<ObjectId>,
         probe: &mut P,
     ) -> bool {
-        let mut any = AnyHit::new(self.primitives, t_max, ignored);
-        self.search(ray, &mut any, probe);
+        let mut any = AnyHit::new(self.world.primitives, t_max, ignored);
+        match self.lower_levels() {
+            None => self.search(ray, &mut any, probe),
+            Some(lower) => any = self.search_both(any, lower, ray, probe),
+        }
         any.found
     }
 
     /// [`nearest`](Self::nearest); appends every step of the traversal to
     /// `steps`.
     pub fn record_nearest(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
-        let nearest = NearestHit::new(self.primitives);
-        let mut recorder = Recorder::new(nearest, self.primitives, steps);
+        let primitives = self.world.primitives;
+        if let Some(lower) = self.lower_levels() {
+            let nearest = NearestPlaced::new(self.world);
+            let recorder = Recorder::new(nearest, primitives, steps);
+            let recorder = self.search_both(recorder, lower, ray, &mut NoProbe);
+            return recorder.into_parts().0.nearest;
+        }
+        let nearest = NearestHit::new(primitives);
+        let mut recorder = Recorder::new(nearest, primitives, steps);
         self.search(ray, &mut recorder, &mut NoProbe);
         recorder.into_parts().0.hit()
     }
@@ -169,19 +201,29 @@ impl<'a> Accel<'a> {
         steps: &mut Vec<TraversalStep>,
     ) -> Option<Hit> {
         let ray = &shadow.ray;
-        let any = AnyHit::new(self.primitives, shadow.t_max, shadow.ignored);
-        let mut recorder = Recorder::new(any, self.primitives, steps);
-        self.search(ray, &mut recorder, &mut NoProbe);
+        let any = AnyHit::new(self.world.primitives, shadow.t_max, shadow.ignored);
+        let mut recorder = Recorder::new(any, self.world.primitives, steps);
+        match self.lower_levels() {
+            None => self.search(ray, &mut recorder, &mut NoProbe),
+            Some(lower) => recorder = self.search_both(recorder, lower, ray, &mut NoProbe),
+        }
         recorder.into_parts().1
     }
 
-    /// The nodes and leaves of the hierarchy, parents before their children.
+    /// The nodes and leaves of the hierarchy, parents before their children; then those of
+    /// each mesh that is placed many times, in the space of the mesh.
     pub fn nodes(&self) -> Vec<BvhNode> {
-        self.index
-            .bvh
-            .as_ref()
-            .map(|bvh| nodes::list(bvh.arena()))
-            .unwrap_or_default()
+        let list = |level: &Level| {
+            let arena = level.bvh.as_ref().map(Bvh::arena);
+            arena.map(nodes::list).unwrap_or_default()
+        };
+        let mut nodes = list(&self.index.upper);
+        let lower = self.index.lower.iter().zip(&self.index.first_ids);
+        for (mesh, (level, &first_id)) in (0..).zip(lower) {
+            let of_mesh = list(level).into_iter();
+            nodes.extend(of_mesh.map(|node| node.of_mesh(mesh, first_id)));
+        }
+        nodes
     }
 
     /// [`nearest`](Self::nearest) of many rays at once. Overwrites `hits` with one
@@ -193,7 +235,12 @@ impl<'a> Accel<'a> {
         hits: &mut Vec<Option<Hit>>,
         probe: &mut P,
     ) {
-        self.stream(rays, hits, probe);
+        let Some(lower) = self.lower_levels() else {
+            return self.stream(rays, hits, probe);
+        };
+        one_by_one(rays, hits, probe, |i, counts| {
+            self.nearest_placed(lower, &rays.get(i), counts)
+        });
     }
 
     /// [`occluded`](Self::occluded) of many rays at once, in the manner of
@@ -204,7 +251,13 @@ impl<'a> Accel<'a> {
         occluded: &mut Vec<bool>,
         probe: &mut P,
     ) {
-        self.stream(rays, occluded, probe);
+        if self.lower_levels().is_none() {
+            return self.stream(rays, occluded, probe);
+        }
+        one_by_one(rays.rays(), occluded, probe, |i, counts| {
+            let shadow = rays.get(i);
+            self.occluded(&shadow.ray, shadow.t_max, shadow.ignored, counts)
+        });
     }
 
     /// Answers all queries: coherent rays in packets, the others as a stream.
@@ -218,9 +271,9 @@ impl<'a> Accel<'a> {
         answers.resize_with(queries.rays().len(), Q::Answer::default);
         let empty = Arena::default();
         let mut batch = Batch {
-            arena: self.index.bvh.as_ref().map_or(&empty, Bvh::arena),
-            primitives: self.primitives,
-            unbounded: &self.index.unbounded,
+            arena: self.index.upper.bvh.as_ref().map_or(&empty, Bvh::arena),
+            primitives: self.world.primitives,
+            unbounded: &self.index.upper.unbounded,
             queries,
             answers,
             probe,
@@ -239,12 +292,67 @@ impl<'a> Accel<'a> {
 
     /// Tests the search against all primitives that the ray may hit; reports the
     /// counters to the probe.
+    #[inline]
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
-        self.index.unbounded.test(ray, search);
-        let n_tests = self.index.unbounded.len() as u32;
-        match &self.index.bvh {
-            Some(bvh) if !search.is_done() => bvh.traverse(self.simd, ray, search, probe, n_tests),
-            _ => probe.traversal(0, n_tests),
+        self.index.upper.search(self.simd, ray, search, probe);
+    }
+
+    /// The lower levels of a scene with instances.
+    #[inline]
+    fn lower_levels(&self) -> Option<LowerLevels<'_>> {
+        Some(LowerLevels {
+            world: self.world,
+            instances: self.world.instances?,
+            levels: &self.index.lower,
+            first_ids: &self.index.first_ids,
+            simd: self.simd,
+        })
+    }
+
+    /// [`nearest`](Self::nearest) in a scene with instances.
+    fn nearest_placed<P: Probe>(
+        &self,
+        lower: LowerLevels,
+        ray: &Ray,
+        probe: &mut P,
+    ) -> Option<Hit> {
+        let nearest = NearestPlaced::new(lower.world);
+        self.search_both(nearest, lower, ray, probe).nearest
+    }
+
+    /// Searches both levels; reports the counters to the probe.
+    fn search_both<S: PlacedSearch, P: Probe>(
+        &self,
+        search: S,
+        lower: LowerLevels,
+        ray: &Ray,
+        probe: &mut P,
+    ) -> S {
+        let mut both = Instanced::new(search, lower);
+        let counts = both.run(&self.index.upper, ray);
+        probe.traversal(counts.n_visits, counts.n_tests);
+        both.search
+    }
+}
+
+/// Answers queries one after the other, by the index of each and what receives its counters.
+fn one_by_one<A, P: StreamProbe>(
+    rays: &RayStream,
+    answers: &mut Vec<A>,
+    probe: &mut P,
+    answer: impl Fn(usize, &mut LevelCounts) -> A,
+) {
+    answers.clear();
+    for i in 0..rays.len() {
+        let mut counts = LevelCounts::default();
+        answers.push(answer(i, &mut counts));
+        if P::COUNTS {
+            let traversal = Traversals {
+                node_visits: &[counts.n_visits],
+                primitive_tests: &[counts.n_tests],
+                active: 1,
+            };
+            probe.traversals(i, &traversal);
         }
     }
 }

@@ -1,9 +1,10 @@
 //! A search that records every step of its traversal.
 
 use super::hit::Hit;
+use super::instanced::PlacedSearch;
 use super::search::Search;
 use crate::geometry::Ray;
-use crate::scene::Primitive;
+use crate::scene::{InstanceId, PlacedPrimitive, Primitive};
 
 /// One step of a ray's traversal, in chronological order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +39,9 @@ pub(super) struct Recorder<'a, S> {
     steps: &'a mut Vec<TraversalStep>,
     /// The index of the last leaf among the steps.
     leaf: Option<usize>,
+    /// The index of the test of the instance that the ray is in, and that of the last leaf
+    /// outside.
+    entered: Option<(usize, Option<usize>)>,
     /// The hit that ended the search, if one did.
     end: Option<Hit>,
 }
@@ -54,6 +58,7 @@ impl<'a, S> Recorder<'a, S> {
             primitives,
             steps,
             leaf: None,
+            entered: None,
             end: None,
         }
     }
@@ -76,11 +81,15 @@ impl<S: Search> Search for Recorder<'_, S> {
         self.search.is_done()
     }
 
-    fn test(&mut self, ray: &Ray, primitive: u32) {
+    fn visit_test(&mut self, primitive: u32) {
         self.steps.push(TraversalStep::Test {
             primitive,
             hit: false,
         });
+    }
+
+    fn test(&mut self, ray: &Ray, primitive: u32) {
+        self.visit_test(primitive);
         if let Some(t) = self.primitives[primitive as usize].intersect(ray, self.limit()) {
             self.found(t, primitive);
         }
@@ -107,9 +116,46 @@ impl<S: Search> Search for Recorder<'_, S> {
     }
 
     fn found(&mut self, t: f32, primitive: u32) {
+        self.mark(primitive);
+        let was_done = self.search.is_done();
+        self.search.found(t, primitive);
+        self.end_if_done(was_done, t, primitive.into());
+    }
+}
+
+impl<S: PlacedSearch> PlacedSearch for Recorder<'_, S> {
+    fn enter(&mut self, primitive: u32) {
+        self.entered = Some((self.steps.len(), self.leaf));
+        self.visit_test(primitive);
+    }
+
+    fn leave(&mut self) {
+        if let Some((_, leaf)) = self.entered.take() {
+            self.leaf = leaf;
+        }
+    }
+
+    fn found_in(&mut self, instance: InstanceId, t: f32, primitive: u32) {
+        self.mark(primitive);
+        let was_done = self.search.is_done();
+        self.search.found_in(instance, t, primitive);
+        let at = PlacedPrimitive {
+            primitive,
+            instance: Some(instance),
+        };
+        self.end_if_done(was_done, t, at);
+    }
+}
+
+impl<S: Search> Recorder<'_, S> {
+    /// Marks the last test of a primitive as a hit, with its leaf, and with the instance around
+    /// it and its leaf.
+    fn mark(&mut self, primitive: u32) {
         let was_tested = |step: &TraversalStep| matches!(step, TraversalStep::Test { primitive: tested, .. } if *tested == primitive);
         let test = self.steps.iter().rposition(was_tested);
-        for step in test.into_iter().chain(self.leaf) {
+        let (instance, outer_leaf) = self.entered.unzip();
+        let steps = test.into_iter().chain(self.leaf).chain(instance);
+        for step in steps.chain(outer_leaf.flatten()) {
             match &mut self.steps[step] {
                 TraversalStep::Node { hit, .. }
                 | TraversalStep::Leaf { hit, .. }
@@ -118,10 +164,16 @@ impl<S: Search> Search for Recorder<'_, S> {
                 }
             }
         }
-        let was_done = self.search.is_done();
-        self.search.found(t, primitive);
+    }
+
+    /// Keeps the hit that ended the search, if it did.
+    fn end_if_done(&mut self, was_done: bool, t: f32, at: PlacedPrimitive) {
         if self.search.is_done() && !was_done {
-            self.end = Some(Hit { t, primitive });
+            self.end = Some(Hit {
+                t,
+                primitive: at.primitive,
+                instance: at.instance,
+            });
         }
     }
 }

@@ -23,6 +23,9 @@ pub(super) trait Search {
     /// Called before the primitives of the leaf at this cache line are tested at
     /// once; without primitives where [`test`](Self::test) follows for each.
     fn visit_leaf(&mut self, _line: usize, _primitives: impl Iterator<Item = u32>) {}
+    /// Called before the test of a primitive by a search that records, unless it was among
+    /// those of a leaf.
+    fn visit_test(&mut self, _primitive: u32) {}
     /// Called for a hit on a primitive, at `t > 0`, and before the limit that
     /// applied at the start of its group of primitives.
     fn found(&mut self, t: f32, primitive: u32);
@@ -90,8 +93,8 @@ impl Queries for ShadowStream {
 #[derive(Clone, Copy)]
 pub(super) struct NearestHit<'a> {
     primitives: &'a [Primitive],
-    /// The nearest hit so far; at infinity if there is none.
-    nearest: Hit,
+    /// The parameter and the primitive of the nearest hit so far; at infinity if there is none.
+    nearest: (f32, u32),
     /// The next number after the `t` of that hit: hits at equal distance count.
     limit: f32,
 }
@@ -100,10 +103,7 @@ impl<'a> NearestHit<'a> {
     pub(super) fn new(primitives: &'a [Primitive]) -> Self {
         Self {
             primitives,
-            nearest: Hit {
-                t: f32::INFINITY,
-                primitive: u32::MAX,
-            },
+            nearest: (f32::INFINITY, u32::MAX),
             limit: f32::INFINITY,
         }
     }
@@ -111,7 +111,12 @@ impl<'a> NearestHit<'a> {
     /// The hit, if there is one.
     #[inline(always)]
     pub(super) fn hit(&self) -> Option<Hit> {
-        (self.limit < f32::INFINITY).then_some(self.nearest)
+        let (t, primitive) = self.nearest;
+        (self.limit < f32::INFINITY).then_some(Hit {
+            t,
+            primitive,
+            instance: None,
+        })
     }
 }
 
@@ -137,9 +142,9 @@ impl Search for NearestHit<'_> {
 
     #[inline(always)]
     fn found(&mut self, t: f32, primitive: u32) {
-        let nearest = self.nearest;
-        if t < nearest.t || t == nearest.t && primitive < nearest.primitive {
-            self.nearest = Hit { t, primitive };
+        let (nearest, of_primitive) = self.nearest;
+        if t < nearest || t == nearest && primitive < of_primitive {
+            self.nearest = (t, primitive);
             // The next greater number, since `t` is finite and not negative.
             self.limit = f32::from_bits(t.to_bits() + 1);
         }

@@ -36,6 +36,25 @@ pub struct BvhStatistics {
 }
 
 impl BvhStatistics {
+    /// With the hierarchies of meshes that are placed many times: sums, the depth of the
+    /// deepest path through both levels, and the expected cost of the upper level, in which an
+    /// instance counts as one test.
+    pub(super) fn with_lower(self, lower: impl Iterator<Item = Self>) -> Self {
+        let mut sum = self;
+        for mesh in lower {
+            let n = (sum.n_references + mesh.n_references).max(1) as f32;
+            let bytes = sum.bytes_per_test * sum.n_references as f32
+                + mesh.bytes_per_test * mesh.n_references as f32;
+            sum.bytes_per_test = bytes / n;
+            sum.n_nodes += mesh.n_nodes;
+            sum.n_leaves += mesh.n_leaves;
+            sum.n_references += mesh.n_references;
+            sum.bytes += mesh.bytes;
+            sum.depth = sum.depth.max(self.depth + mesh.depth);
+        }
+        sum
+    }
+
     /// The statistics of an arena, which may be empty.
     pub(super) fn of(arena: &Arena) -> Self {
         let lines = arena.lines();

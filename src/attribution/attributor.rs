@@ -7,7 +7,7 @@ use crate::accel::{Accel, BvhNode, Hit, TraversalStep};
 use crate::attribution::{Observer, RayTree, TracedRay};
 use crate::config::{Image, OptionalOutput, Outputs};
 use crate::cost::{Clock, RayKind};
-use crate::scene::{Primitive, Scene};
+use crate::scene::{Instances, Primitive, Scene};
 
 /// Sums that all threads add to.
 pub(super) struct Tallies {
@@ -17,6 +17,9 @@ pub(super) struct Tallies {
     primitives: Option<Tally<3>>,
     /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
+    /// The id of the first node of meshes that are placed many times; greater than all others if
+    /// there are none.
+    first_lower_id: u32,
 }
 
 /// Rows per object or material.
@@ -32,6 +35,9 @@ impl Tallies {
             materials: Tally::new(N_ROWS * (scene.materials.len() + 1)),
             primitives: primitives.then(|| Tally::new(scene.primitives.len())),
             lines: nodes.map(|nodes| Tally::new(n_lines(nodes))),
+            first_lower_id: nodes
+                .and_then(|nodes| nodes.iter().find(|node| node.mesh.is_some()))
+                .map_or(u32::MAX, |first| first.id),
         }
     }
 
@@ -105,6 +111,11 @@ impl<'a> Attributor<'a> {
                 ],
             },
             steps: Steps {
+                first_lower: scene
+                    .instances
+                    .as_ref()
+                    .map_or(u32::MAX, Instances::first_triangle),
+                first_lower_id: tallies.first_lower_id,
                 primitives: tallies.primitives.as_ref().map(TallyCache::new),
                 lines: tallies.lines.as_ref().map(TallyCache::new),
             },
@@ -188,6 +199,10 @@ impl ObjectTallies<'_> {
 
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
+    /// The index of the first primitive, and the id of the first node, of meshes that are placed
+    /// many times; greater than all others if there are none.
+    first_lower: u32,
+    first_lower_id: u32,
     primitives: Option<TallyCache<'a, 3>>,
     lines: Option<TallyCache<'a, 3>>,
 }
@@ -203,7 +218,8 @@ impl Steps<'_> {
             rest -= one_more;
             time_ps / n_steps + one_more
         };
-        let mut leaf = None;
+        // The last leaf, and the last one of the upper level.
+        let (mut leaf, mut upper_leaf) = (None, None);
         for step in steps {
             match *step {
                 TraversalStep::Node { id, hit } => {
@@ -211,11 +227,19 @@ impl Steps<'_> {
                 }
                 TraversalStep::Leaf { id, hit } => {
                     leaf = Some(id);
+                    if id < self.first_lower_id {
+                        upper_leaf = leaf;
+                    }
                     add(&mut self.lines, id, [1, hit.into(), 0]);
                 }
                 TraversalStep::Test { primitive, hit } => {
                     let time_ps = share();
                     add(&mut self.primitives, primitive, [1, hit.into(), time_ps]);
+                    // The tests in an instance may come between those of a leaf of the upper
+                    // level.
+                    if primitive < self.first_lower {
+                        leaf = upper_leaf;
+                    }
                     // Primitives outside of the hierarchy are tested before all leaves.
                     if let Some(leaf) = leaf {
                         add(&mut self.lines, leaf, [0, 0, time_ps]);

@@ -155,10 +155,11 @@ fn report(
         (
             "memory",
             format!(
-                "up to {} (film {}, scene {}), {} free",
+                "up to {} (film {}, scene {}{}), {} free",
                 bytes(memory.total()),
                 bytes(memory.film),
                 bytes(memory.scene),
+                per_instance(config),
                 bytes(memory::available())
             ),
         ),
@@ -170,6 +171,15 @@ fn report(
     lines
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect()
+}
+
+/// ", 512 bytes for each instance", in a scene that has some.
+fn per_instance(config: &Config) -> String {
+    if !config.has_instances() {
+        return String::new();
+    }
+    let n_bytes = Memory::of_instance(config);
+    format!(", {} for each instance", bytes(n_bytes))
 }
 
 /// The number of frames, their times, and the rays of all.

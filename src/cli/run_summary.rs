@@ -78,7 +78,15 @@ pub(super) fn lines(
 
 /// "1,234 primitives", and the number of omitted triangles.
 pub(super) fn primitives(scene: &Scene) -> String {
-    let kept = counted(scene.primitives.len() as u64, "primitive");
+    let world = scene.world();
+    let mut kept = counted(world.n_primitives() as u64, "primitive");
+    if let Some(instances) = world.instances {
+        kept += &format!(
+            ", {} of {}",
+            counted(instances.n_instances() as u64, "instance"),
+            counted(instances.n_placed(), "triangle")
+        );
+    }
     match scene.n_degenerate {
         0 => kept,
         n => format!("{kept} ({} without area left out)", counted(n, "triangle")),

@@ -18,7 +18,7 @@ use crate::folder::{OutputFolder, Written};
 use crate::memory::{self, Memory};
 use crate::output::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
 use crate::render::{Progress, TilePlan, render};
-use crate::scene::{Geometries, Scene};
+use crate::scene::{Geometries, Scene, World};
 use crate::session::Input;
 use crate::stop;
 use crate::text::numbers::{bytes, counted};
@@ -106,7 +106,12 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let pool = thread_pool(arguments.threads)?;
     let bar = BuildBar::new(arguments.quiet);
     let report = |part| bar.advance(part);
-    let accel = pool.install(|| Accel::build(&scene.primitives, config.acceleration, report));
+    // The image plane changes below.
+    let world = World {
+        primitives: &scene.primitives,
+        instances: scene.instances.as_ref(),
+    };
+    let accel = pool.install(|| Accel::build(world, config.acceleration, report));
     bar.clear();
     let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
     let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;

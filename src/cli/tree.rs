@@ -151,7 +151,10 @@ impl<'a> Trees<'a> {
         }
         let met = ray.hit.map(|hit| {
             let primitive = &self.traced.scene.primitives[hit.primitive as usize];
-            let object = self.object(primitive.object.0);
+            let mut object = self.object(primitive.object.0);
+            if let Some(instance) = hit.instance {
+                object += &format!(", instance {}", instance.0);
+            }
             (object, self.material(primitive.material.0))
         });
         let light = ray

@@ -12,6 +12,7 @@ mod file;
 mod film;
 mod generator;
 mod tube;
+mod instances;
 mod image;
 mod object;
 mod outputs;
@@ -33,6 +34,7 @@ pub use file::{
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
+pub use instances::InstancedMesh;
 pub use isosurface::Isosurface;
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
@@ -136,7 +138,14 @@ impl Config {
             radiance_in_vtk,
             albedo: has_exr,
             bounces: self.output.has(OptionalOutput::Bounces),
+            instance: self.has_instances(),
         }
+    }
+
+    /// Whether meshes are placed many times.
+    pub fn has_instances(&self) -> bool {
+        let is_placed = |object: &Object| matches!(object.geometry, Geometry::Instances(_));
+        self.objects.iter().any(is_placed)
     }
 
     /// Checks that the other settings allow all requested outputs.

@@ -8,6 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 
 use super::file::GeometryFile;
 use super::generator::Generator;
+use super::instances::InstancedMesh;
 use super::tube::Tube;
 use crate::geometry::{Shape, TransformStep};
 use crate::yaml;
@@ -51,6 +52,8 @@ pub enum Geometry {
     Tube(Tube),
     /// Many shapes from a file.
     File(GeometryFile),
+    /// A mesh at many places.
+    Instances(Box<InstancedMesh>),
 }
 
 /// One or more material names: `red` or `[red, green]`; none for the materials of a file.
@@ -65,6 +68,7 @@ impl fmt::Display for Geometry {
             Self::Generator(generator) => generator.fmt(f),
             Self::Tube(_) => f.write_str(Tube::KEY),
             Self::File(file) => file.fmt(f),
+            Self::Instances(_) => f.write_str(InstancedMesh::KEY),
         }
     }
 }
@@ -76,7 +80,7 @@ const COMMON: [&str; 3] = ["material", "name", "transform"];
 static GEOMETRIES: LazyLock<Vec<&str>> = LazyLock::new(|| {
     [
         Shape::KEYS,
-        &[Tube::KEY],
+        &[Tube::KEY, InstancedMesh::KEY],
         Generator::KEYS,
         GeometryFile::KEYS,
     ]
@@ -116,7 +120,10 @@ impl<'de> Visitor<'de> for ObjectVisitor {
             let keys = GEOMETRIES.join("`, `");
             A::Error::custom(format!("cannot lack a shape, expected one of `{keys}`"))
         })?;
-        let of_file = matches!(geometry, Geometry::File(GeometryFile::Mesh(_)));
+        let of_file = matches!(
+            geometry,
+            Geometry::File(GeometryFile::Mesh(_)) | Geometry::Instances(_)
+        );
         let material = material.or_else(|| of_file.then(MaterialNames::default));
         Ok(Object {
             name,
@@ -151,6 +158,9 @@ fn next_geometry<'de, A: MapAccess<'de>>(
     }
     if key == Tube::KEY {
         return map.next_value().map(|tube| Some(Geometry::Tube(tube)));
+    }
+    if key == InstancedMesh::KEY {
+        return map.next_value().map(|mesh| Some(Geometry::Instances(mesh)));
     }
     if let Some(generator) = Generator::next_value(key, map)? {
         return Ok(Some(Geometry::Generator(generator)));

@@ -60,6 +60,8 @@ pub struct ExtraArrays {
     pub albedo: bool,
     /// The numbers of rays by bounce.
     pub bounces: bool,
+    /// The instance that the center sample hit.
+    pub instance: bool,
 }
 
 /// The nodes of the hierarchy that are written; all, if not given.

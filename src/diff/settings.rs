@@ -20,13 +20,14 @@ pub struct Setting {
 const MACHINE: [&str; 4] = ["raycost", "machine", "cost/kernel", "cost/clock/source"];
 
 /// Paths in `summary.json` that describe the settings.
-const SETTINGS: [&str; 14] = [
+const SETTINGS: [&str; 15] = [
     "scene",
     "image",
     "film",
     "objects",
     "materials",
     "n_primitives",
+    "n_instances",
     "n_degenerate_triangles",
     "acceleration/kind",
     "acceleration/quality",

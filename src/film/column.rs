@@ -133,6 +133,10 @@ impl Column {
     pub const BOUNCES: Self =
         column!("rays_by_bounce", bounces, U32 x 8 in Metric::RAYS.unit_label());
 
+    /// The index of the instance; -1 without a hit, and on what is none. In scenes with
+    /// instances.
+    pub const INSTANCE: Self = column!("instance", instance, I32 x 1);
+
     /// The color of the surface; not in VTK files.
     pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
 
@@ -208,6 +212,11 @@ mod tests {
                 bytes_per_pixel(mode, bounces),
                 expected + Column::BOUNCES.stride()
             );
+            let instance = ExtraArrays {
+                instance: true,
+                ..film.extra
+            };
+            assert_eq!(bytes_per_pixel(mode, instance), expected + 4);
         }
     }
 

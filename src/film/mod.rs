@@ -76,7 +76,8 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     } else {
         0
     };
-    let extra = n_vectors * size_of::<Vec3>() + bounces;
+    let instance = if extra.instance { size_of::<i32>() } else { 0 };
+    let extra = n_vectors * size_of::<Vec3>() + bounces + instance;
     extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
 }
 
@@ -125,9 +126,11 @@ impl Film {
     pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
         let radiance = self.extra.radiance_in_vtk.then_some(Column::RADIANCE);
         let bounces = self.extra.bounces.then_some(Column::BOUNCES);
+        let instance = self.extra.instance.then_some(Column::INSTANCE);
         all_columns(self.cost, self.repeats, self.counts_samples())
             .chain(radiance)
             .chain(bounces)
+            .chain(instance)
     }
 
     /// Number of pixels with a hit.

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::cost::{Counters, RaysByBounce};
+use crate::scene::InstanceId;
 use crate::trace::SurfacePoint;
 
 /// Pixels of a tile and their cost, row by row.
@@ -39,6 +40,8 @@ pub struct Pixel {
     pub object: i32,
     /// The index of its material; -1 without a hit.
     pub material: i32,
+    /// The index of the instance that was hit; -1 for none.
+    pub instance: i32,
 }
 
 /// A black pixel without a hit.
@@ -53,11 +56,18 @@ impl Default for Pixel {
             footprint: f32::NAN,
             object: -1,
             material: -1,
+            instance: -1,
         }
     }
 }
 
 impl Pixel {
+    /// Sets the instance that the camera ray of the center sample hit.
+    #[inline]
+    pub fn set_instance(&mut self, instance: Option<InstanceId>) {
+        self.instance = instance.map_or(-1, |id| id.0 as i32);
+    }
+
     /// Sets what the camera ray of the center sample hit.
     #[inline]
     pub fn set_surface(&mut self, point: &SurfacePoint) {
@@ -67,6 +77,7 @@ impl Pixel {
         self.distance = point.distance;
         self.object = point.object.0 as i32;
         self.material = point.material.0 as i32;
+        self.set_instance(point.instance);
     }
 }
 

@@ -4,7 +4,7 @@ use super::Strip;
 use crate::schedule::Tile;
 
 /// Number of arrays that a rendering writes.
-const N_ARRAYS: usize = 12;
+const N_ARRAYS: usize = 13;
 
 /// The arrays of a strip that a rendering writes, as bytes, shared or for writing. The
 /// spread of repeated times is none of them: it is computed after all renderings.
@@ -15,6 +15,7 @@ macro_rules! arrays {
             bytemuck::$cast($($reference)+ $strip.radiance[..]),
             bytemuck::$cast($($reference)+ $strip.albedo[..]),
             bytemuck::$cast($($reference)+ $strip.bounces[..]),
+            bytemuck::$cast($($reference)+ $strip.instance[..]),
             bytemuck::$cast($($reference)+ $strip.position[..]),
             bytemuck::$cast($($reference)+ $strip.normal[..]),
             bytemuck::$cast($($reference)+ $strip.distance[..]),

@@ -25,6 +25,8 @@ pub struct Strip {
     pub albedo: Vec<Vec3>,
     /// The rays by bounce; empty if the film does not keep them.
     pub bounces: Vec<RaysByBounce>,
+    /// The instance at the pixel's hit; empty if the film does not keep it.
+    pub instance: Vec<i32>,
     /// The point of the pixel's hit in world space; NaN without a hit.
     pub position: Vec<Vec3>,
     pub normal: Vec<Vec3>,
@@ -54,6 +56,7 @@ impl Strip {
             radiance: vec![Vec3::ZERO; n_if(extra.radiance)],
             albedo: vec![Vec3::ZERO; n_if(extra.albedo)],
             bounces: vec![RaysByBounce::default(); n_if(extra.bounces)],
+            instance: vec![0; n_if(extra.instance)],
             position: vec![Vec3::ZERO; n],
             normal: vec![Vec3::ZERO; n],
             distance: vec![0.0; n],
@@ -87,6 +90,11 @@ impl Strip {
         if !self.albedo.is_empty() {
             fill(&mut self.albedo[places.clone()], pixels, |pixel| {
                 pixel.albedo
+            });
+        }
+        if !self.instance.is_empty() {
+            fill(&mut self.instance[places.clone()], pixels, |pixel| {
+                pixel.instance
             });
         }
         if !rendered.bounces.is_empty() {

@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::Transform;
+use super::{InstanceTransform, Transform};
 
 /// Corners of the polygon that replaces a circle.
 const N_CORNERS: usize = 32;
@@ -71,6 +71,16 @@ impl Patch {
             Self::Triangle(corners) => corners,
             Self::Box(corners) => corners,
             Self::Polygon(corners) | Self::Strip(corners) => corners,
+        }
+    }
+
+    /// Its image at the place of an instance, if it is a triangle.
+    pub fn of_instance(self, place: &InstanceTransform) -> Self {
+        match self {
+            Self::Triangle(corners) => {
+                Self::Triangle(corners.map(|corner| place.world_point(corner)))
+            }
+            other => other,
         }
     }
 

@@ -78,6 +78,11 @@ impl Transform {
         })
     }
 
+    /// The map from object space to world space.
+    pub fn matrix(&self) -> Affine3A {
+        self.world_from_object
+    }
+
     /// A point of object space in world space.
     pub fn world_point(&self, point: Vec3) -> Vec3 {
         self.world_from_object.transform_point3(point)

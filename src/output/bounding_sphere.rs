@@ -27,7 +27,11 @@ impl BoundingSphere {
         let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
         let camera = corners.map(|(x, y)| plane.point(x, y));
         let camera = Aabb::of_points(camera.into_iter().chain([plane.viewpoint()]));
-        let bounded = scene.primitives.iter().filter(|p| !p.is_unbounded());
+        let bounded = scene
+            .world()
+            .upper_level()
+            .iter()
+            .filter(|p| !p.is_unbounded());
         let bounds = bounded.fold(camera, |all, primitive| all.union(primitive.bounds()));
         Self {
             center: bounds.center(),

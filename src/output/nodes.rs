@@ -10,8 +10,9 @@ use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode, OptionalOutput};
 use crate::cost::Metric;
 use crate::geometry::LENGTH_UNIT;
+use crate::scene::Instances;
 use crate::vtk::appended;
-use crate::vtk::array::{Array, Entry, separate_cells, types_of};
+use crate::vtk::array::{Array, Entry, separate_cells};
 use crate::vtk::data_set::{CellMesh, DataSet};
 use crate::vtk::encoding::Encoding;
 
@@ -24,7 +25,8 @@ pub(super) const FILE: OutputFile = OutputFile {
         let hierarchy = rendering.attribution.and_then(|of| of.hierarchy.as_ref());
         let (limits, cost) = (rendering.config.output.bvh, rendering.film.cost);
         hierarchy.map_or(Ok(()), |hierarchy| {
-            write(hierarchy, limits, cost, job.encoding(), out)
+            let instances = rendering.scene.instances.as_ref();
+            write((hierarchy, instances), limits, cost, job.encoding(), out)
         })
     }),
 };
@@ -38,8 +40,11 @@ struct Shown<'a> {
 
 /// Writes the nodes and leaves within the limits as an UnstructuredGrid of one
 /// VTK_VOXEL each, ancestors before descendants; times only if `cost` has any.
+///
+/// Those of a mesh that is placed many times are at the place of its first instance: a
+/// VTK_HEXAHEDRON each, since they may be turned there.
 pub fn write(
-    hierarchy: &Hierarchy,
+    (hierarchy, instances): (&Hierarchy, Option<&Instances>),
     limits: BvhLimits,
     cost: CostMode,
     encoding: impl Into<Encoding>,
@@ -52,9 +57,12 @@ pub fn write(
         n_points: 8 * n,
         n_cells: n,
         point_data: Vec::new(),
-        cell_data: cell_data(&shown, cost),
-        points: Array::of("Points", 8 * n, || shown.iter().flat_map(corners)).in_unit(LENGTH_UNIT),
-        cells: vec![connectivity, offsets, types_of(CellType::Voxel, n)],
+        cell_data: cell_data(&shown, instances.is_some(), cost),
+        points: Array::of("Points", 8 * n, || {
+            shown.iter().flat_map(|shown| corners(shown, instances))
+        })
+        .in_unit(LENGTH_UNIT),
+        cells: vec![connectivity, offsets, types(&shown)],
     };
     appended::write(&DataSet::Grid(boxes), encoding.into(), out)
 }
@@ -66,7 +74,7 @@ fn shown(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {
         .collect()
 }
 
-fn cell_data<'a>(shown: &'a [Shown], cost: CostMode) -> Vec<Array<'a>> {
+fn cell_data<'a>(shown: &'a [Shown], has_meshes: bool, cost: CostMode) -> Vec<Array<'a>> {
     let mut arrays = vec![
         array("node", shown, |shown| shown.node.id),
         array("depth", shown, |shown| shown.node.depth),
@@ -78,6 +86,11 @@ fn cell_data<'a>(shown: &'a [Shown], cost: CostMode) -> Vec<Array<'a>> {
         array("hits", shown, |shown| shown.visits.n_hits),
         array("wasted_visits", shown, |shown| shown.visits.n_wasted()),
     ];
+    if has_meshes {
+        arrays.push(array("mesh", shown, |shown| {
+            shown.node.mesh.map_or(-1, |mesh| mesh as i32)
+        }));
+    }
     if let Some(metric) = Metric::of_times(cost) {
         let times = array(metric.name, shown, |shown| shown.visits.time_ns());
         arrays.push(times.in_unit(metric.unit_label()));
@@ -93,7 +106,24 @@ fn array<'a, E: Entry>(
     Array::of(name, shown.len(), move || shown.iter().map(entry))
 }
 
-/// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest.
-fn corners(shown: &Shown) -> [[f32; 3]; 8] {
-    shown.node.bounds.corners().map(|corner| corner.to_array())
+/// Returns the types of the cells.
+fn types<'a>(shown: &'a [Shown]) -> Array<'a> {
+    let cell = |shown: &Shown| match shown.node.mesh {
+        None => CellType::Voxel as u8,
+        Some(_) => CellType::Hexahedron as u8,
+    };
+    Array::of("types", shown.len(), move || shown.iter().map(cell))
+}
+
+/// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest; those of a mesh
+/// in that of VTK_HEXAHEDRON, around one face and then around the opposite one.
+fn corners(shown: &Shown, instances: Option<&Instances>) -> [[f32; 3]; 8] {
+    let corners = shown.node.bounds.corners();
+    let placed = shown.node.mesh.zip(instances).map(|(mesh, instances)| {
+        let first = instances.meshes()[mesh as usize].first;
+        let place = |corner| instances.get(first).transform.world_point(corner);
+        let [a, b, c, d, e, f, g, h] = corners.map(place);
+        [a, b, d, c, e, f, h, g]
+    });
+    placed.unwrap_or(corners).map(|corner| corner.to_array())
 }

@@ -107,6 +107,12 @@ impl<'a> Rays<'a> {
             self.cost(Metric::NODE_VISITS, |ray| ray.node_visits),
             self.cost(Metric::PRIMITIVE_TESTS, |ray| ray.primitive_tests),
         ];
+        if self.traced.scene.instances.is_some() {
+            arrays.push(self.array("instance", |ray| {
+                let instance = ray.surface().and_then(|hit| hit.instance);
+                instance.map_or(-1, |id| id.0 as i32)
+            }));
+        }
         if self.traced.is_timed {
             arrays.push(self.cost(Metric::TIME, |ray| ray.time_ns));
         }

@@ -45,7 +45,12 @@ fn of(job: &Job) -> Summary {
         camera: Some((&rendering.scene.image_plane).into()),
         objects: objects(rendering),
         materials: config.materials.keys().cloned().collect(),
-        n_primitives: rendering.scene.primitives.len() as u64,
+        n_primitives: rendering.scene.world().n_primitives() as u64,
+        n_instances: rendering
+            .scene
+            .instances
+            .as_ref()
+            .map(|instances| instances.n_instances() as u64),
         n_degenerate_triangles: Some(rendering.scene.n_degenerate),
         acceleration: AccelerationSection::new(config.acceleration, rendering.bvh),
         machine: Machine::current(),

@@ -8,8 +8,8 @@ use super::file::{FileContent, OutputFile};
 use crate::attribution::Visits;
 use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
-use crate::geometry::{LENGTH_UNIT, Patch};
-use crate::scene::{Primitive, Scene};
+use crate::geometry::{InstanceTransform, LENGTH_UNIT, Patch};
+use crate::scene::{Instances, Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, Integers};
 use crate::vtk::data_set::{CellMesh, DataSet};
@@ -33,6 +33,7 @@ pub(super) const FILE: OutputFile = OutputFile {
 #[derive(Clone, Copy)]
 struct Surface<'a> {
     primitives: &'a [Primitive],
+    instances: Option<&'a Instances>,
     visits: &'a [Visits],
     n_cells: usize,
 }
@@ -42,6 +43,9 @@ struct Surface<'a> {
 /// boxes, triangle strips for ellipsoids, cylinders, cones and capsules, and vertices with a `radius` for
 /// spheres. `visits` are those of all primitives; times are written only if
 /// `cost` has any.
+///
+/// A mesh that is placed many times is shown once, at the place of its first instance, with
+/// the costs of all of its instances; each instance is shown as its box.
 pub fn write(
     scene: &Scene,
     visits: &[Visits],
@@ -53,6 +57,7 @@ pub fn write(
     let is_shown = |primitive: &&Primitive| !primitive.is_unbounded();
     let surface = Surface {
         primitives,
+        instances: scene.instances.as_ref(),
         visits,
         n_cells: primitives.iter().filter(is_shown).count(),
     };
@@ -86,7 +91,44 @@ impl<'a> Surface<'a> {
     }
 
     fn patches(self) -> impl Iterator<Item = Patch> {
-        self.primitives.iter().filter_map(Primitive::patch)
+        let all = (0..).zip(self.primitives);
+        all.filter_map(move |(index, primitive)| {
+            let patch = primitive.patch()?;
+            Some(match self.first_place(index) {
+                None => patch,
+                Some(transform) => patch.of_instance(transform),
+            })
+        })
+    }
+
+    /// The place of the first instance of the mesh that has the primitive with this index, if
+    /// one has.
+    fn first_place(self, index: u32) -> Option<&'a InstanceTransform> {
+        let instances = self.instances?;
+        let mesh = &instances.meshes()[instances.mesh_with(index)? as usize];
+        Some(&instances.get(mesh.first).transform)
+    }
+
+    /// The arrays of a scene with instances: the instance that a box is of, and the mesh that a
+    /// triangle is of; else -1.
+    fn instance_arrays(self) -> Option<[Array<'a>; 2]> {
+        let instances = self.instances?;
+        let array = |name, number: fn(&Instances, u32) -> Option<u32>| {
+            let number = move |(index, _, _): (usize, &Primitive, &Visits)| {
+                number(instances, index as u32).map_or(-1, |number| number as i32)
+            };
+            Array::of(name, self.n_cells, move || self.cells().map(number))
+        };
+        let instance = |instances: &Instances, index: u32| {
+            let instance = instances.of_box(index);
+            instance
+                .filter(|id| (id.0 as usize) < instances.n_instances())
+                .map(|id| id.0)
+        };
+        Some([
+            array("instance", instance),
+            array("mesh", Instances::mesh_with),
+        ])
     }
 
     /// Returns the end of each cell's points among all points.
@@ -130,6 +172,7 @@ impl<'a> Surface<'a> {
             self.array("hits", |_, _, visits| visits.n_hits),
             self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
         ];
+        arrays.extend(self.instance_arrays().into_iter().flatten());
         if let Some(metric) = Metric::of_times(cost) {
             let times = self.array(metric.name, |_, _, visits| visits.time_ns());
             arrays.push(times.in_unit(metric.unit_label()));

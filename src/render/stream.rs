@@ -241,6 +241,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                 [pixel.position, pixel.normal] = self.points.position_and_normal(point);
                 let [object, material] = self.points.object_and_material(point);
                 (pixel.object, pixel.material) = (object as i32, material as i32);
+                pixel.set_instance(self.points.instance(point));
                 pixel.albedo = self.points.color(point);
                 pixel.distance = self.points.distance(point);
                 self.distances[i] = pixel.distance;

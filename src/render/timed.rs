@@ -299,7 +299,7 @@ mod tests {
         let mut config: Config = source.parse().unwrap();
         let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
         let scene = Scene::new(&config, geometries).unwrap();
-        let accel = Accel::new(&scene.primitives, config.acceleration);
+        let accel = Accel::new(&scene, config.acceleration);
         let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
         let view = View::new(&scene, &accel, &config.image);
         let clock = Clock::calibrated();

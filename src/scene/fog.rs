@@ -40,7 +40,7 @@ impl Scene {
         let Some(fog) = config.fog else {
             return;
         };
-        let bounds = bounds(&self.primitives);
+        let bounds = bounds(self.world().upper_level());
         let center = bounds.center();
         let to_corner = 0.5 * (bounds.max - bounds.min).length();
         let to_camera = self.image_plane.viewpoint().distance(center);

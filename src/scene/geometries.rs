@@ -2,12 +2,17 @@
 //! their files.
 
 use std::path::Path;
+use std::sync::Arc;
+
+use glam::Affine3A;
 
 use super::arrays;
 use super::own_materials;
 use super::pictures::Pictures;
-use crate::config::{Config, Generator, Geometry, GeometryFile, MeshFile, MeshNormals, Object};
-use crate::geometry::Shape;
+use crate::config::{
+    Config, Generator, Geometry, GeometryFile, InstancedMesh, MeshFile, MeshNormals, Object,
+};
+use crate::geometry::{Shape, Transform};
 use crate::import::{self, ArrayChoice, DataSeries, FileFault, Mesh, Spheres, Tubes};
 use crate::yaml::{Fault, FieldPath, Folders};
 
@@ -30,6 +35,16 @@ pub(super) enum ObjectGeometry {
     Mesh(Box<Mesh>),
     Spheres(Spheres),
     Tubes(Tubes),
+    Instances(Box<MeshInstances>),
+}
+
+/// A mesh and its places.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct MeshInstances {
+    pub(super) mesh: Mesh,
+    /// The map of each instance from the coordinates of the mesh to those of the object: at
+    /// least one.
+    pub(super) places: Arc<[Affine3A]>,
 }
 
 impl ObjectGeometry {
@@ -37,6 +52,7 @@ impl ObjectGeometry {
     pub(super) fn has_uvs(&self) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.uvs.is_some(),
+            Self::Instances(placed) => placed.mesh.uvs.is_some(),
             Self::Shape(_) | Self::Generator(_) | Self::Spheres(_) | Self::Tubes(_) => false,
         }
     }
@@ -45,6 +61,7 @@ impl ObjectGeometry {
     pub(super) fn has_vertex_colors(&self) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.colors.is_some(),
+            Self::Instances(placed) => placed.mesh.colors.is_some(),
             Self::Spheres(spheres) => spheres.colors.is_some(),
             Self::Shape(_) | Self::Generator(_) | Self::Tubes(_) => false,
         }
@@ -54,6 +71,10 @@ impl ObjectGeometry {
     pub(super) fn scalars(&self) -> Option<&[f32]> {
         match self {
             Self::Mesh(mesh) => mesh.scalars.as_ref().map(|scalars| &scalars.values[..]),
+            Self::Instances(placed) => {
+                let scalars = placed.mesh.scalars.as_ref();
+                scalars.map(|scalars| &scalars.values[..])
+            }
             Self::Spheres(spheres) => spheres.scalars.as_deref(),
             Self::Tubes(tubes) => tubes.scalars.as_ref().map(|scalars| scalars.as_flattened()),
             Self::Shape(_) | Self::Generator(_) => None,
@@ -95,6 +116,14 @@ impl Geometries {
                     let extra = Extra::of(object, array, available);
                     read_checked(file, folder, extra, available, &path)?
                 }
+                Geometry::Instances(instances) => {
+                    let path = FieldPath::default().key("objects").index(index);
+                    let path = path.key(InstancedMesh::KEY);
+                    let available = available.saturating_sub(found.n_bytes());
+                    let array = arrays::choice(config, object)?;
+                    let extra = Extra::of(object, array, available);
+                    read_instances(instances, folders, extra, available, &path)?
+                }
             });
         }
         Ok(found.in_parts(config))
@@ -117,6 +146,20 @@ impl Geometries {
                         .map(|(part, mesh)| (part, ObjectGeometry::Mesh(Box::new(mesh))))
                         .collect()
                 }
+                ObjectGeometry::Instances(placed) if object.material.0.is_empty() => {
+                    found.own_picture_bytes += import::picture_bytes(&placed.mesh.materials);
+                    let MeshInstances { mesh, places } = *placed;
+                    let parts = own_materials::parts(config, object, mesh).into_iter();
+                    let instances = |mesh| MeshInstances {
+                        mesh,
+                        places: Arc::clone(&places),
+                    };
+                    parts
+                        .map(|(part, mesh)| {
+                            (part, ObjectGeometry::Instances(Box::new(instances(mesh))))
+                        })
+                        .collect()
+                }
                 geometry => vec![(object, geometry)],
             };
             for (part, geometry) in parts {
@@ -128,7 +171,7 @@ impl Geometries {
         found
     }
 
-    /// Upper bound of the number of primitives.
+    /// Upper bound of the number of primitives, of which each instance is one.
     pub fn n_primitives(&self) -> usize {
         let of_object = |geometry: &ObjectGeometry| match geometry {
             ObjectGeometry::Shape(_) => 1,
@@ -136,6 +179,16 @@ impl Geometries {
             ObjectGeometry::Mesh(mesh) => mesh.triangles.len(),
             ObjectGeometry::Spheres(spheres) => spheres.spheres.len(),
             ObjectGeometry::Tubes(tubes) => tubes.capsules().len(),
+            ObjectGeometry::Instances(placed) => placed.mesh.triangles.len() + placed.places.len(),
+        };
+        self.objects.iter().map(of_object).sum()
+    }
+
+    /// Number of instances.
+    pub fn n_instances(&self) -> usize {
+        let of_object = |geometry: &ObjectGeometry| match geometry {
+            ObjectGeometry::Instances(placed) => placed.places.len(),
+            _ => 0,
         };
         self.objects.iter().map(of_object).sum()
     }
@@ -152,6 +205,9 @@ impl Geometries {
             ObjectGeometry::Mesh(mesh) => mesh.n_bytes(),
             ObjectGeometry::Spheres(spheres) => spheres.n_bytes(),
             ObjectGeometry::Tubes(tubes) => tubes.n_bytes(),
+            ObjectGeometry::Instances(placed) => {
+                placed.mesh.n_bytes() + size_of_val(&placed.places[..]) as u64
+            }
         };
         self.objects.iter().map(of_object).sum()
     }
@@ -205,6 +261,37 @@ pub(super) fn read_checked(
     };
     check_size(&folder.join(file.file()), available, path)?;
     read(file, folder, extra).map_err(|fault| fault.at_value(path))
+}
+
+/// Reads the mesh of instances and their places; `path` is that of the instances.
+fn read_instances<F: Folders + ?Sized>(
+    instances: &InstancedMesh,
+    folders: &F,
+    extra: Extra,
+    available: u64,
+    path: &FieldPath,
+) -> Result<ObjectGeometry, Fault> {
+    let of_mesh = path.clone().key("mesh").key("file");
+    if import::is_series(&instances.mesh.file) {
+        let message = "instances cannot have a mesh for each time step";
+        return Err(Fault::new(of_mesh, message, "expected one mesh for all"));
+    }
+    let folder = folders.folder_of(&of_mesh);
+    check_size(&folder.join(&instances.mesh.file), available, &of_mesh)?;
+    let mesh = read_mesh(&instances.mesh, &folder.join(&instances.mesh.file), extra);
+    let of_place = |(i, steps): (usize, &Vec<_>)| {
+        let transform = Transform::of_steps(steps).ok_or_else(|| {
+            let path = path.clone().key("places").index(i);
+            let message = "the place of this instance has no inverse";
+            Fault::new(path, message, "expected `scale` factors other than 0")
+        })?;
+        Ok(transform.matrix())
+    };
+    let places: Result<Vec<_>, Fault> = instances.places.iter().enumerate().map(of_place).collect();
+    Ok(ObjectGeometry::Instances(Box::new(MeshInstances {
+        mesh: mesh.map_err(|fault| fault.at_value(&of_mesh))?,
+        places: places?.into(),
+    })))
 }
 
 /// Makes sure that the file fits into memory, whatever it contains.

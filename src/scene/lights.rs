@@ -3,15 +3,18 @@
 
 use std::collections::BTreeMap;
 
+use glam::Vec3;
+
 use super::emitter::Emitter;
 use super::environment::EnvironmentLight;
+use super::instances::World;
 use super::light_choice::{Chosen, LightChoice};
 use super::light_source::{LightNumbers, LightSource};
 use super::primitive::{MaterialId, Primitive};
 use crate::background::Background;
 use crate::config::LightSampling;
 use crate::fog::FogSphere;
-use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind};
+use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind, corners};
 use crate::light::{Illumination, Light};
 use crate::material::Material;
 use crate::simd::{Mask, Real, Vector};
@@ -59,7 +62,7 @@ impl Lights {
     pub(super) fn new(
         lights: &[Light],
         materials: &[Material],
-        primitives: &[Primitive],
+        world: World,
         background: Option<&Background>,
         sampling: LightSampling,
         fog: Option<FogSphere>,
@@ -69,7 +72,7 @@ impl Lights {
             lights.iter().copied().map(LightSource::Light).collect();
         let n_kinds = ShapeKind::ALL.len();
         let mut emitters = vec![None; materials.len() * n_kinds];
-        for (key, (shapes, bounds)) in emitting_shapes(materials, primitives) {
+        for (key, (shapes, bounds)) in emitting_shapes(materials, world) {
             let (material, kind) = (key / n_kinds, ShapeKind::ALL[key % n_kinds]);
             let id = MaterialId(material as u32);
             if let Some(emitter) = Emitter::new(id, &materials[material], kind, shapes, bounds) {
@@ -86,7 +89,7 @@ impl Lights {
             sources.push(LightSource::Sun(*sun));
             sources.len() as u32 - 1
         });
-        let choice = LightChoice::new(sampling, &sources, &bounds(primitives));
+        let choice = LightChoice::new(sampling, &sources, &bounds(world.upper_level()));
         let has_shapes = sources.iter().any(LightSource::has_shapes);
         Self {
             need_choices: has_shapes || matches!(choice, LightChoice::ByPower(_)),
@@ -262,21 +265,29 @@ type Shapes = (Vec<[f32; N_PARAMETERS]>, Aabb);
 
 /// The shapes that emit light, by material and kind: its key is
 /// `material * n_kinds + kind`.
-fn emitting_shapes(materials: &[Material], primitives: &[Primitive]) -> BTreeMap<usize, Shapes> {
+fn emitting_shapes(materials: &[Material], world: World) -> BTreeMap<usize, Shapes> {
     let mut shapes = BTreeMap::<usize, Shapes>::new();
     if !materials.iter().any(Material::emits) {
         return shapes;
     }
-    for primitive in primitives {
-        let material = primitive.material.0 as usize;
-        if let Some(kind) = primitive.kind()
-            && materials[material].emits()
-        {
-            let key = material * ShapeKind::ALL.len() + kind as usize;
-            let (bounds, parameters) = (primitive.bounds(), primitive.parameters());
-            let of_key = shapes.entry(key).or_insert((Vec::new(), bounds));
-            of_key.0.push(parameters);
-            of_key.1 = of_key.1.union(bounds);
+    let emits = |primitive: &&Primitive| materials[primitive.material.0 as usize].emits();
+    let mut add = |primitive: &Primitive, parameters, bounds| {
+        let Some(kind) = primitive.kind() else {
+            return;
+        };
+        let key = primitive.material.0 as usize * ShapeKind::ALL.len() + kind as usize;
+        let of_key = shapes.entry(key).or_insert((Vec::new(), bounds));
+        of_key.0.push(parameters);
+        of_key.1 = of_key.1.union(bounds);
+    };
+    for primitive in world.in_world_space().iter().filter(emits) {
+        add(primitive, primitive.parameters(), primitive.bounds());
+    }
+    for (instance, mesh) in world.placed_meshes() {
+        for primitive in mesh.iter().filter(emits) {
+            let triangle = instance.transform.outward_triangle(&primitive.parameters());
+            let bounds = Aabb::of_points(corners(&triangle).map(Vec3::from));
+            add(primitive, triangle, bounds);
         }
     }
     shapes

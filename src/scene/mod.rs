@@ -5,6 +5,7 @@
 //! undefined material, a transform without an inverse.
 
 mod primitive;
+mod instances;
 mod pictures;
 mod arrays;
 mod own_materials;
@@ -13,6 +14,7 @@ mod vertex_colors;
 mod attributes;
 mod surface_class;
 mod placement;
+mod lower_level;
 mod emitter;
 mod environment;
 mod fog;
@@ -38,11 +40,14 @@ pub use attributes::{
     AttributeKind, interpolated_color, interpolated_normal, interpolated_scalar, scalar_along,
     with_uv,
 };
+use geometries::ObjectGeometry;
+use lower_level::LowerLevel;
 use placement::{Needs, Placement};
 
 pub use emitter::Emitter;
 pub use environment::EnvironmentLight;
 pub use geometries::Geometries;
+pub use instances::{Instance, InstanceId, Instances, PlacedPrimitive, World};
 pub use light_source::LightNumbers;
 pub use lights::{LightOrigin, Lights};
 pub use primitive::{MaterialId, ObjectId, Primitive};
@@ -72,8 +77,10 @@ pub struct Scene {
     pub lights: Lights,
     /// The materials, by [`MaterialId`].
     pub materials: Vec<Material>,
-    /// Everything that rays can hit, object by object.
+    /// Everything that rays can hit, object by object; with instances what a [`World`] has.
     pub primitives: Vec<Primitive>,
+    /// The meshes that are placed many times, if there are any.
+    pub instances: Option<Instances>,
     /// The classes of the primitives.
     classes: Vec<SurfaceClass>,
     /// Whether any material is a dielectric.
@@ -134,6 +141,7 @@ impl Scene {
                 .values()
                 .any(|material| material.cutout.is_some()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
+            instances: None,
             classes: Vec::with_capacity(geometries.n_primitives()),
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
@@ -146,6 +154,7 @@ impl Scene {
         }
         let numbers_of = |object: usize| geometries.objects[object].scalars();
         arrays::prepare(config, &geometries.places, numbers_of, &mut scene.materials)?;
+        let mut lower_level = LowerLevel::default();
         let objects = config.objects.iter().zip(geometries.objects);
         for (index, (object, geometry)) in objects.enumerate() {
             let path = FieldPath::default()
@@ -159,6 +168,11 @@ impl Scene {
             let first = scene.primitives.len() as u32;
             let id = ObjectId(index as u32);
             let placement = Placement::new(object, id, &materials, needs, &path)?;
+            if let ObjectGeometry::Instances(placed) = geometry {
+                let added = lower_level.add(&placement, *placed, &mut scene.n_degenerate)?;
+                scene.attributes.push(added);
+                continue;
+            }
             let attributes =
                 placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
             let kind = attributes.kind();
@@ -169,6 +183,10 @@ impl Scene {
                 .attributes
                 .push(ObjectAttributes { first, attributes });
         }
+        if scene.scatters_paths() {
+            lower_level.check_emission(config)?;
+        }
+        lower_level.add_to(&mut scene);
         scene.add_fog(config);
         scene.lights = match config.shading.model {
             ShadingModel::AmbientOcclusion => {
@@ -177,7 +195,7 @@ impl Scene {
             _ => Lights::new(
                 &config.lights,
                 &scene.materials,
-                &scene.primitives,
+                scene.world(),
                 scene.scatters_paths().then_some(&scene.background),
                 config.shading.light_sampling,
                 scene.scattering_fog().copied(),
@@ -253,11 +271,15 @@ impl Scene {
     /// The normals at the vertices of the primitive, a triangle, if it has any: of
     /// unit length, on either side; NaN where one is missing.
     #[inline]
-    pub fn vertex_normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
-        match self.attributes(primitive) {
-            (Attributes::Corners(corners), i) => Some(corners.normals.as_ref()?.of(i)),
-            _ => None,
-        }
+    pub fn vertex_normals(&self, placed: PlacedPrimitive) -> Option<[Vec3; 3]> {
+        let normals = match self.attributes(placed.primitive) {
+            (Attributes::Corners(corners), i) => corners.normals.as_ref()?.of(i),
+            _ => return None,
+        };
+        Some(match self.transform(placed) {
+            None => normals,
+            Some(transform) => normals.map(|normal| transform.world_normal(normal)),
+        })
     }
 
     /// The texture coordinates at the vertices of the primitive, a triangle, if it has
@@ -293,11 +315,15 @@ impl Scene {
     }
 
     /// A point of a primitive with the color of the vertices around it, if they have any.
-    pub fn with_color(&self, primitive: u32, point: TexturePoint<f32>) -> TexturePoint<f32> {
-        let Some(colors) = self.vertex_colors(primitive) else {
+    pub fn with_color(
+        &self,
+        placed: PlacedPrimitive,
+        point: TexturePoint<f32>,
+    ) -> TexturePoint<f32> {
+        let Some(colors) = self.vertex_colors(placed.primitive) else {
             return point;
         };
-        let triangle = self.primitives[primitive as usize].parameters();
+        let triangle = self.parameters(placed);
         let colors = colors.map(Vector::from);
         TexturePoint {
             color: interpolated_color(&triangle, colors, point.position),
@@ -324,9 +350,10 @@ impl Scene {
     }
 
     /// The number of an array at a point of a primitive, if it has one; else NaN.
-    pub fn scalar(&self, primitive: u32, point: Vec3) -> f32 {
+    pub fn scalar(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
+        let primitive = placed.primitive;
         if let Some(scalars) = self.vertex_scalars(primitive) {
-            let triangle = self.primitives[primitive as usize].parameters();
+            let triangle = self.parameters(placed);
             return interpolated_scalar(&triangle, scalars, point.into());
         }
         if let Some(scalars) = self.end_scalars(primitive) {
@@ -338,11 +365,11 @@ impl Scene {
     }
 
     /// A point of a primitive with its texture coordinates, if it has any.
-    pub fn with_uv(&self, primitive: u32, point: TexturePoint<f32>) -> TexturePoint<f32> {
-        let Some(uvs) = self.vertex_uvs(primitive) else {
+    pub fn with_uv(&self, placed: PlacedPrimitive, point: TexturePoint<f32>) -> TexturePoint<f32> {
+        let Some(uvs) = self.vertex_uvs(placed.primitive) else {
             return point;
         };
-        let triangle = self.primitives[primitive as usize].parameters();
+        let triangle = self.parameters(placed);
         with_uv(point, &triangle, uvs)
     }
 
@@ -350,14 +377,14 @@ impl Scene {
     /// either side: `geometric` if it has no other.
     pub fn shading_normal(
         &self,
-        primitive: u32,
+        placed: PlacedPrimitive,
         point: Vec3,
         geometric: Vector<f32>,
     ) -> Vector<f32> {
-        let Some(normals) = self.vertex_normals(primitive) else {
+        let Some(normals) = self.vertex_normals(placed) else {
             return geometric;
         };
-        let triangle = self.primitives[primitive as usize].parameters();
+        let triangle = self.parameters(placed);
         interpolated_normal(
             &triangle,
             normals.map(Vector::from),

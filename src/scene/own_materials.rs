@@ -16,6 +16,7 @@ const MAX_WORD: usize = 100;
 pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Object, Mesh)> {
     let file = match &object.geometry {
         Geometry::File(file) => file.file().file_name().unwrap_or_default(),
+        Geometry::Instances(instances) => instances.mesh.file.file_name().unwrap_or_default(),
         _ => Path::new("").as_os_str(),
     };
     let file = word(&file.to_string_lossy());

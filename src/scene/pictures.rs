@@ -125,7 +125,9 @@ pub(super) fn needs_uvs(
         return Ok(true);
     }
     let which = match &object.geometry {
-        Geometry::File(GeometryFile::Mesh(_)) => "which not all faces of this mesh have".to_owned(),
+        Geometry::File(GeometryFile::Mesh(_)) | Geometry::Instances(_) => {
+            "which not all faces of this mesh have".to_owned()
+        }
         other => format!("which a {other} has not"),
     };
     let message = format!("the picture of material `{name}` needs texture coordinates, {which}");

@@ -5,13 +5,14 @@ use glam::Vec3;
 use super::attributes::{Attributes, CornerAttributes};
 use super::geometries::ObjectGeometry;
 use super::primitive::{MaterialId, ObjectId, Primitive};
-use crate::config::Object;
+use crate::config::{Geometry, InstancedMesh, Object};
 use crate::geometry::{Shape, Transform};
 use crate::import::{CornerValues, Mesh, Spheres};
 use crate::stop;
 use crate::yaml::{Fault, FieldPath};
 
 /// The id, the materials and the transform of an object.
+#[derive(Clone)]
 pub(super) struct Placement<'a> {
     object: &'a Object,
     id: ObjectId,
@@ -57,6 +58,29 @@ impl<'a> Placement<'a> {
         })
     }
 
+    /// The object.
+    pub(super) fn id(&self) -> ObjectId {
+        self.id
+    }
+
+    /// The same without a transform, and the transform.
+    pub(super) fn in_object_space(&self) -> (Self, Option<Transform>) {
+        let in_object_space = Self {
+            transform: None,
+            ..*self
+        };
+        (in_object_space, self.transform)
+    }
+
+    /// The fault of an instance that is too small, too large or too far away.
+    pub(super) fn place_out_of_range(&self, index: usize) -> Fault {
+        let path = self.path.clone().key(InstancedMesh::KEY);
+        let path = path.key("places").index(index);
+        let message = "this instance is too small, too large or too far away";
+        let expected = "expected coordinates within 1e16, and scales from 1e-9 to 1e9";
+        Fault::new(path, message, expected)
+    }
+
     /// Adds the primitives of a geometry to `primitives`, and the number of its
     /// degenerate triangles to `n_degenerate`; returns the primitives' attributes.
     ///
@@ -100,12 +124,14 @@ impl<'a> Placement<'a> {
                 return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
             }
             ObjectGeometry::Mesh(mesh) => return self.add_mesh(*mesh, primitives, n_degenerate),
+            // They are no primitives of world space: see `LowerLevel`.
+            ObjectGeometry::Instances(_) => {}
         }
         Ok(Attributes::None)
     }
 
     /// Adds the mesh's triangles, except for degenerate ones.
-    fn add_mesh(
+    pub(super) fn add_mesh(
         &self,
         mut mesh: Mesh,
         primitives: &mut Vec<Primitive>,
@@ -129,7 +155,11 @@ impl<'a> Placement<'a> {
             }
         }
         if primitives.len() == n_before {
-            let path = self.path.clone().key("mesh").key("file");
+            let path = match self.object.geometry {
+                Geometry::Instances(_) => self.path.clone().key(InstancedMesh::KEY),
+                _ => self.path.clone(),
+            };
+            let path = path.key("mesh").key("file");
             let message = "no triangle of the mesh has an area";
             let expected = "expected corners that are not on one line";
             return Err(Fault::new(path, message, expected));

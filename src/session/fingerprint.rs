@@ -158,10 +158,15 @@ fn picture_files(document: &Document, config: &Config) -> Vec<PathBuf> {
 fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for (index, object) in config.objects.iter().enumerate() {
-        if let Geometry::File(file) = &object.geometry {
-            let path = FieldPath::default().key("objects").index(index);
-            let path = path.key(file.to_string()).key("file");
-            let file = document.folder_of(&path).join(file.file());
+        let path = FieldPath::default().key("objects").index(index);
+        let path = path.key(object.geometry.to_string());
+        let named = match &object.geometry {
+            Geometry::File(file) => Some((path.key("file"), file.file())),
+            Geometry::Instances(placed) => Some((path.key("mesh").key("file"), &*placed.mesh.file)),
+            Geometry::Shape(_) | Geometry::Generator(_) | Geometry::Tube(_) => None,
+        };
+        if let Some((path, file)) = named {
+            let file = document.folder_of(&path).join(file);
             found.extend(import::pieces_of(&file));
             found.push(file);
         }

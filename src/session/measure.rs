@@ -77,16 +77,15 @@ impl Session {
 
     /// Returns the acceleration structure, after building it if there is none.
     fn accel(&self, options: &Options, stages: &mut Stages) -> Result<Accel<'_>, RenderError> {
-        let primitives = &self.scene.primitives;
         if let Some(index) = self.index.get() {
-            return Ok(Accel::of_index(primitives, Arc::clone(index)));
+            return Ok(Accel::of_index(&self.scene, Arc::clone(index)));
         }
         options.report(Event::Begin {
             stage: "build",
             n_pixels: 0,
         });
         let report = |fraction| options.report(Event::Built { fraction });
-        let accel = Accel::build(primitives, self.config.acceleration, report);
+        let accel = Accel::build(&self.scene, self.config.acceleration, report);
         options.report(Event::End);
         let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
         stages.end("build");

@@ -235,6 +235,11 @@ fn least_bytes(config: &Config) -> u64 {
     } else {
         0
     };
-    (config.image.n_pixels() * (per_pixel + radiance + bounces)) as u64
+    let instance = if config.extra_arrays().instance {
+        Column::INSTANCE.stride()
+    } else {
+        0
+    };
+    (config.image.n_pixels() * (per_pixel + radiance + bounces + instance)) as u64
         / config.compress.max_ratio()
 }

@@ -49,7 +49,11 @@ impl WaveShader<'_> {
             };
             let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
             if let Some(t) = fog.flight(&wave.rays.get(i), distance, numbers.flight()) {
-                *hit = Some(Hit { t, primitive });
+                *hit = Some(Hit {
+                    t,
+                    primitive,
+                    instance: None,
+                });
             }
         }
     }

@@ -258,7 +258,7 @@ impl<'a> Shader<'a> {
                 distance: point.distance,
                 cos: -at.outward(at.geometric_normal).dot(direction),
             },
-            shape: primitive.parameters(),
+            shape: self.scene.parameters(point.placed()),
         };
         emitted * emission::weight(&self.scene.lights, emitter, &arrival)
     }

@@ -67,6 +67,10 @@ pub struct Summary {
     pub materials: Vec<String>,
     /// The number of primitives in the scene.
     pub n_primitives: u64,
+    /// The number of instances of meshes that are placed many times, whose triangles are among
+    /// the primitives once; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_instances: Option<u64>,
     /// The number of triangles without area, which are not in the scene.
     pub n_degenerate_triangles: Option<u64>,
     /// The acceleration structure.

@@ -6,11 +6,11 @@ use super::parameters::parameters;
 use super::points::{PointGroup, PointLanes, Points};
 use super::surface_point::{on_side_of, side, width};
 use crate::accel::Hit;
-use crate::geometry::RayStream;
+use crate::geometry::{InstanceTransform, RayStream};
 use crate::material::TexturePoint;
 use crate::scene::{
-    AttributeKind, ObjectId, Scene, interpolated_color, interpolated_normal, interpolated_scalar,
-    scalar_along, with_uv,
+    AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
+    interpolated_normal, interpolated_scalar, scalar_along, with_uv,
 };
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
@@ -29,7 +29,20 @@ pub(super) struct FindPoints<'a> {
 /// Eight hits.
 struct LaneHits {
     primitives: [u32; N_LANES],
+    /// The instances that they belong to; `None` for all in a scene without instances.
+    instances: [Option<InstanceId>; N_LANES],
     t: [f32; N_LANES],
+}
+
+impl LaneHits {
+    /// What the hit in a lane is on.
+    #[inline(always)]
+    fn placed(&self, lane: usize) -> PlacedPrimitive {
+        PlacedPrimitive {
+            primitive: self.primitives[lane],
+            instance: self.instances[lane],
+        }
+    }
 }
 
 impl SimdKernel for FindPoints<'_> {
@@ -58,15 +71,20 @@ impl FindPoints<'_> {
         let hits = self.hits(at);
         let [origin, direction] = self.rays.gather(set, self.points.rays(at));
         let near = origin + direction * set.load(&hits.t);
-        let parameters = parameters(set, self.scene, &hits.primitives);
+        let parameters = parameters(set, self.scene, &hits.primitives, &hits.instances);
         let (position, outward) = match group.shape {
             Some(shape) => shape.project_onto(&parameters, near),
             None => self.project_placed(set, &hits.primitives, near),
         };
+        let outward = match &self.scene.instances {
+            None => outward,
+            Some(_) => outward.flip_sign_by(self.mirror_signs(set, &hits)),
+        };
         let side = side(outward, direction);
         let geometric_normal = outward.flip_sign_by(side);
         let normal = if group.attributes.has_normals() {
-            let normals = self.of_vertices(set, &hits.primitives, Scene::vertex_normals);
+            let normals = |lane| self.scene.vertex_normals(hits.placed(lane));
+            let normals = of_vertices(set, normals);
             let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
             on_side_of(geometric_normal, normal)
         } else {
@@ -78,7 +96,8 @@ impl FindPoints<'_> {
             at_point = with_uv(at_point, &parameters, uvs);
         }
         if group.attributes.has_corner_colors() {
-            let colors = self.of_vertices(set, &hits.primitives, Scene::vertex_colors);
+            let colors = |lane| self.scene.vertex_colors(hits.primitives[lane]);
+            let colors = of_vertices(set, colors);
             at_point.color = interpolated_color(&parameters, colors, position);
         }
         if group.attributes.has_corner_scalars() {
@@ -92,7 +111,7 @@ impl FindPoints<'_> {
                     let scalars = self.end_scalars(set, &hits.primitives);
                     scalar_along(&parameters, scalars, position)
                 }
-                None => self.placed_scalars(set, &hits.primitives, position),
+                None => self.placed_scalars(set, &hits, position),
             };
         }
         if let Some(cone) = self.scene.cone {
@@ -109,6 +128,9 @@ impl FindPoints<'_> {
         *lanes_mut(&mut points.distance, at.first) = hits.t;
         *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
         *lanes_mut(&mut points.primitives, at.first) = hits.primitives;
+        if self.scene.instances.is_some() {
+            *lanes_mut(&mut points.instances, at.first) = hits.instances;
+        }
         let objects = lanes_mut(&mut points.objects, at.first);
         for (object, &primitive) in objects.iter_mut().zip(&hits.primitives) {
             *object = self.scene.primitives[primitive as usize].object;
@@ -133,6 +155,9 @@ impl FindPoints<'_> {
         *lanes_mut(&mut points.materials, first) = [group.material; N_LANES];
         *lanes_mut(&mut points.primitives, first) = hits.primitives;
         *lanes_mut(&mut points.objects, first) = [ObjectId(0); N_LANES];
+        if self.scene.instances.is_some() {
+            *lanes_mut(&mut points.instances, first) = hits.instances;
+        }
         let position = origin + direction * set.load(&hits.t);
         points.position.store(first, position);
         points.normal.store(first, none);
@@ -145,8 +170,10 @@ impl FindPoints<'_> {
     /// Collects eight hits.
     #[inline(always)]
     fn hits(&self, at: PointLanes) -> LaneHits {
+        let has_instances = self.scene.instances.is_some();
         let mut hits = LaneHits {
             primitives: [0; N_LANES],
+            instances: [None; N_LANES],
             t: [0.0; N_LANES],
         };
         for (lane, &ray) in self.points.rays(at).iter().enumerate() {
@@ -155,6 +182,9 @@ impl FindPoints<'_> {
             };
             hits.primitives[lane] = hit.primitive;
             hits.t[lane] = hit.t;
+            if has_instances {
+                hits.instances[lane] = hit.instance;
+            }
         }
         hits
     }
@@ -188,23 +218,18 @@ impl FindPoints<'_> {
         (set.load_vector(&positions), set.load_vector(&normals))
     }
 
-    /// The normals or the colors at the vertices of eight triangles.
+    /// Numbers whose signs are those by which the normals of triangles have to be flipped:
+    /// negative on mirrored instances.
     #[inline(always)]
-    fn of_vertices<I: InstructionSet>(
-        &self,
-        set: I,
-        primitives: &[u32; N_LANES],
-        vectors_of: impl Fn(&Scene, u32) -> Option<[Vec3; 3]>,
-    ) -> [Vector<I::Lanes>; 3] {
-        let mut columns = [[[0.0; N_LANES]; 3]; 3];
-        for (lane, &primitive) in primitives.iter().enumerate() {
-            let vectors = vectors_of(self.scene, primitive).unwrap_or_default();
-            for (column, vector) in columns.iter_mut().zip(vectors) {
-                set_lane(column, lane, vector);
+    fn mirror_signs<I: InstructionSet>(&self, set: I, hits: &LaneHits) -> I::Lanes {
+        let mut signs = [1.0; N_LANES];
+        for (lane, sign) in signs.iter_mut().enumerate() {
+            let transform = self.scene.transform(hits.placed(lane));
+            if transform.is_some_and(InstanceTransform::is_mirrored) {
+                *sign = -1.0;
             }
         }
-        let [a, b, c] = &columns;
-        [set.load_vector(a), set.load_vector(b), set.load_vector(c)]
+        set.load(&signs)
     }
 
     /// The texture coordinates at the vertices of eight triangles.
@@ -273,13 +298,13 @@ impl FindPoints<'_> {
     fn placed_scalars<I: InstructionSet>(
         &self,
         set: I,
-        primitives: &[u32; N_LANES],
+        hits: &LaneHits,
         points: Vector<I::Lanes>,
     ) -> I::Lanes {
         let points = to_arrays(points);
         let mut column = [f32::NAN; N_LANES];
-        for (lane, &primitive) in primitives.iter().enumerate() {
-            column[lane] = self.scene.scalar(primitive, lane_of(&points, lane));
+        for (lane, scalar) in column.iter_mut().enumerate() {
+            *scalar = self.scene.scalar(hits.placed(lane), lane_of(&points, lane));
         }
         set.load(&column)
     }
@@ -298,4 +323,21 @@ impl FindPoints<'_> {
         }
         set.load_vector(&columns)
     }
+}
+
+/// The normals or the colors at the vertices of eight triangles, by lane.
+#[inline(always)]
+fn of_vertices<I: InstructionSet>(
+    set: I,
+    vectors_of: impl Fn(usize) -> Option<[Vec3; 3]>,
+) -> [Vector<I::Lanes>; 3] {
+    let mut columns = [[[0.0; N_LANES]; 3]; 3];
+    for lane in 0..N_LANES {
+        let vectors = vectors_of(lane).unwrap_or_default();
+        for (column, vector) in columns.iter_mut().zip(vectors) {
+            set_lane(column, lane, vector);
+        }
+    }
+    let [a, b, c] = &columns;
+    [set.load_vector(a), set.load_vector(b), set.load_vector(c)]
 }

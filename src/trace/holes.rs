@@ -113,9 +113,9 @@ impl Tracer<'_> {
         if length + hit.t >= limit {
             return None;
         }
-        let (position, normal) = primitive.project(ray.at(hit.t));
+        let (position, normal) = self.scene.project(hit.placed(), ray.at(hit.t));
         let at = TexturePoint::new(position.into(), normal.into());
-        let at = self.scene.with_uv(hit.primitive, at);
+        let at = self.scene.with_uv(hit.placed(), at);
         if !cutout.is_hole(&at) {
             return None;
         }

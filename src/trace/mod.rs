@@ -148,19 +148,20 @@ impl<'a> Tracer<'a> {
     /// The surface point of a hit, after a path of this length.
     fn surface_point(&self, length: f32, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
-        let (position, outward) = primitive.project(ray.at(hit.t));
+        let placed = hit.placed();
+        let (position, outward) = self.scene.project(placed, ray.at(hit.t));
         let outward = Vector::from(outward);
         let side = side(outward, ray.direction.into());
         let geometric_normal = outward.flip_sign_by(side);
         let normal = self
             .scene
-            .shading_normal(hit.primitive, position, geometric_normal);
+            .shading_normal(placed, position, geometric_normal);
         let normal = on_side_of(geometric_normal, normal);
         let mut at = TexturePoint::new(position.into(), normal);
-        at.scalar = self.scene.scalar(hit.primitive, position);
-        at = self.scene.with_color(hit.primitive, at);
+        at.scalar = self.scene.scalar(placed, position);
+        at = self.scene.with_color(placed, at);
         if let Some(cone) = self.scene.cone {
-            at = self.scene.with_uv(hit.primitive, at);
+            at = self.scene.with_uv(placed, at);
             at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());
         }
         let material = self.scene.material(primitive.material);
@@ -173,6 +174,7 @@ impl<'a> Tracer<'a> {
             object: primitive.object,
             material: primitive.material,
             primitive: hit.primitive,
+            instance: hit.instance,
             is_flipped: side < 0.0,
         }
     }

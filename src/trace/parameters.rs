@@ -1,18 +1,20 @@
 //! The shapes that rays have hit, in lanes.
 
 use crate::geometry::N_PARAMETERS;
-use crate::scene::Scene;
+use crate::scene::{InstanceId, PlacedPrimitive, Scene};
 use crate::simd::{InstructionSet, N_LANES};
 
-/// The parameters of eight primitives.
+/// The parameters of eight primitives, those of instances in world space.
 #[inline(always)]
 pub(super) fn parameters<I: InstructionSet>(
     set: I,
     scene: &Scene,
     primitives: &[u32; N_LANES],
+    instances: &[Option<InstanceId>; N_LANES],
 ) -> [I::Lanes; N_PARAMETERS] {
     let mut parameters = [set.splat(0.0); N_PARAMETERS];
-    if *primitives == [primitives[0]; N_LANES] {
+    let has_instances = scene.instances.is_some();
+    if !has_instances && *primitives == [primitives[0]; N_LANES] {
         let shape = scene.primitives[primitives[0] as usize].parameters();
         for i in 0..N_PARAMETERS {
             parameters[i] = set.splat(shape[i]);
@@ -21,7 +23,13 @@ pub(super) fn parameters<I: InstructionSet>(
     }
     let mut columns = [[0.0; N_LANES]; N_PARAMETERS];
     for lane in 0..N_LANES {
-        let shape = scene.primitives[primitives[lane] as usize].parameters();
+        let shape = match has_instances {
+            false => scene.primitives[primitives[lane] as usize].parameters(),
+            true => scene.parameters(PlacedPrimitive {
+                primitive: primitives[lane],
+                instance: instances[lane],
+            }),
+        };
         for i in 0..N_PARAMETERS {
             columns[i][lane] = shape[i];
         }

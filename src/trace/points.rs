@@ -7,7 +7,7 @@ use super::surface_point::ShadingPoint;
 use crate::accel::Hit;
 use crate::geometry::{N_PARAMETERS, ShapeKind};
 use crate::material::Material;
-use crate::scene::{AttributeKind, MaterialId, ObjectId, Scene, SurfaceClass};
+use crate::scene::{AttributeKind, InstanceId, MaterialId, ObjectId, Scene, SurfaceClass};
 use crate::simd::{InstructionSet, Lanes, N_LANES, Vector, VectorColumn, grow, lanes};
 
 /// The surface points that rays have hit, as a structure of arrays.
@@ -35,6 +35,8 @@ pub struct Points {
     pub(super) materials: Vec<MaterialId>,
     /// The primitive of each point.
     pub(super) primitives: Vec<u32>,
+    /// The instance of each point, in a scene with instances.
+    pub(super) instances: Vec<Option<InstanceId>>,
     /// The object of each point.
     pub(super) objects: Vec<ObjectId>,
     /// The group of each ray, while points are grouped.
@@ -107,6 +109,10 @@ impl Points {
             self.group_of_ray.push(group as u32);
         }
         self.place();
+        if scene.instances.is_some() {
+            let end = self.end();
+            grow(&mut self.instances, end);
+        }
     }
 
     /// The index of the group of a class.
@@ -202,6 +208,11 @@ impl Points {
         [self.objects[point].0, self.materials[point].0]
     }
 
+    /// The instance that a point is on, if it is on one.
+    pub fn instance(&self, point: usize) -> Option<InstanceId> {
+        *self.instances.get(point)?
+    }
+
     /// The distance of a point along its ray.
     #[inline(always)]
     pub fn distance(&self, point: usize) -> f32 {
@@ -271,7 +282,11 @@ impl Points {
         scene: &Scene,
         at: PointLanes,
     ) -> [I::Lanes; N_PARAMETERS] {
-        parameters(set, scene, lanes(&self.primitives, at.first))
+        let instances = match scene.instances {
+            None => &[None; N_LANES],
+            Some(_) => lanes(&self.instances, at.first),
+        };
+        parameters(set, scene, lanes(&self.primitives, at.first), instances)
     }
 
     /// The distances of eight points along their rays.

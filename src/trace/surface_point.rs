@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::camera::RayCone;
 use crate::geometry::Ray;
-use crate::scene::{MaterialId, ObjectId, Scene};
+use crate::scene::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
 use crate::simd::{Mask, Real, Vector};
 
 /// A point of a surface that a ray has hit, in world space.
@@ -27,6 +27,8 @@ pub struct SurfacePoint {
     pub material: MaterialId,
     /// The primitive that was hit.
     pub primitive: u32,
+    /// The instance that the primitive belongs to, if it does to one.
+    pub instance: Option<InstanceId>,
     /// Whether both normals are opposite to the surface's own, because the ray came
     /// from its other side.
     pub is_flipped: bool,
@@ -60,7 +62,16 @@ impl SurfacePoint {
             object: ObjectId(0),
             material: scene.class(scene.particles()).material(),
             primitive: scene.particles(),
+            instance: None,
             is_flipped: false,
+        }
+    }
+
+    /// What was hit.
+    pub fn placed(&self) -> PlacedPrimitive {
+        PlacedPrimitive {
+            primitive: self.primitive,
+            instance: self.instance,
         }
     }
 

@@ -21,7 +21,7 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
     .into_iter()
     .for_each(|output| config.output.add(output));
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let meter = Meter::new(config.cost);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)

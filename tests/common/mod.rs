@@ -135,7 +135,7 @@ pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
 /// Renders the film of a config; also returns the schedule of its tiles.
 pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedule) {
     let scene = scene_of(config);
-    let accel = Accel::new(&scene.primitives, config.acceleration).with_simd(simd);
+    let accel = Accel::new(&scene, config.acceleration).with_simd(simd);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()

@@ -13,6 +13,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         radiance_in_vtk: true,
         albedo: true,
         bounces: true,
+        instance: true,
     };
     let grid = TileGrid::new(width, height, 7);
     let mut film = Film::with_extra(extra, grid, 0x1234_5678, cost);
@@ -25,7 +26,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     film.repeats = Repeats::Auto;
     for strip in &mut film.strips {
         strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
-        let arrays: [&mut [u8]; 13] = [
+        let arrays: [&mut [u8]; 14] = [
             cast_slice_mut(&mut strip.rgb),
             cast_slice_mut(&mut strip.position),
             cast_slice_mut(&mut strip.normal),
@@ -39,6 +40,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             cast_slice_mut(&mut strip.radiance),
             cast_slice_mut(&mut strip.albedo),
             cast_slice_mut(&mut strip.bounces),
+            cast_slice_mut(&mut strip.instance),
         ];
         for array in arrays {
             array.fill_with(&mut noise);

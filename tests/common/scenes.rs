@@ -21,6 +21,8 @@ pub struct RandomScene {
     pub has_lamps: bool,
     /// Whether some surfaces have holes.
     pub has_holes: bool,
+    /// Whether some meshes are placed many times.
+    pub has_instances: bool,
     /// The colors of the floor, the cloud and a roof with texture coordinates and colors.
     pub colors: [&'static str; 3],
     /// More keys of their materials.
@@ -54,6 +56,7 @@ impl RandomScene {
             has_media,
             has_lamps,
             has_holes,
+            has_instances,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color, wire_color],
@@ -159,6 +162,14 @@ materials:
     material: {of_cloud}
 lights:"
         );
+        if *has_instances {
+            let of_medium = match media {
+                "" => lamp,
+                _ => "glass",
+            };
+            let instances = INSTANCES.replace("LAMP", lamp).replace("MEDIUM", of_medium);
+            text = text.replace("objects:\n", &format!("objects:\n{instances}"));
+        }
         for (i, at_point) in lights.iter().enumerate() {
             let x = 3 * i as i32 - 4;
             let light = if *at_point {
@@ -185,6 +196,31 @@ const LAMPS: &str = "  - rectangle: { corner: [-2, 3, -1], edges: [[1, 0, 0], [0
   - sphere: { center: [-1.5, 1, 0.5], radius: 0.3 }
     material: lamp
     transform: [{ scale: [1, 2, 1] }]
+";
+
+/// Meshes at many places, some of them mirrored, some inside each other.
+const INSTANCES: &str = "  - instances:
+      mesh: { file: ../tests/files/tile.obj }
+      places:
+        - [{ scale: 0.4 }, { rotate: { axis: [1, 2, 0], angle_deg: 50 } }, { translate: [1, 1.5, 2] }]
+        - [{ scale: [-0.4, 0.3, 0.5] }, { rotate: { axis: [0, 1, 3], angle_deg: 200 } }, { translate: [-1, 1, 2] }]
+        - [{ scale: [0.5, 0.2, -0.4] }, { translate: [0, 0.2, 2] }]
+    material: roof
+    transform: [{ scale: [1, 0.9, 1.1] }, { rotate: { axis: [0, 1, 0], angle_deg: 10 } }]
+  - instances:
+      mesh: { file: ../tests/files/vtk/curvilinear_raw.vts, normals: smooth }
+      places:
+        - [{ scale: 0.2 }, { translate: [1.5, 0.8, 0.5] }]
+        - [{ scale: [0.2, 0.3, -0.2] }, { rotate: { axis: [1, 1, 0], angle_deg: 70 } }, { translate: [-1, -0.6, 2.5] }]
+    material: field
+  - instances:
+      mesh: { file: data/abc_flow.vti, isosurface: { array: velocity, value: 3 } }
+      places: [[{ scale: 0.1 }, { translate: [0, 1, 1.5] }], [{ scale: [-0.1, 0.1, 0.1] }, { translate: [1, -0.8, 3] }]]
+    material: MEDIUM
+  - instances:
+      mesh: { file: ../tests/files/tile.obj }
+      places: [[{ scale: 0.2 }, { translate: [-2, 2, 1] }], [{ scale: [0.3, -0.2, 0.1] }, { translate: [2, 2, 2] }]]
+    material: LAMP
 ";
 
 /// Materials of media and metals whose surfaces may be rough.
@@ -324,6 +360,7 @@ prop_compose! {
         has_media in any::<bool>(),
         has_lamps in any::<bool>(),
         has_holes in prop::bool::weighted(0.3),
+        has_instances in prop::bool::weighted(0.4),
         floor_color in prop::sample::select(&FLOOR_COLORS[..]),
         cloud_color in prop::sample::select(&CLOUD_COLORS[..]),
         roof_color in prop::sample::select(&ROOF_COLORS[..]),
@@ -345,7 +382,7 @@ prop_compose! {
         fog in prop::sample::select(&FOGS[..]),
     ) -> RandomScene {
         RandomScene {
-            model, size, samples, max_depth, seed, has_media, has_lamps, has_holes,
+            model, size, samples, max_depth, seed, has_media, has_lamps, has_holes, has_instances,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color, wire_color], wire_scale, reflections, specular, lights, acceleration, camera, sampling,

@@ -7,7 +7,7 @@ use raycost::accel::{Accel, Hit, ShadowRay, ShadowStream};
 use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, StreamProbe, Traversals};
 use raycost::geometry::{Ray, RayStream};
-use raycost::scene::{ObjectId, Primitive};
+use raycost::scene::{ObjectId, World};
 use raycost::simd::Simd;
 
 /// A query's answer and its cost.
@@ -17,8 +17,8 @@ type Answer<A> = (A, Cost);
 pub const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Balanced, Quality::High];
 
 /// The hierarchy of this quality with every instruction set of the CPU.
-pub fn kernels(primitives: &[Primitive], quality: Quality) -> Vec<Accel<'_>> {
-    let built = Accel::new(primitives, Acceleration::Bvh(quality));
+pub fn kernels<'a>(world: impl Into<World<'a>>, quality: Quality) -> Vec<Accel<'a>> {
+    let built = Accel::new(world, Acceleration::Bvh(quality));
     let on = |simd| built.clone().with_simd(simd);
     Simd::available().into_iter().map(on).collect()
 }
@@ -26,12 +26,13 @@ pub fn kernels(primitives: &[Primitive], quality: Quality) -> Vec<Accel<'_>> {
 /// Checks that all kernels find the hits of brute force in hierarchies of each
 /// quality, for single rays and for streams, and that they count the same for
 /// each ray.
-pub fn compare(primitives: &[Primitive], rays: &[Ray]) -> Result<(), TestCaseError> {
-    let hits = agree(primitives, |accel| {
+pub fn compare<'a>(world: impl Into<World<'a>>, rays: &[Ray]) -> Result<(), TestCaseError> {
+    let world = world.into();
+    let hits = agree(world, |accel| {
         [nearest(accel, rays), nearest_stream(accel, rays)]
     })?;
     let rays = shadow_rays(rays, &hits);
-    agree(primitives, |accel| {
+    agree(world, |accel| {
         [occluded(accel, &rays), occluded_stream(accel, &rays)]
     })?;
     Ok(())
@@ -40,16 +41,13 @@ pub fn compare(primitives: &[Primitive], rays: &[Ray]) -> Result<(), TestCaseErr
 /// Checks that both results of `answer` agree with each other and with brute force;
 /// returns the answers of brute force.
 fn agree<A: PartialEq + Debug>(
-    primitives: &[Primitive],
+    world: World,
     answer: impl Fn(&Accel) -> [Vec<Answer<A>>; 2],
 ) -> Result<Vec<Answer<A>>, TestCaseError> {
-    let [expected, in_stream] = answer(&Accel::new(primitives, Acceleration::BruteForce));
+    let [expected, in_stream] = answer(&Accel::new(world, Acceleration::BruteForce));
     prop_assert_eq!(&in_stream, &expected);
     for quality in QUALITIES {
-        let all: Vec<_> = kernels(primitives, quality)
-            .iter()
-            .flat_map(&answer)
-            .collect();
+        let all: Vec<_> = kernels(world, quality).iter().flat_map(&answer).collect();
         for answers in &all {
             prop_assert_eq!(answers.len(), expected.len());
             for (i, (found, cost)) in answers.iter().enumerate() {

@@ -125,7 +125,7 @@ proptest! {
         let is_plane = |primitive: &&Primitive| primitive.is_unbounded();
         let n_planes = scene.primitives.iter().filter(is_plane).count();
         for quality in QUALITIES {
-            let bvh = Accel::new(&scene.primitives, Acceleration::Bvh(quality));
+            let bvh = Accel::new(&scene, Acceleration::Bvh(quality));
             let mut cost = Cost::default();
             prop_assert_eq!(bvh.nearest(&ray, &mut cost), bvh.nearest(&ray, &mut NoProbe));
             let statistics = bvh.statistics().unwrap();
@@ -151,7 +151,7 @@ fn coincident_spheres_make_a_shallow_tree() {
     let scene = spheres(
         "  - sphere_grid: { counts: [20000, 1, 1], min: [1, 1, 1], max: [1, 1, 1], radius: 0.5 }\n    material: m\n",
     );
-    let bvh = Accel::new(&scene.primitives, Acceleration::default());
+    let bvh = Accel::new(&scene, Acceleration::default());
     let statistics = bvh.statistics().unwrap();
     assert!(statistics.depth <= 20, "{statistics:?}");
     let ray = Ray {
@@ -176,8 +176,8 @@ fn every_sphere_of_a_geometric_series_is_hit() {
         })
         .collect();
     let scene = spheres(&objects);
-    let bvh = Accel::new(&scene.primitives, Acceleration::default());
-    let brute = Accel::new(&scene.primitives, Acceleration::BruteForce);
+    let bvh = Accel::new(&scene, Acceleration::default());
+    let brute = Accel::new(&scene, Acceleration::BruteForce);
     for i in -40..40 {
         let x = 2.0_f32.powi(i);
         let ray = Ray {

@@ -71,7 +71,7 @@ proptest! {
         let direction = (Vec3::new(to[0], to[1], 0.0) - origin).normalize();
         let ray = Ray { origin, direction };
         let found = [&cut, &half].map(|scene| {
-            let accel = Accel::new(&scene.primitives, Acceleration::default());
+            let accel = Accel::new(scene, Acceleration::default());
             let tracer = Tracer::new(scene, &accel);
             let point = tracer.trace(&ray, RayKind::Camera, &mut NoProbe);
             let shadow = ShadowRay { ray, t_max, ignored: None };
@@ -94,7 +94,7 @@ proptest! {
 #[test]
 fn a_ray_through_many_holes_is_one_ray_that_visits_more() {
     let scene = scene(&layers(1000, 2.0, "cut"));
-    let accel = Accel::new(&scene.primitives, Acceleration::default());
+    let accel = Accel::new(&scene, Acceleration::default());
     let tracer = Tracer::new(&scene, &accel);
     let ray = |x: f32| Ray {
         origin: Vec3::new(x, 0.3, 4.0),

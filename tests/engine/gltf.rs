@@ -171,7 +171,7 @@ fn scene_of(folder: &Path, rest: &str) -> Scene {
 }
 
 fn assert_color(scene: &Scene, [x, y]: [f32; 2], expected: [f32; 3]) {
-    let accel = Accel::new(&scene.primitives, Default::default());
+    let accel = Accel::new(scene, Default::default());
     let ray = Ray {
         origin: Vec3::new(x, y, 9.0),
         direction: -Vec3::Z,

@@ -14,6 +14,7 @@ mod environment;
 mod fog;
 mod gltf;
 mod import;
+mod instances;
 mod media;
 mod attribution;
 mod meshes;

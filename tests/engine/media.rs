@@ -23,7 +23,7 @@ objects: [{objects}]
 "
     ));
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let mut tree = RayTree::default();
     Observer::new(&scene, &accel, &config.image, None).observe((2, 2), &mut tree);
     tree

@@ -62,7 +62,7 @@ fn scene(folder: &Path, object: &str) -> Scene {
 
 /// The surface points that rays from all directions toward the center hit.
 fn surface_points(scene: &Scene) -> Vec<(Ray, SurfacePoint)> {
-    let accel = Accel::new(&scene.primitives, Default::default());
+    let accel = Accel::new(scene, Default::default());
     let tracer = Tracer::new(scene, &accel);
     let ray = |i: u64| {
         let [x, y, z, w] = raycost::sampling::uniform([7, i, 0]);

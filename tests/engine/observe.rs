@@ -14,7 +14,7 @@ use raycost::film::Film;
 fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
     let film = film(&with_cost(config.clone(), CostMode::Counters), 1);
     let scene = scene_of(config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let observer = Observer::new(&scene, &accel, &config.image, None);
     let mut tree = RayTree::default();
     for pixel in 0..config.image.n_pixels() {
@@ -139,7 +139,7 @@ objects:
     let light = &config.lights[0];
     assert!(light.illuminate(Vec3::ZERO.into()).radiance.x.is_nan());
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let mut tree = RayTree::default();
     Observer::new(&scene, &accel, &config.image, None).observe((0, 0), &mut tree);
     let lights: Vec<_> = tree.rays.iter().map(|ray| ray.light).collect();
@@ -177,7 +177,7 @@ fn the_steps_match_the_counters() {
 fn many_pixels_equal_single_ones() {
     let config = small("hall_of_mirrors");
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let observer = Observer::new(&scene, &accel, &config.image, None).without_steps();
     let places: Vec<_> = (0..18).flat_map(|y| (0..24).map(move |x| (x, y))).collect();
     let observed = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
@@ -200,7 +200,7 @@ fn many_pixels_equal_single_ones() {
 fn every_ray_of_a_timed_pixel_has_a_time() {
     let config = small("seed_extended");
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let clock = Clock::calibrated();
     let observer = Observer::new(&scene, &accel, &config.image, Some(&clock));
     let pixels = observer.observe_many([(17, 12)].into_iter(), u64::MAX, |_| {});
@@ -212,7 +212,7 @@ fn every_ray_of_a_timed_pixel_has_a_time() {
 fn the_memory_limits_the_number_of_rays() {
     let config = small("seed_extended");
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let observer = Observer::new(&scene, &accel, &config.image, None).without_steps();
     // There is no end of pixels: only the memory ends this.
     let places = std::iter::repeat((17, 12));

@@ -24,7 +24,7 @@ fn scene(folder: &Path, rest: &str) -> Scene {
 
 /// The color of the surface that a ray along -z meets.
 fn color_at(scene: &Scene, [x, y]: [f32; 2]) -> Vec3 {
-    let accel = Accel::new(&scene.primitives, Default::default());
+    let accel = Accel::new(scene, Default::default());
     let ray = Ray {
         origin: Vec3::new(x, y, 9.0),
         direction: -Vec3::Z,

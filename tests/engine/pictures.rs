@@ -217,7 +217,7 @@ fn scene_of(folder: &Path, material: &str, object: &str) -> Scene {
 
 /// The surface points that rays from all directions toward the center hit.
 fn surface_points(scene: &Scene) -> Vec<SurfacePoint> {
-    let accel = Accel::new(&scene.primitives, Default::default());
+    let accel = Accel::new(scene, Default::default());
     let tracer = Tracer::new(scene, &accel);
     let trace = |i: u64| {
         let [x, y, z, w] = raycost::sampling::uniform([3, i, 0]);
@@ -350,7 +350,7 @@ fn a_ray_sees_as_much_of_a_picture_as_its_cone_is_wide() {
     let scene = scene(folder.path(), image, object);
     // One sample of three pixels in a height of 40 degrees.
     let spread = 2.0 * 20.0_f32.to_radians().tan() / 3.0;
-    let accel = Accel::new(&scene.primitives, Default::default());
+    let accel = Accel::new(&scene, Default::default());
     let tracer = Tracer::new(&scene, &accel);
     let (up, across) = (Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.0, -0.8, 0.6));
     for i in 0..500 {

@@ -24,7 +24,7 @@ fn small(name: &str) -> Config {
 
 fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let scene = scene_of(config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let meter = Meter::new(config.cost);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
@@ -68,7 +68,7 @@ fn every_repeat_has_the_same_counters() {
 fn each_repeat_reports_its_pixels() {
     let config = small("seed_sphere");
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let meter = Meter::new(config.cost);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let n_pixels = std::sync::atomic::AtomicU64::new(0);
@@ -203,7 +203,7 @@ fn the_default_has_the_same_arrays_however_often_it_renders() {
 fn a_single_rendering_of_auto_has_a_spread_of_zero() {
     let config = small("seed_sphere");
     let scene = scene_of(&config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let meter = Meter::new(CostMode::Time);
     // A rendering that is reported so slowly that no second one is made.
@@ -221,7 +221,7 @@ fn auto_renders_once_without_times() {
     for mode in [CostMode::None, CostMode::Counters] {
         let config = with_cost(small("seed_sphere"), mode);
         let scene = scene_of(&config);
-        let accel = Accel::new(&scene.primitives, config.acceleration);
+        let accel = Accel::new(&scene, config.acceleration);
         let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
         let meter = Meter::new(mode);
         let (_, _, repeats) = repeat(Repeats::Auto, &scene, &accel, &plan, &meter, |_| {});

@@ -52,6 +52,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             has_media: true,
             has_lamps: false,
             has_holes: false,
+            has_instances: true,
             colors: [CHECKER, "0.6", "0.8"],
             bumps: [""; 3],
             arrays: ["0.5", "0.7", "0.4"],

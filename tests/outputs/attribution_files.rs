@@ -58,7 +58,14 @@ fn check(config: &Config, read: fn(&Path) -> DataSet) {
         min_visits: 20,
     };
     for limits in [all, some] {
-        write_nodes(&hierarchy, limits, config.cost, Codec::None, &mut create()).unwrap();
+        write_nodes(
+            (&hierarchy, None),
+            limits,
+            config.cost,
+            Codec::None,
+            &mut create(),
+        )
+        .unwrap();
         assert_eq!(read(&file), expected_nodes(&hierarchy, limits, config.cost));
     }
     let visits = attribution.primitives.unwrap();

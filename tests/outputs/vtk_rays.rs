@@ -58,7 +58,7 @@ fn with_rays(
     check: fn(&Traced, &Path),
 ) {
     let scene = scene_of(config);
-    let accel = Accel::new(&scene.primitives, config.acceleration);
+    let accel = Accel::new(&scene, config.acceleration);
     let observer = Observer::new(&scene, &accel, &config.image, clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let traced = Traced {

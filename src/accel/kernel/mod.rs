@@ -23,5 +23,6 @@ mod stream;
 pub(super) use batch::Batch;
 pub(super) use packet::PacketTraversal;
 pub(super) use single::SingleTraversal;
+pub(super) use slab::Slabs;
 pub use stream::RAYS_IN_FLIGHT;
 pub(super) use stream::StreamTraversal;

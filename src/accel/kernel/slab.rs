@@ -1,7 +1,7 @@
 //! The test of a ray against the eight boxes of a node.
 
 use crate::accel::layout::WideNode;
-use crate::geometry::Ray;
+use crate::geometry::{Aabb, Ray};
 use crate::simd::{InstructionSet, Real};
 
 /// Least magnitude of a direction's component: smaller ones are replaced by it,
@@ -45,7 +45,7 @@ const ROWS: [[u32; 3]; 8] = {
 ///
 /// The margin costs nothing per box: it displaces the origin, once for the near
 /// planes and once for the far ones.
-pub(super) struct Slabs {
+pub(in crate::accel) struct Slabs {
     inverse_direction: [f32; 3],
     origin_of_near: [f32; 3],
     origin_of_far: [f32; 3],
@@ -60,7 +60,7 @@ pub(super) struct Slabs {
 impl Slabs {
     /// For tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
-    pub(super) fn new(ray: &Ray, largest: f32) -> Self {
+    pub(in crate::accel) fn new(ray: &Ray, largest: f32) -> Self {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let [x, y, z] = origin.map(f32::abs);
         let margin = MARGIN * largest.max(x).max(y).max(z);
@@ -119,6 +119,24 @@ impl Slabs {
         let (near_z, far_z) = self.planes(set, node, 2);
         let enter = near_x.max(near_y).max(near_z.max(set.splat(0.0)));
         let exit = far_x.min(far_y).min(far_z.min(limit));
+        (enter, exit)
+    }
+
+    /// Where the ray enters a box, at least 0, and where it leaves it: [`span`](Self::span) of
+    /// a single box, to the bit.
+    pub(in crate::accel) fn span_of(&self, bounds: &Aabb) -> (f32, f32) {
+        let (mut enter, mut exit) = (0.0_f32, f32::INFINITY);
+        for axis in 0..3 {
+            let (min, max) = (bounds.min[axis], bounds.max[axis]);
+            // Rows from 24 on are those of `max`.
+            let (near, far) = match self.near_rows[axis] {
+                0..24 => (min, max),
+                _ => (max, min),
+            };
+            let inverse_direction = self.inverse_direction[axis];
+            enter = enter.max((near - self.origin_of_near[axis]) * inverse_direction);
+            exit = exit.min((far - self.origin_of_far[axis]) * inverse_direction);
+        }
         (enter, exit)
     }
 

@@ -71,7 +71,8 @@ pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
         .map(|column| column.n_components)
         .iter()
         .sum::<usize>();
-    numbers.sum::<usize>() + n_in_vectors + Column::BOUNCES.n_components + 1
+    let on_request = Column::BOUNCES.n_components + Column::INSTANCE.n_components;
+    numbers.sum::<usize>() + n_in_vectors + on_request + 1
 }
 
 fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item = Channel> {

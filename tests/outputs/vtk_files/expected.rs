@@ -204,8 +204,11 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     let radiance = radiance.iter().filter(|_| film.extra.radiance_in_vtk);
     let bounces = [("rays_by_bounce", Field::Bounces)];
     let bounces = bounces.iter().filter(|_| film.extra.bounces);
+    let instance = [("instance", Field::I32(|strip| &strip.instance))];
+    let instance = instance.iter().filter(|_| film.extra.instance);
     let fields = geometry.iter().chain(time).chain(counters);
-    fields.chain(radiance).chain(bounces).map(array).collect()
+    let fields = fields.chain(radiance).chain(bounces).chain(instance);
+    fields.map(array).collect()
 }
 
 /// The accessor of an array of the film, by its type.

@@ -1,0 +1,248 @@
+//! Instances: meshes that are stored once and placed many times.
+//!
+//! The list of a scene's primitives has three parts: what stands in world space, then a box
+//! for each instance, then the triangles of the meshes, in the spaces of the meshes. The first
+//! two parts are the upper level of an acceleration structure, and each mesh is a lower one.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::Scene;
+use super::primitive::Primitive;
+use crate::geometry::{InstanceTransform, N_PARAMETERS, Project, Triangle};
+
+/// The index of an instance, among all instances of the scene.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct InstanceId(pub u32);
+
+/// A mesh at a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Its place.
+    pub transform: InstanceTransform,
+    /// The index of its mesh.
+    pub mesh: u32,
+}
+
+/// A mesh that is placed many times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedMesh {
+    /// The range of its triangles among the primitives.
+    pub triangles: Range<u32>,
+    /// Its first instance.
+    pub first: InstanceId,
+}
+
+/// All instances of a scene, and their meshes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Instances {
+    /// The index of the first instance's box among the primitives.
+    pub(super) first_box: u32,
+    /// The instances, in the order of their boxes.
+    pub(super) all: Vec<Instance>,
+    /// The meshes, in the order of their triangles.
+    pub(super) meshes: Vec<PlacedMesh>,
+}
+
+impl Instances {
+    /// The instance whose box has this index among the primitives of the upper level.
+    #[inline]
+    pub fn of_box(&self, primitive: u32) -> Option<InstanceId> {
+        primitive.checked_sub(self.first_box).map(InstanceId)
+    }
+
+    /// The index of the box of an instance among the primitives.
+    #[inline]
+    pub fn box_of(&self, id: InstanceId) -> u32 {
+        self.first_box + id.0
+    }
+
+    /// An instance.
+    #[inline]
+    pub fn get(&self, id: InstanceId) -> &Instance {
+        &self.all[id.0 as usize]
+    }
+
+    /// Number of instances.
+    pub fn n_instances(&self) -> usize {
+        self.all.len()
+    }
+
+    /// The meshes, in the order of their triangles.
+    pub fn meshes(&self) -> &[PlacedMesh] {
+        &self.meshes
+    }
+
+    /// The mesh of an instance.
+    #[inline]
+    pub fn mesh_of(&self, id: InstanceId) -> &PlacedMesh {
+        &self.meshes[self.get(id).mesh as usize]
+    }
+
+    /// The index of the first triangle of a mesh among the primitives.
+    pub fn first_triangle(&self) -> u32 {
+        self.first_box + self.all.len() as u32
+    }
+
+    /// The index of the mesh that has the primitive with this index, if one has.
+    pub fn mesh_with(&self, primitive: u32) -> Option<u32> {
+        let n_before = |mesh: &PlacedMesh| mesh.triangles.start <= primitive;
+        let n_before = self.meshes.partition_point(n_before);
+        n_before.checked_sub(1).map(|mesh| mesh as u32)
+    }
+
+    /// Number of triangles of all instances.
+    pub fn n_placed(&self) -> u64 {
+        let of_mesh = |mesh: &PlacedMesh| mesh.triangles.len() as u64;
+        let of_instance = |instance: &Instance| of_mesh(&self.meshes[instance.mesh as usize]);
+        self.all.iter().map(of_instance).sum()
+    }
+}
+
+impl PlacedMesh {
+    /// The range of its triangles among the primitives.
+    pub fn range(&self) -> Range<usize> {
+        self.triangles.start as usize..self.triangles.end as usize
+    }
+}
+
+/// Everything that rays can hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct World<'a> {
+    /// What stands in world space; then, if there are any, the boxes of instances and the
+    /// triangles of their meshes.
+    pub primitives: &'a [Primitive],
+    /// The instances, if there are any.
+    pub instances: Option<&'a Instances>,
+}
+
+impl<'a> World<'a> {
+    /// Number of primitives that are stored, without the boxes of instances.
+    pub fn n_primitives(&self) -> usize {
+        let n_boxes = self.instances.map_or(0, Instances::n_instances);
+        self.primitives.len() - n_boxes
+    }
+
+    /// The primitives of the upper level: those in world space, and the boxes of instances.
+    pub fn upper_level(&self) -> &'a [Primitive] {
+        match self.instances {
+            None => self.primitives,
+            Some(instances) => {
+                let n = instances.first_box as usize + instances.n_instances();
+                &self.primitives[..n]
+            }
+        }
+    }
+}
+
+impl<'a> World<'a> {
+    /// The primitives in world space, without the boxes of instances.
+    pub fn in_world_space(&self) -> &'a [Primitive] {
+        match self.instances {
+            None => self.primitives,
+            Some(instances) => &self.primitives[..instances.first_box as usize],
+        }
+    }
+
+    /// The instances with the triangles of their meshes, which are in the spaces of the meshes.
+    pub fn placed_meshes(&self) -> impl Iterator<Item = (&'a Instance, &'a [Primitive])> {
+        let (instances, primitives) = (self.instances, self.primitives);
+        instances.into_iter().flat_map(move |instances| {
+            let triangles = move |instance: &Instance| {
+                let mesh = &instances.meshes[instance.mesh as usize];
+                &primitives[mesh.range()]
+            };
+            let all = instances.all.iter();
+            all.map(move |instance| (instance, triangles(instance)))
+        })
+    }
+}
+
+/// Primitives in world space.
+impl<'a> From<&'a [Primitive]> for World<'a> {
+    fn from(primitives: &'a [Primitive]) -> Self {
+        Self {
+            primitives,
+            instances: None,
+        }
+    }
+}
+
+/// Primitives in world space.
+impl<'a> From<&'a Vec<Primitive>> for World<'a> {
+    fn from(primitives: &'a Vec<Primitive>) -> Self {
+        Self::from(&primitives[..])
+    }
+}
+
+/// A primitive that a ray can hit: one in world space, or one of an instance's mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlacedPrimitive {
+    /// The primitive's index in the scene.
+    pub primitive: u32,
+    /// The instance; `None` for a primitive in world space.
+    pub instance: Option<InstanceId>,
+}
+
+/// A primitive in world space.
+impl From<u32> for PlacedPrimitive {
+    fn from(primitive: u32) -> Self {
+        Self {
+            primitive,
+            instance: None,
+        }
+    }
+}
+
+impl Scene {
+    /// Everything that rays can hit.
+    pub fn world(&self) -> World<'_> {
+        World {
+            primitives: &self.primitives,
+            instances: self.instances.as_ref(),
+        }
+    }
+
+    /// The place of the instance that the primitive belongs to, if it does to one.
+    #[inline]
+    pub fn transform(&self, placed: PlacedPrimitive) -> Option<&InstanceTransform> {
+        let instances = self.instances.as_ref()?;
+        Some(&instances.get(placed.instance?).transform)
+    }
+
+    /// The numbers that define the shape of a primitive, followed by zeros: in world space,
+    /// unless it is under a transform of its own.
+    #[inline]
+    pub fn parameters(&self, placed: PlacedPrimitive) -> [f32; N_PARAMETERS] {
+        let parameters = self.primitives[placed.primitive as usize].parameters();
+        match self.transform(placed) {
+            None => parameters,
+            Some(transform) => transform.world_triangle(&parameters),
+        }
+    }
+
+    /// The point of a primitive's surface nearest to `near`, which lies on it up to rounding
+    /// errors, and the outward unit normal there.
+    pub fn project(&self, placed: PlacedPrimitive, near: Vec3) -> (Vec3, Vec3) {
+        let Some(transform) = self.transform(placed) else {
+            return self.primitives[placed.primitive as usize].project(near);
+        };
+        let triangle = self.parameters(placed);
+        let (position, normal) = Triangle::project_onto(&triangle, near.into());
+        let normal = Vec3::from(normal);
+        let outward = if transform.is_mirrored() {
+            -normal
+        } else {
+            normal
+        };
+        (position.into(), outward)
+    }
+}
+
+/// Everything in a scene that rays can hit.
+impl<'a> From<&'a Scene> for World<'a> {
+    fn from(scene: &'a Scene) -> Self {
+        scene.world()
+    }
+}

@@ -1,0 +1,145 @@
+//! Meshes at many places → the lower level of the scene: boxes of instances, and the triangles
+//! of meshes.
+
+use glam::Vec3;
+
+use super::geometries::MeshInstances;
+use super::instances::{Instance, InstanceId, Instances, PlacedMesh};
+use super::placement::Placement;
+use super::primitive::{MaterialId, ObjectId, Primitive};
+use super::surface_class::SurfaceClass;
+use super::{ObjectAttributes, Scene};
+use crate::config::Config;
+use crate::geometry::{Aabb, Cuboid, InstanceTransform, Shape};
+use crate::import::Mesh;
+use crate::yaml::{Fault, FieldPath};
+
+/// Most triangles of all instances of a material that emits light: each is a light of its own.
+const MAX_EMITTING: u64 = 1 << 20;
+
+/// What the objects of instances add to a scene, until all objects are placed.
+#[derive(Default)]
+pub(super) struct LowerLevel {
+    instances: Instances,
+    /// A box for each instance.
+    boxes: Vec<Primitive>,
+    /// The triangles of the meshes; the ranges of the meshes are among these.
+    triangles: Vec<Primitive>,
+    objects: Vec<ObjectId>,
+}
+
+impl LowerLevel {
+    /// Adds a mesh and its instances, and the number of its degenerate triangles to
+    /// `n_degenerate`; returns the attributes of the mesh and its first triangle.
+    ///
+    /// # Errors
+    /// A place that exceeds the range of 32-bit numbers, or the memory of the mesh.
+    pub(super) fn add(
+        &mut self,
+        placement: &Placement,
+        placed: MeshInstances,
+        n_degenerate: &mut u64,
+    ) -> Result<ObjectAttributes, Fault> {
+        let MeshInstances { mut mesh, places } = placed;
+        let center = move_to_origin(&mut mesh);
+        let first = self.triangles.len() as u32;
+        let (in_mesh, of_object) = placement.in_object_space();
+        let attributes = in_mesh.add_mesh(mesh, &mut self.triangles, n_degenerate)?;
+        let triangles = &self.triangles[first as usize..];
+        let bounds = triangles.iter().map(Primitive::bounds);
+        let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+        let material = triangles[0].material;
+        let mesh = self.instances.meshes.len() as u32;
+        let first_instance = InstanceId(self.instances.all.len() as u32);
+        for (i, place) in places.iter().enumerate() {
+            let place = of_object.map_or(*place, |of_object| of_object.matrix() * *place);
+            let out_of_range = || placement.place_out_of_range(i);
+            let transform = InstanceTransform::new(&place, center).ok_or_else(out_of_range)?;
+            let shape = Shape::Cuboid(Cuboid::new(transform.world_bounds(&bounds)));
+            let shape = Primitive::new(shape, None, placement.id(), material);
+            if !shape.is_in_range() || !shape.has_extent() {
+                return Err(out_of_range());
+            }
+            self.boxes.push(shape);
+            self.instances.all.push(Instance { transform, mesh });
+        }
+        let end = self.triangles.len() as u32;
+        self.instances.meshes.push(PlacedMesh {
+            triangles: first..end,
+            first: first_instance,
+        });
+        self.objects.push(placement.id());
+        Ok(ObjectAttributes { first, attributes })
+    }
+
+    /// Checks that the instances that emit light are few enough to be sampled.
+    ///
+    /// # Errors
+    /// The material whose triangles are too many.
+    pub(super) fn check_emission(&self, config: &Config) -> Result<(), Fault> {
+        let Some((name, n)) = self.emitting(config).find(|(_, n)| *n > MAX_EMITTING) else {
+            return Ok(());
+        };
+        let path = FieldPath::default().key("materials").key(name);
+        let message = format!("instances with the material `{name}` emit light from {n} triangles");
+        let expected = format!("expected at most {MAX_EMITTING}");
+        Err(Fault::new(path.key("emission"), message, expected)
+            .with_help("emit light from fewer instances, or from a mesh of fewer triangles"))
+    }
+
+    /// The materials that emit light, with the number of triangles of their instances.
+    fn emitting<'a>(&'a self, config: &'a Config) -> impl Iterator<Item = (&'a String, u64)> {
+        let numbered = (0..).map(MaterialId).zip(&config.materials);
+        let emitting = numbered.filter(|(_, (_, material))| material.emits());
+        emitting.map(move |(id, (name, _))| {
+            let with_it = self.boxes.iter().zip(&self.instances.all);
+            let with_it = with_it.filter(|(of_instance, _)| of_instance.material == id);
+            let n_triangles = |(_, instance): (&Primitive, &Instance)| {
+                self.instances.meshes[instance.mesh as usize]
+                    .triangles
+                    .len() as u64
+            };
+            (name, with_it.map(n_triangles).sum())
+        })
+    }
+
+    /// Adds itself to a scene whose other objects are placed.
+    pub(super) fn add_to(self, scene: &mut Scene) {
+        let Self {
+            mut instances,
+            boxes,
+            triangles,
+            objects,
+        } = self;
+        if objects.is_empty() {
+            return;
+        }
+        instances.first_box = scene.primitives.len() as u32;
+        scene.primitives.extend(boxes);
+        let n_before = scene.primitives.len() as u32;
+        for PlacedMesh { triangles, .. } in &mut instances.meshes {
+            *triangles = triangles.start + n_before..triangles.end + n_before;
+        }
+        for object in objects {
+            scene.attributes[object.0 as usize].first += n_before;
+        }
+        scene.primitives.extend(triangles);
+        let class = |primitive: &Primitive| {
+            let of_object = &scene.attributes[primitive.object.0 as usize];
+            SurfaceClass::new(primitive, of_object.attributes.kind())
+        };
+        let added = &scene.primitives[instances.first_box as usize..];
+        scene.classes.extend(added.iter().map(class));
+        scene.instances = Some(instances);
+    }
+}
+
+/// Moves the center of a mesh to the origin, where numbers have most digits; returns where it
+/// was.
+fn move_to_origin(mesh: &mut Mesh) -> Vec3 {
+    let center = Aabb::of_points(mesh.vertices.iter().copied()).center();
+    for vertex in &mut mesh.vertices {
+        *vertex -= center;
+    }
+    center
+}
