@@ -261,7 +261,9 @@ fn assert_missing_tiles_are_empty(out: &Path, whole: &Path) {
     let n_missing = is_missing.iter().filter(|&&missing| missing).count();
     assert!(n_missing > 0 && n_missing < is_missing.len());
     for array in &found.arrays {
-        if ["thread", "tile"].contains(&&*array.name) {
+        // Field data is shorter.
+        let is_field = array.bytes.len() < is_missing.len();
+        if is_field || ["thread", "tile"].contains(&&*array.name) {
             continue;
         }
         let stride = array.bytes.len() / is_missing.len();
