@@ -10,7 +10,7 @@ use crate::schedule::{Tile, TileRun};
 use crate::stop;
 
 /// How often finished tiles are given to the system.
-const FLUSH_EVERY: Duration = Duration::from_secs(1);
+const FLUSH_EVERY: Duration = Duration::from_millis(250);
 
 /// What renderings of a picture take over and keep, and when they end.
 #[derive(Debug, Clone, Copy, Default)]
