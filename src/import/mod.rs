@@ -22,6 +22,7 @@ mod gltf;
 mod vtk;
 mod pieces;
 mod series;
+mod places;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -37,6 +38,7 @@ pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
 pub use pieces::pieces_of;
+pub use places::{Place, PlaceArrays};
 pub use series::{DataSeries, TimeStep, is_series, read_series};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
@@ -311,6 +313,20 @@ pub fn read_lines<'a>(
 ) -> Result<Tubes> {
     let file = file.into();
     vtk::read_tubes(file, radius, array).map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads the places of instances: from a table of comma-separated values, which has no arrays,
+/// or from the points of a VTK file without those whose scale is 0 or missing.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array or no place.
+pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<Place>> {
+    if is_vtk(path) {
+        return places::of_points(path, arrays);
+    }
+    let read = arrays.none().and_then(|()| open(path));
+    let read = read.and_then(places::read);
+    read.map_err(|fault| fault.in_file(path))
 }
 
 /// Whether the file's extension is one of VTK's.

@@ -209,11 +209,11 @@ fn unknown_column(name: &str, extra: &str) -> FileFault {
 }
 
 /// One field of a row, all of which are as long as the header.
-fn word(row: &ByteRecord, column: usize) -> &str {
+pub(super) fn word(row: &ByteRecord, column: usize) -> &str {
     str::from_utf8(&row[column]).unwrap_or("\u{fffd}")
 }
 
-fn number(word: &str) -> Result<f32> {
+pub(super) fn number(word: &str) -> Result<f32> {
     word.parse()
         .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
 }

@@ -10,10 +10,12 @@ use super::arrays;
 use super::own_materials;
 use super::pictures::Pictures;
 use crate::config::{
-    Config, Generator, Geometry, GeometryFile, InstancedMesh, MeshFile, MeshNormals, Object,
+    Config, Generator, Geometry, GeometryFile, InstancedMesh, MeshFile, MeshNormals, Object, Places,
 };
 use crate::geometry::{Shape, Transform};
-use crate::import::{self, ArrayChoice, DataSeries, FileFault, Mesh, Spheres, Tubes};
+use crate::import::{
+    self, ArrayChoice, CornerValues, DataSeries, FileFault, Mesh, Place, Spheres, Tubes,
+};
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
@@ -45,6 +47,8 @@ pub(super) struct MeshInstances {
     /// The map of each instance from the coordinates of the mesh to those of the object: at
     /// least one.
     pub(super) places: Arc<[Affine3A]>,
+    /// The number of an array for each instance, if one was read; NaN for missing ones.
+    pub(super) scalars: Option<Arc<[f32]>>,
 }
 
 impl ObjectGeometry {
@@ -71,10 +75,10 @@ impl ObjectGeometry {
     pub(super) fn scalars(&self) -> Option<&[f32]> {
         match self {
             Self::Mesh(mesh) => mesh.scalars.as_ref().map(|scalars| &scalars.values[..]),
-            Self::Instances(placed) => {
-                let scalars = placed.mesh.scalars.as_ref();
-                scalars.map(|scalars| &scalars.values[..])
-            }
+            Self::Instances(placed) => match &placed.scalars {
+                Some(scalars) => Some(scalars),
+                None => placed.mesh.scalars.as_ref().map(|of| &of.values[..]),
+            },
             Self::Spheres(spheres) => spheres.scalars.as_deref(),
             Self::Tubes(tubes) => tubes.scalars.as_ref().map(|scalars| scalars.as_flattened()),
             Self::Shape(_) | Self::Generator(_) => None,
@@ -148,11 +152,16 @@ impl Geometries {
                 }
                 ObjectGeometry::Instances(placed) if object.material.0.is_empty() => {
                     found.own_picture_bytes += import::picture_bytes(&placed.mesh.materials);
-                    let MeshInstances { mesh, places } = *placed;
+                    let MeshInstances {
+                        mesh,
+                        places,
+                        scalars,
+                    } = *placed;
                     let parts = own_materials::parts(config, object, mesh).into_iter();
                     let instances = |mesh| MeshInstances {
                         mesh,
                         places: Arc::clone(&places),
+                        scalars: scalars.clone(),
                     };
                     parts
                         .map(|(part, mesh)| {
@@ -272,26 +281,111 @@ fn read_instances<F: Folders + ?Sized>(
     path: &FieldPath,
 ) -> Result<ObjectGeometry, Fault> {
     let of_mesh = path.clone().key("mesh").key("file");
-    if import::is_series(&instances.mesh.file) {
-        let message = "instances cannot have a mesh for each time step";
-        return Err(Fault::new(of_mesh, message, "expected one mesh for all"));
-    }
+    refuse_series(&instances.mesh.file, &of_mesh)?;
     let folder = folders.folder_of(&of_mesh);
     check_size(&folder.join(&instances.mesh.file), available, &of_mesh)?;
-    let mesh = read_mesh(&instances.mesh, &folder.join(&instances.mesh.file), extra);
-    let of_place = |(i, steps): (usize, &Vec<_>)| {
-        let transform = Transform::of_steps(steps).ok_or_else(|| {
-            let path = path.clone().key("places").index(i);
-            let message = "the place of this instance has no inverse";
-            Fault::new(path, message, "expected `scale` factors other than 0")
-        })?;
-        Ok(transform.matrix())
+    let of_points = instances.points_file().is_some_and(import::is_vtk);
+    let mesh_extra = match extra {
+        // The array is one of the points.
+        Extra::Array(_) if of_points => Extra::Array(None),
+        extra => extra,
     };
-    let places: Result<Vec<_>, Fault> = instances.places.iter().enumerate().map(of_place).collect();
+    let mesh = read_mesh(
+        &instances.mesh,
+        &folder.join(&instances.mesh.file),
+        mesh_extra,
+    );
+    let mut mesh = mesh.map_err(|fault| fault.at_value(&of_mesh))?;
+    let available = available.saturating_sub(mesh.n_bytes());
+    let (places, scalars) = read_places(
+        instances,
+        folders,
+        extra.array().filter(|_| of_points),
+        available,
+        path,
+    )?;
+    if scalars.is_some() {
+        // Each triangle has the number of its instance.
+        mesh.scalars = Some(CornerValues {
+            values: vec![f32::NAN],
+            triangles: vec![[0; 3]; mesh.triangles.len()],
+        });
+    }
     Ok(ObjectGeometry::Instances(Box::new(MeshInstances {
-        mesh: mesh.map_err(|fault| fault.at_value(&of_mesh))?,
-        places: places?.into(),
+        mesh,
+        places,
+        scalars,
     })))
+}
+
+/// The places of instances, and the numbers of an array for them, if they have one.
+type PlacesAndScalars = (Arc<[Affine3A]>, Option<Arc<[f32]>>);
+
+/// Reads the places of instances; `path` is that of the instances.
+fn read_places<F: Folders + ?Sized>(
+    instances: &InstancedMesh,
+    folders: &F,
+    array: Option<&ArrayChoice>,
+    available: u64,
+    path: &FieldPath,
+) -> Result<PlacesAndScalars, Fault> {
+    match &instances.places {
+        Places::Listed(all) => {
+            let of_place = |(i, steps): (usize, &Vec<_>)| {
+                let transform = Transform::of_steps(steps).ok_or_else(|| {
+                    let path = path.clone().key("places").index(i);
+                    let message = "the place of this instance has no inverse";
+                    Fault::new(path, message, "expected `scale` factors other than 0")
+                })?;
+                Ok(transform.matrix())
+            };
+            let places: Result<Vec<_>, Fault> = all.iter().enumerate().map(of_place).collect();
+            Ok((places?.into(), None))
+        }
+        Places::Cloud(cloud) => {
+            let n = cloud.count as usize;
+            check_room(n as u64 * size_of::<Affine3A>() as u64, available, path)?;
+            Ok(((0..n).map(|i| cloud.place(i)).collect(), None))
+        }
+        Places::Points(points) => {
+            let path = path.clone().key("points").key("file");
+            refuse_series(&points.file, &path)?;
+            if array.is_some_and(|array| array.is_color) {
+                let message = "instances have no colors of points";
+                let expected = "expected a material with `color: { array: … }`";
+                return Err(Fault::new(path, message, expected));
+            }
+            let file = folders.folder_of(&path).join(&points.file);
+            check_size(&file, available, &path)?;
+            let read = points.read(&file, array);
+            let read = read.map_err(|fault| fault.at_value(&path))?;
+            let scalars = array.map(|_| read.iter().map(|place| place.scalar).collect());
+            Ok((read.iter().map(Place::matrix).collect(), scalars))
+        }
+    }
+}
+
+/// Refuses a series of files, one for each time step.
+fn refuse_series(file: &Path, path: &FieldPath) -> Result<(), Fault> {
+    if !import::is_series(file) {
+        return Ok(());
+    }
+    let message = "instances cannot have a file for each time step";
+    Err(Fault::new(
+        path.clone(),
+        message,
+        "expected one file for all",
+    ))
+}
+
+/// Makes sure that so many places fit into memory.
+fn check_room(needed: u64, available: u64, path: &FieldPath) -> Result<(), Fault> {
+    if needed <= available {
+        return Ok(());
+    }
+    let path = path.clone().key("cloud").key("count");
+    let message = "the places of the instances do not fit into memory";
+    Err(Fault::new(path, message, "expected a smaller number"))
 }
 
 /// Makes sure that the file fits into memory, whatever it contains.

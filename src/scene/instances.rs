@@ -32,6 +32,8 @@ pub struct PlacedMesh {
     pub triangles: Range<u32>,
     /// Its first instance.
     pub first: InstanceId,
+    /// Whether its instances have a number of an array each.
+    pub(super) has_scalars: bool,
 }
 
 /// All instances of a scene, and their meshes.
@@ -43,6 +45,9 @@ pub struct Instances {
     pub(super) all: Vec<Instance>,
     /// The meshes, in the order of their triangles.
     pub(super) meshes: Vec<PlacedMesh>,
+    /// The number of an array for each instance, NaN for those without one; empty if none has
+    /// any.
+    pub(super) scalars: Vec<f32>,
 }
 
 impl Instances {
@@ -67,6 +72,13 @@ impl Instances {
     /// Number of instances.
     pub fn n_instances(&self) -> usize {
         self.all.len()
+    }
+
+    /// The number of an array for an instance, if its object has one for each.
+    #[inline]
+    pub(super) fn scalar(&self, id: InstanceId) -> Option<f32> {
+        let scalar = *self.scalars.get(id.0 as usize)?;
+        self.mesh_of(id).has_scalars.then_some(scalar)
     }
 
     /// The meshes, in the order of their triangles.

@@ -40,7 +40,11 @@ impl LowerLevel {
         placed: MeshInstances,
         n_degenerate: &mut u64,
     ) -> Result<ObjectAttributes, Fault> {
-        let MeshInstances { mut mesh, places } = placed;
+        let MeshInstances {
+            mut mesh,
+            places,
+            scalars,
+        } = placed;
         let center = move_to_origin(&mut mesh);
         let first = self.triangles.len() as u32;
         let (in_mesh, of_object) = placement.in_object_space();
@@ -63,10 +67,17 @@ impl LowerLevel {
             self.boxes.push(shape);
             self.instances.all.push(Instance { transform, mesh });
         }
+        if let Some(scalars) = &scalars {
+            self.instances
+                .scalars
+                .resize(first_instance.0 as usize, f32::NAN);
+            self.instances.scalars.extend_from_slice(scalars);
+        }
         let end = self.triangles.len() as u32;
         self.instances.meshes.push(PlacedMesh {
             triangles: first..end,
             first: first_instance,
+            has_scalars: scalars.is_some(),
         });
         self.objects.push(placement.id());
         Ok(ObjectAttributes { first, attributes })

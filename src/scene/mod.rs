@@ -297,8 +297,13 @@ impl Scene {
 
     /// The numbers of an array at the vertices of the primitive, a triangle, if it has any.
     #[inline]
-    pub fn vertex_scalars(&self, primitive: u32) -> Option<[f32; 3]> {
-        match self.attributes(primitive) {
+    pub fn vertex_scalars(&self, placed: PlacedPrimitive) -> Option<[f32; 3]> {
+        if let (Some(instances), Some(id)) = (&self.instances, placed.instance)
+            && let Some(scalar) = instances.scalar(id)
+        {
+            return Some([scalar; 3]);
+        }
+        match self.attributes(placed.primitive) {
             (Attributes::Corners(corners), i) => Some(corners.scalars.as_ref()?.of(i)),
             _ => None,
         }
@@ -352,7 +357,7 @@ impl Scene {
     /// The number of an array at a point of a primitive, if it has one; else NaN.
     pub fn scalar(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
         let primitive = placed.primitive;
-        if let Some(scalars) = self.vertex_scalars(primitive) {
+        if let Some(scalars) = self.vertex_scalars(placed) {
             let triangle = self.parameters(placed);
             return interpolated_scalar(&triangle, scalars, point.into());
         }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::attributes::{Attributes, CornerAttributes};
 use super::geometries::ObjectGeometry;
 use super::primitive::{MaterialId, ObjectId, Primitive};
-use crate::config::{Geometry, InstancedMesh, Object};
+use crate::config::{Geometry, InstancedMesh, Object, Places};
 use crate::geometry::{Shape, Transform};
 use crate::import::{CornerValues, Mesh, Spheres};
 use crate::stop;
@@ -75,8 +75,15 @@ impl<'a> Placement<'a> {
     /// The fault of an instance that is too small, too large or too far away.
     pub(super) fn place_out_of_range(&self, index: usize) -> Fault {
         let path = self.path.clone().key(InstancedMesh::KEY);
-        let path = path.key("places").index(index);
-        let message = "this instance is too small, too large or too far away";
+        let path = match &self.object.geometry {
+            Geometry::Instances(instances) => match instances.places {
+                Places::Listed(_) => path.key("places").index(index),
+                Places::Points(_) => path.key("points").key("file"),
+                Places::Cloud(_) => path.key("cloud").key("count"),
+            },
+            _ => path,
+        };
+        let message = format!("instance {index} is too small, too large or too far away");
         let expected = "expected coordinates within 1e16, and scales from 1e-9 to 1e9";
         Fault::new(path, message, expected)
     }

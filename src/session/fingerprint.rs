@@ -160,12 +160,18 @@ fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     for (index, object) in config.objects.iter().enumerate() {
         let path = FieldPath::default().key("objects").index(index);
         let path = path.key(object.geometry.to_string());
-        let named = match &object.geometry {
-            Geometry::File(file) => Some((path.key("file"), file.file())),
-            Geometry::Instances(placed) => Some((path.key("mesh").key("file"), &*placed.mesh.file)),
-            Geometry::Shape(_) | Geometry::Generator(_) | Geometry::Tube(_) => None,
-        };
-        if let Some((path, file)) = named {
+        let mut named = Vec::new();
+        match &object.geometry {
+            Geometry::File(file) => named.push((path.key("file"), file.file())),
+            Geometry::Instances(placed) => {
+                let of_mesh = path.clone().key("mesh").key("file");
+                named.push((of_mesh, &*placed.mesh.file));
+                let points = placed.points_file();
+                named.extend(points.map(|file| (path.key("points").key("file"), file)));
+            }
+            Geometry::Shape(_) | Geometry::Generator(_) | Geometry::Tube(_) => {}
+        }
+        for (path, file) in named {
             let file = document.folder_of(&path).join(file);
             found.extend(import::pieces_of(&file));
             found.push(file);

@@ -101,7 +101,7 @@ impl FindPoints<'_> {
             at_point.color = interpolated_color(&parameters, colors, position);
         }
         if group.attributes.has_corner_scalars() {
-            let scalars = self.vertex_scalars(set, &hits.primitives);
+            let scalars = self.vertex_scalars(set, &hits);
             at_point.scalar = interpolated_scalar(&parameters, scalars, position);
         } else if group.attributes == AttributeKind::Scalars {
             at_point.scalar = self.own_scalars(set, &hits.primitives);
@@ -255,15 +255,11 @@ impl FindPoints<'_> {
 
     /// The numbers of an array at the vertices of eight triangles.
     #[inline(always)]
-    fn vertex_scalars<I: InstructionSet>(
-        &self,
-        set: I,
-        primitives: &[u32; N_LANES],
-    ) -> [I::Lanes; 3] {
+    fn vertex_scalars<I: InstructionSet>(&self, set: I, hits: &LaneHits) -> [I::Lanes; 3] {
         let mut columns = [[0.0; N_LANES]; 3];
-        for (lane, &primitive) in primitives.iter().enumerate() {
-            let scalars = self.scene.vertex_scalars(primitive).unwrap_or_default();
-            for (column, scalar) in columns.iter_mut().zip(scalars) {
+        for lane in 0..N_LANES {
+            let scalars = self.scene.vertex_scalars(hits.placed(lane));
+            for (column, scalar) in columns.iter_mut().zip(scalars.unwrap_or_default()) {
                 column[lane] = scalar;
             }
         }

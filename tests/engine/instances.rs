@@ -10,9 +10,10 @@ use proptest::prelude::*;
 use raycost::accel::{Accel, TraversalStep};
 use raycost::config::{Acceleration, Config, CostMode};
 use raycost::cost::{Cost, NoProbe, RayKind};
-use raycost::geometry::Ray;
+use raycost::geometry::{InstanceTransform, Ray};
+use raycost::import::{self, ArrayChoice, RadiusChoice};
 use raycost::sampling::uniform;
-use raycost::scene::{Geometries, Scene};
+use raycost::scene::{Geometries, InstanceId, PlacedPrimitive, Scene};
 use raycost::trace::{SurfacePoint, Tracer};
 
 const MESHES: [&str; 3] = [
@@ -287,4 +288,102 @@ fn too_many_lights_are_refused() {
         fault.message.contains("emit light from 1171200 triangles"),
         "{fault:?}"
     );
+}
+
+/// The scene of a mesh whose places are given in another way.
+fn placed_by(places: &str, material: &str) -> Scene {
+    let mesh = "{ file: ../tests/files/tile.obj }";
+    let object = format!("  - instances: {{ mesh: {mesh}, {places} }}\n    material: {material}\n");
+    let mut text = String::from(
+        "image: { width: 24, height: 18 }\n\
+         camera: { look_at: { eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 } }\n\
+         materials: { m: { color: 1 }, speed: { color: { array: { name: speed, component: 2 } } } }\n\
+         lights: []\nobjects:\n",
+    );
+    text.push_str(&object);
+    scene_of(&parse(&text))
+}
+
+/// The transforms of all instances.
+fn transforms(scene: &Scene) -> Vec<InstanceTransform> {
+    let instances = scene.instances.as_ref().unwrap();
+    let ids = (0..instances.n_instances() as u32).map(InstanceId);
+    ids.map(|id| instances.get(id).transform).collect()
+}
+
+/// Whether two instances have the same place, up to rounding.
+fn is_close(a: &InstanceTransform, b: &InstanceTransform) -> bool {
+    let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    points
+        .iter()
+        .all(|&point| a.world_point(point).abs_diff_eq(b.world_point(point), 1e-4))
+}
+
+#[test]
+fn a_table_places_as_the_steps_do() {
+    let of_table = placed_by("points: { file: ../tests/files/places.csv, scale: 2 }", "m");
+    let listed = placed_by(
+        "places: [\
+         [{ scale: 1 }, { rotate: { axis: [0, 1, 0], angle_deg: 90 } }, { translate: [1, 2, 3] }], \
+         [{ scale: 4 }, { translate: [-1, 0, 2] }], \
+         [{ scale: 3 }, { translate: [0, 0, -1] }]]",
+        "m",
+    );
+    let (found, expected) = (transforms(&of_table), transforms(&listed));
+    assert_eq!(found.len(), 3);
+    assert!(
+        found.iter().zip(&expected).all(|(a, b)| is_close(a, b)),
+        "{found:?} {expected:?}"
+    );
+}
+
+/// Against the spheres of the same points, whose numbers are read by themselves.
+#[test]
+fn points_of_a_vtk_file_scale_turn_and_color() {
+    let file = "../tests/files/vtk/block_zlib.vtu";
+    let places = format!(
+        "points: {{ file: {file}, scale: {{ array: height of it, factor: 0.5 }}, orient: {{ array: speed }} }}"
+    );
+    let scene = placed_by(&places, "speed");
+    let path = crate::common::in_repository("tests/files/vtk/block_zlib.vtu");
+    let numbers = |name: &str, component| {
+        let array = ArrayChoice::of_points(name, component);
+        let points = import::read_points(&path, &RadiusChoice::Same(1.0), Some(&array)).unwrap();
+        (points.spheres, points.scalars.unwrap())
+    };
+    let (points, heights) = numbers("height of it", None);
+    let [x, y, z] = [0, 1, 2].map(|component| numbers("speed", Some(component)).1);
+    let kept: Vec<usize> = (0..points.len()).filter(|&i| heights[i] != 0.0).collect();
+    assert!(kept.len() < points.len(), "a scale of 0 leaves points out");
+    let found = transforms(&scene);
+    assert_eq!(found.len(), kept.len());
+    let instances = scene.instances.as_ref().unwrap();
+    for (i, (transform, &point)) in found.iter().zip(&kept).enumerate() {
+        let along = transform.world_point(Vec3::X) - transform.world_point(Vec3::ZERO);
+        let expected = Vec3::new(x[point], y[point], z[point]).normalize_or(Vec3::X);
+        let expected = 0.5 * heights[point] * expected;
+        assert!(along.abs_diff_eq(expected, 1e-4), "{i}: {along} {expected}");
+        let placed = PlacedPrimitive {
+            primitive: instances.meshes()[0].triangles.start,
+            instance: Some(InstanceId(i as u32)),
+        };
+        assert_eq!(scene.vertex_scalars(placed), Some([z[point]; 3]));
+    }
+}
+
+#[test]
+fn a_cloud_of_instances_stays_in_its_box() {
+    let text = "cloud: { count: 500, min: [-4, 1, -2], max: [4, 1, 2], scale: [0.5, 2], turn: [0, 1, 0], seed: 3 }";
+    let found = transforms(&placed_by(text, "m"));
+    assert_eq!(found.len(), 500);
+    assert_eq!(found, transforms(&placed_by(text, "m")));
+    let mut n_backward = 0;
+    for transform in &found {
+        let [origin, x, y] = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|at| transform.world_point(at));
+        let size = (x - origin).length();
+        assert!((0.499..2.001).contains(&size));
+        assert!((y - origin).abs_diff_eq(size * Vec3::Y, 1e-4));
+        n_backward += usize::from(x.x < origin.x);
+    }
+    assert!((150..350).contains(&n_backward), "{n_backward}");
 }

@@ -1,0 +1,106 @@
+//! The scale of instances at points.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+
+use crate::import::ArrayChoice;
+use crate::yaml;
+
+/// The scale of instances: one number, or an array of a VTK file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PlaceScale {
+    /// The same for all.
+    Same(f32),
+    /// Those of an array.
+    Array(ScaleArray),
+}
+
+/// An array of scales.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an array such as { array: diameter, factor: 0.5 }"
+)]
+pub struct ScaleArray {
+    /// The name of the array of points.
+    #[serde(deserialize_with = "yaml::name")]
+    array: String,
+    /// The component of vectors, of which the first is 0; their magnitude by default.
+    #[serde(default, deserialize_with = "component")]
+    component: Option<u32>,
+    /// The factor from its numbers to scales, greater than 0; 1 by default.
+    #[serde(default = "one", deserialize_with = "yaml::positive")]
+    factor: f32,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+fn component<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
+    yaml::whole(d, 0..=255).map(Some)
+}
+
+impl Default for PlaceScale {
+    fn default() -> Self {
+        Self::Same(1.0)
+    }
+}
+
+impl PlaceScale {
+    /// The array, if it is one.
+    pub(super) fn array(&self) -> Option<ArrayChoice> {
+        match self {
+            Self::Same(_) => None,
+            Self::Array(ScaleArray {
+                array, component, ..
+            }) => Some(ArrayChoice::of_points(
+                array,
+                component.map(|component| component as usize),
+            )),
+        }
+    }
+
+    /// The factor of all instances.
+    pub(super) fn factor(&self) -> f32 {
+        match self {
+            Self::Same(factor) => *factor,
+            Self::Array(array) => array.factor,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for PlaceScale {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(ScaleVisitor)
+    }
+}
+
+struct ScaleVisitor;
+
+impl<'de> Visitor<'de> for ScaleVisitor {
+    type Value = PlaceScale;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a scale greater than 0, or { array: … }")
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<PlaceScale, E> {
+        yaml::positive(found.into_deserializer()).map(PlaceScale::Same)
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<PlaceScale, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<PlaceScale, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PlaceScale, A::Error> {
+        ScaleArray::deserialize(MapAccessDeserializer::new(map)).map(PlaceScale::Array)
+    }
+}

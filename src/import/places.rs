@@ -1,0 +1,263 @@
+//! The places of instances: from a table of comma-separated values, or the points of a VTK
+//! file.
+
+use std::ops::Range;
+use std::path::Path;
+
+use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+use glam::{Affine3A, Quat, Vec3};
+
+use super::fault::cut;
+use super::mesh::finite;
+use super::spheres::{number, of_table, word};
+use super::{
+    ArrayChoice, ArrayOf, FileFault, FileLocation, GeometryFileReader, RadiusChoice, Result,
+    read_points,
+};
+use crate::geometry::Sphere;
+use crate::text::did_you_mean;
+
+/// A place of an instance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Where the origin of the mesh is.
+    pub position: Vec3,
+    /// The factors along the axes of the mesh.
+    pub scale: Vec3,
+    /// Where the x axis of the mesh points to, of any length; 0 for a mesh that is not turned.
+    pub direction: Vec3,
+    /// The number of an array; NaN without one.
+    pub scalar: f32,
+}
+
+/// What the points of a VTK file have for the places of instances.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceArrays<'a> {
+    /// The factors of the scale.
+    pub scale: Option<&'a ArrayChoice>,
+    /// The vectors that the x axis of the mesh is turned to.
+    pub orient: Option<&'a str>,
+    /// The numbers that give colors.
+    pub color: Option<&'a ArrayChoice>,
+}
+
+impl PlaceArrays<'_> {
+    /// Makes sure that there are none.
+    ///
+    /// # Errors
+    /// There is one.
+    pub(super) fn none(self) -> Result<()> {
+        if self.scale.is_none() && self.orient.is_none() && self.color.is_none() {
+            return Ok(());
+        }
+        let problem = "it is a table, which has no arrays";
+        let expected = "a VTK file, or columns `scale` and `direction_x`";
+        Err(FileFault::new(problem, expected))
+    }
+}
+
+impl ArrayChoice {
+    /// The numbers of an array of points: a component of its tuples, or their magnitude.
+    pub fn of_points(name: &str, component: Option<usize>) -> Self {
+        Self {
+            name: name.to_owned(),
+            component,
+            of: Some(ArrayOf::Points),
+            is_color: false,
+        }
+    }
+}
+
+impl Place {
+    /// The map from the space of the mesh: it scales, turns the x axis to the direction by the
+    /// smallest angle, and moves the origin to the position.
+    pub fn matrix(&self) -> Affine3A {
+        let turn = self
+            .direction
+            .try_normalize()
+            .map_or(Quat::IDENTITY, |to| Quat::from_rotation_arc(Vec3::X, to));
+        Affine3A::from_scale_rotation_translation(self.scale, turn, self.position)
+    }
+}
+
+/// Reads a table.
+pub(super) fn read(file: GeometryFileReader) -> Result<Vec<Place>> {
+    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let columns = Columns::of(table.byte_headers().map_err(of_table)?)
+        .map_err(|fault| fault.at(FileLocation::Line(1)))?;
+    let mut places = Vec::new();
+    let mut row = ByteRecord::new();
+    while table.read_byte_record(&mut row).map_err(of_table)? {
+        let line = row.position().map_or(0, Position::line);
+        let place = columns.place(&row);
+        places.push(place.map_err(|fault| fault.at(FileLocation::Line(line)))?);
+    }
+    if places.is_empty() {
+        return Err(FileFault::new("no place in the file", "a line for each"));
+    }
+    Ok(places)
+}
+
+/// The columns of a table.
+const NAMES: [&str; 10] = [
+    "x",
+    "y",
+    "z",
+    "scale",
+    "scale_x",
+    "scale_y",
+    "scale_z",
+    "direction_x",
+    "direction_y",
+    "direction_z",
+];
+
+/// The position of each column of a table, if it has it.
+struct Columns([Option<usize>; NAMES.len()]);
+
+impl Columns {
+    /// Reads the table's first line.
+    fn of(header: &ByteRecord) -> Result<Self> {
+        let mut columns = [None; NAMES.len()];
+        for (i, name) in header.iter().enumerate() {
+            let name = String::from_utf8_lossy(name);
+            let known = NAMES.iter().position(|known| *known == name);
+            let column = &mut columns[known.ok_or_else(|| unknown_column(&name))?];
+            if column.replace(i).is_some() {
+                let problem = format!("two columns are named `{}`", cut(&name));
+                return Err(FileFault::new(problem, "different names"));
+            }
+        }
+        let lacks = |range: Range<usize>| {
+            let missing = range.clone().find(|&i| columns[i].is_none());
+            let is_begun = range.start == 0 || range.clone().any(|i| columns[i].is_some());
+            missing.filter(|_| is_begun)
+        };
+        let missing = lacks(0..3).or(lacks(4..7)).or(lacks(7..10));
+        if let Some(missing) = missing {
+            let problem = format!("there is no column `{}`", NAMES[missing]);
+            return Err(FileFault::new(
+                problem,
+                "a first line such as `x,y,z,scale`",
+            ));
+        }
+        Ok(Self(columns))
+    }
+
+    /// The place of a row.
+    fn place(&self, row: &ByteRecord) -> Result<Place> {
+        let numbers = |first: usize, default: f32| -> Result<Vec3> {
+            let mut numbers = [default; 3];
+            for (number_of, column) in numbers.iter_mut().zip(&self.0[first..]) {
+                if let Some(column) = column {
+                    *number_of = number(word(row, *column))?;
+                }
+            }
+            finite(numbers)
+        };
+        let factor = match self.0[3] {
+            None => 1.0,
+            Some(column) => number(word(row, column))?,
+        };
+        let scale = factor * numbers(4, 1.0)?;
+        if !is_scale(scale) {
+            let problem = format!("a scale is {scale}");
+            return Err(FileFault::new(problem, "numbers other than 0"));
+        }
+        Ok(Place {
+            position: numbers(0, 0.0)?,
+            scale,
+            direction: numbers(7, 0.0)?,
+            scalar: f32::NAN,
+        })
+    }
+}
+
+/// Whether these factors have an inverse.
+fn is_scale(scale: Vec3) -> bool {
+    scale.is_finite() && scale.cmpne(Vec3::ZERO).all()
+}
+
+fn unknown_column(name: &str) -> FileFault {
+    let problem = match did_you_mean(name, NAMES) {
+        Some(suggestion) => format!("unknown column `{name}`, {suggestion}"),
+        None => format!("unknown column `{}`", cut(name)),
+    };
+    FileFault::new(problem, format!("some of `{}`", NAMES.join("`, `")))
+}
+
+/// Reads the points of a VTK file, without those whose scale is 0 or missing.
+pub(super) fn of_points(path: &Path, arrays: PlaceArrays) -> Result<Vec<Place>> {
+    let read = |array: Option<&ArrayChoice>| read_points(path, &RadiusChoice::Same(1.0), array);
+    let numbers = |array: &ArrayChoice| -> Result<Vec<f32>> {
+        Ok(read(Some(array))?.scalars.unwrap_or_default())
+    };
+    let points = read(arrays.color)?;
+    let scales = arrays.scale.map(numbers).transpose()?;
+    let components = |name: &str| -> Result<[Vec<f32>; 3]> {
+        let component = |component| numbers(&ArrayChoice::of_points(name, Some(component)));
+        Ok([component(0)?, component(1)?, component(2)?])
+    };
+    let directions = arrays.orient.map(components).transpose()?;
+    let place = |(i, point): (usize, &Sphere)| {
+        let scale = scales.as_ref().map_or(1.0, |scales| scales[i]);
+        let direction = directions
+            .as_ref()
+            .map_or([0.0; 3], |[x, y, z]| [x[i], y[i], z[i]]);
+        let place = Place {
+            position: point.center,
+            scale: Vec3::splat(scale),
+            direction: Vec3::from(direction),
+            scalar: points
+                .scalars
+                .as_ref()
+                .map_or(f32::NAN, |scalars| scalars[i]),
+        };
+        (is_scale(place.scale) && place.direction.is_finite()).then_some(place)
+    };
+    let places: Vec<Place> = points
+        .spheres
+        .iter()
+        .enumerate()
+        .filter_map(place)
+        .collect();
+    if places.is_empty() {
+        let problem = "no point of the file has a scale and a direction";
+        return Err(FileFault::new(problem, "numbers other than 0").in_file(path));
+    }
+    Ok(places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_x_axis_turns_to_the_direction() {
+        let place = |direction| Place {
+            position: Vec3::ONE,
+            scale: Vec3::new(2.0, 3.0, 4.0),
+            direction,
+            scalar: 0.0,
+        };
+        for direction in [Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::new(3.0, -4.0, 12.0)] {
+            let matrix = place(direction).matrix();
+            let turned = matrix.transform_vector3(Vec3::X);
+            assert!(
+                turned.abs_diff_eq(2.0 * direction.normalize(), 1e-5),
+                "{turned}"
+            );
+            assert_eq!(matrix.transform_point3(Vec3::ZERO), Vec3::ONE);
+            assert!((matrix.matrix3.determinant() - 24.0).abs() < 1e-4);
+        }
+        let unturned = place(Vec3::ZERO).matrix();
+        assert_eq!(unturned.transform_vector3(Vec3::Y), 3.0 * Vec3::Y);
+        // A turn within a plane keeps what is upright.
+        let upright = place(Vec3::new(-1.0, 0.0, 0.5)).matrix();
+        assert!(
+            upright
+                .transform_vector3(Vec3::Y)
+                .abs_diff_eq(3.0 * Vec3::Y, 1e-6)
+        );
+    }
+}
