@@ -1,5 +1,7 @@
 //! The media that a ray is in.
 
+use std::num::NonZeroU32;
+
 use glam::Vec3;
 
 use crate::material::{Dielectric, Material};
@@ -9,13 +11,28 @@ use crate::simd::{N_LANES, set_lane};
 /// Most media that may overlap at a point; a ray does not enter further ones.
 const MAX_MEDIA: usize = 4;
 
-/// The media that a ray is in, in the order in which it entered them; none is the
-/// vacuum. Where they overlap, one of them counts.
+/// The media that a ray is in, in the order in which it entered them, before empty
+/// places; none is the vacuum. Where they overlap, one of them counts.
 ///
 /// Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of
 /// Graphics Tools 7(2), 2002.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Media([Option<MaterialId>; MAX_MEDIA]);
+pub struct Media([Option<Medium>; MAX_MEDIA]);
+
+/// A medium by its material: one more than the material's index, so that an empty place
+/// takes no room.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Medium(NonZeroU32);
+
+impl Medium {
+    fn of(material: MaterialId) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(material.0))
+    }
+
+    fn material(self) -> MaterialId {
+        MaterialId(self.0.get() - 1)
+    }
+}
 
 /// The surface of a medium, met by a ray.
 #[derive(Debug, Clone, Copy)]
@@ -30,8 +47,9 @@ pub(super) struct Interface {
 
 impl Media {
     /// Whether it is in none.
+    #[inline(always)]
     pub(super) fn is_none(self) -> bool {
-        self == Self::default()
+        self.0[0].is_none()
     }
 
     /// The surface of this material, which the ray enters or leaves. A ray that leaves
@@ -39,8 +57,8 @@ impl Media {
     pub(super) fn cross(self, material: MaterialId, enters: bool, all: &[Material]) -> Interface {
         let [outside, inside] = if enters {
             [self, self.with(material)]
-        } else if self.0.contains(&Some(material)) {
-            [self.without(material), self]
+        } else if let Some(entered) = self.place_of(material) {
+            [self.without(entered), self]
         } else {
             [self, self.with(material)]
         };
@@ -60,6 +78,7 @@ impl Media {
 
     /// The fraction of the light of each channel that arrives from a distance, greater
     /// than 0, which may be infinite.
+    #[inline]
     pub(super) fn transmittance(self, distance: f32, all: &[Material]) -> Vec3 {
         let Some((_, medium)) = self.counting(all) else {
             return Vec3::ONE;
@@ -73,33 +92,55 @@ impl Media {
     }
 
     /// The index of refraction of the medium that counts.
+    #[inline]
     pub(super) fn index(self, all: &[Material]) -> f32 {
         self.counting(all).map_or(1.0, |(_, medium)| medium.index)
     }
 
-    /// The medium that counts.
+    /// The medium that counts: the last one of those with the highest priority.
+    #[inline(always)]
     fn counting(self, all: &[Material]) -> Option<(MaterialId, &Dielectric)> {
-        let media = self.0.into_iter().flatten();
-        let known = media.filter_map(|id| Some((id, all[id.0 as usize].dielectric.as_ref()?)));
-        // The last one of those with the highest priority.
-        known.max_by_key(|(_, medium)| medium.priority)
+        let [first, second, ..] = self.0;
+        // Most rays are in no medium, or in one.
+        let mut counting = dielectric(first?, all);
+        if second.is_some() {
+            for other in self.0[1..].iter().map_while(|medium| *medium) {
+                let other = dielectric(other, all);
+                if other.1.priority >= counting.1.priority {
+                    counting = other;
+                }
+            }
+        }
+        Some(counting)
     }
 
     fn with(mut self, material: MaterialId) -> Self {
         if let Some(free) = self.0.iter_mut().find(|medium| medium.is_none()) {
-            *free = Some(material);
+            *free = Some(Medium::of(material));
         }
         self
     }
 
-    /// Without the one of this material that it entered last.
-    fn without(mut self, material: MaterialId) -> Self {
-        if let Some(last) = self.0.iter().rposition(|medium| *medium == Some(material)) {
-            self.0[last..].rotate_left(1);
-            self.0[MAX_MEDIA - 1] = None;
-        }
+    /// The place of the medium of this material that it entered last.
+    fn place_of(self, material: MaterialId) -> Option<usize> {
+        let medium = Some(Medium::of(material));
+        self.0.iter().rposition(|entered| *entered == medium)
+    }
+
+    /// Without the one at a place.
+    fn without(mut self, place: usize) -> Self {
+        self.0[place..].rotate_left(1);
+        self.0[MAX_MEDIA - 1] = None;
         self
     }
+}
+
+/// The material of a medium, and what it is.
+#[inline(always)]
+fn dielectric(medium: Medium, all: &[Material]) -> (MaterialId, &Dielectric) {
+    let material = medium.material();
+    let dielectric = all[material.0 as usize].dielectric.as_ref();
+    (material, dielectric.expect("media have dielectrics"))
 }
 
 /// The fractions of light that media let pass over these distances: a column for each channel.
