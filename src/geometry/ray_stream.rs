@@ -1,7 +1,7 @@
 //! Many rays as a structure of arrays.
 
 use super::ray::Ray;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector, VectorColumn};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Vector, VectorColumn};
 
 /// Rays whose coordinates are one array each, so that lanes of rays are loaded and
 /// stored as they are.
@@ -78,8 +78,8 @@ impl RayStream {
         direction: Vector<L>,
         mask: L::Mask,
     ) {
-        self.origins.store(self.n, compress(origin, mask));
-        self.directions.store(self.n, compress(direction, mask));
+        self.origins.store_lanes(self.n, origin, mask);
+        self.directions.store_lanes(self.n, direction, mask);
         self.n += mask.bits().count_ones() as usize;
     }
 
@@ -95,15 +95,5 @@ impl FromIterator<Ray> for RayStream {
         let mut stream = Self::default();
         rays.into_iter().for_each(|ray| stream.push(ray));
         stream
-    }
-}
-
-/// Moves the vectors of the lanes of `mask` to the front.
-#[inline(always)]
-fn compress<L: Lanes>(v: Vector<L>, mask: <L as Real>::Mask) -> Vector<L> {
-    Vector {
-        x: v.x.compress(mask),
-        y: v.y.compress(mask),
-        z: v.z.compress(mask),
     }
 }

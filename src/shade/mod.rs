@@ -296,7 +296,7 @@ impl<'a> Shader<'a> {
         };
         let weight = path.weight * Vec3::from(scattered.factor);
         let index = media.index(&self.scene.materials);
-        let probability = survival(weight, index, path.depth);
+        let probability = survival(weight.into(), index, path.depth);
         if roulette >= probability {
             return None;
         }

@@ -4,8 +4,6 @@
 //! scattered ray may find is weighted by the power heuristic: Veach and Guibas, "Optimally
 //! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995.
 
-use glam::Vec3;
-
 use super::bsdf::{Boundary, Bsdf, Leaving, Scattering, Scatters, by_kind};
 use super::model::{Bounce, Model};
 use crate::light::Illumination;
@@ -87,12 +85,15 @@ pub(super) fn power_heuristic<R: Real>(own: R, other: R) -> R {
 /// 1990. By the square root of the share, as in Blender's Cycles: variance decreases by more
 /// than the longer paths take. The spread of light at the surfaces of media does not count.
 #[inline(always)]
-pub(super) fn survival(weight: Vec3, index: f32, depth: u32) -> f32 {
+pub(super) fn survival<R: Real>(weight: Vector<R>, index: R, depth: u32) -> R {
+    let (zero, one) = (index.splat(0.0), index.splat(1.0));
     let share = weight.max_element() * index * index;
-    if depth < ROULETTE_DEPTH && share > 0.0 {
-        return 1.0;
+    let by_share = share.sqrt().min(one);
+    if depth < ROULETTE_DEPTH {
+        R::select(zero.lt(share), one, by_share)
+    } else {
+        by_share
     }
-    share.sqrt().min(1.0)
 }
 
 /// Bounces after which paths may end early.

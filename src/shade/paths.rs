@@ -8,9 +8,7 @@ use crate::cost::RayKind;
 use crate::fog::FogSphere;
 use crate::geometry::RayStream;
 use crate::material::Material;
-use crate::simd::{
-    InstructionSet, N_LANES, Vector, VectorColumn, grow, lane_of, lanes_mut, to_arrays,
-};
+use crate::simd::{InstructionSet, N_LANES, Vector, VectorColumn, grow, lanes_mut};
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All
 /// paths have the same number of bounces.
@@ -109,6 +107,9 @@ impl PathWave {
     /// Weakens the light by the media on the way to the hits.
     pub(super) fn weaken(&mut self, hits: &[Option<Hit>], materials: &[Material]) {
         for (i, (branch, hit)) in self.branches.iter().zip(hits).enumerate() {
+            if branch.media.is_none() {
+                continue;
+            }
             let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
             let transmittance = branch.media.transmittance(distance, materials);
             self.weights.set(i, self.weights.get(i) * transmittance);
@@ -243,16 +244,16 @@ impl PathWave {
             distances,
             media,
         } = *continued;
-        self.rays.push_lanes(origin, direction, set.mask(lanes));
-        let factors = to_arrays(factor);
+        let mask = set.mask(lanes);
+        self.rays.push_lanes(origin, direction, mask);
+        let weight = wave.weights.gather(set, rays).times(factor);
+        self.weights.store_lanes(next, weight, mask);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;
             let ray = rays[lane] as usize;
             lanes &= lanes - 1;
             self.pixels[next] = wave.pixels[ray];
             self.slots[next] = wave.slots[ray];
-            let weight = wave.weights.get(ray) * lane_of(&factors, lane);
-            self.weights.set(next, weight);
             if let Some(before) = wave.lengths.get(ray) {
                 self.lengths.push(before + distances[lane]);
             }

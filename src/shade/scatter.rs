@@ -1,7 +1,7 @@
 //! Surface points → the rays of paths that go on in a direction chosen at random, in
 //! lanes.
 
-use super::bsdf::{Boundary, Leaving, Scattered, Scatters};
+use super::bsdf::{Boundary, Leaving, Scatters};
 use super::interfaces::Interfaces;
 use super::media::Media;
 use super::numbers::WaveNumbers;
@@ -10,7 +10,7 @@ use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
 use crate::geometry::leaving;
 use crate::scene::Scene;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, SimdKernel, lane_of, to_arrays};
+use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, SimdKernel};
 use crate::trace::{PointGroup, PointLanes, Points};
 
 /// Collects the scattered rays of the points of a group.
@@ -65,13 +65,20 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             .sample(&at_point, &boundary, numbers.direction(), lobe);
         let refracted = scattered.is_refracted.bits();
         let behind = interfaces.as_ref().map(|of| &of.behind);
-        let Survivors { lanes: alive, over } =
-            self.survivors(rays, &scattered, refracted, behind, roulette);
+        let weight = self.wave.weights.gather(set, rays);
+        let index = if self.scene.has_media() {
+            set.load(&self.indices(rays, refracted, behind))
+        } else {
+            set.splat(1.0)
+        };
+        let weight = weight.times(scattered.factor);
+        let probability = survival(weight, index, self.wave.depth);
+        let alive = roulette.lt(probability).bits();
         let direction = scattered.direction;
         let continued = Continued {
             origin: leaving(point.position, point.geometric_normal, direction),
             direction,
-            factor: scattered.factor * set.load(&over),
+            factor: scattered.factor * (set.splat(1.0) / probability),
             rays,
             distances: self.points.distances(at),
             kinds: kinds(refracted, scattered.is_diffuse.bits()),
@@ -81,44 +88,24 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         self.next.bounce(set, &continued, self.wave, lanes & alive);
     }
 
-    /// The lanes whose paths go on.
+    /// The indices of refraction where the scattered rays are.
     #[inline(always)]
-    fn survivors<L: Lanes>(
+    fn indices(
         &self,
         rays: &[u32; N_LANES],
-        scattered: &Scattered<L>,
         refracted: u8,
         behind: Option<&[Media; N_LANES]>,
-        roulette: L,
-    ) -> Survivors {
-        let (factors, roulette) = (to_arrays(scattered.factor), roulette.to_array());
-        let mut survivors = Survivors {
-            lanes: 0,
-            over: [1.0; N_LANES],
-        };
+    ) -> [f32; N_LANES] {
+        let mut indices = [1.0; N_LANES];
         for (lane, &ray) in rays.iter().enumerate() {
-            let ray = ray as usize;
-            let weight = self.wave.weights.get(ray) * lane_of(&factors, lane);
             let media = match behind {
                 Some(behind) if refracted >> lane & 1 != 0 => behind[lane],
-                _ => self.wave.branches[ray].media,
+                _ => self.wave.branches[ray as usize].media,
             };
-            let index = media.index(&self.scene.materials);
-            let probability = survival(weight, index, self.wave.depth);
-            if roulette[lane] < probability {
-                survivors.lanes |= 1 << lane;
-                survivors.over[lane] = 1.0 / probability;
-            }
+            indices[lane] = media.index(&self.scene.materials);
         }
-        survivors
+        indices
     }
-}
-
-/// Paths that go on.
-struct Survivors {
-    lanes: u8,
-    /// The reciprocals of the probabilities that they did.
-    over: [f32; N_LANES],
 }
 
 /// The kinds of rays by bits of lanes.

@@ -90,6 +90,23 @@ impl VectorColumn {
         *lanes_mut(&mut self.z, first) = vectors.z.to_array();
     }
 
+    /// Overwrites the vectors from index `first` on with those of the lanes of `mask`. The
+    /// vectors behind them lose their values: there is room for eight.
+    #[inline(always)]
+    pub(crate) fn store_lanes<L: Lanes>(
+        &mut self,
+        first: usize,
+        vectors: Vector<L>,
+        mask: L::Mask,
+    ) {
+        let compressed = Vector {
+            x: vectors.x.compress(mask),
+            y: vectors.y.compress(mask),
+            z: vectors.z.compress(mask),
+        };
+        self.store(first, compressed);
+    }
+
     /// The coordinates of eight vectors from index `first` on.
     #[inline(always)]
     pub(crate) fn lanes(&self, first: usize) -> [&[f32; N_LANES]; 3] {
