@@ -29,12 +29,20 @@ pub struct EquirectangularDistribution {
     heights: Vec<f32>,
 }
 
-/// A place in a band.
-struct BandPlace {
-    /// The texel rows above and below.
-    rows: [usize; 2],
+/// The density along a line between two rows.
+struct BetweenRows<'a> {
+    /// The densities of the rows above and below, at the centers of texels.
+    texels: [&'a [f32]; 2],
     /// How far it is from the upper to the lower one, from 0 to 1.
     down: f32,
+}
+
+/// The cumulative density along a line between two rows, not divided by its sum.
+struct Cumulative<'a> {
+    /// The cumulative shares of the rows above and below.
+    columns: [&'a [f32]; 2],
+    /// The factors of both.
+    weights: [f32; 2],
 }
 
 impl EquirectangularDistribution {
@@ -74,41 +82,64 @@ impl EquirectangularDistribution {
         })
     }
 
-    /// Where a band's place is.
-    fn place(&self, band: usize, down: f32) -> BandPlace {
-        BandPlace {
-            rows: around(band, self.sums.len()),
+    /// The density along a line of a band.
+    #[inline(always)]
+    fn between_rows(&self, [above, below]: [usize; 2], down: f32) -> BetweenRows<'_> {
+        let n = self.n_columns;
+        BetweenRows {
+            texels: [
+                &self.texels[above * n..][..n],
+                &self.texels[below * n..][..n],
+            ],
             down,
         }
     }
 
-    /// The density at a place of a band above or below the center of a column.
-    fn at_center(&self, BandPlace { rows, down }: &BandPlace, column: usize) -> f32 {
-        let column = column % self.n_columns;
-        let [above, below] = rows.map(|row| self.texels[row * self.n_columns + column]);
-        above + (below - above) * down
-    }
-
-    /// The cumulative density at a place of a band, from the center of the first column to
-    /// that of another one.
-    fn up_to_center(&self, BandPlace { rows, down }: &BandPlace, column: usize) -> f32 {
-        let of = |row: usize| self.sums[row] * self.columns[row * (self.n_columns + 1) + column];
-        let [above, below] = rows.map(of);
-        above * (1.0 - down) + below * down
-    }
-
-    /// The column in which the cumulative density at a place of a band reaches a target.
-    fn column(&self, place: &BandPlace, target: f32) -> usize {
-        let (mut low, mut high) = (0, self.n_columns);
-        while high - low > 1 {
-            let middle = low.midpoint(high);
-            if self.up_to_center(place, middle) <= target {
-                low = middle;
-            } else {
-                high = middle;
-            }
+    /// The cumulative density along a line of a band.
+    #[inline(always)]
+    fn cumulative(&self, [above, below]: [usize; 2], down: f32) -> Cumulative<'_> {
+        let n = self.n_columns + 1;
+        Cumulative {
+            columns: [
+                &self.columns[above * n..][..n],
+                &self.columns[below * n..][..n],
+            ],
+            weights: [self.sums[above] * (1.0 - down), self.sums[below] * down],
         }
-        low
+    }
+}
+
+impl BetweenRows<'_> {
+    /// The density above or below the center of a column.
+    #[inline(always)]
+    fn at_center(&self, column: usize) -> f32 {
+        let [above, below] = self.texels;
+        let column = column % above.len();
+        let (above, below) = (above[column], below[column]);
+        above + (below - above) * self.down
+    }
+}
+
+impl Cumulative<'_> {
+    /// The cumulative density from the center of the first column to that of another one.
+    #[inline(always)]
+    fn up_to_center(&self, column: usize) -> f32 {
+        let ([above, below], [of_above, of_below]) = (self.columns, self.weights);
+        above[column] * of_above + below[column] * of_below
+    }
+
+    /// The column in which the cumulative density reaches a target.
+    #[inline(always)]
+    fn column(&self, target: f32) -> usize {
+        let (mut first, mut n) = (0, self.columns[0].len() - 1);
+        // Without a branch that depends on the target.
+        while n > 1 {
+            let half = n / 2;
+            let is_behind = self.up_to_center(first + half) <= target;
+            first += if is_behind { half } else { 0 };
+            n -= half;
+        }
+        first
     }
 }
 
@@ -123,6 +154,7 @@ fn heights(n_rows: usize) -> Vec<f64> {
 }
 
 /// The rows above and below a band.
+#[inline(always)]
 fn around(band: usize, n_rows: usize) -> [usize; 2] {
     [band.saturating_sub(1), band.min(n_rows - 1)]
 }
@@ -151,22 +183,25 @@ impl LookupTable<2, 3> for EquirectangularDistribution {
     #[inline]
     fn values_at(&self, [u, v]: [f32; 2]) -> [f32; 3] {
         let (band, share) = inverse(&self.bands, v);
-        let ends = around(band, self.sums.len()).map(|row| self.sums[row]);
-        let place = self.place(band, linear(ends, share));
-        let target = u * self.up_to_center(&place, self.n_columns);
-        let column = self.column(&place, target);
-        let [from, to] = [column, column + 1].map(|column| self.up_to_center(&place, column));
+        let rows = around(band, self.sums.len());
+        let down = linear([self.sums[rows[0]], self.sums[rows[1]]], share);
+        let cumulative = self.cumulative(rows, down);
+        let target = u * cumulative.up_to_center(self.n_columns);
+        let column = cumulative.column(target);
+        let from = cumulative.up_to_center(column);
+        let to = cumulative.up_to_center(column + 1);
         let share = if to > from {
             (target - from) / (to - from)
         } else {
             0.5
         };
-        let [left, right] = [column, column + 1].map(|column| self.at_center(&place, column));
+        let texels = self.between_rows(rows, down);
+        let (left, right) = (texels.at_center(column), texels.at_center(column + 1));
         let across = linear([left, right], share.clamp(0.0, 1.0));
         let [upper, lower] = [self.heights[band], self.heights[band + 1]];
         [
             (column as f32 + 0.5 + across) / self.n_columns as f32,
-            upper + (lower - upper) * place.down,
+            upper + (lower - upper) * down,
             left + (right - left) * across,
         ]
     }
@@ -181,16 +216,18 @@ impl LookupTable<3, 1> for EquirectangularDistribution {
         let band = (((1.0 - v) * n_rows as f32 + 0.5) as usize).min(n_rows);
         let [upper, lower] = [self.heights[band], self.heights[band + 1]];
         let down = ((upper - height) / (upper - lower)).clamp(0.0, 1.0);
-        let place = self.place(band, down);
+        let texels = self.between_rows(around(band, n_rows), down);
         let column = (u - Real::floor(u)) * self.n_columns as f32 + self.n_columns as f32 - 0.5;
         let left = Real::floor(column);
-        let [from, to] = [0, 1].map(|i| self.at_center(&place, left as usize + i));
+        let from = texels.at_center(left as usize);
+        let to = texels.at_center(left as usize + 1);
         [from + (to - from) * (column - left)]
     }
 }
 
 /// The cell that a number in [0, 1) chooses by cumulative shares, and how far it is in it,
 /// from 0 to 1.
+#[inline(always)]
 fn inverse(cumulative: &[f32], number: f32) -> (usize, f32) {
     let n_up_to = cumulative.partition_point(|share| *share <= number);
     let cell = n_up_to.clamp(1, cumulative.len() - 1) - 1;
@@ -200,6 +237,7 @@ fn inverse(cumulative: &[f32], number: f32) -> (usize, f32) {
 
 /// The place from 0 to 1 up to which a share of the density lies that is linear between its
 /// values at both ends.
+#[inline(always)]
 fn linear([from, to]: [f32; 2], share: f32) -> f32 {
     let root = (from * from + (to * to - from * from) * share)
         .max(0.0)
