@@ -11,7 +11,7 @@ use crate::yaml;
 
 /// Least |cos| of the angle between a ray and the normal: other rays miss the
 /// plane.
-const MIN_COS: f32 = 1e-6;
+pub(super) const MIN_COS: f32 = 1e-6;
 
 /// The points of an infinite plane.
 ///

@@ -3,10 +3,11 @@
 use glam::Vec3;
 use serde::Deserialize;
 
+use super::plane::MIN_COS;
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::spherical_rectangle::SphericalRectangle;
 use super::surface::{parameters_of, vector};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Mask, Real, Vector};
 use crate::yaml;
 
@@ -77,22 +78,25 @@ impl Rectangle {
 impl Intersectable for Rectangle {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let [u, v] = self.edges;
-        let (normal, area) = normal_and_area(u.into(), v.into());
-        let normal = normal.into();
-        let plane = Plane {
-            point: self.corner,
-            normal,
-        };
-        let t = plane.intersect(ray, t_max)?;
-        // The coordinates along the edges, times the area.
-        let from_corner = ray.at(t) - self.corner;
-        let along_u = from_corner.cross(v).dot(normal);
-        let along_v = u.cross(from_corner).dot(normal);
-        let is_inside = [along_u, along_v]
-            .into_iter()
-            .all(|along| (0.0..=area).contains(&along));
-        is_inside.then_some(t)
+        let (u, v) = (self.edges[0].as_dvec3(), self.edges[1].as_dvec3());
+        let direction = ray.direction.as_dvec3();
+        let from_corner = ray.origin.as_dvec3() - self.corner.as_dvec3();
+        // Cramer's rule for `from_corner + t * direction = a * u + b * v`, where all
+        // unknowns are times `volume`.
+        let normal = u.cross(v);
+        let volume = direction.dot(normal);
+        let min_cos = f64::from(MIN_COS);
+        if volume * volume < min_cos * min_cos * normal.length_squared() {
+            return None;
+        }
+        let moment = from_corner.cross(direction);
+        let (a, b) = (-moment.dot(v), moment.dot(u));
+        let range = volume.min(0.0)..=volume.max(0.0);
+        if !(range.contains(&a) && range.contains(&b)) {
+            return None;
+        }
+        let t = (-from_corner.dot(normal) / volume) as f32;
+        (t > 0.0 && t < t_max).then_some(t)
     }
 
     fn bounds(&self) -> Aabb {
@@ -210,7 +214,41 @@ fn normal_and_area<R: Real>(u: Vector<R>, v: Vector<R>) -> (Vector<R>, R) {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    fn vector() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1.0_f32..1.0).prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn a_ray_hits_the_points_between_the_edges(
+            [corner, u, v, origin] in [vector(), vector(), vector(), vector()],
+            [a, b] in [-0.5_f32..1.5, -0.5_f32..1.5],
+            scale in prop_oneof![Just(1.0_f32), Just(1e-12), Just(1e12)],
+        ) {
+            let normal = u.cross(v);
+            let target = corner + a * u + b * v;
+            let direction = (target - origin).normalize();
+            prop_assume!(normal.length() > 0.05 && direction.dot(normal).abs() > 0.01);
+            let is_near_edge = [a, b].iter().any(|along| along.abs().min((along - 1.0).abs()) < 1e-3);
+            prop_assume!(!is_near_edge);
+            let rectangle = Rectangle::new(scale * corner, scale * u, scale * v);
+            let ray = Ray { origin: scale * origin, direction };
+            let distance = scale * target.distance(origin);
+            let is_inside = [a, b].iter().all(|along| (0.0..1.0).contains(along));
+            let hit = rectangle.intersect(&ray, f32::INFINITY);
+            prop_assert_eq!(hit.is_some(), is_inside);
+            if let Some(t) = hit {
+                prop_assert!((t - distance).abs() < 1e-4 * scale, "{} {}", t, distance);
+                prop_assert_eq!(rectangle.intersect(&ray, 0.99 * t), None);
+            }
+            let away = Ray { direction: -direction, ..ray };
+            prop_assert_eq!(rectangle.intersect(&away, f32::INFINITY), None);
+        }
+    }
 
     #[test]
     fn a_rectangle_ends_at_its_edges() {
