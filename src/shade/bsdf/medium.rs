@@ -124,7 +124,7 @@ fn reflection<R: Real>(
     let reflectance = split(-at.to_viewer, facet, boundary.eta).reflectance;
     let zero = reflectance.splat(0.0);
     let reflectance = R::select(boundary.is_visible, reflectance, zero);
-    let [to_viewer, to_light] = [at.to_viewer, to_light].map(|to| at.in_surface(to));
+    let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
     let facets = rough.facets.reflection(to_viewer, to_light);
     let value = reflectance * facets.value / returned(rough, at, boundary.eta);
     Scattering {
@@ -148,7 +148,8 @@ fn refraction<R: Real>(
     // Toward the medium of the smaller index.
     let facet = Vector::select(eta.lt(one), -sum, sum).normalize();
     let reflectance = split(-at.to_viewer, facet, eta).reflectance;
-    let [to_viewer, to_light, normal] = [at.to_viewer, to_light, facet].map(|of| at.in_surface(of));
+    let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
+    let normal = at.in_surface(facet);
     let is_refracted = bends(boundary) & zero.lt(normal.z);
     let density = (one - reflectance) * rough.facets.refraction([to_viewer, to_light], normal, eta);
     let density = R::select(is_refracted, density, zero);
