@@ -6,6 +6,7 @@
 mod surface_point;
 mod parameters;
 mod points;
+mod group_points;
 mod find_points;
 mod holes;
 

@@ -4,7 +4,6 @@ use glam::Vec3;
 
 use super::parameters::parameters;
 use super::surface_point::ShadingPoint;
-use crate::accel::Hit;
 use crate::geometry::{N_PARAMETERS, ShapeKind};
 use crate::material::Material;
 use crate::scene::{AttributeKind, InstanceId, MaterialId, ObjectId, Scene, SurfaceClass};
@@ -19,11 +18,11 @@ use crate::simd::{InstructionSet, Lanes, N_LANES, Vector, VectorColumn, grow, la
 pub struct Points {
     pub(super) groups: Vec<PointGroup>,
     /// The index of each point's ray.
-    rays: Vec<u32>,
+    pub(super) rays: Vec<u32>,
     /// The index of each ray's point; [`NO_POINT`] without a hit.
-    of_ray: Vec<u32>,
+    pub(super) of_ray: Vec<u32>,
     /// The rays that hit nothing.
-    missed: Vec<u32>,
+    pub(super) missed: Vec<u32>,
     pub(super) position: VectorColumn,
     pub(super) normal: VectorColumn,
     pub(super) geometric_normal: VectorColumn,
@@ -40,13 +39,13 @@ pub struct Points {
     /// The object of each point.
     pub(super) objects: Vec<ObjectId>,
     /// The group of each ray, while points are grouped.
-    group_of_ray: Vec<u32>,
+    pub(super) group_of_ray: Vec<u32>,
     /// The index of the group of each class, if that group has this class.
-    group_of_class: Vec<u32>,
+    pub(super) group_of_class: Vec<u32>,
 }
 
 /// The index of the point of a ray that hit nothing.
-const NO_POINT: u32 = u32::MAX;
+pub(super) const NO_POINT: u32 = u32::MAX;
 
 /// Points that are computed and shaded in the same way.
 #[derive(Debug, Clone, Copy)]
@@ -56,11 +55,11 @@ pub struct PointGroup {
     pub(super) attributes: AttributeKind,
     /// Their material.
     pub material: MaterialId,
-    class: SurfaceClass,
+    pub(super) class: SurfaceClass,
     /// The index of the first point, a multiple of eight.
-    first: usize,
+    pub(super) first: usize,
     /// Number of points.
-    n: usize,
+    pub(super) n: usize,
 }
 
 /// Up to eight points of a group.
@@ -93,86 +92,7 @@ impl PointLanes {
 }
 
 impl Points {
-    /// Groups the hits of rays; the points themselves are not computed yet.
-    pub(super) fn group(&mut self, scene: &Scene, hits: &[Option<Hit>]) {
-        self.groups.clear();
-        self.missed.clear();
-        self.group_of_ray.clear();
-        for (ray, hit) in (0..).zip(hits) {
-            let Some(hit) = hit else {
-                self.missed.push(ray);
-                self.group_of_ray.push(NO_POINT);
-                continue;
-            };
-            let group = self.group_of(scene.class(hit.primitive));
-            self.groups[group].n += 1;
-            self.group_of_ray.push(group as u32);
-        }
-        self.place();
-        if scene.instances.is_some() {
-            let end = self.end();
-            grow(&mut self.instances, end);
-        }
-    }
-
-    /// The index of the group of a class.
-    #[inline(always)]
-    fn group_of(&mut self, class: SurfaceClass) -> usize {
-        if let Some(&group) = self.group_of_class.get(class.number())
-            && let Some(found) = self.groups.get(group as usize)
-            && found.class == class
-        {
-            return group as usize;
-        }
-        self.add_group(class)
-    }
-
-    #[cold]
-    fn add_group(&mut self, class: SurfaceClass) -> usize {
-        let group = self.groups.len();
-        if self.group_of_class.len() <= class.number() {
-            self.group_of_class.resize(class.number() + 1, 0);
-        }
-        self.group_of_class[class.number()] = group as u32;
-        self.groups.push(PointGroup {
-            class,
-            shape: class.shape(),
-            attributes: class.attributes(),
-            material: class.material(),
-            first: 0,
-            n: 0,
-        });
-        group
-    }
-
-    /// Gives each hit its place.
-    fn place(&mut self) {
-        let mut n_points: usize = 0;
-        for group in &mut self.groups {
-            group.first = n_points;
-            n_points += group.n.next_multiple_of(N_LANES);
-            group.n = 0;
-        }
-        self.grow(n_points);
-        self.of_ray.clear();
-        for (ray, &group) in (0..).zip(&self.group_of_ray) {
-            let Some(group) = self.groups.get_mut(group as usize) else {
-                self.of_ray.push(NO_POINT);
-                continue;
-            };
-            let point = group.first + group.n;
-            group.n += 1;
-            self.rays[point] = ray;
-            self.of_ray.push(point as u32);
-        }
-        for group in &self.groups {
-            let end = group.first + group.n;
-            let last = self.rays[end - 1];
-            self.rays[end..end.next_multiple_of(N_LANES)].fill(last);
-        }
-    }
-
-    fn grow(&mut self, n_points: usize) {
+    pub(super) fn grow(&mut self, n_points: usize) {
         grow(&mut self.rays, n_points);
         grow(&mut self.objects, n_points);
         grow(&mut self.primitives, n_points);
