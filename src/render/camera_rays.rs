@@ -28,11 +28,12 @@ impl Places {
         self.x.clear();
         self.y.clear();
         self.pixels.clear();
-        for (pixel, (x, y)) in places {
+        // Not `for`: nested iterators are faster from inside.
+        places.for_each(|(pixel, (x, y))| {
             self.x.push(x);
             self.y.push(y);
             self.pixels.push(pixel);
-        }
+        });
         self.n = self.pixels.len();
         let last = self.n.saturating_sub(1);
         for values in [&mut self.x, &mut self.y, &mut self.pixels] {
