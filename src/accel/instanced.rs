@@ -13,7 +13,7 @@
 
 use super::hit::Hit;
 use super::kernel::Slabs;
-use super::level::Level;
+use super::level::SearchLevel;
 use super::search::{AnyHit, Search};
 use crate::cost::{Probe, RayKind};
 use crate::geometry::Ray;
@@ -36,7 +36,7 @@ pub(super) struct LowerLevels<'a> {
     pub(super) world: World<'a>,
     pub(super) instances: &'a Instances,
     /// The structure of each mesh.
-    pub(super) levels: &'a [Level],
+    pub(super) levels: &'a [SearchLevel],
     /// The id of the first node of each mesh.
     pub(super) first_ids: &'a [u32],
     pub(super) simd: Simd,
@@ -82,7 +82,7 @@ impl<'a, S: PlacedSearch> Instanced<'a, S> {
     }
 
     /// Searches both levels; returns the counters of both.
-    pub(super) fn run(&mut self, upper: &Level, ray: &Ray) -> LevelCounts {
+    pub(super) fn run(&mut self, upper: &SearchLevel, ray: &Ray) -> LevelCounts {
         let mut counts = LevelCounts::default();
         upper.search(self.lower.simd, ray, self, &mut counts);
         counts.traversal(self.counts.n_visits, self.counts.n_tests);

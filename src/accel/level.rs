@@ -15,13 +15,13 @@ use crate::simd::Simd;
 
 /// A structure over primitives that are in the same space.
 #[derive(Debug, PartialEq)]
-pub(super) struct Level {
+pub(super) struct SearchLevel {
     pub(super) unbounded: Unbounded,
     /// `None` for brute force.
     pub(super) bvh: Option<Bvh>,
 }
 
-impl Level {
+impl SearchLevel {
     /// The structure of this kind over the primitives. Calls `report` with each finished share
     /// of the build, from any thread; the shares add up to at most 1.
     ///
@@ -74,7 +74,7 @@ impl Level {
 ///
 /// # Errors
 /// 32 bits do not suffice.
-pub(super) fn first_ids(upper: &Level, lower: &[Level]) -> Result<Vec<u32>, TooLarge> {
+pub(super) fn first_ids(upper: &SearchLevel, lower: &[SearchLevel]) -> Result<Vec<u32>, TooLarge> {
     let mut next = upper.n_ids();
     let mut first_ids = Vec::with_capacity(lower.len());
     for level in lower {

@@ -41,7 +41,7 @@ pub use hit::{Hit, ShadowRay, ShadowStream};
 use instanced::{Instanced, LevelCounts, LowerLevels, NearestPlaced, PlacedSearch};
 pub use kernel::RAYS_IN_FLIGHT;
 use kernel::{Batch, PacketTraversal, StreamTraversal};
-use level::Level;
+use level::SearchLevel;
 pub use nodes::BvhNode;
 use record::Recorder;
 pub use record::TraversalStep;
@@ -59,9 +59,9 @@ pub struct Accel<'a> {
 /// What an acceleration structure knows of primitives that it does not borrow.
 #[derive(Debug, PartialEq)]
 pub(crate) struct AccelIndex {
-    upper: Level,
+    upper: SearchLevel,
     /// The structures of meshes that are placed many times.
-    lower: Vec<Level>,
+    lower: Vec<SearchLevel>,
     /// The id of the first node of each of them.
     first_ids: Vec<u32>,
 }
@@ -94,12 +94,12 @@ impl<'a> Accel<'a> {
         let n_all = world.primitives.len() as f64;
         let level = |primitives: &[_]| {
             let share = primitives.len() as f64 / n_all;
-            Level::build(primitives, kind, |part| report(share * part))
+            SearchLevel::build(primitives, kind, |part| report(share * part))
         };
         let upper = level(world.upper_level())?;
         let meshes = world.instances.into_iter().flat_map(Instances::meshes);
         let lower = meshes.map(|mesh| level(&world.primitives[mesh.range()]));
-        let lower = lower.collect::<Result<Vec<Level>, TooLarge>>()?;
+        let lower = lower.collect::<Result<Vec<SearchLevel>, TooLarge>>()?;
         let first_ids = level::first_ids(&upper, &lower)?;
         let index = Arc::new(AccelIndex {
             upper,
@@ -213,7 +213,7 @@ impl<'a> Accel<'a> {
     /// The nodes and leaves of the hierarchy, parents before their children; then those of
     /// each mesh that is placed many times, in the space of the mesh.
     pub fn nodes(&self) -> Vec<BvhNode> {
-        let list = |level: &Level| {
+        let list = |level: &SearchLevel| {
             let arena = level.bvh.as_ref().map(Bvh::arena);
             arena.map(nodes::list).unwrap_or_default()
         };

@@ -10,7 +10,7 @@ use super::file::MeshFile;
 use super::generator::MAX_SHAPES;
 use super::place_scale::PlaceScale;
 use crate::geometry::TransformStep;
-use crate::import::{self, ArrayChoice, Place, PlaceArrays};
+use crate::import::{self, ArrayChoice, InstancePlace, PlaceArrays};
 use crate::sampling::uniform;
 use crate::yaml;
 
@@ -40,12 +40,12 @@ pub struct InstancedMesh {
     /// The mesh.
     pub mesh: MeshFile,
     /// Where it is placed.
-    pub places: Places,
+    pub places: InstancePlaces,
 }
 
 /// The places of instances.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Places {
+pub enum InstancePlaces {
     /// For each instance a list of steps, at least one instance.
     Listed(Vec<Vec<TransformStep>>),
     /// The points of a file.
@@ -79,9 +79,9 @@ impl TryFrom<InstanceKeys> for InstancedMesh {
     fn try_from(keys: InstanceKeys) -> Result<Self, Self::Error> {
         let mesh = keys.mesh;
         let places = match (keys.places, keys.points, keys.cloud) {
-            (Some(places), None, None) => Places::Listed(places),
-            (None, Some(points), None) => Places::Points(points),
-            (None, None, Some(cloud)) => Places::Cloud(cloud),
+            (Some(places), None, None) => InstancePlaces::Listed(places),
+            (None, Some(points), None) => InstancePlaces::Points(points),
+            (None, None, Some(cloud)) => InstancePlaces::Cloud(cloud),
             _ => return Err("cannot be placed, expected one of `places`, `points`, `cloud`"),
         };
         Ok(Self { mesh, places })
@@ -95,8 +95,8 @@ impl InstancedMesh {
     /// The file of the points, relative to the scene file's folder, if there is one.
     pub fn points_file(&self) -> Option<&Path> {
         match &self.places {
-            Places::Points(points) => Some(&points.file),
-            Places::Listed(_) | Places::Cloud(_) => None,
+            InstancePlaces::Points(points) => Some(&points.file),
+            InstancePlaces::Listed(_) | InstancePlaces::Cloud(_) => None,
         }
     }
 }
@@ -139,7 +139,11 @@ impl PlacePoints {
     ///
     /// # Errors
     /// A file that cannot be read, is damaged, or has no such array or no place.
-    pub fn read(&self, path: &Path, color: Option<&ArrayChoice>) -> import::Result<Vec<Place>> {
+    pub fn read(
+        &self,
+        path: &Path,
+        color: Option<&ArrayChoice>,
+    ) -> import::Result<Vec<InstancePlace>> {
         let scale = self.scale.array();
         let arrays = PlaceArrays {
             scale: scale.as_ref(),

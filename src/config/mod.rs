@@ -35,7 +35,7 @@ pub use file::{
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
-pub use instances::{InstancedMesh, OrientArray, PlaceCloud, PlacePoints, Places};
+pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};

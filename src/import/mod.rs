@@ -38,7 +38,7 @@ pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
 pub use pieces::pieces_of;
-pub use places::{Place, PlaceArrays};
+pub use places::{InstancePlace, PlaceArrays};
 pub use series::{DataSeries, TimeStep, is_series, read_series};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
@@ -320,7 +320,7 @@ pub fn read_lines<'a>(
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, has no such array or no place.
-pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<Place>> {
+pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
     if is_vtk(path) {
         return places::of_points(path, arrays);
     }

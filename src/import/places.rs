@@ -19,7 +19,7 @@ use crate::text::did_you_mean;
 
 /// A place of an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct InstancePlace {
     /// Where the origin of the mesh is.
     pub position: Vec3,
     /// The factors along the axes of the mesh.
@@ -68,7 +68,7 @@ impl ArrayChoice {
     }
 }
 
-impl Place {
+impl InstancePlace {
     /// The map from the space of the mesh: it scales, turns the x axis to the direction by the
     /// smallest angle, and moves the origin to the position.
     pub fn matrix(&self) -> Affine3A {
@@ -81,9 +81,9 @@ impl Place {
 }
 
 /// Reads a table.
-pub(super) fn read(file: GeometryFileReader) -> Result<Vec<Place>> {
+pub(super) fn read(file: GeometryFileReader) -> Result<Vec<InstancePlace>> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let columns = Columns::of(table.byte_headers().map_err(of_table)?)
+    let columns = PlaceColumns::of(table.byte_headers().map_err(of_table)?)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     let mut places = Vec::new();
     let mut row = ByteRecord::new();
@@ -113,9 +113,9 @@ const NAMES: [&str; 10] = [
 ];
 
 /// The position of each column of a table, if it has it.
-struct Columns([Option<usize>; NAMES.len()]);
+struct PlaceColumns([Option<usize>; NAMES.len()]);
 
-impl Columns {
+impl PlaceColumns {
     /// Reads the table's first line.
     fn of(header: &ByteRecord) -> Result<Self> {
         let mut columns = [None; NAMES.len()];
@@ -145,7 +145,7 @@ impl Columns {
     }
 
     /// The place of a row.
-    fn place(&self, row: &ByteRecord) -> Result<Place> {
+    fn place(&self, row: &ByteRecord) -> Result<InstancePlace> {
         let numbers = |first: usize, default: f32| -> Result<Vec3> {
             let mut numbers = [default; 3];
             for (number_of, column) in numbers.iter_mut().zip(&self.0[first..]) {
@@ -164,7 +164,7 @@ impl Columns {
             let problem = format!("a scale is {scale}");
             return Err(FileFault::new(problem, "numbers other than 0"));
         }
-        Ok(Place {
+        Ok(InstancePlace {
             position: numbers(0, 0.0)?,
             scale,
             direction: numbers(7, 0.0)?,
@@ -187,7 +187,7 @@ fn unknown_column(name: &str) -> FileFault {
 }
 
 /// Reads the points of a VTK file, without those whose scale is 0 or missing.
-pub(super) fn of_points(path: &Path, arrays: PlaceArrays) -> Result<Vec<Place>> {
+pub(super) fn of_points(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
     let read = |array: Option<&ArrayChoice>| read_points(path, &RadiusChoice::Same(1.0), array);
     let numbers = |array: &ArrayChoice| -> Result<Vec<f32>> {
         Ok(read(Some(array))?.scalars.unwrap_or_default())
@@ -204,7 +204,7 @@ pub(super) fn of_points(path: &Path, arrays: PlaceArrays) -> Result<Vec<Place>> 
         let direction = directions
             .as_ref()
             .map_or([0.0; 3], |[x, y, z]| [x[i], y[i], z[i]]);
-        let place = Place {
+        let place = InstancePlace {
             position: point.center,
             scale: Vec3::splat(scale),
             direction: Vec3::from(direction),
@@ -215,7 +215,7 @@ pub(super) fn of_points(path: &Path, arrays: PlaceArrays) -> Result<Vec<Place>> 
         };
         (is_scale(place.scale) && place.direction.is_finite()).then_some(place)
     };
-    let places: Vec<Place> = points
+    let places: Vec<InstancePlace> = points
         .spheres
         .iter()
         .enumerate()
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_x_axis_turns_to_the_direction() {
-        let place = |direction| Place {
+        let place = |direction| InstancePlace {
             position: Vec3::ONE,
             scale: Vec3::new(2.0, 3.0, 4.0),
             direction,

@@ -10,11 +10,12 @@ use super::arrays;
 use super::own_materials;
 use super::pictures::Pictures;
 use crate::config::{
-    Config, Generator, Geometry, GeometryFile, InstancedMesh, MeshFile, MeshNormals, Object, Places,
+    Config, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
+    MeshNormals, Object,
 };
 use crate::geometry::{Shape, Transform};
 use crate::import::{
-    self, ArrayChoice, CornerValues, DataSeries, FileFault, Mesh, Place, Spheres, Tubes,
+    self, ArrayChoice, CornerValues, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes,
 };
 use crate::yaml::{Fault, FieldPath, Folders};
 
@@ -330,7 +331,7 @@ fn read_places<F: Folders + ?Sized>(
     path: &FieldPath,
 ) -> Result<PlacesAndScalars, Fault> {
     match &instances.places {
-        Places::Listed(all) => {
+        InstancePlaces::Listed(all) => {
             let of_place = |(i, steps): (usize, &Vec<_>)| {
                 let transform = Transform::of_steps(steps).ok_or_else(|| {
                     let path = path.clone().key("places").index(i);
@@ -342,12 +343,12 @@ fn read_places<F: Folders + ?Sized>(
             let places: Result<Vec<_>, Fault> = all.iter().enumerate().map(of_place).collect();
             Ok((places?.into(), None))
         }
-        Places::Cloud(cloud) => {
+        InstancePlaces::Cloud(cloud) => {
             let n = cloud.count as usize;
             check_room(n as u64 * size_of::<Affine3A>() as u64, available, path)?;
             Ok(((0..n).map(|i| cloud.place(i)).collect(), None))
         }
-        Places::Points(points) => {
+        InstancePlaces::Points(points) => {
             let path = path.clone().key("points").key("file");
             refuse_series(&points.file, &path)?;
             if array.is_some_and(|array| array.is_color) {
@@ -360,7 +361,7 @@ fn read_places<F: Folders + ?Sized>(
             let read = points.read(&file, array);
             let read = read.map_err(|fault| fault.at_value(&path))?;
             let scalars = array.map(|_| read.iter().map(|place| place.scalar).collect());
-            Ok((read.iter().map(Place::matrix).collect(), scalars))
+            Ok((read.iter().map(InstancePlace::matrix).collect(), scalars))
         }
     }
 }

@@ -27,7 +27,7 @@ pub struct Instance {
 
 /// A mesh that is placed many times.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlacedMesh {
+pub struct InstancedTriangles {
     /// The range of its triangles among the primitives.
     pub triangles: Range<u32>,
     /// Its first instance.
@@ -44,7 +44,7 @@ pub struct Instances {
     /// The instances, in the order of their boxes.
     pub(super) all: Vec<Instance>,
     /// The meshes, in the order of their triangles.
-    pub(super) meshes: Vec<PlacedMesh>,
+    pub(super) meshes: Vec<InstancedTriangles>,
     /// The number of an array for each instance, NaN for those without one; empty if none has
     /// any.
     pub(super) scalars: Vec<f32>,
@@ -82,13 +82,13 @@ impl Instances {
     }
 
     /// The meshes, in the order of their triangles.
-    pub fn meshes(&self) -> &[PlacedMesh] {
+    pub fn meshes(&self) -> &[InstancedTriangles] {
         &self.meshes
     }
 
     /// The mesh of an instance.
     #[inline]
-    pub fn mesh_of(&self, id: InstanceId) -> &PlacedMesh {
+    pub fn mesh_of(&self, id: InstanceId) -> &InstancedTriangles {
         &self.meshes[self.get(id).mesh as usize]
     }
 
@@ -99,20 +99,20 @@ impl Instances {
 
     /// The index of the mesh that has the primitive with this index, if one has.
     pub fn mesh_with(&self, primitive: u32) -> Option<u32> {
-        let n_before = |mesh: &PlacedMesh| mesh.triangles.start <= primitive;
+        let n_before = |mesh: &InstancedTriangles| mesh.triangles.start <= primitive;
         let n_before = self.meshes.partition_point(n_before);
         n_before.checked_sub(1).map(|mesh| mesh as u32)
     }
 
     /// Number of triangles of all instances.
     pub fn n_placed(&self) -> u64 {
-        let of_mesh = |mesh: &PlacedMesh| mesh.triangles.len() as u64;
+        let of_mesh = |mesh: &InstancedTriangles| mesh.triangles.len() as u64;
         let of_instance = |instance: &Instance| of_mesh(&self.meshes[instance.mesh as usize]);
         self.all.iter().map(of_instance).sum()
     }
 }
 
-impl PlacedMesh {
+impl InstancedTriangles {
     /// The range of its triangles among the primitives.
     pub fn range(&self) -> Range<usize> {
         self.triangles.start as usize..self.triangles.end as usize

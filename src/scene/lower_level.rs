@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use super::geometries::MeshInstances;
-use super::instances::{Instance, InstanceId, Instances, PlacedMesh};
+use super::instances::{Instance, InstanceId, InstancedTriangles, Instances};
 use super::placement::Placement;
 use super::primitive::{MaterialId, ObjectId, Primitive};
 use super::surface_class::SurfaceClass;
@@ -74,7 +74,7 @@ impl LowerLevel {
             self.instances.scalars.extend_from_slice(scalars);
         }
         let end = self.triangles.len() as u32;
-        self.instances.meshes.push(PlacedMesh {
+        self.instances.meshes.push(InstancedTriangles {
             triangles: first..end,
             first: first_instance,
             has_scalars: scalars.is_some(),
@@ -128,7 +128,7 @@ impl LowerLevel {
         instances.first_box = scene.primitives.len() as u32;
         scene.primitives.extend(boxes);
         let n_before = scene.primitives.len() as u32;
-        for PlacedMesh { triangles, .. } in &mut instances.meshes {
+        for InstancedTriangles { triangles, .. } in &mut instances.meshes {
             *triangles = triangles.start + n_before..triangles.end + n_before;
         }
         for object in objects {

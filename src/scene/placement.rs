@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::attributes::{Attributes, CornerAttributes};
 use super::geometries::ObjectGeometry;
 use super::primitive::{MaterialId, ObjectId, Primitive};
-use crate::config::{Geometry, InstancedMesh, Object, Places};
+use crate::config::{Geometry, InstancePlaces, InstancedMesh, Object};
 use crate::geometry::{Shape, Transform};
 use crate::import::{CornerValues, Mesh, Spheres};
 use crate::stop;
@@ -77,9 +77,9 @@ impl<'a> Placement<'a> {
         let path = self.path.clone().key(InstancedMesh::KEY);
         let path = match &self.object.geometry {
             Geometry::Instances(instances) => match instances.places {
-                Places::Listed(_) => path.key("places").index(index),
-                Places::Points(_) => path.key("points").key("file"),
-                Places::Cloud(_) => path.key("cloud").key("count"),
+                InstancePlaces::Listed(_) => path.key("places").index(index),
+                InstancePlaces::Points(_) => path.key("points").key("file"),
+                InstancePlaces::Cloud(_) => path.key("cloud").key("count"),
             },
             _ => path,
         };
