@@ -17,14 +17,14 @@ const MAX_MEDIA: usize = 4;
 /// Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of
 /// Graphics Tools 7(2), 2002.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Media([Option<Medium>; MAX_MEDIA]);
+pub struct Media([Option<MediumId>; MAX_MEDIA]);
 
 /// A medium by its material: one more than the material's index, so that an empty place
 /// takes no room.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Medium(NonZeroU32);
+struct MediumId(NonZeroU32);
 
-impl Medium {
+impl MediumId {
     fn of(material: MaterialId) -> Self {
         Self(NonZeroU32::MIN.saturating_add(material.0))
     }
@@ -116,14 +116,14 @@ impl Media {
 
     fn with(mut self, material: MaterialId) -> Self {
         if let Some(free) = self.0.iter_mut().find(|medium| medium.is_none()) {
-            *free = Some(Medium::of(material));
+            *free = Some(MediumId::of(material));
         }
         self
     }
 
     /// The place of the medium of this material that it entered last.
     fn place_of(self, material: MaterialId) -> Option<usize> {
-        let medium = Some(Medium::of(material));
+        let medium = Some(MediumId::of(material));
         self.0.iter().rposition(|entered| *entered == medium)
     }
 
@@ -137,7 +137,7 @@ impl Media {
 
 /// The material of a medium, and what it is.
 #[inline(always)]
-fn dielectric(medium: Medium, all: &[Material]) -> (MaterialId, &Dielectric) {
+fn dielectric(medium: MediumId, all: &[Material]) -> (MaterialId, &Dielectric) {
     let material = medium.material();
     let dielectric = all[material.0 as usize].dielectric.as_ref();
     (material, dielectric.expect("media have dielectrics"))

@@ -11,6 +11,8 @@ use super::terminal::{one_line, visible};
 /// Most characters shown of a message and of the label beside the caret: a
 /// value in the text may have any length.
 const MAX_MESSAGE: usize = 240;
+/// Most characters shown of the remedy, which may list all choices.
+const MAX_HELP: usize = 400;
 /// Most characters underlined.
 const MAX_UNDERLINED: usize = 60;
 
@@ -70,14 +72,14 @@ impl Diagnostic {
         let marked = line_text.get(begin..end).unwrap_or_default();
         let shown = marked.char_indices().nth(MAX_UNDERLINED);
         let n_shown = shown.map_or(marked.len(), |(byte, _)| byte);
-        self.message = truncated(&self.message);
-        self.help = self.help.map(|help| truncated(&help));
+        self.message = truncated(&self.message, MAX_MESSAGE);
+        self.help = self.help.map(|help| truncated(&help, MAX_HELP));
         self.excerpt = Some(Excerpt {
             file: one_line(file).into_owned(),
             line: 1 + text[..line_start].matches('\n').count(),
             text: line_text.to_owned(),
             span: begin..begin + n_shown,
-            label: truncated(label),
+            label: truncated(label, MAX_MESSAGE),
         });
         self
     }
@@ -120,9 +122,9 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
-/// Returns the text as one line of at most [`MAX_MESSAGE`] characters.
-fn truncated(text: &str) -> String {
-    match text.char_indices().nth(MAX_MESSAGE) {
+/// Returns the text as one line of at most `n_most` characters.
+fn truncated(text: &str, n_most: usize) -> String {
+    match text.char_indices().nth(n_most) {
         None => one_line(text).into_owned(),
         Some((end, _)) => one_line(&text[..end]).into_owned() + "…",
     }

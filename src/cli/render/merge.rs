@@ -70,7 +70,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         return Err(Diagnostic::new(message).with_help(help).into());
     };
     drop(found);
-    super::render(&RenderArguments {
+    super::render_scene(&RenderArguments {
         scene: scene_of(arguments, &header)?,
         frames: None,
         part: None,

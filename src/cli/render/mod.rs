@@ -114,11 +114,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     arguments.check_part()?;
     arguments.check_kept()?;
-    render(arguments)
+    render_scene(arguments)
 }
 
 /// Renders a scene, a part of it, or the tiles of all parts.
-fn render(arguments: &RenderArguments) -> Result<(), Failure> {
+fn render_scene(arguments: &RenderArguments) -> Result<(), Failure> {
     let deadline = arguments.deadline();
     arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
