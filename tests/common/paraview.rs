@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::{assert_success, in_repository, raycost};
 
@@ -64,11 +65,21 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
+/// Runs what its arguments name on a virtual screen. Two `xvfb-run -a` that start at once may
+/// choose the same screen: each has another number to begin with.
+pub fn on_virtual_screen() -> Command {
+    static NEXT: AtomicU32 = AtomicU32::new(100);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let mut command = Command::new("xvfb-run");
+    command.args(["-a", "-n", &number.to_string()]);
+    command
+}
+
 /// Loads the state in ParaView and checks the picture.
 pub fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
-    Command::new("xvfb-run")
+    on_virtual_screen()
         // Without -noreset the X server resets whenever ParaView closes a window.
-        .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+        .args(["-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
         .arg(in_repository("paraview/check_state.py"))
         .args([state, out, screenshot])
         .args(flags)

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::paraview::folder;
+use crate::common::paraview::{folder, on_virtual_screen};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// Runs a case of `tests/vtk/export.py`.
@@ -57,8 +57,8 @@ fn the_plot_of_the_book_becomes_a_scene() {
     let (lines, _) = block.split_once("```").unwrap();
     let out = folder("export").join("book");
     let python = std::env::var("RAYCOST_PYTHON").expect("run tests/with-paraview");
-    let output = Command::new("xvfb-run")
-        .args(["-a", &python, "-c"])
+    let output = on_virtual_screen()
+        .args([&python, "-c"])
         .arg(lines.replace("out/pipe", out.to_str().unwrap()))
         .current_dir(in_repository(""))
         .env("PYTHONPATH", in_repository("paraview"))
@@ -71,9 +71,9 @@ fn the_plot_of_the_book_becomes_a_scene() {
 }
 
 fn in_paraview(script: &str, out: &Path) -> Output {
-    Command::new("xvfb-run")
+    on_virtual_screen()
         // As for states.
-        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset", "pvbatch"])
+        .args(["-s", "-screen 0 1600x1000x24 -noreset", "pvbatch"])
         .arg(in_repository(script))
         .arg(out)
         .env("PYTHONDONTWRITEBYTECODE", "1")

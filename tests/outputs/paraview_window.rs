@@ -5,15 +5,15 @@
 use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use crate::common::paraview::{folder, render, screenshot, trace};
+use crate::common::paraview::{folder, on_virtual_screen, render, screenshot, trace};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// The messages of the window for a state.
 fn open(state: &Path, out: &Path, name: &str) -> Output {
-    Command::new("xvfb-run")
-        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])
+    on_virtual_screen()
+        .args(["-s", "-screen 0 1600x1000x24 -noreset"])
         .arg(in_repository("tests/in-paraview-window"))
         .args([state, &screenshot(out, name)])
         .env("RAYCOST_OUT", out)
@@ -46,8 +46,8 @@ fn every_state_opens_in_the_window_without_a_message() {
 
 /// The messages of the window after the plugin's macro has printed these words.
 fn press(picture: &Path, program: &OsStr, words: &str) -> Output {
-    Command::new("xvfb-run")
-        .args(["-a", "-s", "-screen 0 1600x1000x24 -noreset"])
+    on_virtual_screen()
+        .args(["-s", "-screen 0 1600x1000x24 -noreset"])
         .arg(in_repository("tests/in-paraview-window"))
         .arg(in_repository("tests/paraview/ball.py"))
         .arg(picture)

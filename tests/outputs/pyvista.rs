@@ -1,11 +1,10 @@
 //! The plot of the book, by PyVista.
 
 use std::fs;
-use std::process::Command;
 
 use image::RgbaImage;
 
-use crate::common::paraview::{folder, render};
+use crate::common::paraview::{folder, on_virtual_screen, render};
 use crate::common::{assert_success, in_repository};
 
 /// The part of a screenshot that is not background.
@@ -29,8 +28,8 @@ fn the_plot_of_the_book_shows_the_cloud() {
     let shown = |name: &str, plot: &str| {
         let python = std::env::var("RAYCOST_PYTHON").expect("run tests/with-paraview");
         let plot = plot.replace("out/seed_extended", out.to_str().unwrap());
-        let mut command = Command::new("xvfb-run");
-        command.args(["-a", &python, "-c", &plot.replace("cloud.png", name)]);
+        let mut command = on_virtual_screen();
+        command.args([&python, "-c", &plot.replace("cloud.png", name)]);
         command.env("PYVISTA_OFF_SCREEN", "true");
         assert_success(&command.current_dir(&folder).output().unwrap());
         image::open(folder.join(name)).unwrap().into_rgba8()

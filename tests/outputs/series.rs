@@ -10,7 +10,7 @@ use std::time::SystemTime;
 use tempfile::TempDir;
 
 use crate::common::data_set::DataSet;
-use crate::common::paraview::{folder, render, screenshot};
+use crate::common::paraview::{folder, on_virtual_screen, render, screenshot};
 use crate::common::{assert_success, in_repository, names, raycost};
 
 /// The sections of a scene of a ball on a floor, without its animation.
@@ -696,8 +696,8 @@ fn paraview_steps_through_the_hopper() {
     );
     for state in ["series_heatmap", "series_geometry", "series_overview"] {
         let picture = screenshot(&out, state);
-        let output = Command::new("xvfb-run")
-            .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+        let output = on_virtual_screen()
+            .args(["-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
             .arg(in_repository("tests/paraview/play.py"))
             .args([&out.join(state).with_extension("pvsm"), &picture])
             .args(["20", "0", "1.14"])
@@ -706,8 +706,8 @@ fn paraview_steps_through_the_hopper() {
         assert_success(&output);
     }
     // A collection alone, as from File > Open.
-    let output = Command::new("xvfb-run")
-        .args(["-a", "-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+    let output = on_virtual_screen()
+        .args(["-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
         .arg(in_repository("tests/paraview/play.py"))
         .args([&out.join("series.pvd"), &folder("").join("series.png")])
         .args(["20", "0", "1.14"])
