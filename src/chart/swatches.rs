@@ -31,9 +31,10 @@ impl Swatches {
     pub(super) fn within(all: &[Swatch], [width, height]: [u32; 2], em_px: f32) -> Self {
         let style = Style::new(em_px, canvas::INK);
         let n_rows = (height as f32 / (PITCH_EM * em_px)) as usize;
-        let n_shown = match all.len() <= n_rows {
-            true => all.len(),
-            false => n_rows.saturating_sub(1),
+        let n_shown = if all.len() <= n_rows {
+            all.len()
+        } else {
+            n_rows.saturating_sub(1)
         };
         let room = width.saturating_sub(px((SIDE_EM + GAP_EM) * em_px));
         let shown = all.iter().take(n_shown);

@@ -3,13 +3,13 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+use serde::de::{Deserializer, MapAccess};
 use serde::{Deserialize, Serialize};
 
 use super::isosurface::Isosurface;
+use super::same_or_array::{NumberArray, SameOrArray};
 use crate::import::{
-    self, ArrayChoice, ArrayOf, DataFile, FileFault, RadiusChoice, Spheres, Tubes,
+    self, ArrayChoice, DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes,
 };
 use crate::yaml;
 
@@ -51,12 +51,32 @@ impl GeometryFile {
         }
     }
 
-    /// The same with another file.
-    pub fn with_file(&self, file: PathBuf) -> Self {
+    /// The file at its path, with the time step that the scene chooses.
+    pub fn data_file(&self) -> DataFile<'_> {
+        let step = match self {
+            Self::Mesh(mesh) => mesh.step,
+            Self::Spheres(spheres) => spheres.step,
+            Self::Tubes(tubes) => tubes.step,
+        };
+        let path = self.file();
+        DataFile { path, step }
+    }
+
+    /// The same at a time step.
+    pub fn at(&self, step: &TimeStep) -> Self {
+        let (file, step) = (step.file.clone(), step.step);
         match self.clone() {
-            Self::Mesh(mesh) => Self::Mesh(MeshFile { file, ..mesh }),
-            Self::Spheres(spheres) => Self::Spheres(SpheresFile { file, ..spheres }),
-            Self::Tubes(tubes) => Self::Tubes(TubesFile { file, ..tubes }),
+            Self::Mesh(mesh) => Self::Mesh(MeshFile { file, step, ..mesh }),
+            Self::Spheres(spheres) => Self::Spheres(SpheresFile {
+                file,
+                step,
+                ..spheres
+            }),
+            Self::Tubes(tubes) => Self::Tubes(TubesFile {
+                file,
+                step,
+                ..tubes
+            }),
         }
     }
 }
@@ -88,9 +108,11 @@ impl fmt::Display for GeometryFile {
 )]
 pub struct MeshFile {
     /// The file, relative to the scene file's folder; or one for each time step:
-    /// `step_%04d.vtu`, or a list of ParaView, `.pvd` or `.vtu.series`.
+    /// `step_%04d.vtu`, a list of ParaView, `.pvd` or `.vtu.series`, or a VTKHDF file with
+    /// several.
     pub file: PathBuf,
-    /// The time step of a VTKHDF file with several, the first of which is 0, the default.
+    /// The time step of a VTKHDF file with several, the first of which is 0; all of them, as
+    /// frames, if not given.
     #[serde(default, deserialize_with = "step")]
     pub step: Option<usize>,
     /// The shading normals.
@@ -137,13 +159,15 @@ pub enum MeshNormals {
 )]
 pub struct SpheresFile {
     /// The file, relative to the scene file's folder; or one for each time step:
-    /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
+    /// `step_%04d.vtp`, a list of ParaView, `.pvd` or `.vtp.series`, or a VTKHDF file with
+    /// several.
     pub file: PathBuf,
     /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; or an
     /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
-    /// The time step of a VTKHDF file with several, the first of which is 0, the default.
+    /// The time step of a VTKHDF file with several, the first of which is 0; all of them, as
+    /// frames, if not given.
     #[serde(default, deserialize_with = "step")]
     pub step: Option<usize>,
 }
@@ -169,25 +193,21 @@ pub struct SpheresFile {
 )]
 pub struct TubesFile {
     /// The file, relative to the scene file's folder; or one for each time step:
-    /// `step_%04d.vtp`, or a list of ParaView, `.pvd` or `.vtp.series`.
+    /// `step_%04d.vtp`, a list of ParaView, `.pvd` or `.vtp.series`, or a VTKHDF file with
+    /// several.
     pub file: PathBuf,
     /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; or an
     /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
-    /// The time step of a VTKHDF file with several, the first of which is 0, the default.
+    /// The time step of a VTKHDF file with several, the first of which is 0; all of them, as
+    /// frames, if not given.
     #[serde(default, deserialize_with = "step")]
     pub step: Option<usize>,
 }
 
 /// The radii of spheres or tubes: one number, or an array of a VTK file or a table.
-#[derive(Debug, Clone, PartialEq)]
-pub enum PointRadius {
-    /// The same for all.
-    Same(f32),
-    /// Those of an array.
-    Array(RadiusArray),
-}
+pub type PointRadius = SameOrArray<RadiusArray>;
 
 /// An array of radii.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -201,6 +221,10 @@ pub struct RadiusArray {
     /// The factor from its numbers to radii, greater than 0; 1 by default.
     #[serde(default = "one", deserialize_with = "yaml::positive")]
     pub scale: f32,
+}
+
+impl NumberArray for RadiusArray {
+    const EXPECTED: &str = "a radius greater than 0, or { array: … }";
 }
 
 fn one() -> f32 {
@@ -259,46 +283,9 @@ impl PointRadius {
         match self {
             Self::Same(radius) => RadiusChoice::Same(*radius),
             Self::Array(RadiusArray { array, scale }) => RadiusChoice::Array {
-                array: ArrayChoice {
-                    name: array.clone(),
-                    component: None,
-                    is_color: false,
-                    of: Some(ArrayOf::Points),
-                },
+                array: ArrayChoice::of_points(array, None),
                 factor: *scale,
             },
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for PointRadius {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(RadiusVisitor)
-    }
-}
-
-struct RadiusVisitor;
-
-impl<'de> Visitor<'de> for RadiusVisitor {
-    type Value = PointRadius;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a radius greater than 0, or { array: … }")
-    }
-
-    fn visit_f64<E: Error>(self, found: f64) -> Result<PointRadius, E> {
-        yaml::positive(found.into_deserializer()).map(PointRadius::Same)
-    }
-
-    fn visit_i64<E: Error>(self, found: i64) -> Result<PointRadius, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<PointRadius, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PointRadius, A::Error> {
-        RadiusArray::deserialize(MapAccessDeserializer::new(map)).map(PointRadius::Array)
     }
 }

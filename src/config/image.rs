@@ -59,6 +59,11 @@ impl Image {
         self.width as usize * self.height as usize
     }
 
+    /// The number of camera rays of the picture; the most if sampling is adaptive.
+    pub fn n_camera_rays(&self) -> u64 {
+        self.n_pixels() as u64 * u64::from(self.samples_per_pixel)
+    }
+
     /// The number of samples per pixel, for people: "64 samples", "16 to 64 samples".
     pub fn samples(&self) -> String {
         Adaptive::samples(self.adaptive, self.samples_per_pixel)

@@ -1,22 +1,14 @@
 //! The scale of instances at points.
 
-use std::fmt;
-
 use serde::Deserialize;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+use serde::de::Deserializer;
 
+use super::same_or_array::{NumberArray, SameOrArray};
 use crate::import::ArrayChoice;
 use crate::yaml;
 
 /// The scale of instances: one number, or an array of a VTK file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum PlaceScale {
-    /// The same for all.
-    Same(f32),
-    /// Those of an array.
-    Array(ScaleArray),
-}
+pub type PlaceScale = SameOrArray<ScaleArray>;
 
 /// An array of scales.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -34,6 +26,10 @@ pub struct ScaleArray {
     /// The factor from its numbers to scales, greater than 0; 1 by default.
     #[serde(default = "one", deserialize_with = "yaml::positive")]
     factor: f32,
+}
+
+impl NumberArray for ScaleArray {
+    const EXPECTED: &str = "a scale greater than 0, or { array: … }";
 }
 
 fn one() -> f32 {
@@ -70,37 +66,5 @@ impl PlaceScale {
             Self::Same(factor) => *factor,
             Self::Array(array) => array.factor,
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for PlaceScale {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(ScaleVisitor)
-    }
-}
-
-struct ScaleVisitor;
-
-impl<'de> Visitor<'de> for ScaleVisitor {
-    type Value = PlaceScale;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a scale greater than 0, or { array: … }")
-    }
-
-    fn visit_f64<E: Error>(self, found: f64) -> Result<PlaceScale, E> {
-        yaml::positive(found.into_deserializer()).map(PlaceScale::Same)
-    }
-
-    fn visit_i64<E: Error>(self, found: i64) -> Result<PlaceScale, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<PlaceScale, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PlaceScale, A::Error> {
-        ScaleArray::deserialize(MapAccessDeserializer::new(map)).map(PlaceScale::Array)
     }
 }

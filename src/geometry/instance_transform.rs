@@ -77,9 +77,10 @@ impl InstanceTransform {
     /// The same, with the corners in the order in which they run around the outward normal.
     pub fn outward_triangle(&self, triangle: &[f32; N_PARAMETERS]) -> [f32; N_PARAMETERS] {
         let [a, b, c, d, e, f, g, h, i] = self.world_triangle(triangle);
-        match self.is_mirrored() {
-            false => [a, b, c, d, e, f, g, h, i],
-            true => [a, b, c, g, h, i, d, e, f],
+        if self.is_mirrored() {
+            [a, b, c, g, h, i, d, e, f]
+        } else {
+            [a, b, c, d, e, f, g, h, i]
         }
     }
 

@@ -13,6 +13,18 @@ pub struct ArrayChoice {
     pub is_color: bool,
 }
 
+impl ArrayChoice {
+    /// The numbers of an array of points: a component of its tuples, or their magnitude.
+    pub fn of_points(name: &str, component: Option<usize>) -> Self {
+        Self {
+            name: name.to_owned(),
+            component,
+            of: Some(ArrayOf::Points),
+            is_color: false,
+        }
+    }
+}
+
 /// What an array has values of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ArrayOf {

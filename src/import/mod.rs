@@ -15,14 +15,15 @@ mod mesh;
 mod parts;
 mod obj;
 mod ply;
+mod table;
 mod spheres;
 mod tubes;
 mod stl;
 mod gltf;
+mod places;
 mod vtk;
 mod pieces;
 mod series;
-mod places;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -39,7 +40,7 @@ pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
 pub use pieces::pieces_of;
 pub use places::{InstancePlace, PlaceArrays};
-pub use series::{DataSeries, TimeStep, is_series, read_series};
+pub use series::{DataSeries, TimeStep, is_series, read_series, time_steps};
 pub use spheres::Spheres;
 pub use tubes::Tubes;
 
@@ -83,6 +84,12 @@ pub struct DataFile<'a> {
 }
 
 impl DataFile<'_> {
+    /// Opens a file that has one time step.
+    fn open(self) -> Result<GeometryFileReader> {
+        self.refuse_step()?;
+        open(self.path)
+    }
+
     /// Refuses a time step behind the first of a file that has one alone.
     fn refuse_step(self) -> Result<()> {
         match self.step.filter(|step| *step > 0) {
@@ -256,10 +263,10 @@ pub fn read_spheres<'a>(
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
     let file = file.into();
-    let opened = file.refuse_step().and_then(|()| open(file.path));
-    opened
-        .and_then(|table| spheres::read(table, radius, array))
-        .map_err(|fault| fault.in_file(file.path))
+    let read = file
+        .open()
+        .and_then(|table| spheres::read(table, radius, array));
+    read.map_err(|fault| fault.in_file(file.path))
 }
 
 /// Reads the points of a VTK file as spheres, with the numbers of an array.
@@ -296,10 +303,10 @@ pub fn read_tubes<'a>(
     array: Option<&ArrayChoice>,
 ) -> Result<Tubes> {
     let file = file.into();
-    let opened = file.refuse_step().and_then(|()| open(file.path));
-    opened
-        .and_then(|table| tubes::read(table, radius, array))
-        .map_err(|fault| fault.in_file(file.path))
+    let read = file
+        .open()
+        .and_then(|table| tubes::read(table, radius, array));
+    read.map_err(|fault| fault.in_file(file.path))
 }
 
 /// Reads the lines of a VTK file as tubes, with the numbers of an array.
@@ -321,11 +328,12 @@ pub fn read_lines<'a>(
 /// # Errors
 /// A file that cannot be read, is damaged, has no such array or no place.
 pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
-    if is_vtk(path) {
-        return places::of_points(path, arrays);
-    }
-    let read = arrays.none().and_then(|()| open(path));
-    let read = read.and_then(places::read);
+    let read = if is_vtk(path) {
+        vtk::read_places(path.into(), arrays).and_then(places::usable)
+    } else {
+        let table = arrays.none().and_then(|()| open(path));
+        table.and_then(places::read)
+    };
     read.map_err(|fault| fault.in_file(path))
 }
 

@@ -14,9 +14,12 @@ impl Mesh {
             triangles_of[material as usize].push(triangle);
         }
         let has_uvs = self.uvs.is_some();
-        let materials = materials.into_iter().map(|material| match has_uvs {
-            true => material,
-            false => material.without_pictures(),
+        let materials = materials.into_iter().map(|material| {
+            if has_uvs {
+                material
+            } else {
+                material.without_pictures()
+            }
         });
         let used = materials.zip(triangles_of);
         let mut used: Vec<_> = used.filter(|(_, of)| self.has_area(of)).collect();

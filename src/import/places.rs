@@ -2,19 +2,14 @@
 //! file.
 
 use std::ops::Range;
-use std::path::Path;
 
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 use glam::{Affine3A, Quat, Vec3};
 
 use super::fault::cut;
 use super::mesh::finite;
-use super::spheres::{number, of_table, word};
-use super::{
-    ArrayChoice, ArrayOf, FileFault, FileLocation, GeometryFileReader, RadiusChoice, Result,
-    read_points,
-};
-use crate::geometry::Sphere;
+use super::table::{missing_column, named_twice, number, of_table, word};
+use super::{ArrayChoice, FileFault, FileLocation, GeometryFileReader, Result};
 use crate::text::did_you_mean;
 
 /// A place of an instance.
@@ -53,18 +48,6 @@ impl PlaceArrays<'_> {
         let problem = "it is a table, which has no arrays";
         let expected = "a VTK file, or columns `scale` and `direction_x`";
         Err(FileFault::new(problem, expected))
-    }
-}
-
-impl ArrayChoice {
-    /// The numbers of an array of points: a component of its tuples, or their magnitude.
-    pub fn of_points(name: &str, component: Option<usize>) -> Self {
-        Self {
-            name: name.to_owned(),
-            component,
-            of: Some(ArrayOf::Points),
-            is_color: false,
-        }
     }
 }
 
@@ -124,8 +107,7 @@ impl PlaceColumns {
             let known = NAMES.iter().position(|known| *known == name);
             let column = &mut columns[known.ok_or_else(|| unknown_column(&name))?];
             if column.replace(i).is_some() {
-                let problem = format!("two columns are named `{}`", cut(&name));
-                return Err(FileFault::new(problem, "different names"));
+                return Err(named_twice(&name));
             }
         }
         let lacks = |range: Range<usize>| {
@@ -135,11 +117,7 @@ impl PlaceColumns {
         };
         let missing = lacks(0..3).or(lacks(4..7)).or(lacks(7..10));
         if let Some(missing) = missing {
-            let problem = format!("there is no column `{}`", NAMES[missing]);
-            return Err(FileFault::new(
-                problem,
-                "a first line such as `x,y,z,scale`",
-            ));
+            return Err(missing_column(NAMES[missing], "x,y,z,scale"));
         }
         Ok(Self(columns))
     }
@@ -186,44 +164,21 @@ fn unknown_column(name: &str) -> FileFault {
     FileFault::new(problem, format!("some of `{}`", NAMES.join("`, `")))
 }
 
-/// Reads the points of a VTK file, without those whose scale is 0 or missing.
-pub(super) fn of_points(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
-    let read = |array: Option<&ArrayChoice>| read_points(path, &RadiusChoice::Same(1.0), array);
-    let numbers = |array: &ArrayChoice| -> Result<Vec<f32>> {
-        Ok(read(Some(array))?.scalars.unwrap_or_default())
-    };
-    let points = read(arrays.color)?;
-    let scales = arrays.scale.map(numbers).transpose()?;
-    let components = |name: &str| -> Result<[Vec<f32>; 3]> {
-        let component = |component| numbers(&ArrayChoice::of_points(name, Some(component)));
-        Ok([component(0)?, component(1)?, component(2)?])
-    };
-    let directions = arrays.orient.map(components).transpose()?;
-    let place = |(i, point): (usize, &Sphere)| {
-        let scale = scales.as_ref().map_or(1.0, |scales| scales[i]);
-        let direction = directions
-            .as_ref()
-            .map_or([0.0; 3], |[x, y, z]| [x[i], y[i], z[i]]);
-        let place = InstancePlace {
-            position: point.center,
-            scale: Vec3::splat(scale),
-            direction: Vec3::from(direction),
-            scalar: points
-                .scalars
-                .as_ref()
-                .map_or(f32::NAN, |scalars| scalars[i]),
-        };
-        (is_scale(place.scale) && place.direction.is_finite()).then_some(place)
-    };
-    let places: Vec<InstancePlace> = points
-        .spheres
-        .iter()
-        .enumerate()
-        .filter_map(place)
-        .collect();
+/// The places whose scale is neither 0 nor missing.
+///
+/// # Errors
+/// There is none.
+pub(super) fn usable(mut places: Vec<InstancePlace>) -> Result<Vec<InstancePlace>> {
+    if places.is_empty() {
+        return Err(FileFault::new(
+            "no point in the file",
+            "a point for each instance",
+        ));
+    }
+    places.retain(|place| is_scale(place.scale) && place.direction.is_finite());
     if places.is_empty() {
         let problem = "no point of the file has a scale and a direction";
-        return Err(FileFault::new(problem, "numbers other than 0").in_file(path));
+        return Err(FileFault::new(problem, "numbers other than 0"));
     }
     Ok(places)
 }

@@ -1,5 +1,6 @@
 //! Series of files, one for each time step: files whose names differ by a number, such as
-//! `step_%04d.vtu`, and the lists of ParaView, `.pvd` and `.series`.
+//! `step_%04d.vtu`, and the lists of ParaView, `.pvd` and `.series`; or one file with all steps,
+//! `.vtkhdf`.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::fault::cut;
-use super::{FileFault, Result, extension, vtk};
+use super::{DataFile, FileFault, Result, extension, vtk};
 
 /// The files of a series in the order of their times, at least one.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +20,8 @@ pub struct DataSeries(pub Vec<TimeStep>);
 pub struct TimeStep {
     /// Its path, as that of the series: relative to the same folder.
     pub file: PathBuf,
+    /// The time step of that file, if it has several.
+    pub step: Option<usize>,
     /// Its time, greater than those of the steps before it.
     pub time: f64,
 }
@@ -33,6 +36,36 @@ const MAX_DIGITS: usize = 15;
 /// Whether a path stands for a series of files.
 pub fn is_series(path: &Path) -> bool {
     Pattern::of(path).is_some() || matches!(extension(path).as_str(), "pvd" | "series")
+}
+
+/// The time steps of a file of geometry whose path is relative to `folder`: those of a series of
+/// files, or of a VTKHDF file with several, unless the scene chooses one of them. `None` for a
+/// file of a still.
+///
+/// # Errors
+/// Those of [`read_series`], and a VTKHDF file that cannot be read or is damaged.
+pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
+    let DataFile { path, step } = file;
+    if is_series(path) {
+        return read_series(folder, path).map(Some);
+    }
+    if !vtk::is_hdf(path) || step.is_some() {
+        return Ok(None);
+    }
+    let full = folder.join(path);
+    let times = vtk::read_times(&full).and_then(|times| {
+        let named = |(step, &time): (usize, &f64)| (format!("step {step}"), time);
+        check_times(&times.iter().enumerate().map(named).collect())?;
+        Ok(times)
+    });
+    let times = times.map_err(|fault| fault.in_file(&full))?;
+    let step = |(step, time): (usize, f64)| TimeStep {
+        file: path.to_owned(),
+        step: Some(step),
+        time,
+    };
+    let steps: Vec<TimeStep> = times.into_iter().enumerate().map(step).collect();
+    Ok((steps.len() > 1).then_some(DataSeries(steps)))
 }
 
 /// Finds the files of a series in `folder`, to which its path is relative.
@@ -51,6 +84,7 @@ pub fn read_series(folder: &Path, path: &Path) -> Result<DataSeries> {
     let steps = named.map_err(|fault| fault.in_file(&full))?;
     let step = |(file, time): (String, f64)| TimeStep {
         file: beside.join(file),
+        step: None,
         time,
     };
     Ok(DataSeries(steps.into_iter().map(step).collect()))
@@ -64,6 +98,16 @@ fn checked(steps: NamedSteps, folder: &Path) -> Result<NamedSteps> {
     if steps.is_empty() {
         return Err(FileFault::new("it has no time steps", "at least one file"));
     }
+    check_times(&steps)?;
+    if let Some((file, _)) = steps.iter().find(|(file, _)| !folder.join(file).is_file()) {
+        let problem = format!("its time step `{file}` is missing");
+        return Err(FileFault::new(problem, "the files of all time steps"));
+    }
+    Ok(steps)
+}
+
+/// Checks that the times ascend.
+fn check_times(steps: &NamedSteps) -> Result<()> {
     if steps.len() > MAX_STEPS {
         let problem = format!("it has {} time steps", steps.len());
         return Err(FileFault::new(problem, format!("at most {MAX_STEPS}")));
@@ -84,11 +128,7 @@ fn checked(steps: NamedSteps, folder: &Path) -> Result<NamedSteps> {
             ));
         }
     }
-    if let Some((file, _)) = steps.iter().find(|(file, _)| !folder.join(file).is_file()) {
-        let problem = format!("its time step `{file}` is missing");
-        return Err(FileFault::new(problem, "the files of all time steps"));
-    }
-    Ok(steps)
+    Ok(())
 }
 
 /// The name of files with a number in it: `step_%04d.vtu`.

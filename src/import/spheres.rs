@@ -4,11 +4,12 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 
-use csv::{ByteRecord, ErrorKind, Position, ReaderBuilder, Trim};
+use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 
 use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
 use super::fault::cut;
 use super::mesh::finite;
+use super::table::{missing_column, named_twice, number, of_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
 use crate::geometry::Sphere;
 use crate::text::did_you_mean;
@@ -105,15 +106,12 @@ impl Columns {
         let names: Vec<_> = header.iter().map(String::from_utf8_lossy).collect();
         for (i, name) in names.iter().enumerate() {
             if !name.is_empty() && names[..i].contains(name) {
-                let problem = format!("two columns are named `{}`", cut(name));
-                return Err(FileFault::new(problem, "different names"));
+                return Err(named_twice(name));
             }
         }
         let find = |name: &str| names.iter().position(|known| known == name);
         let column = |name: &str| {
-            let problem = || format!("there is no column `{name}`");
-            let expected = || format!("a first line such as `x,y,z,r,{extra}`");
-            find(name).ok_or_else(|| FileFault::new(problem(), expected()))
+            find(name).ok_or_else(|| missing_column(name, &format!("x,y,z,r,{extra}")))
         };
         let center = [column("x")?, column("y")?, column("z")?];
         let extra_column = find(extra);
@@ -208,37 +206,7 @@ fn unknown_column(name: &str, extra: &str) -> FileFault {
     FileFault::new(problem, expected)
 }
 
-/// One field of a row, all of which are as long as the header.
-pub(super) fn word(row: &ByteRecord, column: usize) -> &str {
-    str::from_utf8(&row[column]).unwrap_or("\u{fffd}")
-}
-
-pub(super) fn number(word: &str) -> Result<f32> {
-    word.parse()
-        .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
-}
-
 fn color(word: &str) -> Result<Vec3> {
     let color = hex_color(word).map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
     color.ok_or_else(|| FileFault::new(format!("`{}` is no color", cut(word)), "`#rrggbb`"))
-}
-
-pub(super) fn of_table(error: csv::Error) -> FileFault {
-    let line = error
-        .position()
-        .map(|position| FileLocation::Line(position.line()));
-    let fault = match error.into_kind() {
-        ErrorKind::Io(error) => FileFault::from(error),
-        ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => FileFault::new(
-            format!("{len} fields"),
-            format!("{expected_len}, as in line 1"),
-        ),
-        _ => FileFault::new("the table is damaged", "comma-separated values"),
-    };
-    match line {
-        Some(line) => fault.at(line),
-        None => fault,
-    }
 }

@@ -4,7 +4,8 @@ use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 
 use super::choice::{ArrayChoice, RadiusChoice};
 use super::mesh::count;
-use super::spheres::{Columns, of_table};
+use super::spheres::Columns;
+use super::table::of_table;
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use crate::geometry::{Aabb, Capsule, Sphere};
 

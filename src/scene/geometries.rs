@@ -264,7 +264,7 @@ pub(super) fn read_checked(
     let file = if import::is_series(file.file()) {
         let series = import::read_series(folder, file.file());
         let DataSeries(steps) = series.map_err(|fault| fault.at_value(path))?;
-        of_series = file.with_file(steps[0].file.clone());
+        of_series = file.at(&steps[0]);
         &of_series
     } else {
         file

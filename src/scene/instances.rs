@@ -146,9 +146,7 @@ impl<'a> World<'a> {
             }
         }
     }
-}
 
-impl<'a> World<'a> {
     /// The primitives in world space, without the boxes of instances.
     pub fn in_world_space(&self) -> &'a [Primitive] {
         match self.instances {

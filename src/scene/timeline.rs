@@ -1,7 +1,5 @@
 //! The frames of a scene, their times, and the files of data series that they show.
 
-use std::path::PathBuf;
-
 use super::arrays;
 use super::geometries::{Extra, read_checked};
 use crate::animation::Animation;
@@ -41,10 +39,14 @@ impl Timeline {
     /// The first mistake in the section `animation`, or in a data series.
     pub fn of<F: Folders + ?Sized>(config: &Config, folders: &F) -> Result<Option<Self>, Fault> {
         let mut series = Vec::new();
-        for (index, file) in series_of(config) {
+        for (index, object) in config.objects.iter().enumerate() {
+            let Geometry::File(file) = &object.geometry else {
+                continue;
+            };
             let path = file_path(index, file);
-            let found = import::read_series(folders.folder_of(&path), file.file());
-            series.push((index, found.map_err(|fault| fault.at_value(&path))?));
+            let found = import::time_steps(folders.folder_of(&path), file.data_file());
+            let found = found.map_err(|fault| fault.at_value(&path))?;
+            series.extend(found.map(|found| (index, found)));
         }
         if config.animation.is_none() && series.is_empty() {
             return Ok(None);
@@ -116,9 +118,7 @@ impl Timeline {
             None => vec![file.clone()],
             Some((_, series)) => {
                 let steps = series.0.iter();
-                steps
-                    .map(|step| file.with_file(step.file.clone()))
-                    .collect()
+                steps.map(|step| file.at(step)).collect()
             }
         }
     }
@@ -163,11 +163,11 @@ impl Timeline {
     pub fn make_still(&self, config: &mut Config, number: u32) {
         config.animation = None;
         for (index, DataSeries(steps)) in &self.series {
-            let file: PathBuf = steps[self.step_of(steps.len(), number).0].file.clone();
+            let step = &steps[self.step_of(steps.len(), number).0];
             if let Some(object) = config.objects.get_mut(*index)
                 && let Geometry::File(series) = &object.geometry
             {
-                object.geometry = Geometry::File(series.with_file(file));
+                object.geometry = Geometry::File(series.at(step));
             }
         }
         for (number, range) in &self.ranges {
@@ -177,15 +177,6 @@ impl Timeline {
             }
         }
     }
-}
-
-/// The objects of data series.
-fn series_of(config: &Config) -> impl Iterator<Item = (usize, &GeometryFile)> {
-    let objects = config.objects.iter().enumerate();
-    objects.filter_map(|(index, object)| match &object.geometry {
-        Geometry::File(file) if import::is_series(file.file()) => Some((index, file)),
-        _ => None,
-    })
 }
 
 /// The path of the value that names the file of an object.
@@ -202,6 +193,7 @@ mod tests {
     fn timeline(n_frames: u32, times: &[f64]) -> Timeline {
         let step = |&time: &f64| TimeStep {
             file: format!("{time}.vtu").into(),
+            step: None,
             time,
         };
         Timeline {

@@ -69,9 +69,12 @@ pub(super) fn explore(accepts: &mut dyn FnMut(Value) -> bool) -> Option<(Value, 
     let as_json = |n: i128| u64::try_from(n).map_or_else(|_| json!(n as i64), |n| json!(n));
     let ranges = ranges(&whole, &mut |n| accepts(as_json(n)), &between_integers);
     let bounds: Vec<[f64; 2]> = ranges.iter().map(|range| range.map(|n| n as f64)).collect();
-    let schemas = ranges.iter().map(|&[from, to]| match from == to {
-        true => json!({ "const": as_json(from) }),
-        false => json!({ "type": "integer", "minimum": as_json(from), "maximum": as_json(to) }),
+    let schemas = ranges.iter().map(|&[from, to]| {
+        if from == to {
+            json!({ "const": as_json(from) })
+        } else {
+            json!({ "type": "integer", "minimum": as_json(from), "maximum": as_json(to) })
+        }
     });
     let schemas: Vec<Value> = schemas.collect();
     (!schemas.is_empty()).then(|| (any_of(schemas), samples(&bounds)))

@@ -10,7 +10,7 @@ use crate::cost::RayKind;
 use crate::material::Material;
 use crate::optics::Split;
 use crate::scene::{MaterialId, Scene};
-use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn};
+use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, VectorColumn};
 use crate::trace::{PointLanes, Points};
 
 /// Adds the radiance of points to their paths, and collects the reflected rays, unless the
@@ -82,11 +82,13 @@ impl<M: Model> EndPoints<'_, M> {
         let arriving = self.points.directions(set, at);
         let direction = point.mirrored(arriving);
         let origin = self.model.origin(&point, direction);
+        let rays = self.points.rays(at);
+        let before = self.wave.weights.gather(set, rays);
         let reflected = Continued {
             origin,
             direction,
-            factor: mirrored_share(material, &point, arriving),
-            rays: self.points.rays(at),
+            weight: before.times(mirrored_share(material, &point, arriving)),
+            rays,
             kinds: [RayKind::Reflection; N_LANES],
             densities: [f32::INFINITY; N_LANES],
             distances: self.points.distances(at),
@@ -119,6 +121,7 @@ impl<M: Model> EndPoints<'_, M> {
         } = split_at(&point, direction, set.load(&eta), set.mask(visible));
         let mirrored = point.mirrored(direction);
         let refraction = set.splat(1.0) - reflectance;
+        let before = self.wave.weights.gather(set, rays);
         for (kind, direction, factor, media) in [
             (RayKind::Reflection, mirrored, reflectance, None),
             (RayKind::Refraction, refracted, refraction, Some(&behind)),
@@ -126,11 +129,7 @@ impl<M: Model> EndPoints<'_, M> {
             let continued = Continued {
                 origin: self.model.origin(&point, direction),
                 direction,
-                factor: Vector {
-                    x: factor,
-                    y: factor,
-                    z: factor,
-                },
+                weight: before * factor,
                 rays,
                 kinds: [kind; N_LANES],
                 densities: [f32::INFINITY; N_LANES],

@@ -51,8 +51,8 @@ pub(super) struct Branch {
 pub(super) struct Continued<'a, L> {
     pub(super) origin: Vector<L>,
     pub(super) direction: Vector<L>,
-    /// The share of the light that they carry on.
-    pub(super) factor: Vector<L>,
+    /// The share of the light that they meet which reaches the camera.
+    pub(super) weight: Vector<L>,
     /// The rays that they continue.
     pub(super) rays: &'a [u32; N_LANES],
     /// The distances of the points from which they start, along the rays before.
@@ -237,7 +237,7 @@ impl PathWave {
         let Continued {
             origin,
             direction,
-            factor,
+            weight,
             rays,
             kinds,
             densities,
@@ -246,7 +246,6 @@ impl PathWave {
         } = *continued;
         let mask = set.mask(lanes);
         self.rays.push_lanes(origin, direction, mask);
-        let weight = wave.weights.gather(set, rays).times(factor);
         self.weights.store_lanes(next, weight, mask);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;

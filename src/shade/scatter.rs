@@ -65,20 +65,19 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             .sample(&at_point, &boundary, numbers.direction(), lobe);
         let refracted = scattered.is_refracted.bits();
         let behind = interfaces.as_ref().map(|of| &of.behind);
-        let weight = self.wave.weights.gather(set, rays);
+        let before = self.wave.weights.gather(set, rays);
         let index = if self.scene.has_media() {
             set.load(&self.indices(rays, refracted, behind))
         } else {
             set.splat(1.0)
         };
-        let weight = weight.times(scattered.factor);
-        let probability = survival(weight, index, self.wave.depth);
+        let probability = survival(before.times(scattered.factor), index, self.wave.depth);
         let alive = roulette.lt(probability).bits();
         let direction = scattered.direction;
         let continued = Continued {
             origin: leaving(point.position, point.geometric_normal, direction),
             direction,
-            factor: scattered.factor * (set.splat(1.0) / probability),
+            weight: before.times(scattered.factor * (set.splat(1.0) / probability)),
             rays,
             distances: self.points.distances(at),
             kinds: kinds(refracted, scattered.is_diffuse.bits()),

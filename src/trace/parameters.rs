@@ -13,8 +13,7 @@ pub(super) fn parameters<I: InstructionSet>(
     instances: &[Option<InstanceId>; N_LANES],
 ) -> [I::Lanes; N_PARAMETERS] {
     let mut parameters = [set.splat(0.0); N_PARAMETERS];
-    let has_instances = scene.instances.is_some();
-    if !has_instances && *primitives == [primitives[0]; N_LANES] {
+    if scene.instances.is_none() && *primitives == [primitives[0]; N_LANES] {
         let shape = scene.primitives[primitives[0] as usize].parameters();
         for i in 0..N_PARAMETERS {
             parameters[i] = set.splat(shape[i]);
@@ -23,13 +22,10 @@ pub(super) fn parameters<I: InstructionSet>(
     }
     let mut columns = [[0.0; N_LANES]; N_PARAMETERS];
     for lane in 0..N_LANES {
-        let shape = match has_instances {
-            false => scene.primitives[primitives[lane] as usize].parameters(),
-            true => scene.parameters(PlacedPrimitive {
-                primitive: primitives[lane],
-                instance: instances[lane],
-            }),
-        };
+        let shape = scene.parameters(PlacedPrimitive {
+            primitive: primitives[lane],
+            instance: instances[lane],
+        });
         for i in 0..N_PARAMETERS {
             columns[i][lane] = shape[i];
         }

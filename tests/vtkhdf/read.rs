@@ -8,8 +8,11 @@ use raycost::import::{
     ArrayChoice, DataFile, Mesh, RadiusChoice, Spheres, read_isosurface, read_mesh_with,
     read_points,
 };
-use raycost::import::{FileFault, IsosurfaceChoice};
+use raycost::import::{FileFault, IsosurfaceChoice, time_steps};
 
+use serde_json::json;
+
+use crate::common::data_set::DataSet;
 use crate::common::in_repository;
 use crate::render;
 
@@ -88,6 +91,52 @@ animation:
     let fault = points(file, "rays").unwrap_err();
     let expected = "it has no time step 3, expected one of its 3, of which the first is 0";
     assert!(fault.to_string().ends_with(expected), "{fault}");
+}
+
+/// A file of all time steps gives the frames of a list of files, and their times.
+#[test]
+fn the_steps_of_a_file_are_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let run = |added: &str, flags: &[&str], name: &str| {
+        let output = render(folder.path(), added, flags);
+        assert!(output.status.success(), "{output:?}");
+        fs::rename(at("out"), at(name)).unwrap();
+    };
+    let animation = "
+animation:
+  frames: 3
+  fps: 2
+  keyframes:
+    objects[0].sphere.radius: [{ frame: 0, value: 0.8 }, { frame: 2, value: 0.4 }]
+";
+    run(animation, &["--format=vtkhdf"], "first");
+    let spheres = |file: &str| {
+        format!("  - spheres: {{ file: first/{file}, radius: 0.05 }}\n    material: red\n")
+    };
+    run(&spheres("series_hits.pvd"), &[], "list");
+    run(&spheres("series_hits.vtkhdf"), &[], "whole");
+    let frame = |out: &str| {
+        let text = fs::read_to_string(at(out).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let pixels = DataSet::read(&at(out).join("frame.vti"));
+        (
+            pixels.array("RGB").bytes.clone(),
+            summary["frame"]["time"].clone(),
+        )
+    };
+    for number in 0..3 {
+        let [list, whole] =
+            ["list", "whole"].map(|out| frame(&format!("{out}/frames/000{number}")));
+        assert!(list.0 == whole.0, "{number}");
+        assert_eq!(
+            (&list.1, &whole.1),
+            (&json!(0.5 * f64::from(number)), &list.1)
+        );
+    }
+    let of_step = spheres("series_hits.vtkhdf").replace(", radius", ", step: 2, radius");
+    run(&of_step, &[], "still");
+    assert!(frame("still").0 == frame("whole/frames/0002").0);
 }
 
 /// A file that ends early or has wrong bytes is refused, or gives finite numbers: neither
@@ -188,6 +237,14 @@ fn files_of_vtk_hold_what_its_xml_files_hold() {
                 .map_err(|fault| fault.problem)
         });
         assert!(found == expected, "{path:?} {step:?}: {found:?}");
+    }
+    for (path, step, _) in &files {
+        let file = DataFile { path, step: None };
+        let steps = time_steps(Path::new(""), file).unwrap();
+        let times = steps.map(|steps| steps.0.iter().map(|step| step.time).collect::<Vec<_>>());
+        let n_steps = files.iter().filter(|(other, ..)| other == path).count();
+        let expected = (0..n_steps).map(|step| 0.5 * step as f64).collect();
+        assert_eq!(times, step.map(|_| expected), "{path:?}");
     }
     for (path, step, _) in files {
         let whole = fs::read(&path).unwrap();

@@ -16,6 +16,7 @@ mod xml;
 mod hdf;
 mod mesh;
 mod points;
+mod places;
 mod lines;
 mod isosurface;
 
@@ -25,10 +26,12 @@ use std::path::Path;
 use super::budget::{self, Budget};
 use super::choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 use super::mesh::Mesh;
+use super::places::{InstancePlace, PlaceArrays};
 use super::spheres::Spheres;
 use super::tubes::Tubes;
 use super::{DataFile, FileFault, Result, extension, max_bytes, open};
 pub(super) use collection::read as read_collection;
+pub(super) use hdf::{is_hdf, read_times};
 use piece::{Piece, Wanted};
 use xml::Contents;
 
@@ -91,6 +94,18 @@ pub(super) fn read_spheres(
     Ok(spheres)
 }
 
+/// Reads the points of a data set as places of instances.
+pub(super) fn read_places(file: DataFile, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
+    let of_arrays = arrays.color.into_iter().chain(arrays.scale);
+    let names = of_arrays.map(|array| array.name.as_str());
+    let wanted: Vec<&str> = names.chain(arrays.orient).collect();
+    let mut found = Vec::new();
+    for_each_piece(file, &wanted, &mut |piece, budget| {
+        places::add(piece, arrays, &mut found, budget)
+    })?;
+    Ok(found)
+}
+
 /// Reads the lines of a data set as tubes, with the numbers of an array.
 pub(super) fn read_tubes(
     file: DataFile,
@@ -136,7 +151,7 @@ type Visit<'a> = dyn FnMut(&Piece, &mut Budget) -> Result<()> + 'a;
 fn for_each_piece(file: DataFile, wanted: &Wanted, visit: &mut Visit) -> Result<()> {
     let budget = &mut Budget::new();
     let path = file.path;
-    if hdf::is_hdf(path) {
+    if is_hdf(path) {
         let pieces = hdf::read(path, file.step.unwrap_or(0), wanted, budget)?;
         return pieces.iter().try_for_each(|piece| visit(piece, budget));
     }

@@ -89,7 +89,8 @@ pub(super) fn at_point(point: usize) -> FileLocation {
     FileLocation::Element("point".into(), point as u64)
 }
 
-fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
+/// The numbers of an array at the points of a piece.
+pub(super) fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
     piece.scalars(&at_points(array)?).map(|(_, values)| values)
 }
 

@@ -3,6 +3,7 @@
 use hdf5_metno::Group;
 
 use super::super::super::Result;
+use super::super::numbers::Numbers;
 use super::super::piece::{PieceArrays, is_wanted};
 use super::reader::{HdfPart, HdfReader, entry, sum};
 use super::values::{members, text};
@@ -16,6 +17,18 @@ impl HdfReader<'_> {
         [before, n]: [usize; 2],
         first: usize,
     ) -> Result<PieceArrays> {
+        self.arrays_of(group_name, |reader, group, name| {
+            let begin = reader.array_begin(group_name, name)?.unwrap_or(first);
+            reader.numbers(group, name, sum([begin, before])?, n)
+        })
+    }
+
+    /// The arrays of a group that are wanted, each as `read` gives it by its name.
+    pub(super) fn arrays_of(
+        &mut self,
+        group_name: &str,
+        read: impl Fn(&mut Self, &Group, &str) -> Result<Numbers>,
+    ) -> Result<PieceArrays> {
         let mut attributes = PieceArrays::default();
         let Ok(group) = self.root.group(group_name) else {
             return Ok(attributes);
@@ -23,8 +36,7 @@ impl HdfReader<'_> {
         for name in members(&group, group_name)? {
             let kind = self.name_attribute(&group, &name, &mut attributes)?;
             if kind || is_wanted(&name, self.wanted) {
-                let begin = self.array_begin(group_name, &name)?.unwrap_or(first);
-                let numbers = self.numbers(&group, &name, sum([begin, before])?, n)?;
+                let numbers = read(self, &group, &name)?;
                 attributes.arrays.push((name.clone(), numbers));
             }
             attributes.names.push(name);
@@ -48,7 +60,7 @@ impl HdfReader<'_> {
     }
 
     /// Whether a dataset is the active array of normals or of texture coordinates.
-    pub(super) fn name_attribute(
+    fn name_attribute(
         &self,
         group: &Group,
         name: &str,

@@ -4,13 +4,11 @@ use hdf5_metno::Group;
 
 use super::super::super::{FileFault, Result};
 use super::super::numbers::Numbers;
-use super::super::piece::{
-    Lattice, Piece, PieceArrays, PointPositions, Topology, grid_size, is_wanted,
-};
+use super::super::piece::{Lattice, Piece, PieceArrays, PointPositions, Topology, grid_size};
 use super::super::xml::IDENTITY;
 use super::reader::HdfReader;
 use super::rows::missing;
-use super::values::{members, numbers};
+use super::values::numbers;
 use crate::import::fault::cut;
 
 impl HdfReader<'_> {
@@ -24,9 +22,10 @@ impl HdfReader<'_> {
             first: [extent[0], extent[2], extent[4]],
             origin: numbers(&self.root, "Origin")?,
             spacing: numbers(&self.root, "Spacing")?,
-            direction: match has_direction {
-                true => numbers(&self.root, "Direction")?,
-                false => IDENTITY,
+            direction: if has_direction {
+                numbers(&self.root, "Direction")?
+            } else {
+                IDENTITY
             },
         };
         let of_cells = size.map(|n| (n - 1).max(1));
@@ -42,19 +41,9 @@ impl HdfReader<'_> {
 
     /// The arrays of an image, layer by layer; over time, the first index is the step.
     fn image_attributes(&mut self, group_name: &str, size: [usize; 3]) -> Result<PieceArrays> {
-        let mut attributes = PieceArrays::default();
-        let Ok(group) = self.root.group(group_name) else {
-            return Ok(attributes);
-        };
-        for name in members(&group, group_name)? {
-            let kind = self.name_attribute(&group, &name, &mut attributes)?;
-            if kind || is_wanted(&name, self.wanted) {
-                let numbers = self.image_array(&group, group_name, &name, size)?;
-                attributes.arrays.push((name.clone(), numbers));
-            }
-            attributes.names.push(name);
-        }
-        Ok(attributes)
+        self.arrays_of(group_name, |reader, group, name| {
+            reader.image_array(group, group_name, name, size)
+        })
     }
 
     fn image_array(

@@ -21,6 +21,8 @@ mod data_set;
 
 #[cfg(feature = "hdf5")]
 pub(super) use data_set::read;
+#[cfg(feature = "hdf5")]
+pub(in super::super) use data_set::read_times;
 
 use std::path::Path;
 
@@ -35,8 +37,14 @@ use super::piece::{Piece, Wanted};
 pub(super) const EXTENSION: &str = "vtkhdf";
 
 /// Whether the file's extension is that of VTKHDF.
-pub(super) fn is_hdf(path: &Path) -> bool {
+pub(in super::super) fn is_hdf(path: &Path) -> bool {
     super::extension(path) == EXTENSION
+}
+
+/// None: this program was built without HDF5, which the reader says.
+#[cfg(not(feature = "hdf5"))]
+pub(in super::super) fn read_times(_: &Path) -> Result<Vec<f64>> {
+    Ok(Vec::new())
 }
 
 /// Fails: this program was built without HDF5.

@@ -37,9 +37,10 @@ impl Datasets<'_> {
         let n_chunk_bytes = bytes_of(&dataset.chunk().unwrap_or_default(), kind.size());
         let n_stored = dataset.storage_size();
         let is_inflated = dataset.is_chunked() && !dataset.filters().is_empty();
-        let most = match is_inflated {
-            true => n_stored.saturating_mul(MAX_INFLATION),
-            false => n_stored,
+        let most = if is_inflated {
+            n_stored.saturating_mul(MAX_INFLATION)
+        } else {
+            n_stored
         };
         let has_room = n_bytes.is_some_and(|n| n <= most)
             && n_stored <= self.n_file_bytes

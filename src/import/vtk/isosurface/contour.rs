@@ -171,9 +171,10 @@ impl Contour<'_, '_> {
         let [a, b] = edge.map(|point| point as usize);
         let [from, to] = [self.position(edge[0])?, self.position(edge[1])?];
         let [at_a, at_b] = [a, b].map(|point| f64::from(self.values[point]));
-        let t = match is_at_point {
-            true => 0.0,
-            false => (f64::from(self.level) - at_a) / (at_b - at_a),
+        let t = if is_at_point {
+            0.0
+        } else {
+            (f64::from(self.level) - at_a) / (at_b - at_a)
         };
         let normal = match &self.piece.topology {
             Topology::Grid(size) => {

@@ -18,19 +18,7 @@ pub(super) fn polygons(
     let mut lines = ArrayVec::<[CrossedEdge; 2], MAX_EDGES>::new();
     let is_inside = |corner: u8| inside[usize::from(corner)];
     for face in faces {
-        let n = face.len();
-        for i in 0..n {
-            let [before, first] = [face[i], face[(i + 1) % n]];
-            if is_inside(before) || !is_inside(first) {
-                continue;
-            }
-            let mut last = i + 1;
-            while is_inside(face[(last + 1) % n]) {
-                last += 1;
-            }
-            let behind = [face[last % n], face[(last + 1) % n]];
-            lines.push([[first, before], behind]);
-        }
+        lines.extend(face_lines(face, is_inside));
     }
     let mut found = ArrayVec::new();
     while let Some([first, mut next]) = lines.pop() {
@@ -43,6 +31,29 @@ pub(super) fn polygons(
         found.push(polygon);
     }
     found
+}
+
+/// The lines on a face, one for each run of corners that are inside: from the edge before the
+/// run to the edge behind it, each as the corner inside and the other one.
+///
+/// Cells of all types have these, so that they agree on the faces that they share.
+pub(super) fn face_lines<C: Copy>(
+    face: &[C],
+    is_inside: impl Fn(C) -> bool,
+) -> impl Iterator<Item = [[C; 2]; 2]> {
+    let n = face.len();
+    (0..n).filter_map(move |i| {
+        let [before, first] = [face[i], face[(i + 1) % n]];
+        if is_inside(before) || !is_inside(first) {
+            return None;
+        }
+        let mut last = i + 1;
+        while is_inside(face[(last + 1) % n]) {
+            last += 1;
+        }
+        let behind = [face[last % n], face[(last + 1) % n]];
+        Some([[first, before], behind])
+    })
 }
 
 #[cfg(test)]

@@ -1,0 +1,57 @@
+//! A number for all, or an array of a file.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+
+use crate::yaml;
+
+/// A number greater than 0, or an array.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SameOrArray<A> {
+    /// The same for all.
+    Same(f32),
+    /// Those of an array.
+    Array(A),
+}
+
+/// The YAML mapping of an array.
+pub trait NumberArray: DeserializeOwned {
+    /// What is expected: a number, or such an array.
+    const EXPECTED: &'static str;
+}
+
+impl<'de, A: NumberArray> Deserialize<'de> for SameOrArray<A> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(SameOrArrayVisitor(PhantomData))
+    }
+}
+
+struct SameOrArrayVisitor<A>(PhantomData<A>);
+
+impl<'de, A: NumberArray> Visitor<'de> for SameOrArrayVisitor<A> {
+    type Value = SameOrArray<A>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(A::EXPECTED)
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<Self::Value, E> {
+        yaml::positive(found.into_deserializer()).map(SameOrArray::Same)
+    }
+
+    fn visit_i64<E: Error>(self, found: i64) -> Result<Self::Value, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<Self::Value, E> {
+        self.visit_f64(found as f64)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<Self::Value, M::Error> {
+        A::deserialize(MapAccessDeserializer::new(map)).map(SameOrArray::Array)
+    }
+}

@@ -1,0 +1,50 @@
+//! The words, numbers and names of columns in tables of comma-separated values.
+
+use csv::{ByteRecord, ErrorKind};
+
+use super::fault::cut;
+use super::{FileFault, FileLocation, Result};
+
+/// One field of a row, all of which are as long as the header.
+pub(super) fn word(row: &ByteRecord, column: usize) -> &str {
+    str::from_utf8(&row[column]).unwrap_or("\u{fffd}")
+}
+
+/// The number that a word stands for.
+pub(super) fn number(word: &str) -> Result<f32> {
+    word.parse()
+        .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
+}
+
+/// The fault of a name that two columns have.
+pub(super) fn named_twice(name: &str) -> FileFault {
+    let problem = format!("two columns are named `{}`", cut(name));
+    FileFault::new(problem, "different names")
+}
+
+/// The fault of a column that is not there, with a first line that has it.
+pub(super) fn missing_column(name: &str, header: &str) -> FileFault {
+    let problem = format!("there is no column `{name}`");
+    FileFault::new(problem, format!("a first line such as `{header}`"))
+}
+
+/// The fault of a table that cannot be read.
+pub(super) fn of_table(error: csv::Error) -> FileFault {
+    let line = error
+        .position()
+        .map(|position| FileLocation::Line(position.line()));
+    let fault = match error.into_kind() {
+        ErrorKind::Io(error) => FileFault::from(error),
+        ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => FileFault::new(
+            format!("{len} fields"),
+            format!("{expected_len}, as in line 1"),
+        ),
+        _ => FileFault::new("the table is damaged", "comma-separated values"),
+    };
+    match line {
+        Some(line) => fault.at(line),
+        None => fault,
+    }
+}
