@@ -78,6 +78,8 @@ pub mod film;
 #[doc(hidden)]
 pub mod checkpoint;
 #[doc(hidden)]
+pub mod ranks;
+#[doc(hidden)]
 pub mod render;
 pub mod attribution;
 #[doc(hidden)]

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use raycost::host::Allocator;
-use raycost::{cli, text};
+use raycost::{cli, ranks, text};
 
 #[global_allocator]
 static ALLOCATOR: Allocator = Allocator;
@@ -15,6 +15,8 @@ fn main() -> ExitCode {
         Err(failure) => {
             if let Some(message) = failure.message() {
                 text::print_error(&message);
+                // A rank that fails ends the others.
+                ranks::abort(failure.exit_code());
             }
             ExitCode::from(failure.exit_code())
         }

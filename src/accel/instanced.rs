@@ -11,6 +11,8 @@
 //! hierarchy's boxes around it: by their arithmetic, which is monotonic, a ray that enters it
 //! enters these, and not later. Brute force has the same rule.
 
+use std::sync::Arc;
+
 use super::hit::Hit;
 use super::kernel::Slabs;
 use super::level::SearchLevel;
@@ -36,7 +38,7 @@ pub(super) struct LowerLevels<'a> {
     pub(super) world: World<'a>,
     pub(super) instances: &'a Instances,
     /// The structure of each mesh.
-    pub(super) levels: &'a [SearchLevel],
+    pub(super) levels: &'a [Arc<SearchLevel>],
     /// The id of the first node of each mesh.
     pub(super) first_ids: &'a [u32],
     pub(super) simd: Simd,

@@ -1,5 +1,7 @@
 //! One level of an acceleration structure: a hierarchy, and what has no bounds.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::build::TooLarge;
@@ -19,6 +21,7 @@ pub(super) struct SearchLevel {
     pub(super) unbounded: Unbounded,
     /// `None` for brute force.
     pub(super) bvh: Option<Bvh>,
+    n_primitives: usize,
 }
 
 impl SearchLevel {
@@ -32,17 +35,43 @@ impl SearchLevel {
         kind: Acceleration,
         report: impl Fn(f64) + Sync,
     ) -> Result<Self, TooLarge> {
-        let all = 0..primitives.len() as u32;
         let (unbounded, bvh) = match kind {
-            Acceleration::BruteForce => (Unbounded::one_by_one(all.collect()), None),
+            Acceleration::BruteForce => {
+                let all = 0..primitives.len() as u32;
+                (Unbounded::one_by_one(all.collect()), None)
+            }
             Acceleration::Bvh(quality) => {
-                let is_unbounded = |&i: &u32| primitives[i as usize].is_unbounded();
-                let unbounded: Vec<u32> = all.into_par_iter().filter(is_unbounded).collect();
+                let unbounded = unbounded_of(primitives);
                 let bvh = Bvh::new(primitives, &unbounded, quality, report)?;
                 (Unbounded::new(primitives, unbounded), Some(bvh))
             }
         };
-        Ok(Self { unbounded, bvh })
+        Ok(Self {
+            unbounded,
+            bvh,
+            n_primitives: primitives.len(),
+        })
+    }
+
+    /// The structure refitted to other primitives; `None` if these are not as many and of the
+    /// same kinds, or for brute force.
+    pub(super) fn refitted(&self, primitives: &[Primitive]) -> Option<Self> {
+        let unbounded = Unbounded::new(primitives, unbounded_of(primitives));
+        let is_alike = primitives.len() == self.n_primitives
+            && unbounded.indices().eq(self.unbounded.indices());
+        let bvh = self.bvh.as_ref().filter(|_| is_alike)?;
+        Some(Self {
+            unbounded,
+            bvh: Some(bvh.refitted(primitives)?),
+            n_primitives: self.n_primitives,
+        })
+    }
+
+    /// Whether it is the structure over these triangles.
+    pub(super) fn is_of_triangles(&self, triangles: &[Primitive]) -> bool {
+        let bvh = self.bvh.as_ref();
+        triangles.len() == self.n_primitives
+            && bvh.is_some_and(|bvh| bvh.is_of_triangles(triangles))
     }
 
     /// Tests the search against all primitives that the ray may hit; reports the
@@ -70,11 +99,21 @@ impl SearchLevel {
     }
 }
 
+/// The indices of the primitives without bounds.
+fn unbounded_of(primitives: &[Primitive]) -> Vec<u32> {
+    let is_unbounded = |&i: &u32| primitives[i as usize].is_unbounded();
+    let all = (0..primitives.len() as u32).into_par_iter();
+    all.filter(is_unbounded).collect()
+}
+
 /// The id of the first node of each lower level: ids ascend from level to level.
 ///
 /// # Errors
 /// 32 bits do not suffice.
-pub(super) fn first_ids(upper: &SearchLevel, lower: &[SearchLevel]) -> Result<Vec<u32>, TooLarge> {
+pub(super) fn first_ids(
+    upper: &SearchLevel,
+    lower: &[Arc<SearchLevel>],
+) -> Result<Vec<u32>, TooLarge> {
     let mut next = upper.n_ids();
     let mut first_ids = Vec::with_capacity(lower.len());
     for level in lower {

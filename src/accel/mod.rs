@@ -24,20 +24,23 @@ mod unbounded;
 mod nodes;
 mod bvh;
 mod level;
+mod index;
 mod instanced;
+mod update;
 
 use std::sync::Arc;
 
 use crate::config::Acceleration;
 use crate::cost::{NoProbe, Probe, StreamProbe, Traversals};
 use crate::geometry::{Ray, RayStream};
-use crate::scene::{Instances, ObjectId, World};
+use crate::scene::{ObjectId, World};
 use crate::simd::Simd;
 
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
 pub use hit::{Hit, ShadowRay, ShadowStream};
+pub(crate) use index::AccelIndex;
 use instanced::{Instanced, LevelCounts, LowerLevels, NearestPlaced, PlacedSearch};
 pub use kernel::RAYS_IN_FLIGHT;
 use kernel::{Batch, PacketTraversal, StreamTraversal};
@@ -47,6 +50,7 @@ use record::Recorder;
 pub use record::TraversalStep;
 use search::{AnyHit, NearestHit, Queries, Search};
 pub use statistics::BvhStatistics;
+pub(crate) use update::FrameBase;
 
 /// An acceleration structure over everything in a scene that rays can hit.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,16 +58,6 @@ pub struct Accel<'a> {
     world: World<'a>,
     index: Arc<AccelIndex>,
     simd: Simd,
-}
-
-/// What an acceleration structure knows of primitives that it does not borrow.
-#[derive(Debug, PartialEq)]
-pub(crate) struct AccelIndex {
-    upper: SearchLevel,
-    /// The structures of meshes that are placed many times.
-    lower: Vec<SearchLevel>,
-    /// The id of the first node of each of them.
-    first_ids: Vec<u32>,
 }
 
 impl<'a> Accel<'a> {
@@ -90,23 +84,7 @@ impl<'a> Accel<'a> {
         kind: Acceleration,
         report: impl Fn(f64) + Sync,
     ) -> Result<Self, TooLarge> {
-        let world = world.into();
-        let n_all = world.primitives.len() as f64;
-        let level = |primitives: &[_]| {
-            let share = primitives.len() as f64 / n_all;
-            SearchLevel::build(primitives, kind, |part| report(share * part))
-        };
-        let upper = level(world.upper_level())?;
-        let meshes = world.instances.into_iter().flat_map(Instances::meshes);
-        let lower = meshes.map(|mesh| level(&world.primitives[mesh.range()]));
-        let lower = lower.collect::<Result<Vec<SearchLevel>, TooLarge>>()?;
-        let first_ids = level::first_ids(&upper, &lower)?;
-        let index = Arc::new(AccelIndex {
-            upper,
-            lower,
-            first_ids,
-        });
-        Ok(Self::of_index(world, index))
+        Self::of_frame(world, kind, None, report)
     }
 
     /// The structure with an index that was built over the same primitives.
@@ -137,13 +115,7 @@ impl<'a> Accel<'a> {
     /// Size and expected cost of the hierarchy, with those of meshes that are placed many times;
     /// `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
-        let upper = self.index.upper.bvh.as_ref()?.statistics();
-        let lower = self
-            .index
-            .lower
-            .iter()
-            .filter_map(|level| level.bvh.as_ref());
-        Some(upper.with_lower(lower.map(Bvh::statistics)))
+        self.index.statistics()
     }
 
     /// The nearest hit with `t > 0` of the ray, whose direction is a unit

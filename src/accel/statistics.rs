@@ -33,6 +33,10 @@ pub struct BvhStatistics {
     /// Bytes of a leaf per primitive, which a visit to the leaf reads: the mean
     /// over all leaves; 0 if there are none.
     pub bytes_per_test: f32,
+    /// Whether it is the hierarchy of the first frame of an animation, with boxes around the
+    /// moved objects; left out if not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_refitted: bool,
 }
 
 impl BvhStatistics {
@@ -75,6 +79,7 @@ impl BvhStatistics {
             bytes_per_visit: size_of::<WideNode>(),
             bytes_per_test: (sums.n_leaf_lines * size_of::<CacheLine>()) as f32
                 / sums.n_references.max(1) as f32,
+            is_refitted: false,
         }
     }
 }

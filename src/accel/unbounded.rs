@@ -35,6 +35,12 @@ impl Unbounded {
         }
     }
 
+    /// The indices of all of them.
+    pub(super) fn indices(&self) -> impl Iterator<Item = u32> {
+        let planes = self.planes.iter().map(|(index, _)| *index);
+        planes.chain(self.others.iter().copied())
+    }
+
     /// Number of primitives.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {

@@ -11,6 +11,7 @@ mod track;
 mod orbit;
 mod fly_through;
 mod frame_range;
+mod hierarchy_update;
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -18,6 +19,7 @@ use serde::de::Deserializer;
 
 pub use fly_through::FlyThrough;
 pub use frame_range::FrameRange;
+pub use hierarchy_update::HierarchyUpdate;
 pub use interpolation::Interpolation;
 pub use keyframe::{Keyframe, KeyframeValue};
 pub use orbit::Orbit;
@@ -65,6 +67,9 @@ pub struct Animation {
     /// Moves the camera along a smooth path.
     #[serde(default)]
     pub fly_through: Option<FlyThrough>,
+    /// How the hierarchy of a frame comes about: built, or that of the first frame, refitted.
+    #[serde(default)]
+    pub hierarchy: HierarchyUpdate,
 }
 
 /// The key of the section.
@@ -100,6 +105,7 @@ impl Default for Animation {
             keyframes: IndexMap::new(),
             orbit: None,
             fly_through: None,
+            hierarchy: HierarchyUpdate::default(),
         }
     }
 }

@@ -28,9 +28,10 @@ pub(super) fn check(track: &[Keyframe], n_frames: u32, path: &FieldPath) -> Resu
         if let Some(before) = index.checked_sub(1).map(|before| track[before].frame)
             && before >= *frame
         {
-            let message = match before == *frame {
-                true => format!("frame {frame} has two keyframes"),
-                false => format!("frame {frame} comes after frame {before}"),
+            let message = if before == *frame {
+                format!("frame {frame} has two keyframes")
+            } else {
+                format!("frame {frame} comes after frame {before}")
             };
             let expected = format!("expected more than {before}");
             let fault = Fault::new(path.key("frame"), message, expected);

@@ -22,7 +22,7 @@ pub struct TileRecord {
 }
 
 /// Bytes of a record besides its counters and its pixels.
-const FIXED_BYTES: usize = 1 + 1 + 4 + 4 + 4 * 8 + N_COUNTS * 8 + 4;
+const FIXED_BYTES: usize = 1 + 1 + 4 + 4 + 4 + 4 * 8 + N_COUNTS * 8 + 4;
 /// Numbers of a [`Cost`].
 const N_COUNTS: usize = 8;
 /// Latest time in nanoseconds: sums of many stay below 2^64.
@@ -44,6 +44,7 @@ impl TileRecord {
         let run = &self.run;
         bytes.extend([self.rendering, run.is_interrupted.into()]);
         bytes.extend(self.tile.to_le_bytes());
+        bytes.extend(run.rank.to_le_bytes());
         bytes.extend(run.thread.to_le_bytes());
         let times = [run.start_ns, run.end_ns, run.film_ns, run.warm_up_ns];
         for number in times.into_iter().chain(counts(&run.counted)) {
@@ -61,13 +62,14 @@ impl TileRecord {
     pub fn of_bytes(bytes: &[u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
         let [rendering, is_interrupted] = bytes.array()?;
-        let [tile, thread] = [bytes.u32()?, bytes.u32()?];
+        let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];
         let grid = layout.grid();
         if rendering >= layout.n_renderings || is_interrupted > 1 || tile >= grid.n_tiles() {
             return None;
         }
         let run = TileRun {
             is_missing: false,
+            rank: Some(rank).filter(|&rank| rank < MAX_THREADS)?,
             thread: Some(thread).filter(|&thread| thread < MAX_THREADS)?,
             position: 0,
             start_ns: bytes.time()?,

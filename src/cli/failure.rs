@@ -78,6 +78,14 @@ impl Failure {
         }
     }
 
+    /// The message without styles, and without the word `error`, as part of another one;
+    /// `None` if nothing is printed.
+    pub(super) fn text(&self) -> Option<String> {
+        let text = anstream::adapter::strip_str(&self.message()?).to_string();
+        let text = text.strip_prefix("error: ").unwrap_or(&text);
+        Some(text.to_owned())
+    }
+
     /// The message with its styles; `None` if nothing is printed.
     pub fn message(&self) -> Option<String> {
         match self {

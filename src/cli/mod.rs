@@ -9,6 +9,7 @@ mod hottest;
 mod merge;
 mod new;
 mod open_scene;
+mod first_frame;
 mod progress;
 mod rectangle;
 mod render;
@@ -99,7 +100,11 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     let arguments: Vec<OsString> = arguments.collect();
     match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli.run(),
-        Err(usage) if usage.use_stderr() => Err(Failure::Usage(text_of(&usage, &arguments))),
+        Err(usage) if usage.use_stderr() => {
+            let failure = Failure::Usage(text_of(&usage, &arguments));
+            render::fail_on_a_rank(&failure);
+            Err(failure)
+        }
         Err(help) => Ok(text::print_styled(&text_of(&help, &arguments))?),
     }
 }

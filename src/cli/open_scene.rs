@@ -6,7 +6,7 @@ use crate::memory::Memory;
 use crate::scene::Geometries;
 use crate::session::{Frames, Input};
 use crate::text::Diagnostic;
-use crate::yaml::Document;
+use crate::yaml::{Document, Source};
 
 /// A scene whose text was read: a still, or all frames of an animation.
 pub(super) struct OpenScene<'a> {
@@ -23,7 +23,15 @@ impl<'a> OpenScene<'a> {
     /// # Errors
     /// The first mistake in it, or in a data series.
     pub(super) fn read(arguments: &'a SceneArguments) -> Result<Self, Diagnostic> {
-        let document = arguments.document()?;
+        Self::of(arguments, arguments.source()?)
+    }
+
+    /// A scene whose text was read before.
+    ///
+    /// # Errors
+    /// As those of [`read`](Self::read).
+    pub(super) fn of(arguments: &'a SceneArguments, source: Source) -> Result<Self, Diagnostic> {
+        let document = arguments.document(source)?;
         let config: Config = document.parse()?;
         Ok(Self {
             arguments,

@@ -1,5 +1,7 @@
 //! The summary of a run, printed at the end of `raycost render`.
 
+use std::time::Duration;
+
 use super::scene::SceneArguments;
 use super::{charges, hottest, shell_word, shown, timing_quality};
 use crate::config::OptionalOutput;
@@ -8,6 +10,7 @@ use crate::instruments::Stages;
 use crate::output::{GEOMETRY, HEATMAP, RenderingView};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
+use crate::summary::RanksSection;
 use crate::text::numbers::{bytes, count, counted, duration};
 
 /// Returns the summary of a rendered scene and the files written.
@@ -49,11 +52,13 @@ pub(super) fn lines(
     } else {
         String::new()
     };
+    let ranks = rendering.ranks.map_or(String::new(), ranks);
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
          time    {}\n\
          speed   {}\n\
          {tiles}\
+         {ranks}\
 {quality}\
          {}\
          {}\
@@ -91,6 +96,18 @@ pub(super) fn primitives(scene: &Scene) -> String {
         0 => kept,
         n => format!("{kept} ({} without area left out)", counted(n, "triangle")),
     }
+}
+
+/// The ranks, their load balance and what they have sent.
+fn ranks(ranks: &RanksSection) -> String {
+    let communication_ms: f64 = ranks.of_rank.iter().map(|rank| rank.communication_ms).sum();
+    format!(
+        "ranks   {}, load imbalance {:.1} %, {} sent, {} of communication\n",
+        ranks.n,
+        100.0 * ranks.load_imbalance,
+        bytes(ranks.sent_bytes),
+        duration(Duration::from_secs_f64(communication_ms / 1e3)),
+    )
 }
 
 /// The tiles and the load balance of the threads.

@@ -19,7 +19,7 @@ use crate::memory::{self, Memory};
 use crate::output::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
 use crate::render::{Progress, TilePlan, render};
 use crate::scene::{Geometries, Scene, World};
-use crate::session::Input;
+use crate::session::{Input, Options};
 use crate::stop;
 use crate::text::numbers::{bytes, counted};
 use crate::text::{self, Diagnostic};
@@ -95,6 +95,11 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         geometries,
         ..
     } = open.load(arguments.frame, needed)?;
+    let options = Options {
+        threads: arguments.threads,
+        ..Options::default()
+    };
+    let base = open.base_of(arguments.frame, &options)?;
     let image = config.image;
     for rectangle in &arguments.pixel {
         rectangle.check(&image)?;
@@ -111,7 +116,9 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         primitives: &scene.primitives,
         instances: scene.instances.as_ref(),
     };
-    let accel = pool.install(|| Accel::build(world, config.acceleration, report));
+    let kind = config.acceleration;
+    let base = base.as_ref().map(|base| (base, image.n_camera_rays()));
+    let accel = pool.install(|| Accel::of_frame(world, kind, base, report));
     bar.clear();
     let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
     let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;

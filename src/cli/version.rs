@@ -6,8 +6,9 @@ use crate::simd::Simd;
 use crate::summary::Build;
 
 /// The cargo features, and whether this program was built with them.
-const FEATURES: [(&str, bool); 2] = [
+const FEATURES: [(&str, bool); 3] = [
     ("hdf5", cfg!(feature = "hdf5")),
+    ("mpi", cfg!(feature = "mpi")),
     ("profile", cfg!(feature = "profile")),
 ];
 

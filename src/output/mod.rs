@@ -63,7 +63,7 @@ use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::statistics::upper_median;
-use crate::summary::{FrameSection, OtherRuns, Partial, Threads};
+use crate::summary::{FrameSection, OtherRuns, Partial, RanksSection, Threads};
 use crate::vtk::{Codec, compressed};
 
 /// Upper bound of the bytes per pixel to write pictures and files: a copy of the
@@ -169,6 +169,8 @@ pub struct RenderingView<'a> {
     pub partial: Option<Partial>,
     /// The tiles of other runs, if there are any.
     pub other_runs: Option<&'a OtherRuns>,
+    /// The ranks, if there were several.
+    pub ranks: Option<&'a RanksSection>,
     /// The overhead of measurement, if requested.
     pub overhead: Option<Overhead>,
     /// The cost attribution, if requested.

@@ -56,6 +56,7 @@ fn of(job: &Job) -> Summary {
         machine: Machine::current(),
         build: Some(Build::current()),
         threads: rendering.threads,
+        ranks: rendering.ranks.cloned(),
         other_runs: rendering.other_runs.cloned(),
         stages: stages.ended.iter().map(StageEntry::from).collect(),
         repeats: Some(repeats(rendering)),

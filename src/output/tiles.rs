@@ -36,6 +36,11 @@ pub fn write(
     let spacing = f64::from(grid.tile_size);
     let top = f64::from(grid.height) - 0.5;
     let mut cell_data = times(schedule);
+    if schedule.n_ranks() > 1 {
+        cell_data.push(array("rank", schedule, |_, run| {
+            unless_missing(run, run.rank)
+        }));
+    }
     if cost.has_counters() {
         cell_data.extend(counters(schedule));
     }

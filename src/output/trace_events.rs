@@ -3,6 +3,7 @@
 //!
 //! "Trace Event Format", docs.google.com/document/d/1CvAClvFfyA5R-PhYUmn5OOQtYMH4h6I0nSsKchNAySU.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::ops::Range;
 use std::time::Instant;
@@ -38,36 +39,32 @@ fn write(
     let schedule = rendering.schedule;
     let has_counters = rendering.film.cost.has_counters();
     let since_begin = |moment: Instant| (moment - stages.begin).as_nanos() as u64;
-    let threads = (0..schedule.n_threads)
-        .map(|thread| name("thread_name", line_of(thread), &format!("thread {thread}")));
-    let names = [
-        name(
-            "process_name",
-            STAGES,
-            &format!("raycost {}", rendering.name),
-        ),
-        name("thread_name", STAGES, "stages"),
-    ];
+    let names = names(rendering);
     let of_stages = stages.ended.iter().map(|stage| {
         let [start, end] = [stage.span.start, stage.span.end].map(since_begin);
-        event(stage.name, STAGES, start..end, json!({}))
+        event(stage.name, (0, STAGES), start..end, json!({}))
     });
     let begin_ns = since_begin(schedule.begin);
     let of_tiles = schedule.rendered().map(|(number, run)| {
         let tile = schedule.grid.tile(number);
         let span = begin_ns + run.start_ns..begin_ns + run.end_ns;
         let args = arguments(&tile, run, has_counters);
-        event(&format!("tile {number}"), line_of(run.thread), span, args)
+        let line = (run.rank, line_of(run.thread));
+        event(&format!("tile {number}"), line, span, args)
     });
     let partial = rendering.partial;
     let partial = partial.map(|partial| format!(",\"partial\":\"{partial}\""));
     let partial = partial.unwrap_or_default();
-    let events = names.into_iter().chain(threads);
     writeln!(
         out,
         "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"{KEY}\":\"{run}\"{partial}}},\"traceEvents\":["
     )?;
-    for (i, event) in events.chain(of_stages).chain(of_tiles).enumerate() {
+    for (i, event) in names
+        .into_iter()
+        .chain(of_stages)
+        .chain(of_tiles)
+        .enumerate()
+    {
         if i > 0 {
             writeln!(out, ",")?;
         }
@@ -81,17 +78,40 @@ fn line_of(thread: u32) -> u32 {
     STAGES + 1 + thread
 }
 
-/// A metadata event: the name of the process or of a row.
-fn name(kind: &str, line: u32, name: &str) -> Value {
-    json!({ "ph": "M", "name": kind, "pid": 1, "tid": line, "args": { "name": name } })
+/// The names of the processes, one for each rank, and of their rows.
+fn names(rendering: &RenderingView) -> Vec<Value> {
+    let schedule = rendering.schedule;
+    let runs = schedule.rendered().map(|(_, run)| (run.rank, run.thread));
+    let used: BTreeSet<(u32, u32)> = runs.collect();
+    let idle = (0..schedule.n_threads)
+        .filter(|&thread| !used.iter().any(|(_, busy)| *busy == thread))
+        .map(|thread| (0, thread));
+    let threads: BTreeSet<(u32, u32)> = idle.chain(used.iter().copied()).collect();
+    let of_rank = |rank: u32| match rank {
+        0 => format!("raycost {}", rendering.name),
+        rank => format!("rank {rank}"),
+    };
+    let ranks =
+        (0..schedule.n_ranks()).map(|rank| name("process_name", (rank, STAGES), &of_rank(rank)));
+    let stages = [name("thread_name", (0, STAGES), "stages")];
+    let threads = threads.into_iter().map(|(rank, thread)| {
+        let line = (rank, line_of(thread));
+        name("thread_name", line, &format!("thread {thread}"))
+    });
+    ranks.chain(stages).chain(threads).collect()
 }
 
-/// A complete event; its time span is in nanoseconds.
-fn event(name: &str, line: u32, span_ns: Range<u64>, arguments: Value) -> Value {
+/// A metadata event: the name of a rank's process or of a row of it.
+fn name(kind: &str, (rank, line): (u32, u32), name: &str) -> Value {
+    json!({ "ph": "M", "name": kind, "pid": rank + 1, "tid": line, "args": { "name": name } })
+}
+
+/// A complete event in a row of a rank's process; its time span is in nanoseconds.
+fn event(name: &str, (rank, line): (u32, u32), span_ns: Range<u64>, arguments: Value) -> Value {
     json!({
         "ph": "X",
         "name": name,
-        "pid": 1,
+        "pid": rank + 1,
         "tid": line,
         "ts": span_ns.start as f64 / 1e3,
         "dur": (span_ns.end - span_ns.start) as f64 / 1e3,

@@ -7,6 +7,9 @@
 
 mod canvas;
 mod pass;
+mod tile_queue;
+mod deal;
+mod worker;
 mod rounds;
 mod view;
 mod camera_rays;
@@ -20,22 +23,23 @@ mod samples;
 mod repeat;
 mod overhead;
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use crate::accel::Accel;
-use crate::cost::{Counters, Interruptions, Meter, NoProbe};
+use crate::cost::{Counters, Meter, NoProbe};
 use crate::film::{Film, Rendered};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, Tile, TileRun};
-use crate::stop;
 use attribute_time::attribute_time;
 use canvas::Canvas;
-use pass::{Finished, Pass};
+use deal::deal;
+use pass::Pass;
 pub(crate) use rounds::SampleSums;
 use stream::StreamRenderer;
+use tile_queue::TileQueue;
 use timed::SingleRayRenderer;
 pub(crate) use view::View;
 
@@ -44,6 +48,7 @@ pub use pass::Limits;
 pub use repeat::{Repeat, repeat, repeat_within};
 pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
 pub use tile_plan::TilePlan;
+pub use worker::work;
 
 /// Most pixels rendered at a time: a larger tile is rendered in groups of rows,
 /// whose pixels stay in the cache until they are written to the film.
@@ -77,7 +82,7 @@ impl Progress {
 
 /// Renders the plan on all threads of the current rayon pool and measures
 /// every pixel with the `meter`. Any thread calls `report` after each tile. The
-/// schedule holds the time span of each tile. After a request to stop ([`stop`])
+/// schedule holds the time span of each tile. After a request to stop ([`crate::stop`])
 /// the remaining tiles are skipped.
 pub fn render(
     scene: &Scene,
@@ -135,50 +140,23 @@ fn render_tiles<R: TileRenderer>(
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
     let canvas = Canvas::of(&mut film);
-    let n_taken = AtomicU32::new(0);
-    let begin = Instant::now();
-    let render_some = |context: rayon::BroadcastContext, finished: &Finished| {
-        let mut renderer = renderer();
-        let mut interruptions = Interruptions::of_this_thread();
-        let mut runs = Vec::new();
-        loop {
-            let position = n_taken.fetch_add(1, Ordering::Relaxed);
-            let Some(tile) = plan.tile(position).filter(|_| !pass.is_canceled()) else {
-                return runs;
-            };
-            let restored = pass.restored(&tile, &canvas);
-            if restored.is_none() && pass.is_over() {
-                continue;
-            }
-            let run = restored.unwrap_or_else(|| {
-                interruptions.take();
-                let run = render_tile(&mut renderer, &tile, &canvas, begin);
-                pass.after_restored(TileRun {
-                    thread: context.index() as u32,
-                    is_interrupted: interruptions.take(),
-                    ..run
-                })
-            });
-            // A tile that was stopped is not whole.
-            if restored.is_none() && !stop::is_requested() {
-                finished.add(tile, run);
-            }
-            runs.push((tile.number, TileRun { position, ..run }));
-            report(Progress {
-                n_pixels: tile.n_pixels() as u64,
-                n_rays: run.counted.n_rays(),
-                work: plan.work(&tile),
-                is_restored: restored.is_some(),
-            });
-        }
-    };
-    let runs = pass.keeping(&canvas, |finished| {
-        rayon::broadcast(|context| render_some(context, finished))
+    let (begin, runs) = pass.keeping(&canvas, |finished| {
+        let queue = TileQueue::new(plan, pass, (&canvas, finished), &report);
+        let render_some =
+            |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
+        let runs = match pass.limits.team {
+            None => rayon::broadcast(render_some),
+            Some(team) => thread::scope(|scope| {
+                let by_workers = scope.spawn(|| deal(team, &queue));
+                let mut runs = rayon::broadcast(render_some);
+                runs.extend(by_workers.join());
+                runs
+            }),
+        };
+        (queue.begin, runs)
     });
     let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
-    if let Some(checkpoint) = pass.limits.checkpoint {
-        schedule.n_threads = checkpoint.n_threads(schedule.n_threads);
-    }
+    schedule.n_threads = pass.n_threads();
     let is_first = pass.number == 0;
     if is_first {
         clear_missing(&schedule, &canvas);

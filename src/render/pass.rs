@@ -4,7 +4,8 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
-use crate::checkpoint::Checkpoint;
+use crate::checkpoint::{Checkpoint, TileRecord};
+use crate::ranks::Team;
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileRun};
 use crate::stop;
@@ -19,6 +20,8 @@ pub struct Limits<'a> {
     pub checkpoint: Option<&'a Checkpoint>,
     /// When no further tile is begun.
     pub deadline: Option<Instant>,
+    /// The other ranks that render, if this is rank 0 of several.
+    pub team: Option<&'a Team>,
 }
 
 /// One of several renderings of a picture.
@@ -50,7 +53,12 @@ impl<'a> Pass<'a> {
 
     /// Whether the result counts for nothing.
     pub(super) fn is_canceled(&self) -> bool {
-        stop::is_requested() || self.limits.checkpoint.is_some_and(Checkpoint::has_failed)
+        let Limits {
+            checkpoint, team, ..
+        } = self.limits;
+        stop::is_requested()
+            || checkpoint.is_some_and(Checkpoint::has_failed)
+            || team.is_some_and(Team::has_failed)
     }
 
     /// Whether no further tile is begun.
@@ -64,11 +72,32 @@ impl<'a> Pass<'a> {
         let checkpoint = self.limits.checkpoint?;
         let record = checkpoint.restore(self.number, tile.number)?;
         let run = record.run;
-        if canvas.restore(tile, record, self.n_ids) {
+        if self.store(tile, record, canvas) {
             return Some(run);
         }
         checkpoint.refuse(self.number, tile.number);
         None
+    }
+
+    /// Writes a tile that another run or another rank has rendered to the film; false if it
+    /// does not fit the scene.
+    pub(super) fn store(&self, tile: &Tile, record: TileRecord, canvas: &Canvas) -> bool {
+        canvas.restore(tile, record, self.n_ids)
+    }
+
+    /// Number of threads of all ranks and all tiles.
+    pub(super) fn n_threads(&self) -> u32 {
+        let n_threads = self.n_threads_now();
+        let checkpoint = self.limits.checkpoint;
+        checkpoint.map_or(n_threads, |kept| kept.n_threads(n_threads))
+    }
+
+    /// Number of threads of all ranks.
+    fn n_threads_now(&self) -> u32 {
+        match self.limits.team {
+            Some(team) => team.n_threads(),
+            None => rayon::current_num_threads() as u32,
+        }
     }
 
     /// The run of a new tile, after those that were taken over.
@@ -85,7 +114,7 @@ impl<'a> Pass<'a> {
         let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) else {
             return work(&Finished(None));
         };
-        checkpoint.begin(rayon::current_num_threads() as u32);
+        checkpoint.begin(self.n_threads_now());
         std::thread::scope(|scope| {
             let (sender, receiver) = mpsc::channel();
             scope.spawn(move || self.keep(checkpoint, canvas, &receiver));

@@ -89,7 +89,7 @@ pub fn repeat(
 }
 
 /// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken
-/// over or kept, [`Repeats::Auto`] is one rendering: how many fit into half a second
+/// over, kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering: how many fit into half a second
 /// differs from run to run.
 ///
 /// At the deadline the first rendering leaves tiles out; a later one that is not whole
@@ -127,7 +127,8 @@ pub fn repeat_within(
         if let Some(samples) = &mut samples {
             samples.take(&film);
         }
-        let is_once = limits.checkpoint.is_some() && repeats == Repeats::Auto;
+        let is_spread = limits.checkpoint.is_some() || limits.team.is_some();
+        let is_once = is_spread && repeats == Repeats::Auto;
         let is_last = is_once || !needs_another(repeats, &film, &done, begin.elapsed());
         if is_last || !is_whole || pass.is_over() {
             break schedule;

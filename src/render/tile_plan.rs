@@ -60,11 +60,24 @@ impl TilePlan {
         self.scaled()
     }
 
+    /// Orders the tiles by their work, the most expensive first, as ranks take them.
+    /// Traces a few rays through each tile on the current rayon pool.
+    pub fn most_expensive_first(mut self, scene: &Scene, accel: &Accel) -> Self {
+        self.sequence = most_work_first(self.estimated(scene, accel));
+        self.order = TileOrder::Cost;
+        self.scaled()
+    }
+
     /// Estimates the work of each tile, if it is not known, by a few rays through each on
     /// the current rayon pool.
     pub fn with_estimate(mut self, scene: &Scene, accel: &Accel) -> Self {
         self.estimated(scene, accel);
         self.scaled()
+    }
+
+    /// Whether the work of each tile is known.
+    pub(crate) fn is_estimated(&self) -> bool {
+        self.work.is_some()
     }
 
     /// Measures work in pixels of average cost.

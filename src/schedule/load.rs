@@ -47,19 +47,13 @@ impl Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::Cost;
 
     fn run(thread: u32, start_ns: u64, end_ns: u64) -> TileRun {
         TileRun {
-            is_missing: false,
             thread,
-            position: 0,
             start_ns,
             end_ns,
-            film_ns: 0,
-            warm_up_ns: 0,
-            is_interrupted: false,
-            counted: Cost::default(),
+            ..TileRun::default()
         }
     }
 

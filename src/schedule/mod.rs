@@ -7,12 +7,16 @@
 mod grid;
 mod hilbert;
 mod load;
+mod worker_share;
+mod simulation;
 
 use std::time::{Duration, Instant};
 
 pub use grid::{Tile, TileGrid};
 pub use hilbert::hilbert_curve;
 pub use load::Load;
+pub use simulation::{Cluster, Makespan};
+pub use worker_share::WorkerShare;
 
 use crate::config::TileOrder;
 use crate::cost::Cost;
@@ -41,7 +45,9 @@ pub struct Schedule {
 pub struct TileRun {
     /// Whether the tile was not rendered: then everything else is 0.
     pub is_missing: bool,
-    /// The thread that rendered it, from 0.
+    /// The rank that rendered it, from 0; 0 where one process renders.
+    pub rank: u32,
+    /// The thread that rendered it, from 0 among those of all ranks.
     pub thread: u32,
     /// Number of tiles that were taken before it.
     pub position: u32,
@@ -129,6 +135,12 @@ impl Schedule {
     pub fn counted(&self) -> Cost {
         let counted = self.runs.iter().map(|run| run.counted);
         counted.fold(Cost::default(), Cost::with)
+    }
+
+    /// Number of ranks that have rendered tiles, and of all before them.
+    pub fn n_ranks(&self) -> u32 {
+        let last = self.rendered().map(|(_, run)| run.rank).max();
+        last.map_or(1, |last| last + 1)
     }
 
     /// How evenly the threads were busy.

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 
 pub use video::Video;
 
+use crate::accel::BvhStatistics;
 use crate::folder::{Replace, WriteError, lock_folder_in_turn, refuse_file, target, write_file};
 use crate::output::{self, StateValues};
 use crate::provenance::{Hasher, RunId};
@@ -57,6 +58,7 @@ struct SeriesFrame {
     /// The names of its files.
     files: Vec<String>,
     metrics: RunMetrics,
+    bvh: Option<BvhStatistics>,
 }
 
 impl FrameSeries {
@@ -108,6 +110,7 @@ impl FrameSeries {
             run: summary.run,
             files: summary.files.iter().map(|file| file.name.clone()).collect(),
             metrics: RunMetrics::of(summary, stages.sum()),
+            bvh: summary.acceleration.bvh,
         });
         let values: Option<StateValues> = serde_json::from_value(frame.states.clone()).ok();
         self.states = match (&self.states, values) {

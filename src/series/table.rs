@@ -15,20 +15,27 @@ const PLOTTED: [(&str, &str, f64); 4] = [
     ("render_wall_ms", "Wall time of rendering (ms)", 1.0),
 ];
 
-/// A row for each frame: its number, its time, the ID of its run, and its metrics.
+/// A row for each frame: its number, its time, the ID of its run, whether its hierarchy was
+/// built or refitted and that one's expected cost, and its metrics.
 pub(super) fn csv(frames: &[SeriesFrame]) -> Vec<u8> {
     let names: IndexSet<&String> = frames
         .iter()
         .flat_map(|frame| frame.metrics.0.keys())
         .collect();
-    let mut table = vec![format!("frame,time,{KEY}")];
+    let mut table = vec![format!("frame,time,{KEY},hierarchy,sah_cost")];
     names.iter().for_each(|name| {
         table[0].push(',');
         table[0].push_str(name);
     });
     for frame in frames {
         let run = frame.run.map(|run| run.to_string()).unwrap_or_default();
-        let mut row = format!("{},{},{run}", frame.number, frame.time);
+        let (hierarchy, sah_cost) = match frame.bvh {
+            None => ("", String::new()),
+            Some(bvh) if bvh.is_refitted => ("refitted", bvh.sah_cost.to_string()),
+            Some(bvh) => ("built", bvh.sah_cost.to_string()),
+        };
+        let (number, time) = (frame.number, frame.time);
+        let mut row = format!("{number},{time},{run},{hierarchy},{sah_cost}");
         for name in &names {
             row.push(',');
             if let Some(value) = frame.metrics.0.get(*name) {

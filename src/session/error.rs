@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::ranks::RankFailure;
 use crate::stop::Stopped;
 use crate::text::Diagnostic;
 
@@ -14,6 +15,19 @@ pub enum RenderError {
     Machine(Diagnostic),
     /// The rendering was canceled.
     Stopped(Stopped),
+}
+
+impl RenderError {
+    /// Why another rank cannot render.
+    pub(crate) fn of_rank(rank: &str, failure: &RankFailure) -> Self {
+        let diagnostic = Diagnostic::new(format!("{rank} cannot render with rank 0"))
+            .with_note(&*failure.message)
+            .with_help("all ranks need the same program, scene, flags and files");
+        match failure.exit_code {
+            2 => Self::Scene(diagnostic),
+            _ => Self::Machine(diagnostic),
+        }
+    }
 }
 
 impl fmt::Display for RenderError {

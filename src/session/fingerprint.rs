@@ -18,6 +18,14 @@ use crate::text::Diagnostic;
 use crate::yaml::{Document, FieldPath, Folders};
 
 impl Session {
+    /// A hash of the contents of the scene and of its files.
+    ///
+    /// # Errors
+    /// A file of the scene cannot be read.
+    pub(crate) fn contents(&self) -> Result<Checksum, Diagnostic> {
+        of_pixels(&self.document, &self.config, (None, None))
+    }
+
     /// What identifies finished tiles of this scene, rendered by this program. `flags` are
     /// those of the command line that change its settings.
     ///
@@ -30,6 +38,7 @@ impl Session {
     ) -> Result<Header, Diagnostic> {
         let (config, frame) = (&self.config, self.frame.as_ref());
         let frame_time = frame.map(|frame| (frame.number, frame.time));
+        let base = self.base_contents.get().copied();
         let Build {
             version, commit, ..
         } = Build::current();
@@ -43,7 +52,7 @@ impl Session {
             flags,
             folder: folder.to_string_lossy().into_owned(),
             frame: frame.map(|frame| frame.number),
-            fingerprint: of_pixels(&self.document, config, frame_time)?,
+            fingerprint: of_pixels(&self.document, config, (frame_time, base))?,
             part,
             layout: RecordLayout {
                 width: config.image.width,
@@ -77,8 +86,7 @@ pub(super) fn section_of(
     let program = (version, commit, flags);
     let mut hasher = Hasher::new();
     hasher.add(format!("{program:?}{scene:?}{:?}", (number, time)).as_bytes());
-    let files = picture_files(document, config).into_iter();
-    for file in files.chain(geometry_files(document, config)) {
+    for file in files(document, config) {
         hasher.add(format!("{:?}", state_of(&file)).as_bytes());
     }
     FrameSection {
@@ -91,7 +99,8 @@ pub(super) fn section_of(
 }
 
 /// A hash of all that determines the pixels of a scene, except for the program: of the
-/// config, the time of a frame, and the contents of the files. Files and scene may be
+/// config, the time of a frame, the frame whose hierarchy may be refitted, and the contents
+/// of the files. Files and scene may be
 /// elsewhere on another machine.
 ///
 /// # Errors
@@ -99,12 +108,11 @@ pub(super) fn section_of(
 fn of_pixels(
     document: &Document,
     config: &Config,
-    frame: Option<(u32, f64)>,
+    (frame, base): (Option<(u32, f64)>, Option<Checksum>),
 ) -> Result<Checksum, Diagnostic> {
     let mut hasher = Hasher::new();
-    hasher.add(format!("{config:?}{frame:?}").as_bytes());
-    let files = picture_files(document, config).into_iter();
-    for file in files.chain(geometry_files(document, config)) {
+    hasher.add(format!("{config:?}{frame:?}{base:?}").as_bytes());
+    for file in files(document, config) {
         // What is no file cannot be one of the scene: it was read before.
         if file.is_file() {
             let sum = checksum_of(&file).map_err(|error| {
@@ -137,6 +145,12 @@ pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
         hasher.add(format!("{:?}", state_of(&file)).as_bytes());
     }
     hasher.checksum()
+}
+
+/// All files that the config names.
+fn files(document: &Document, config: &Config) -> impl Iterator<Item = PathBuf> {
+    let pictures = picture_files(document, config).into_iter();
+    pictures.chain(geometry_files(document, config))
 }
 
 /// The files of pictures that the config names.

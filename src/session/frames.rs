@@ -1,6 +1,7 @@
 //! The frames of an animated scene, each of which is a scene.
 
 use super::fingerprint;
+use crate::animation::HierarchyUpdate;
 use crate::config::Config;
 use crate::memory;
 use crate::provenance::Checksum;
@@ -54,6 +55,11 @@ impl Frames {
     /// Frames per second of a video.
     pub(crate) fn fps(&self) -> f32 {
         self.timeline.animation.fps
+    }
+
+    /// How the hierarchies of frames come about.
+    pub(crate) fn update(&self) -> HierarchyUpdate {
+        self.timeline.animation.hierarchy
     }
 
     /// The number and the time of a frame.

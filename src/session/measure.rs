@@ -8,12 +8,12 @@ use super::scope::Scope;
 use super::{RenderError, Session};
 use crate::accel::Accel;
 use crate::attribution::CostAttribution;
-use crate::config::TileOrder;
 use crate::cost::Meter;
 use crate::instruments::Stages;
 use crate::memory;
 use crate::render::{N_RENDERINGS, Overhead, least_repeats, repeat_within};
 use crate::stop;
+use crate::summary::RanksSection;
 
 impl Session {
     /// Renders and measures on the current rayon pool.
@@ -33,8 +33,7 @@ impl Session {
         if options.estimates_work {
             plan = plan.with_estimate(scene, accel);
         }
-        let is_estimated = scope.part.is_some() || options.estimates_work;
-        if plan.order == TileOrder::Cost || is_estimated {
+        if plan.is_estimated() {
             stages.end("order");
         }
         let n_pixels = config.image.n_pixels() as u64;
@@ -51,6 +50,12 @@ impl Session {
             repeat_within(limits, config.repeats, world, &plan, &meter, report)
         });
         stages.end("render");
+        stop::check()?;
+        scope.check()?;
+        let ranks = scope.limits.team.map(|team| {
+            let work = team.dismiss();
+            RanksSection::of(team, &schedule, &work)
+        });
         stop::check()?;
         scope.check()?;
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
@@ -72,11 +77,17 @@ impl Session {
             repeats,
             overhead,
             attribution,
+            ranks,
         })
     }
 
-    /// Returns the acceleration structure, after building it if there is none.
-    fn accel(&self, options: &Options, stages: &mut Stages) -> Result<Accel<'_>, RenderError> {
+    /// Returns the acceleration structure, after building it, or refitting that of another frame,
+    /// if there is none.
+    pub(super) fn accel(
+        &self,
+        options: &Options,
+        stages: &mut Stages,
+    ) -> Result<Accel<'_>, RenderError> {
         if let Some(index) = self.index.get() {
             return Ok(Accel::of_index(&self.scene, Arc::clone(index)));
         }
@@ -85,10 +96,16 @@ impl Session {
             n_pixels: 0,
         });
         let report = |fraction| options.report(Event::Built { fraction });
-        let accel = Accel::build(&self.scene, self.config.acceleration, report);
+        let n_rays = self.config.image.n_camera_rays();
+        let base = self.base.get().map(|base| (base, n_rays));
+        let accel = Accel::of_frame(&self.scene, self.config.acceleration, base, report);
         options.report(Event::End);
         let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
-        stages.end("build");
+        stages.end(if accel.is_refitted() {
+            "refit"
+        } else {
+            "build"
+        });
         // A build that was stopped is not whole.
         stop::check()?;
         let _ = self.index.set(accel.index());

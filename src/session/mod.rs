@@ -12,18 +12,21 @@ mod measure;
 mod options;
 mod rendering;
 mod scope;
+mod worker;
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use serde::Serialize;
 
-use crate::accel::AccelIndex;
+use crate::accel::{AccelIndex, BvhStatistics, FrameBase};
+use crate::animation::HierarchyUpdate;
 use crate::config::Config;
 use crate::film::{Column, columns};
 use crate::folder::OutputFolder;
 use crate::memory::Memory;
 use crate::output;
+use crate::provenance::Checksum;
 use crate::scene::Scene;
 use crate::summary::{FrameSection, OtherRuns, Threads};
 use crate::yaml::{Document, Source};
@@ -57,6 +60,10 @@ pub struct Session {
     scene: Scene,
     /// The index of the acceleration structure, built by the first rendering.
     index: OnceLock<Arc<AccelIndex>>,
+    /// The structure of another frame, from which that of this one comes.
+    base: OnceLock<FrameBase>,
+    /// A hash of the contents of that frame, if the structure may be refitted.
+    base_contents: OnceLock<Checksum>,
     /// Those of the first rendering, which has the time to read the scene.
     stages: Mutex<Option<Stages>>,
 }
@@ -126,6 +133,8 @@ impl Session {
             config,
             scene,
             index: OnceLock::new(),
+            base: OnceLock::new(),
+            base_contents: OnceLock::new(),
             stages: Mutex::new(Some(stages)),
         })
     }
@@ -133,6 +142,11 @@ impl Session {
     /// The scene's name: the stem of its file.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Whether it is a frame of an animated scene.
+    pub(crate) fn is_frame(&self) -> bool {
+        self.frame.is_some()
     }
 
     /// The settings.
@@ -200,6 +214,35 @@ impl Session {
     /// Takes over the index of the acceleration structure over the same primitives.
     pub(crate) fn keep_index(&self, index: Arc<AccelIndex>) {
         let _ = self.index.set(index);
+    }
+
+    /// Gives it the structure of another frame, from which its own comes.
+    pub(crate) fn set_base(&self, base: FrameBase) {
+        let _ = self.base.set(base);
+    }
+
+    /// Gives it a hash of the contents of the frame whose structure may be refitted.
+    pub(crate) fn set_base_contents(&self, contents: Checksum) {
+        let _ = self.base_contents.set(contents);
+    }
+
+    /// The acceleration structure, for other frames, whose own come from it so.
+    ///
+    /// # Errors
+    /// The structure is too large, or the threads cannot be started.
+    pub(crate) fn frame_base(
+        &self,
+        options: &Options,
+        update: HierarchyUpdate,
+    ) -> Result<FrameBase, RenderError> {
+        let pool = options.thread_pool()?;
+        let accel = pool.install(|| self.accel(options, &mut Stages::default()))?;
+        Ok(FrameBase::of(&accel, update))
+    }
+
+    /// Size and expected cost of the hierarchy, once there is one.
+    pub(crate) fn hierarchy(&self) -> Option<BvhStatistics> {
+        self.index.get()?.statistics()
     }
 
     /// The index of the acceleration structure, once there is one.

@@ -12,7 +12,7 @@ use crate::instruments::{Profiler, Stages};
 use crate::output;
 use crate::render::{Overhead, Repeat, least_repeats};
 use crate::schedule::Schedule;
-use crate::summary::{OtherRuns, Partial, Threads};
+use crate::summary::{OtherRuns, Partial, RanksSection, Threads};
 
 /// The pixels of a scene, what they cost, and how they were rendered.
 #[derive(Debug)]
@@ -38,6 +38,8 @@ pub(super) struct Measured {
     pub(super) repeats: Vec<Repeat>,
     pub(super) overhead: Option<Overhead>,
     pub(super) attribution: Option<CostAttribution>,
+    /// The ranks, if there were several.
+    pub(super) ranks: Option<RanksSection>,
 }
 
 impl Rendering<'_> {
@@ -125,6 +127,7 @@ impl Rendering<'_> {
             repeats: &measured.repeats,
             partial: self.partial(),
             other_runs: self.other_runs.as_ref(),
+            ranks: measured.ranks.as_ref(),
             overhead: measured.overhead,
             attribution: measured.attribution.as_ref(),
             vtkhdf: self.vtkhdf,

@@ -4,6 +4,7 @@ use super::RenderError;
 use crate::accel::Accel;
 use crate::checkpoint::{CheckpointFailure, PicturePart};
 use crate::config::Config;
+use crate::ranks::Team;
 use crate::render::{Limits, TilePlan};
 use crate::scene::Scene;
 use crate::text::Diagnostic;
@@ -21,9 +22,10 @@ impl Scope<'_> {
     /// The tiles in their order.
     pub(super) fn plan(&self, scene: &Scene, accel: &Accel, config: &Config) -> TilePlan {
         let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
-        match self.part {
-            None => plan,
-            Some(part) => plan.of_part(scene, accel, part),
+        match (self.part, self.limits.team) {
+            (Some(part), _) => plan.of_part(scene, accel, part),
+            (None, Some(_)) => plan.most_expensive_first(scene, accel),
+            (None, None) => plan,
         }
     }
 
@@ -32,6 +34,9 @@ impl Scope<'_> {
     /// # Errors
     /// Why not.
     pub(super) fn check(&self) -> Result<(), RenderError> {
+        if let Some((rank, failure)) = self.limits.team.and_then(Team::failure) {
+            return Err(RenderError::of_rank(&rank, &failure));
+        }
         let failure = self.limits.checkpoint.and_then(|kept| kept.failure());
         Err(match failure {
             None => return Ok(()),

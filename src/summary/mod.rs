@@ -11,6 +11,7 @@ mod cost;
 mod other_runs;
 mod partial;
 mod program;
+mod ranks;
 mod read;
 mod scene;
 mod timing;
@@ -20,6 +21,7 @@ pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
 pub use other_runs::{OtherRuns, OtherRunsOfFile};
 pub use partial::Partial;
 pub use program::{Build, Machine, Threads};
+pub use ranks::{RankEntry, RanksSection};
 pub(crate) use read::{MAX_BYTES, read_json};
 pub use scene::{
     AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry,
@@ -81,6 +83,9 @@ pub struct Summary {
     pub build: Option<Build>,
     /// The number of threads.
     pub threads: Threads,
+    /// The ranks of MPI that rendered; left out if one process did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranks: Option<RanksSection>,
     /// The tiles of other runs; left out if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub other_runs: Option<OtherRuns>,

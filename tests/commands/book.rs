@@ -175,6 +175,7 @@ fn stand_ins(folder: &Path) -> PathBuf {
         ("programs/cargo", cargo),
         ("programs/paraview", "test -s \"${1#--state=}\""),
         ("programs/perf", ""),
+        ("programs/mpirun", "test \"$1\" = -n; shift 2; exec \"$@\""),
         ("programs/google-pprof", ""),
         (
             "target/release/raycost",

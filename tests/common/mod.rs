@@ -7,6 +7,7 @@ pub mod generators;
 pub mod kept;
 pub mod noise;
 pub mod paraview;
+pub mod same_output;
 pub mod scenes;
 pub mod twins;
 

@@ -18,8 +18,12 @@ pub const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Balanced, Quality::
 
 /// The hierarchy of this quality with every instruction set of the CPU.
 pub fn kernels<'a>(world: impl Into<World<'a>>, quality: Quality) -> Vec<Accel<'a>> {
-    let built = Accel::new(world, Acceleration::Bvh(quality));
-    let on = |simd| built.clone().with_simd(simd);
+    on_all_sets(&Accel::new(world, Acceleration::Bvh(quality)))
+}
+
+/// A structure with every instruction set of the CPU.
+fn on_all_sets<'a>(accel: &Accel<'a>) -> Vec<Accel<'a>> {
+    let on = |simd| accel.clone().with_simd(simd);
     Simd::available().into_iter().map(on).collect()
 }
 
@@ -28,11 +32,24 @@ pub fn kernels<'a>(world: impl Into<World<'a>>, quality: Quality) -> Vec<Accel<'
 /// each ray.
 pub fn compare<'a>(world: impl Into<World<'a>>, rays: &[Ray]) -> Result<(), TestCaseError> {
     let world = world.into();
-    let hits = agree(world, |accel| {
+    compare_built(world, rays, |quality| {
+        Accel::new(world, Acceleration::Bvh(quality))
+    })
+}
+
+/// Does what [`compare`] does, with hierarchies that `build` gives.
+pub fn compare_built<'a>(
+    world: impl Into<World<'a>>,
+    rays: &[Ray],
+    build: impl Fn(Quality) -> Accel<'a>,
+) -> Result<(), TestCaseError> {
+    let world = world.into();
+    let built = QUALITIES.map(|quality| (quality, on_all_sets(&build(quality))));
+    let hits = agree(world, &built, |accel| {
         [nearest(accel, rays), nearest_stream(accel, rays)]
     })?;
     let rays = shadow_rays(rays, &hits);
-    agree(world, |accel| {
+    agree(world, &built, |accel| {
         [occluded(accel, &rays), occluded_stream(accel, &rays)]
     })?;
     Ok(())
@@ -42,12 +59,13 @@ pub fn compare<'a>(world: impl Into<World<'a>>, rays: &[Ray]) -> Result<(), Test
 /// returns the answers of brute force.
 fn agree<A: PartialEq + Debug>(
     world: World,
+    built: &[(Quality, Vec<Accel>)],
     answer: impl Fn(&Accel) -> [Vec<Answer<A>>; 2],
 ) -> Result<Vec<Answer<A>>, TestCaseError> {
     let [expected, in_stream] = answer(&Accel::new(world, Acceleration::BruteForce));
     prop_assert_eq!(&in_stream, &expected);
-    for quality in QUALITIES {
-        let all: Vec<_> = kernels(world, quality).iter().flat_map(&answer).collect();
+    for (quality, kernels) in built {
+        let all: Vec<_> = kernels.iter().flat_map(&answer).collect();
         for answers in &all {
             prop_assert_eq!(answers.len(), expected.len());
             for (i, (found, cost)) in answers.iter().enumerate() {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::common::generators::{ray, triple};
-use crate::common::twins::compare;
+use crate::common::twins::{compare, compare_built};
 use crate::common::{film, mean, parse, radiance, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -103,6 +103,21 @@ proptest! {
     #[test]
     fn all_find_the_same_hits(groups in groups(), rays in prop::collection::vec(ray(), 40)) {
         compare(&placed(&groups), &rays)?;
+    }
+
+    #[test]
+    fn all_find_the_same_hits_of_moved_instances(
+        groups in groups(),
+        moved in place(),
+        rays in prop::collection::vec(ray(), 40),
+    ) {
+        let mut later = groups.clone();
+        later[0].transform = moved;
+        let [first, later] = [&groups, &later].map(|groups| placed(groups));
+        compare_built(&later, &rays, |quality| {
+            let first = Accel::new(&first, Acceleration::Bvh(quality));
+            first.refitted(&later).expect("they are as many, of the same meshes")
+        })?;
     }
 
     #[test]

@@ -23,6 +23,7 @@ mod own_colors;
 mod path_tracing;
 mod pictures;
 mod radiance;
+mod refit;
 mod repeats;
 mod rounding;
 mod schedule;

@@ -9,8 +9,9 @@ use std::time::Duration;
 
 use raycost::checkpoint::CheckpointFile;
 
-use super::parts::{Folder, assert_same_output, summary};
+use super::parts::Folder;
 use crate::common::data_set::DataSet;
+use crate::common::same_output::{assert_same_output, summary};
 use crate::common::{assert_success, names, raycost};
 
 /// A rendering that takes some seconds.

@@ -180,6 +180,94 @@ fn a_hierarchy_is_kept_where_nothing_moves_and_changes_nothing() {
     }
 }
 
+/// The ball and a cloud that spreads.
+fn spreading(hierarchy: &str) -> Scene {
+    let cloud = "  - sphere_cloud: { count: 400, min: [-1, 0, -1], max: [1, 2, 1], radius: [0.02, 0.1], seed: 3 }\n    material: red\n";
+    let keyframes = "objects[2].sphere_cloud.max: [{ frame: 1, value: [1, 2, 1] }, { frame: 4, value: [9, 2, 1] }]";
+    Scene::new(&format!(
+        "{BALL}{cloud}animation:\n  frames: 5\n  hierarchy: {hierarchy}\n  keyframes:\n    {keyframes}\n"
+    ))
+}
+
+/// How each frame came to its hierarchy, by what is printed and by the table.
+fn hierarchies(scene: &Scene, printed: &str) -> Vec<(String, String)> {
+    let table = fs::read_to_string(scene.path("all/series.csv")).unwrap();
+    let rows = table.lines().skip(1).map(|row| row.split(',').nth(3));
+    let lines = printed
+        .lines()
+        .filter(|line| line.starts_with("frame "))
+        .map(|line| {
+            let (_, how) = line.split_once("hierarchy ").unwrap();
+            how.split([' ', ',']).next().unwrap().to_owned()
+        });
+    lines.zip(rows.map(|row| row.unwrap().to_owned())).collect()
+}
+
+#[test]
+fn refitted_hierarchies_do_not_depend_on_the_frames_before() {
+    let scene = spreading("refit");
+    let printed = scene.render(&["--out=all"]);
+    let words = |pairs: &[(&str, &str)]| -> Vec<(String, String)> {
+        let owned = |&(a, b): &(&str, &str)| (a.to_owned(), b.to_owned());
+        pairs.iter().map(owned).collect()
+    };
+    let refitted = ("refitted", "refitted");
+    let expected = [
+        ("built", "built"),
+        ("kept", "built"),
+        refitted,
+        refitted,
+        refitted,
+    ];
+    assert_eq!(hierarchies(&scene, &printed), words(&expected), "{printed}");
+    let same_picture = |out: &str, number| {
+        let [all, one] = ["all", out].map(|out| pixels(&frame(&scene.path(out), number)));
+        assert!(all == one, "{out} {number}");
+    };
+    scene.render(&["--out=range", "--frames=1..3"]);
+    (1..4).for_each(|number| same_picture("range", number));
+    scene.render(&["--out=one", "--frames=4", "--threads=1"]);
+    same_picture("one", 4);
+    // What is built anew shows the same, with other counts.
+    let rebuilt = spreading("rebuild");
+    rebuilt.render(&["--out=all"]);
+    let [refit, rebuild] = [&scene, &rebuilt].map(|scene| pixels(&frame(&scene.path("all"), 4)));
+    assert_eq!(refit[..2], rebuild[..2]);
+    assert_ne!(refit[2], rebuild[2]);
+    // `trace` counts what `render` counts.
+    let mut trace = raycost();
+    trace.current_dir(scene.folder.path());
+    let output = trace
+        .args(["trace", "scene.yaml", "--frame=4", "--pixel=16,12"])
+        .output();
+    let text = String::from_utf8(output.unwrap().stdout).unwrap();
+    // The rows of VTK's images begin at the lowest.
+    let pixel = (23 - 12) * 32 + 16;
+    let counted: u32 = bytemuck::pod_read_unaligned(&refit[2][4 * pixel..][..4]);
+    let total = text.lines().find(|line| line.contains(" rays ")).unwrap();
+    let traced = total.split_whitespace().nth(2).unwrap();
+    assert_eq!(traced, counted.to_string(), "{text}");
+}
+
+#[test]
+fn the_cheaper_hierarchy_is_chosen_by_its_expected_cost() {
+    let cloud = "  - sphere_cloud: { count: 400, min: [-1, 0, -1], max: [1, 2, 1], radius: [0.02, 0.1] }\n    material: red\n";
+    // All spheres are elsewhere: the first frame's nodes become as large as the cloud.
+    let keyframes =
+        "objects[2].sphere_cloud.seed: [{ frame: 0, value: 3 }, { frame: 1, value: 4 }]";
+    let scene = Scene::new(&format!(
+        "{BALL}{cloud}animation:\n  frames: 2\n  hierarchy: auto\n  keyframes:\n    {keyframes}\n"
+    ));
+    for (size, expected) in [
+        (["--width=4", "--height=3"], "refitted"),
+        (["--width=96", "--height=72"], "built"),
+    ] {
+        let printed = scene.render(&["--out=all", size[0], size[1]]);
+        let pair = (expected.to_owned(), expected.to_owned());
+        assert_eq!(hierarchies(&scene, &printed)[1], pair, "{printed}");
+    }
+}
+
 #[test]
 fn complete_frames_are_kept_and_others_rendered_again() {
     let scene = Scene::ball(ANIMATION);

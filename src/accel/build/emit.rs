@@ -18,7 +18,7 @@ use crate::scene::Primitive;
 use crate::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
 
 /// Number of cache lines from which subtrees are written in parallel.
-const PARALLEL: usize = 1 << 14;
+pub(super) const PARALLEL: usize = 1 << 14;
 
 /// Writes the cache lines of the tree: the root first, and padding at the end, so
 /// that a kernel may load a whole leaf window anywhere. Takes memory with any contents,
@@ -85,7 +85,7 @@ impl Writer<'_> {
         for (lane, &child) in children.iter().enumerate() {
             if let Some(leaf) = tree.leaf(child) {
                 let (lines, line) = take(child);
-                node.children[lane] = write_leaf(leaf, self.primitives, lines, line).0;
+                node.children[lane] = write_references(leaf, self.primitives, lines, line).0;
             }
         }
         let mut subtrees = [const { None }; 8];
@@ -152,7 +152,7 @@ impl SimdKernel for MakeNode<'_> {
 
 /// Writes a leaf with these references into `lines`, the first of which is number
 /// `line` of the arena.
-fn write_leaf(
+fn write_references(
     references: &[Reference],
     primitives: &[Primitive],
     lines: &mut [CacheLine],
@@ -164,8 +164,19 @@ fn write_leaf(
     }
     indices[..references.len()].sort_unstable();
     let n = dedup(&mut indices[..references.len()]);
-    let indices = &indices[..n];
     let kind = references[0].kind();
+    write_leaf(kind, &indices[..n], primitives, lines);
+    NodeRef::leaf(kind, n, line as u32)
+}
+
+/// Writes a leaf with the primitives of these indices, which ascend, into its lines.
+pub(super) fn write_leaf(
+    kind: LeafKind,
+    indices: &[u32],
+    primitives: &[Primitive],
+    lines: &mut [CacheLine],
+) {
+    let n = indices.len();
     let numbers: &mut [f32] = bytemuck::cast_slice_mut(lines);
     let mut end = n;
     for (lane, &index) in indices.iter().enumerate() {
@@ -198,7 +209,6 @@ fn write_leaf(
         *id = f32::from_bits(index | mark);
     }
     numbers[end..].fill(0.0);
-    NodeRef::leaf(kind, n, line as u32)
 }
 
 /// Removes duplicates from ascending numbers; returns how many are left. (A leaf

@@ -32,6 +32,7 @@ mod binary;
 mod collapse;
 mod order;
 mod emit;
+mod refit;
 
 use std::fmt;
 
@@ -46,6 +47,7 @@ use nodes::{BinaryNode, TreePosition};
 use partition::Subset;
 use prepare::references_per_primitive;
 use reference::Reference;
+pub(super) use refit::{has_triangles, refitted};
 use split_candidate::SplitContext;
 
 /// Greatest number of primitives. 32 bits have to suffice to count the cache

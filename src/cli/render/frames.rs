@@ -2,21 +2,18 @@
 
 use std::ops::RangeInclusive;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::hierarchies::{self, FrameHierarchies};
 use super::part::{self, PartDone};
-use super::tiles::Tiles;
+use super::picture::{FinishedPicture, Until};
 use super::{RenderArguments, start_profiler};
-use crate::accel::AccelIndex;
 use crate::checkpoint::{PARTS, PicturePart};
 use crate::cli::open_scene::OpenScene;
-use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
 use crate::config::Config;
-use crate::instruments::{Profiler, Stages};
+use crate::instruments::Stages;
 use crate::memory::Memory;
-use crate::provenance::Checksum;
 use crate::results::complete_frame;
 use crate::series::{FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
@@ -48,7 +45,7 @@ pub(super) fn render(
         frames,
         out: &out,
         deadline,
-        hierarchy: None,
+        hierarchies: FrameHierarchies::new(scene)?,
     };
     let (mut n_rendered, mut n_kept, mut is_partial) = (0, 0, false);
     for number in wanted {
@@ -57,10 +54,9 @@ pub(super) fn render(
             continue;
         }
         let (document, config, section) = job.frame(number)?;
-        let is_complete = complete_frame(&folder, &section).is_some();
-        let done = match is_complete {
-            true => FrameDone::Kept,
-            false => job.render(&folder, document, config, section)?,
+        let done = match complete_frame(&folder, &section) {
+            Some(_) => FrameDone::Kept,
+            None => job.render(&folder, document, config, section)?,
         };
         match done {
             FrameDone::Kept => n_kept += 1,
@@ -138,28 +134,19 @@ fn whole(
     arguments: &RenderArguments,
     session: &Session,
     folder: &Path,
-    (deadline, profiler): (Option<Instant>, Option<&Profiler>),
+    until: Until,
 ) -> Result<FrameRender, Failure> {
-    let output = session.folder(folder)?.synced(arguments.sync);
-    stop::check()?;
-    let tiles = Tiles::of(arguments, session, folder, deadline)?;
-    let bars = Bars::new(arguments.quiet);
-    let on_event = |event| bars.show(event);
-    let options = arguments.options(&on_event);
-    let mut rendering = session.render_within(&options, &tiles.scope())?;
-    rendering.write_to(&output, profiler)?;
-    let partial = rendering.partial();
-    tiles.settle(partial)?;
-    let stages = rendering.stages().ended.iter();
+    let picture = FinishedPicture::render(arguments, session, folder, until)?;
+    let stages = picture.rendering.stages().ended.iter();
     let times = stages.map(|stage| {
         let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
         format!("{} {}", stage.name, duration(wall))
     });
     let mut text = times.collect::<Vec<_>>().join(", ");
-    if let Some(partial) = partial {
+    if let Some(partial) = picture.partial {
         text += &format!("; {partial}");
     }
-    Ok(FrameRender::Whole(text, partial))
+    Ok(FrameRender::Whole(text, picture.partial))
 }
 
 /// A run that renders frames.
@@ -171,8 +158,8 @@ struct FrameJob<'a> {
     out: &'a Path,
     /// When no further tile is begun.
     deadline: Option<Instant>,
-    /// The index of the last frame's acceleration structure, and the hash of its geometry.
-    hierarchy: Option<(Checksum, Arc<AccelIndex>)>,
+    /// The acceleration structures.
+    hierarchies: FrameHierarchies<'a>,
 }
 
 impl FrameJob<'_> {
@@ -186,6 +173,7 @@ impl FrameJob<'_> {
             ..
         } = self.arguments;
         let flags = format!("{:?}", (measure_overhead, hardware_counters, profile));
+        let flags = flags + &self.hierarchies.flags();
         let section = self.frames.section(number, (&document, &config), &flags);
         Ok((document, config, section))
     }
@@ -202,40 +190,33 @@ impl FrameJob<'_> {
         let stages = Stages::start(arguments.hardware());
         let profiler = arguments.profile.then(start_profiler).transpose()?;
         let (number, n_frames) = (section.number, section.n_frames);
+        let geometry = Frames::geometry(&document, &config);
         let input = Input::read_frame(document, config, section, Memory::of)?;
-        let geometry = Frames::geometry(&input.document, &input.config);
         let session = Session::new(input, stages)?;
-        // The same primitives have the same hierarchy, so that a frame is the same whether
-        // another one came before it or not.
-        let kept = self
-            .hierarchy
-            .take()
-            .filter(|(known, _)| *known == geometry);
-        let is_kept = kept.is_some();
-        if let Some((_, index)) = kept {
-            session.keep_index(index);
-        }
+        let silent = |_| {};
+        let options = arguments.options(&silent);
+        let is_kept = self.hierarchies.give_to(&session, geometry, &options)?;
         let done = match arguments.part {
             Some(part) => {
                 let part_until = (part, self.deadline);
                 FrameRender::Part(part, part::render(arguments, &session, folder, part_until)?)
             }
             None => {
-                let profiled = (self.deadline, profiler.as_ref());
-                whole(arguments, &session, folder, profiled)?
+                let until = Until {
+                    deadline: self.deadline,
+                    profiler: profiler.as_ref(),
+                    team: None,
+                };
+                whole(arguments, &session, folder, until)?
             }
         };
-        self.hierarchy = session.index().map(|index| (geometry, index));
+        self.hierarchies.take_from(&session, geometry)?;
         if !arguments.quiet {
-            let kept = if is_kept {
-                ", hierarchy kept from the frame before"
-            } else {
-                ""
-            };
             text::print(&match &done {
                 FrameRender::Part(part, done) => done.line(*part, folder),
                 FrameRender::Whole(text, _) => {
-                    format!("frame   {number} of {n_frames}: {text}{kept}\n")
+                    let hierarchy = hierarchies::line(session.hierarchy(), is_kept);
+                    format!("frame   {number} of {n_frames}: {text}{hierarchy}\n")
                 }
             })?;
         }

@@ -6,6 +6,7 @@ use super::{ExtraFormat, RenderArguments};
 use crate::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, shell_word, shown};
+use crate::ranks::n_launched;
 use crate::series::FRAMES;
 use crate::session::Session;
 use crate::text::Diagnostic;
@@ -48,6 +49,11 @@ pub(in crate::cli) struct MergeArguments {
 }
 
 pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
+    if n_launched().is_some() {
+        let message = "`raycost merge` is one process, and not several ranks";
+        let help = "start it without `mpirun`";
+        return Err(Diagnostic::new(message).with_help(help).into());
+    }
     let folder = &arguments.folder;
     let found = open(folder)?;
     let in_frames = || {
@@ -56,21 +62,23 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
             files.header().cloned()
         })
     };
-    let header = match found.is_empty() {
-        true => in_frames(),
-        false => found.header().cloned(),
+    let header = if found.is_empty() {
+        in_frames()
+    } else {
+        found.header().cloned()
     };
     let Some(header) = header else {
         let shown = shown(folder);
-        let message = match found.is_empty() {
-            true => format!("`{shown}` has no parts: there is no `{PARTS}` with files of them"),
-            false => format!("no file in `{shown}/{PARTS}` is whole"),
+        let message = if found.is_empty() {
+            format!("`{shown}` has no parts: there is no `{PARTS}` with files of them")
+        } else {
+            format!("no file in `{shown}/{PARTS}` is whole")
         };
         let help = "render them with `raycost render SCENE --part 1/4 --out DIR`, and so on";
         return Err(Diagnostic::new(message).with_help(help).into());
     };
     drop(found);
-    super::render_scene(&RenderArguments {
+    let arguments = RenderArguments {
         scene: scene_of(arguments, &header)?,
         frames: None,
         part: None,
@@ -85,7 +93,8 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         sync: arguments.sync,
         while_input_is_open: false,
         quiet: arguments.quiet,
-    })
+    };
+    super::render_scene(&arguments, None)
 }
 
 /// The folders of frames with parts, in the folder of a series.

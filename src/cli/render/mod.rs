@@ -1,8 +1,11 @@
 //! `raycost render`.
 
+mod hierarchies;
 mod frames;
 mod merge;
 mod part;
+mod picture;
+mod ranks;
 mod tiles;
 
 use std::io;
@@ -10,7 +13,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use part::PartDone;
-use tiles::Tiles;
+use picture::{FinishedPicture, Until};
 
 use crate::animation::FrameRange;
 use crate::checkpoint::PicturePart;
@@ -20,6 +23,7 @@ use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, run_summary};
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::Memory;
+use crate::ranks::{Ranks, SceneText};
 use crate::session::{Event, Options, Session};
 use crate::stop;
 use crate::text::numbers::parse_duration;
@@ -27,6 +31,7 @@ use crate::text::{self, Diagnostic};
 use crate::vtk::hdf;
 
 pub(super) use merge::{MergeArguments, run as run_merge};
+pub(super) use ranks::fail_on_a_rank;
 
 /// Render a scene and write its files
 #[derive(Debug, clap::Args)]
@@ -106,6 +111,14 @@ enum ExtraFormat {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
+    match Ranks::join()? {
+        Some(ranks) if ranks.rank() > 0 => ranks::help(arguments, ranks),
+        ranks => lead(arguments, ranks),
+    }
+}
+
+/// Renders as the only process, or as rank 0 of several.
+fn lead(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
     if arguments.while_input_is_open && !arguments.scene.is_standard_input() {
         std::thread::spawn(|| {
             let _ = io::copy(&mut io::stdin(), &mut io::sink());
@@ -114,15 +127,25 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     arguments.check_part()?;
     arguments.check_kept()?;
-    render_scene(arguments)
+    render_scene(arguments, ranks)
 }
 
 /// Renders a scene, a part of it, or the tiles of all parts.
-fn render_scene(arguments: &RenderArguments) -> Result<(), Failure> {
+fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
     let deadline = arguments.deadline();
     arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
-    let scene = OpenScene::read(&arguments.scene)?;
+    let source = arguments.scene.source()?;
+    if let Some(ranks) = &ranks {
+        ranks.send_scene(&SceneText {
+            name: source.name().to_owned(),
+            text: source.text().to_owned(),
+        });
+    }
+    let scene = OpenScene::of(&arguments.scene, source)?;
+    if ranks.is_some() {
+        arguments.check_ranks(scene.frames.is_some())?;
+    }
     if let Some(frames) = &scene.frames {
         return frames::render(arguments, &scene, frames, deadline);
     }
@@ -135,28 +158,41 @@ fn render_scene(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(part) = arguments.part {
         return still_part(arguments, &session, &out, (part, deadline));
     }
-    let folder = session.folder(&out)?.synced(arguments.sync);
-    stop::check()?;
-    let tiles = Tiles::of(arguments, &session, &out, deadline)?;
-    let bars = Bars::new(arguments.quiet);
-    let on_event = |event| bars.show(event);
-    let options = Options {
-        vtkhdf: arguments.format.is_some(),
-        ..arguments.options(&on_event)
+    let team = ranks.map(|ranks| ranks::gather(arguments, &session, ranks));
+    let team = team.transpose()?;
+    let until = Until {
+        deadline,
+        profiler: profiler.as_ref(),
+        team: team.as_ref(),
     };
-    let mut rendering = session.render_within(&options, &tiles.scope())?;
-    let written = rendering.write_to(&folder, profiler.as_ref())?;
-    let partial = rendering.partial();
-    let of_tiles = tiles.settle(partial)?;
+    let picture = FinishedPicture::render(arguments, &session, &out, until)?;
+    if let Some(team) = team {
+        team.ranks.leave();
+    }
     if !arguments.quiet {
-        let view = rendering.view(profiler.as_ref());
-        let text = run_summary::lines(&arguments.scene, &view, rendering.stages(), &written);
-        let last = partial.map(|partial| tiles::partial_line(arguments, partial));
-        text::print(&format!("{text}{of_tiles}{}", last.unwrap_or_default()))?;
+        text::print(&still_lines(arguments, &picture, profiler.as_ref()))?;
     }
     // The process ends: the system frees all memory at once.
-    std::mem::forget(rendering);
-    partial.map_or(Ok(()), |_| Err(Failure::Partial))
+    std::mem::forget(picture.rendering);
+    picture.partial.map_or(Ok(()), |_| Err(Failure::Partial))
+}
+
+/// The lines about a still that was rendered and written.
+fn still_lines(
+    arguments: &RenderArguments,
+    picture: &FinishedPicture,
+    profiler: Option<&Profiler>,
+) -> String {
+    let FinishedPicture {
+        rendering,
+        written,
+        of_tiles,
+        partial,
+    } = picture;
+    let view = rendering.view(profiler);
+    let text = run_summary::lines(&arguments.scene, &view, rendering.stages(), written);
+    let last = partial.map(|partial| tiles::partial_line(arguments, partial));
+    format!("{text}{of_tiles}{}", last.unwrap_or_default())
 }
 
 /// Renders a part of a still, and prints what comes next.

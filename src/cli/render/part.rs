@@ -116,6 +116,7 @@ pub(super) fn render(
         limits: Limits {
             checkpoint: Some(&checkpoint),
             deadline,
+            team: None,
         },
     };
     let rendering = session.render_within(&arguments.options(&on_event), &scope)?;

@@ -7,6 +7,7 @@ use super::{RenderArguments, merge};
 use crate::checkpoint::{Checkpoint, CheckpointFile, Damage};
 use crate::cli::{Failure, shell_word, shown};
 use crate::folder::{WriteError, refuse_file};
+use crate::ranks::Team;
 use crate::render::Limits;
 use crate::session::{Scope, Session};
 use crate::summary::Partial;
@@ -55,13 +56,14 @@ impl Tiles {
         })
     }
 
-    /// The tiles for the rendering.
-    pub(super) fn scope(&self) -> Scope<'_> {
+    /// The tiles for a rendering by this process, or by all ranks of a team.
+    pub(super) fn scope<'a>(&'a self, team: Option<&'a Team>) -> Scope<'a> {
         Scope {
             part: None,
             limits: Limits {
                 checkpoint: self.checkpoint.as_ref(),
                 deadline: self.deadline,
+                team,
             },
         }
     }

@@ -158,18 +158,25 @@ impl SceneArguments {
         Some(format!("raycost new --mesh {mesh} {}", shell_word(&file)))
     }
 
-    /// The text of the scene with its settings.
+    /// The text of the scene.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub(in crate::cli) fn source(&self) -> Result<Source, Diagnostic> {
+        if self.is_standard_input() {
+            Source::read_standard_input()
+        } else if import::is_mesh(&self.scene) {
+            starter::scene_beside(&self.scene)
+        } else {
+            Source::read(&self.scene)
+        }
+    }
+
+    /// The text of the scene with the files that it includes and its settings.
     ///
     /// # Errors
     /// The first mistake in it.
-    pub(in crate::cli) fn document(&self) -> Result<Document, Diagnostic> {
-        let source = if self.is_standard_input() {
-            Source::read_standard_input()?
-        } else if import::is_mesh(&self.scene) {
-            starter::scene_beside(&self.scene)?
-        } else {
-            Source::read(&self.scene)?
-        };
+    pub(in crate::cli) fn document(&self, source: Source) -> Result<Document, Diagnostic> {
         let mut document = Document::new(source, Config::MERGING)?;
         for setting in &self.set {
             document.set(setting)?;

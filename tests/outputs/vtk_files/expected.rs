@@ -31,6 +31,7 @@ pub fn expected_tiles(cost: CostMode) -> DataSet {
         integers("thread", [1, 0, 1, 0, 1, 0].into_iter()),
         integers("position", [2, 1, 0, 5, 4, 3].into_iter()),
         integers("tile", [3, 4, 5, 0, 1, 2].into_iter()),
+        integers("rank", [0, 1, 2, 0, 1, 2].into_iter()),
     ];
     if cost.has_counters() {
         arrays.extend([

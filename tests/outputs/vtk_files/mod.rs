@@ -61,6 +61,38 @@ fn a_diff_by_vtk() {
     assert_same(DataSet::read_with_vtk(&file), DataSet::read(&file));
 }
 
+/// The files of a scene with instances, in each of which something is of them alone.
+#[test]
+#[ignore = "needs PyPI's vtk: run tests/with-paraview"]
+fn instances_by_vtk() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_repository("configs/herd.yaml");
+    let mut render = raycost();
+    render
+        .arg("render")
+        .arg(scene)
+        .args(["--width=40", "--height=30", "--spp=1", "--also=surface,bvh"])
+        .arg("--set=objects[1].instances.cloud.count=200")
+        .arg("--out")
+        .arg(folder.path());
+    assert_success(&render.output().unwrap());
+    let of_instances = [
+        ("hits.vtu", "instance"),
+        ("frame.vti", "instance"),
+        ("surface.vtu", "instance"),
+        ("bvh.vtu", "mesh"),
+    ];
+    for (name, array) in of_instances {
+        let file = folder.path().join(name);
+        let found = DataSet::read(&file);
+        assert!(
+            found.arrays.iter().any(|found| found.name == array),
+            "{name}"
+        );
+        assert_same(DataSet::read_with_vtk(&file), found);
+    }
+}
+
 mod all_files {
     use super::*;
 
@@ -185,6 +217,7 @@ fn check_all_files(read: fn(&Path) -> DataSet) {
 fn check_tiles(read: fn(&Path) -> DataSet) {
     let run = |number: u32| TileRun {
         is_missing: false,
+        rank: number % 3,
         thread: number % 2,
         position: 5 - number,
         start_ns: u64::from(number) << 33,

@@ -1,0 +1,85 @@
+//! The acceleration structure of the first frame, from which those of others are refitted.
+
+use super::Failure;
+use super::open_scene::OpenScene;
+use crate::accel::FrameBase;
+use crate::animation::HierarchyUpdate;
+use crate::instruments::Stages;
+use crate::memory::Memory;
+use crate::provenance::Checksum;
+use crate::session::{Frames, Options, Session};
+use crate::text::Diagnostic;
+
+/// The first frame of a scene whose other frames may have its hierarchy.
+pub(super) struct FirstFrame {
+    /// A hash of the contents of the scene and of its files.
+    pub(super) contents: Checksum,
+    pub(super) base: FrameBase,
+}
+
+impl OpenScene<'_> {
+    /// How the hierarchies of frames come about.
+    pub(super) fn update(&self) -> HierarchyUpdate {
+        let frames = self.frames.as_ref();
+        frames.map_or(HierarchyUpdate::Rebuild, Frames::update)
+    }
+
+    /// The hash of all that determines the primitives of the first frame, if other frames may
+    /// have its hierarchy.
+    ///
+    /// # Errors
+    /// The first fault of the scene.
+    pub(super) fn first_geometry(&self) -> Result<Option<Checksum>, Diagnostic> {
+        if self.update() == HierarchyUpdate::Rebuild {
+            return Ok(None);
+        }
+        let (document, config) = self.at(0)?;
+        Ok(Some(Frames::geometry(&document, &config)))
+    }
+
+    /// The hierarchy of the first frame, for a frame that may have it, by default the first one;
+    /// `None` for one that builds its own.
+    ///
+    /// # Errors
+    /// Those of [`first_frame`](Self::first_frame).
+    pub(super) fn base_of(
+        &self,
+        frame: Option<u32>,
+        options: &Options,
+    ) -> Result<Option<FrameBase>, Failure> {
+        let Some(first) = self.first_geometry()? else {
+            return Ok(None);
+        };
+        let (document, config) = self.at(frame.unwrap_or(0))?;
+        if Frames::geometry(&document, &config) == first {
+            return Ok(None);
+        }
+        Ok(Some(self.first_frame(options)?.base))
+    }
+
+    /// Reads the first frame and builds its hierarchy.
+    ///
+    /// # Errors
+    /// The first fault of the scene, or the hierarchy is too large.
+    pub(super) fn first_frame(&self, options: &Options) -> Result<FirstFrame, Failure> {
+        let session = Session::new(self.load(None, Memory::of_scene)?, Stages::default())?;
+        FirstFrame::of(&session, options, self.update())
+    }
+}
+
+impl FirstFrame {
+    /// The first frame; builds its hierarchy if it has none yet.
+    ///
+    /// # Errors
+    /// The hierarchy is too large, or a file cannot be read.
+    pub(super) fn of(
+        session: &Session,
+        options: &Options,
+        update: HierarchyUpdate,
+    ) -> Result<Self, Failure> {
+        Ok(Self {
+            contents: session.contents()?,
+            base: session.frame_base(options, update)?,
+        })
+    }
+}

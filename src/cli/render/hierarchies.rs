@@ -1,0 +1,120 @@
+//! The acceleration structures of the frames that a run renders.
+//!
+//! A frame has the same structure whether another one came before it or not, so that job arrays
+//! write the bytes of a whole run: the same primitives have the same structure, and that of
+//! others comes from the first frame alone.
+
+use std::sync::Arc;
+
+use crate::accel::{AccelIndex, BvhStatistics, FrameBase};
+use crate::cli::Failure;
+use crate::cli::first_frame::FirstFrame;
+use crate::cli::open_scene::OpenScene;
+use crate::provenance::Checksum;
+use crate::session::{Options, Session};
+
+/// What the frames so far leave for those behind them.
+pub(super) struct FrameHierarchies<'a> {
+    scene: &'a OpenScene<'a>,
+    /// The hash of the last frame's geometry, and its index.
+    last: Option<(Checksum, Arc<AccelIndex>)>,
+    /// The hash of the first frame's geometry, if others may have its hierarchy.
+    first_geometry: Option<Checksum>,
+    /// The first frame, once another one may have its hierarchy.
+    first: Option<FirstFrame>,
+}
+
+impl<'a> FrameHierarchies<'a> {
+    /// Before the first frame of a run.
+    ///
+    /// # Errors
+    /// The first fault of the scene.
+    pub(super) fn new(scene: &'a OpenScene) -> Result<Self, Failure> {
+        Ok(Self {
+            scene,
+            last: None,
+            first_geometry: scene.first_geometry()?,
+            first: None,
+        })
+    }
+
+    /// What determines the hierarchies of frames besides their own geometry.
+    pub(super) fn flags(&self) -> String {
+        let first = self.first_geometry;
+        first.map_or(String::new(), |first| {
+            format!("{:?}", (self.scene.update(), first))
+        })
+    }
+
+    /// Gives the session of a frame of this geometry the structure that it keeps, or another one
+    /// from which its own comes; returns whether it keeps one.
+    ///
+    /// # Errors
+    /// The first frame cannot be read or built.
+    pub(super) fn give_to(
+        &mut self,
+        session: &Session,
+        geometry: Checksum,
+        options: &Options,
+    ) -> Result<bool, Failure> {
+        let is_first = self.first_geometry == Some(geometry);
+        if self.first_geometry.is_some() && !is_first {
+            let first = match self.first.take() {
+                Some(first) => first,
+                None => self.scene.first_frame(options)?,
+            };
+            session.set_base_contents(first.contents);
+            session.set_base(first.base.clone());
+            self.first = Some(first);
+        }
+        let first = self.first.as_ref().filter(|_| is_first);
+        let of_first = first.and_then(|first| first.base.first_index());
+        let kept = match (of_first, self.last.take()) {
+            (Some(index), _) => index,
+            (None, Some((known, index))) if known == geometry => index,
+            (None, Some((_, index))) => {
+                // Only the first base counts.
+                session.set_base(FrameBase::of_meshes(&index));
+                return Ok(false);
+            }
+            (None, None) => return Ok(false),
+        };
+        session.keep_index(kept);
+        Ok(true)
+    }
+
+    /// Takes over the structure of a session that was rendered, of a frame of this geometry.
+    ///
+    /// # Errors
+    /// A file of the first frame cannot be read.
+    pub(super) fn take_from(
+        &mut self,
+        session: &Session,
+        geometry: Checksum,
+    ) -> Result<(), Failure> {
+        let Some(index) = session.index() else {
+            return Ok(());
+        };
+        if self.first_geometry == Some(geometry) && self.first.is_none() {
+            let (options, update) = (Options::default(), self.scene.update());
+            self.first = Some(FirstFrame::of(session, &options, update)?);
+        }
+        self.last = Some((geometry, index));
+        Ok(())
+    }
+}
+
+/// What is said about the hierarchy of a frame; nothing without one.
+pub(super) fn line(hierarchy: Option<BvhStatistics>, is_kept: bool) -> String {
+    let Some(bvh) = hierarchy else {
+        return String::new();
+    };
+    let how = if is_kept {
+        "kept from an earlier frame"
+    } else if bvh.is_refitted {
+        "refitted from frame 0"
+    } else {
+        "built"
+    };
+    format!(", hierarchy {how}, SAH cost {:.1}", bvh.sah_cost)
+}

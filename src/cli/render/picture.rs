@@ -1,0 +1,64 @@
+//! A whole picture: rendered, and written with the tiles of other runs.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::RenderArguments;
+use super::tiles::Tiles;
+use crate::cli::Failure;
+use crate::cli::progress::Bars;
+use crate::folder::Written;
+use crate::instruments::Profiler;
+use crate::ranks::Team;
+use crate::session::{Options, Rendering, Session};
+use crate::stop;
+use crate::summary::Partial;
+
+/// A picture whose files are written.
+pub(super) struct FinishedPicture<'a> {
+    pub(super) rendering: Rendering<'a>,
+    pub(super) written: Vec<Written>,
+    /// Lines about tiles of other runs.
+    pub(super) of_tiles: String,
+    /// What is missing.
+    pub(super) partial: Option<Partial>,
+}
+
+/// When no further tile is begun, what samples the functions meanwhile, and who renders.
+#[derive(Clone, Copy)]
+pub(super) struct Until<'a> {
+    pub(super) deadline: Option<Instant>,
+    pub(super) profiler: Option<&'a Profiler>,
+    /// The ranks that render, if there are several.
+    pub(super) team: Option<&'a Team>,
+}
+
+impl<'a> FinishedPicture<'a> {
+    /// Renders a session's picture and writes its files into a folder.
+    pub(super) fn render(
+        arguments: &RenderArguments,
+        session: &'a Session,
+        out: &Path,
+        until: Until,
+    ) -> Result<Self, Failure> {
+        let folder = session.folder(out)?.synced(arguments.sync);
+        stop::check()?;
+        let tiles = Tiles::of(arguments, session, out, until.deadline)?;
+        let bars = Bars::new(arguments.quiet);
+        let on_event = |event| bars.show(event);
+        let options = Options {
+            // The frames of an animation are in one file each for cloud and frame.
+            vtkhdf: arguments.format.is_some() && !session.is_frame(),
+            ..arguments.options(&on_event)
+        };
+        let mut rendering = session.render_within(&options, &tiles.scope(until.team))?;
+        let written = rendering.write_to(&folder, until.profiler)?;
+        let partial = rendering.partial();
+        Ok(Self {
+            of_tiles: tiles.settle(partial)?,
+            rendering,
+            written,
+            partial,
+        })
+    }
+}

@@ -1,0 +1,86 @@
+//! What ranks send each other.
+
+use serde::{Deserialize, Serialize};
+
+/// What a message holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MessageKind {
+    /// From rank 0: the text of the scene.
+    Scene,
+    /// From a worker: who it is and what it is about to render.
+    Hello,
+    /// From rank 0: a request for the time on the worker's clock.
+    Clock,
+    /// From a worker: that time.
+    Time,
+    /// From a worker: its threads are waiting for tiles.
+    Ready,
+    /// From rank 0: tiles to render.
+    Tiles,
+    /// From a worker: finished tiles.
+    Records,
+    /// From a worker: it cannot render.
+    Failure,
+    /// From rank 0: there are no further tiles.
+    End,
+    /// From a worker: what it has done; its last message.
+    Work,
+}
+
+/// A message that has arrived.
+#[derive(Debug)]
+pub struct Message {
+    /// The rank that has sent it.
+    pub from: u32,
+    /// What it holds.
+    pub kind: MessageKind,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// Why a rank cannot render.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RankFailure {
+    /// The exit code of its process.
+    pub exit_code: u8,
+    /// Its message.
+    pub message: String,
+}
+
+impl RankFailure {
+    /// A rank that cannot help rank 0 with what it renders.
+    pub(super) fn input(message: impl Into<String>) -> Self {
+        Self {
+            exit_code: 2,
+            message: message.into(),
+        }
+    }
+}
+
+impl MessageKind {
+    const ALL: [Self; 10] = [
+        Self::Scene,
+        Self::Hello,
+        Self::Clock,
+        Self::Time,
+        Self::Ready,
+        Self::Tiles,
+        Self::Records,
+        Self::Failure,
+        Self::End,
+        Self::Work,
+    ];
+
+    pub(super) fn tag(self) -> i32 {
+        self as i32
+    }
+
+    pub(super) fn of_tag(tag: i32) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.tag() == tag)
+    }
+}
+
+/// A value as the bytes of a message.
+pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
+    serde_json::to_vec(value).unwrap_or_default()
+}

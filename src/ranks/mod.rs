@@ -1,0 +1,159 @@
+//! The processes that render one picture together: the ranks of MPI.
+//!
+//! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, whose versions
+//! and settings it has compared, and a worker answers it. What the messages do is in
+//! [`crate::render`]. MPI is the system's library, behind the cargo feature `mpi`; without
+//! it, nobody can join, and several processes of one launch are refused.
+//!
+//! One thread of a process sends and receives at a time (`MPI_THREAD_SERIALIZED`): the main
+//! thread until the rendering begins and after it has ended, and a thread of its own in
+//! between.
+
+mod launch;
+mod message;
+mod hello;
+mod team;
+#[cfg(feature = "mpi")]
+mod world;
+#[cfg(not(feature = "mpi"))]
+mod no_world;
+
+use std::time::{Duration, Instant};
+
+#[cfg(not(feature = "mpi"))]
+use no_world::NoMpiWorld as MpiWorld;
+#[cfg(feature = "mpi")]
+use world::MpiWorld;
+
+use crate::stop;
+use crate::text::Diagnostic;
+
+pub use hello::{Hello, SceneText};
+pub use launch::n_launched;
+pub use message::{Message, MessageKind, RankFailure};
+#[cfg(not(feature = "mpi"))]
+pub use no_world::abort;
+pub use team::{Member, RankWork, Team};
+#[cfg(feature = "mpi")]
+pub use world::abort;
+
+/// How long a thread sleeps that has nothing to send and has received nothing.
+pub const POLL_EVERY: Duration = Duration::from_micros(500);
+
+/// This process among all that were launched together.
+#[derive(Debug)]
+pub struct Ranks {
+    world: MpiWorld,
+    /// When its clock was 0.
+    pub epoch: Instant,
+}
+
+impl Ranks {
+    /// Joins the other processes of the launch; `None` if this one was launched alone.
+    ///
+    /// # Errors
+    /// This program was built without MPI, or the library has no threads.
+    pub fn join() -> Result<Option<Self>, Diagnostic> {
+        if n_launched().is_none() {
+            return Ok(None);
+        }
+        let world = MpiWorld::join()?;
+        let epoch = Instant::now();
+        Ok(Some(Self { world, epoch }).filter(|ranks| ranks.n() > 1))
+    }
+
+    /// The number of this process, from 0.
+    pub fn rank(&self) -> u32 {
+        self.world.rank()
+    }
+
+    /// The number of processes.
+    pub fn n(&self) -> u32 {
+        self.world.n()
+    }
+
+    /// The name of this machine.
+    pub fn host(&self) -> String {
+        self.world.host()
+    }
+
+    /// Nanoseconds on this process's clock.
+    pub fn now_ns(&self) -> u64 {
+        self.epoch.elapsed().as_nanos() as u64
+    }
+
+    /// Sends a message; returns when its bytes are no longer needed.
+    pub fn send(&self, to: u32, kind: MessageKind, bytes: &[u8]) {
+        self.world.send(to, kind.tag(), bytes);
+    }
+
+    /// The next message, if one has arrived.
+    pub fn receive(&self) -> Option<Message> {
+        let (from, tag, bytes) = self.world.receive()?;
+        let kind = MessageKind::of_tag(tag)?;
+        Some(Message { from, kind, bytes })
+    }
+
+    /// Waits for the next message; `None` if the program is asked to end.
+    pub fn wait(&self) -> Option<Message> {
+        while !stop::is_requested() {
+            if let Some(message) = self.receive() {
+                return Some(message);
+            }
+            std::thread::sleep(POLL_EVERY);
+        }
+        None
+    }
+
+    /// Leaves the others, who all have to leave, too, and can send nothing any more.
+    pub fn leave(self) {
+        self.world.leave();
+    }
+
+    /// Reports to rank 0 that this worker cannot render, and waits for the end of the job,
+    /// which rank 0 ends.
+    pub fn fail(&self, failure: &RankFailure) {
+        self.send(0, MessageKind::Failure, &message::to_json(failure));
+        while self.wait().is_some() {}
+    }
+
+    /// Waits for the text of the scene from rank 0; `None` if the program is asked to end.
+    pub fn receive_scene(&self) -> Option<SceneText> {
+        let message = self.wait()?;
+        serde_json::from_slice(&message.bytes).ok()
+    }
+
+    /// Sends the text of the scene to all others.
+    pub fn send_scene(&self, scene: &SceneText) {
+        let bytes = message::to_json(scene);
+        (1..self.n()).for_each(|rank| self.send(rank, MessageKind::Scene, &bytes));
+    }
+
+    /// Reports to rank 0 what this worker has sent: its last message.
+    pub fn send_work(&self, work: &RankWork) {
+        self.send(0, MessageKind::Work, &message::to_json(work));
+    }
+
+    /// Introduces this worker to rank 0, and lets it read this worker's clock.
+    pub fn introduce(&self, hello: &Hello) {
+        self.send(0, MessageKind::Hello, &message::to_json(hello));
+        let Some(mut message) = self.wait() else {
+            return;
+        };
+        for n_read in 1..=team::N_CLOCK_READINGS {
+            debug_assert_eq!(message.kind, MessageKind::Clock);
+            self.send(0, MessageKind::Time, &self.now_ns().to_le_bytes());
+            if n_read == team::N_CLOCK_READINGS {
+                return;
+            }
+            // Without sleeping: the time between two readings is that of the messages.
+            message = loop {
+                match self.receive() {
+                    Some(message) => break message,
+                    None if stop::is_requested() => return,
+                    None => std::thread::yield_now(),
+                }
+            };
+        }
+    }
+}

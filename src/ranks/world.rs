@@ -1,0 +1,104 @@
+//! All processes of a launch, by MPI.
+
+use std::mem::ManuallyDrop;
+use std::time::Duration;
+
+use mpi::Threading;
+use mpi::environment::{self, Universe};
+use mpi::point_to_point::{Destination, MatchedReceiveVec, Source};
+use mpi::topology::{Communicator, SimpleCommunicator};
+
+use crate::text::Diagnostic;
+
+/// How often a thread looks whether its message was taken without giving way to others.
+const N_LOOKS: u32 = 200;
+/// How long it then sleeps in between.
+const LOOK_EVERY: Duration = Duration::from_micros(50);
+
+/// When the launcher has forwarded a message.
+const FORWARDED_AFTER: Duration = Duration::from_millis(100);
+
+/// The processes of a launch.
+pub(super) struct MpiWorld {
+    /// A failing process does not wait for the others: it does not leave.
+    universe: ManuallyDrop<Universe>,
+}
+
+impl MpiWorld {
+    /// Joins the others of the launch.
+    ///
+    /// # Errors
+    /// The library of MPI does not let several threads take turns.
+    pub(super) fn join() -> Result<Self, Diagnostic> {
+        let joined = environment::initialize_with_threading(Threading::Serialized);
+        match joined {
+            Some((universe, Threading::Serialized | Threading::Multiple)) => Ok(Self {
+                universe: ManuallyDrop::new(universe),
+            }),
+            _ => {
+                let message = "the library of MPI does not support several threads";
+                let help = "use Open MPI or MPICH, built with threads";
+                Err(Diagnostic::new(message).with_help(help))
+            }
+        }
+    }
+
+    pub(super) fn rank(&self) -> u32 {
+        self.universe.world().rank() as u32
+    }
+
+    pub(super) fn n(&self) -> u32 {
+        self.universe.world().size() as u32
+    }
+
+    pub(super) fn host(&self) -> String {
+        environment::processor_name().unwrap_or_default()
+    }
+
+    /// Sends bytes; sleeps while the receiver does not take them.
+    pub(super) fn send(&self, to: u32, tag: i32, bytes: &[u8]) {
+        let world = self.universe.world();
+        let receiver = world.process_at_rank(to as i32);
+        mpi::request::scope(|scope| {
+            let mut request = receiver.immediate_send_with_tag(scope, bytes, tag);
+            for look in 0.. {
+                match request.test() {
+                    Ok(_) => return,
+                    Err(pending) => request = pending,
+                }
+                if look < N_LOOKS {
+                    std::thread::yield_now();
+                } else {
+                    std::thread::sleep(LOOK_EVERY);
+                }
+            }
+        });
+    }
+
+    /// The sender, the tag and the bytes of the next message, if one has arrived.
+    pub(super) fn receive(&self) -> Option<(u32, i32, Vec<u8>)> {
+        let world = self.universe.world();
+        let arrived = world.any_process().immediate_matched_probe()?;
+        let (bytes, status) = arrived.matched_receive_vec::<u8>();
+        Some((status.source_rank() as u32, status.tag(), bytes))
+    }
+
+    pub(super) fn leave(self) {
+        drop(ManuallyDrop::into_inner(self.universe));
+    }
+}
+
+impl std::fmt::Debug for MpiWorld {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MpiWorld").finish_non_exhaustive()
+    }
+}
+
+/// Ends all processes that have joined, with this exit code, unless they have left.
+pub fn abort(exit_code: u8) {
+    if environment::is_initialized() && !environment::is_finalized() {
+        // The launcher forwards what this process has printed before it prints its own.
+        std::thread::sleep(FORWARDED_AFTER);
+        SimpleCommunicator::world().abort(exit_code.into());
+    }
+}

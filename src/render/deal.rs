@@ -1,0 +1,155 @@
+//! Rank 0 deals tiles to the other ranks, while its own threads render.
+
+use std::collections::HashMap;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use super::Progress;
+use super::tile_queue::{TileQueue, TileRuns};
+use crate::checkpoint::TileRecord;
+use crate::ranks::{Message, MessageKind, POLL_EVERY, RankFailure, Team};
+use crate::schedule::{TileRun, WorkerShare};
+
+/// Deals tiles and receives them, until none is left.
+struct Dealer<'a, 'f, F> {
+    team: &'a Team,
+    queue: &'a TileQueue<'a, 'f, F>,
+    shares: Vec<WorkerShare>,
+    runs: TileRuns,
+    /// The rank and the position of each tile that was dealt and has not been returned.
+    dealt: HashMap<u32, (u32, u32)>,
+}
+
+/// Deals tiles of the queue to the workers of a team until all have returned theirs and
+/// none is left; returns the tiles that they have rendered.
+pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) -> TileRuns {
+    let mut dealer = Dealer {
+        team,
+        queue,
+        shares: vec![WorkerShare::default(); team.members.len()],
+        runs: TileRuns::new(),
+        dealt: HashMap::new(),
+    };
+    while dealer.is_needed() {
+        let begin = Instant::now();
+        let mut is_idle = true;
+        while let Some(message) = team.ranks.receive() {
+            dealer.take(&message);
+            is_idle = false;
+        }
+        for rank in 1..team.ranks.n() {
+            is_idle &= !dealer.deal_to(rank);
+        }
+        if is_idle {
+            std::thread::sleep(POLL_EVERY);
+        } else {
+            let spent_ns = begin.elapsed().as_nanos() as u64;
+            team.communication_ns.fetch_add(spent_ns, Ordering::Relaxed);
+        }
+    }
+    dealer.runs
+}
+
+impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
+    /// Whether a tile is left, or has not been returned.
+    fn is_needed(&self) -> bool {
+        let is_dealt = self.shares.iter().any(|share| share.n_dealt > 0);
+        (is_dealt || self.queue.n_left() > 0) && !self.queue.pass.is_canceled()
+    }
+
+    /// Gives a worker as many tiles as it needs; false if it needs none.
+    fn deal_to(&mut self, rank: u32) -> bool {
+        let member = &self.team.members[rank as usize];
+        if !member.is_ready.load(Ordering::Relaxed) {
+            return false;
+        }
+        let [n_left, n_ranks] = [self.queue.n_left(), self.team.ranks.n()].map(u64::from);
+        let share = &self.shares[rank as usize];
+        let wanted = share.n_wanted(member.n_threads.into(), n_left, n_ranks);
+        let mut bytes = Vec::new();
+        for _ in 0..wanted {
+            let Some((position, tile)) = self.queue.next(&mut self.runs) else {
+                break;
+            };
+            self.dealt.insert(tile.number, (rank, position));
+            bytes.push(self.queue.pass.number);
+            bytes.extend(tile.number.to_le_bytes());
+            self.shares[rank as usize].n_dealt += 1;
+        }
+        if bytes.is_empty() {
+            return false;
+        }
+        self.send(rank, &bytes);
+        true
+    }
+
+    fn send(&self, rank: u32, bytes: &[u8]) {
+        self.team.ranks.send(rank, MessageKind::Tiles, bytes);
+        let n_bytes = bytes.len() as u64;
+        self.team.sent_bytes.fetch_add(n_bytes, Ordering::Relaxed);
+    }
+
+    /// Takes a message: tiles into the film, and note of everything else.
+    fn take(&mut self, message: &Message) {
+        self.team.note(message);
+        if message.kind != MessageKind::Records {
+            return;
+        }
+        let mut bytes = &message.bytes[..];
+        while let Some((length, rest)) = bytes.split_first_chunk() {
+            let length = u32::from_le_bytes(*length) as usize;
+            let record = rest.split_at_checked(length).and_then(|(record, rest)| {
+                bytes = rest;
+                TileRecord::of_bytes(record, &self.team.layout)
+            });
+            if record
+                .and_then(|record| self.store(message.from, record))
+                .is_none()
+            {
+                let failure = RankFailure {
+                    exit_code: 1,
+                    message: "it has sent a tile of another picture".to_owned(),
+                };
+                return self.team.fail(message.from, failure);
+            }
+        }
+    }
+
+    /// Writes a tile that a worker has rendered to the film; `None` if it does not fit.
+    fn store(&mut self, rank: u32, record: TileRecord) -> Option<()> {
+        let tile = self.queue.plan.grid.tile(record.tile);
+        let (_, position) = self.dealt.remove(&record.tile).filter(|to| to.0 == rank)?;
+        if record.run.thread >= self.team.members[rank as usize].n_threads {
+            return None;
+        }
+        let run = self.on_our_clock(
+            rank,
+            TileRun {
+                position,
+                ..record.run
+            },
+        );
+        if !self.queue.pass.store(&tile, record, self.queue.canvas) {
+            return None;
+        }
+        self.shares[rank as usize].returned(run.duration_ns());
+        self.queue.add(&mut self.runs, tile, run);
+        Some(())
+    }
+
+    /// A worker's run with the rank, the number of its thread among those of all ranks, and
+    /// times since this rendering began.
+    fn on_our_clock(&self, rank: u32, run: TileRun) -> TileRun {
+        let member = &self.team.members[rank as usize];
+        let begin_ns = self.queue.begin - self.team.ranks.epoch;
+        let begin_ns = begin_ns.as_nanos() as i64 + member.clock_ns;
+        let start_ns = (run.start_ns as i64 - begin_ns).max(0) as u64;
+        self.queue.pass.after_restored(TileRun {
+            rank,
+            thread: member.first_thread + run.thread,
+            start_ns,
+            end_ns: start_ns + run.duration_ns(),
+            ..run
+        })
+    }
+}

@@ -1,0 +1,30 @@
+//! A session of a worker: it renders what rank 0 deals to it.
+
+use super::{Options, RenderError, Session};
+use crate::config::{TileOrder, Tiling};
+use crate::cost::Meter;
+use crate::instruments::Stages;
+use crate::ranks::Ranks;
+use crate::render::{self, TilePlan};
+use crate::stop;
+
+impl Session {
+    /// Renders the tiles that rank 0 deals to this rank.
+    ///
+    /// # Errors
+    /// Those of [`Self::render`].
+    pub(crate) fn work(&self, options: &Options, ranks: &Ranks) -> Result<(), RenderError> {
+        options.thread_pool()?.install(|| {
+            let accel = self.accel(options, &mut Stages::default())?;
+            let meter = Meter::new(self.config.cost);
+            // Rank 0 has the order.
+            let tiling = Tiling {
+                order: TileOrder::Scanline,
+                ..self.config.tiles
+            };
+            let plan = TilePlan::new(&self.scene, &accel, &self.config.image, tiling);
+            render::work(ranks, (&self.scene, &accel), &plan, &meter);
+            Ok(stop::check()?)
+        })
+    }
+}
