@@ -2,15 +2,16 @@
 
 use crate::accel::{Bvh, TooLarge};
 use crate::attribution::CostAttribution;
-use crate::config::{Acceleration, Config, Image, Repeats};
+use crate::config::{Acceleration, Config, Image, OptionalOutput, Repeats};
 use crate::film;
+use crate::host::memory_limit;
 use crate::output;
-use crate::render::repeat_bytes_per_pixel;
+use crate::render::{StoredPicture, repeat_bytes_per_pixel};
 use crate::scene::{Geometries, Instance, Primitive, SurfaceClass};
 use crate::schedule::{self, TileGrid};
 use crate::yaml::{Fault, FieldPath};
 
-pub use crate::host::available_memory as available;
+pub use crate::host::{available_memory as available, limit_memory as set_limit};
 
 /// The memory of one rendering, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,32 +21,70 @@ pub struct Memory {
     pub film: u64,
     /// Primitives, the acceleration structure, and the costs attributed to both.
     pub scene: u64,
+    /// Rows of the picture that are in memory at a time, if not all.
+    pub band_rows: Option<u32>,
+    /// Why it has to be in memory as a whole, if that can be changed.
+    against_bands: Option<&'static str>,
     n_primitives: usize,
     repeats: Repeats,
 }
+
+/// The part of the available memory that a picture may take by default, in percent.
+const SHARE: u64 = 75;
 
 impl Memory {
     /// Estimates the memory for a config and its geometries: an upper bound,
     /// except for a few MiB of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
-        let of_samples = config.image.adaptive.map_or(0, |_| size_of::<u32>());
-        let of_film = film::bytes_per_pixel(config.cost, config.extra_arrays())
-            + of_samples
-            + repeat_bytes_per_pixel(config);
-        let per_pixel = of_film as u64 + output::BYTES_PER_PIXEL;
-        let Image { width, height, .. } = config.image;
-        let n_tiles = TileGrid::new(width, height, config.tiles.size).n_tiles();
-        let of_tiles =
-            u64::from(n_tiles) * (film::BYTES_PER_TILE + schedule::BYTES_PER_TILE) as u64;
         let of_attribution =
             CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
         let bare = Self::of_scene(config, geometries);
         Self {
-            film: config.image.n_pixels() as u64 * per_pixel
-                + of_tiles
+            film: config.image.n_pixels() as u64
+                * (film_bytes_per_pixel(config) + output::BYTES_PER_PIXEL)
+                + of_tiles(config)
                 + output::write_bytes(config),
             scene: bare.scene + (bare.n_primitives * of_attribution) as u64,
             ..bare
+        }
+    }
+
+    /// Estimates the memory of a still picture. One that does not fit into the limit that the
+    /// user has set, by default three quarters of what is available, is rendered into files
+    /// and written in bands of rows, if its outputs allow that.
+    pub fn of_still(config: &Config, geometries: &Geometries) -> Self {
+        let whole = Self::of(config, geometries);
+        let available = available();
+        let limit = match memory_limit() {
+            Some(_) => available,
+            None => available / 100 * SHARE,
+        };
+        let against_bands = against_bands(config);
+        if whole.total() <= limit || against_bands.is_some() {
+            return Self {
+                against_bands,
+                ..whole
+            };
+        }
+        let fixed = of_tiles(config) + output::bytes_beside_bands(config);
+        let of_unit = of_rows(config, unit(config));
+        // A band, and the rows above it that are read again.
+        let n_units = limit.saturating_sub(fixed + whole.scene) / of_unit;
+        let most = u64::from(config.image.height.div_ceil(unit(config)));
+        let n_units = n_units.saturating_sub(1).clamp(1, most);
+        let n_rows = n_units as u32 * unit(config);
+        Self {
+            film: fixed + (n_units + 1) * of_unit,
+            band_rows: Some(n_rows),
+            ..whole
+        }
+    }
+
+    /// Estimates the memory of a part of a picture, whose tiles are in files.
+    pub fn of_part(config: &Config, geometries: &Geometries) -> Self {
+        Self {
+            film: of_tiles(config),
+            ..Self::of_scene(config, geometries)
         }
     }
 
@@ -75,6 +114,8 @@ impl Memory {
                 + (geometries.n_instances() * size_of::<Instance>()) as u64
                 + 2 * geometries.n_bytes()
                 + geometries.picture_bytes(),
+            band_rows: None,
+            against_bands: None,
             n_primitives,
             repeats: config.repeats,
         }
@@ -109,28 +150,88 @@ impl Memory {
             (
                 "objects",
                 "the scene",
-                "reduce the `count` of generators, or use smaller files",
+                "reduce the `count` of generators, or use smaller files".to_owned(),
             )
         };
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         Err(Fault::of_key(
             FieldPath::default().key(section),
             format!(
-                "{what} is too large: {:.1} GiB of memory are needed, {:.1} GiB are free",
+                "{what} is too large: {:.1} GiB of memory are needed, {:.1} GiB are {}",
                 gib(self.total()),
-                gib(available)
+                gib(available),
+                match memory_limit() {
+                    Some(_) => "left of `--memory`",
+                    None => "free",
+                }
             ),
             format!("needs {:.1} GiB", gib(self.film.max(self.scene))),
         )
         .with_help(advice))
     }
 
-    fn image_advice(&self) -> &'static str {
-        match self.repeats {
+    fn image_advice(&self) -> String {
+        let advice = match self.repeats {
             Repeats::Auto | Repeats::ONCE => "choose a smaller `width` or `height`",
             Repeats::Exactly(_) => "choose a smaller `width` or `height`, or fewer `--repeats`",
+        };
+        match self.against_bands {
+            None => advice.to_owned(),
+            Some(reason) => format!("{advice}; {reason}"),
         }
     }
+}
+
+/// Why a picture cannot be larger than memory, with what to change; `None` if it can.
+fn against_bands(config: &Config) -> Option<&'static str> {
+    let has = |output| config.output.has(output);
+    let is_repeated = !matches!(config.repeats, Repeats::Auto | Repeats::ONCE);
+    if config.cost.has_time() && is_repeated {
+        return Some("with one rendering, `--repeats 1`, it would be written in pieces");
+    }
+    if has(OptionalOutput::Exr) {
+        return Some("without `image.exr` it would be written in pieces");
+    }
+    if config.cost.has_time() && config.output.iter().any(OptionalOutput::needs_attribution) {
+        return Some("with `--cost counters` it would be written in pieces");
+    }
+    let mut arrays = config
+        .materials
+        .values()
+        .filter_map(|material| material.color.array());
+    if config.film.bits > 8 && arrays.any(|array| array.bar.is_some()) {
+        return Some("with 8 bits, or without color bars, it would be written in pieces");
+    }
+    None
+}
+
+/// Upper bound of the bytes of a pixel in a film.
+fn film_bytes_per_pixel(config: &Config) -> u64 {
+    let of_samples = config.image.adaptive.map_or(0, |_| size_of::<u32>());
+    let of_film = film::bytes_per_pixel(config.cost, config.extra_arrays())
+        + of_samples
+        + repeat_bytes_per_pixel(config);
+    of_film as u64
+}
+
+/// Upper bound of the bytes of all tiles but their pixels.
+fn of_tiles(config: &Config) -> u64 {
+    u64::from(grid(config).n_tiles()) * (film::BYTES_PER_TILE + schedule::BYTES_PER_TILE) as u64
+}
+
+fn of_rows(config: &Config, n_rows: u32) -> u64 {
+    let of_writing = output::bytes_per_band_pixel(config);
+    u64::from(config.image.width) * u64::from(n_rows) * (film_bytes_per_pixel(config) + of_writing)
+}
+
+/// The least number of rows of a band.
+fn unit(config: &Config) -> u32 {
+    StoredPicture::row_unit(&grid(config))
+}
+
+fn grid(config: &Config) -> TileGrid {
+    let Image { width, height, .. } = config.image;
+    TileGrid::new(width, height, config.tiles.size)
 }
 
 /// Returns the fault of a hierarchy that turned out too large.

@@ -28,6 +28,7 @@ pub fn upper_edge(bin: usize) -> f64 {
 }
 
 /// A histogram of the drawable values.
+#[derive(Debug, Clone)]
 pub struct Histogram {
     n_by_bin: Vec<u64>,
     /// Number of drawable values.
@@ -40,29 +41,43 @@ pub struct Histogram {
     pub max: f32,
 }
 
+/// Of no values.
+impl Default for Histogram {
+    fn default() -> Self {
+        Self {
+            n_by_bin: vec![0; N_BINS],
+            n: 0,
+            n_undrawable: 0,
+            min: 1.0,
+            max: 1.0,
+        }
+    }
+}
+
 impl Histogram {
     /// Counts the values.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        let mut n_by_bin = vec![0; N_BINS];
-        let (mut min, mut max, mut n) = (f32::INFINITY, 0.0_f32, 0);
-        let mut n_undrawable = 0;
+        let mut this = Self::default();
+        this.add(values);
+        this
+    }
+
+    /// Counts more values.
+    pub fn add<'a>(&mut self, values: impl IntoIterator<Item = &'a f32>) {
+        let (mut min, mut max, mut n) = match self.n {
+            0 => (f32::INFINITY, 0.0_f32, 0),
+            n => (self.min, self.max, n),
+        };
         for &value in values {
             if is_drawable(value) {
-                n_by_bin[bin(value)] += 1;
+                self.n_by_bin[bin(value)] += 1;
                 (min, max, n) = (min.min(value), max.max(value), n + 1);
             } else {
-                n_undrawable += 1;
+                self.n_undrawable += 1;
             }
         }
-        if n == 0 {
-            (min, max) = (1.0, 1.0);
-        }
-        Self {
-            n_by_bin,
-            n,
-            n_undrawable,
-            min,
-            max,
+        if n > 0 {
+            (self.min, self.max, self.n) = (min, max, n);
         }
     }
 

@@ -28,6 +28,7 @@ use rayon::prelude::*;
 use crate::provenance::{self, RunId};
 use canvas::{GRAY_INK, INK, LINE, PAPER};
 use colors::Colors;
+pub use histogram::Histogram;
 pub use label::short_number;
 use layout::Layout;
 pub use legend::{ColorLegend, LegendKey, draw_legends};

@@ -43,8 +43,12 @@ pub struct Range {
 impl Range {
     /// Returns the logarithmic range for `values`, in any order; a range around 1 if none is drawable.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        let histogram = Histogram::of(values);
-        let Histogram {
+        Self::of_histogram(&Histogram::of(values))
+    }
+
+    /// Returns the logarithmic range for the values of a histogram.
+    pub fn of_histogram(histogram: &Histogram) -> Self {
+        let &Histogram {
             min,
             max,
             n_undrawable,

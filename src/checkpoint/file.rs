@@ -11,7 +11,7 @@ use super::record::{Bytes, MAX_THREADS, TileRecord};
 use super::{Header, RecordLayout};
 
 /// The first bytes of a file; the number is that of the format.
-pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 2\n";
+pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 3\n";
 /// The part of them that is the same for every format.
 const N_OF_ALL_FORMATS: usize = 14;
 /// Most bytes of a header.
@@ -32,7 +32,7 @@ pub struct CheckpointFile {
     pub is_complete: bool,
     /// Whether something follows the last whole block.
     pub is_torn: bool,
-    file: Mutex<File>,
+    reader: TileReader,
     /// Bytes and blocks up to the last whole block.
     pub(super) n_bytes: u64,
     pub(super) n_blocks: u64,
@@ -55,9 +55,45 @@ pub(super) struct StoredTile {
     pub(super) rendering: u8,
     pub(super) tile: u32,
     pub(super) end_ns: u64,
-    /// The number of its block, and the position of that.
-    block: u64,
-    position: u64,
+    /// The number of its block, its position, and the bytes in it.
+    pub(super) block: u64,
+    pub(super) position: u64,
+    pub(super) n_bytes: u32,
+}
+
+/// Reads tiles from any place of a file.
+#[derive(Debug)]
+pub(super) struct TileReader {
+    file: Mutex<File>,
+    layout: RecordLayout,
+}
+
+impl TileReader {
+    /// Opens a file of tiles with this layout.
+    pub(super) fn open(path: &Path, layout: RecordLayout) -> io::Result<Self> {
+        let file = Mutex::new(File::open(path)?);
+        Ok(Self { file, layout })
+    }
+
+    /// Reads a tile; `None` if it is not as it was written.
+    pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord>> {
+        let mut block = vec![0; PREFIX + stored.n_bytes as usize];
+        {
+            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+            file.seek(SeekFrom::Start(stored.position))?;
+            file.read_exact(&mut block)?;
+        }
+        let (layout, mut content) = (&self.layout, Vec::new());
+        let max_bytes = TileRecord::max_bytes(layout);
+        let kind = block::read(&mut &block[..], stored.block, max_bytes, &mut content)?;
+        let tile = kind.filter(|&kind| kind == BlockKind::Tile);
+        Ok(tile.and_then(|_| TileRecord::of_bytes(&content, layout)))
+    }
+
+    fn n_bytes(&self) -> io::Result<u64> {
+        let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(file.metadata()?.len())
+    }
 }
 
 /// Why a file cannot be read.
@@ -114,14 +150,15 @@ impl CheckpointFile {
         let header = kind.filter(|&kind| kind == BlockKind::Header);
         let header = header.and_then(|_| serde_json::from_slice::<Header>(&content).ok());
         let header = header.filter(|header| header.layout.is_possible());
+        let header = header.ok_or(Damage::NoHeader)?;
         let mut this = Self {
             path: path.to_owned(),
-            header: header.ok_or(Damage::NoHeader)?,
+            reader: TileReader::open(path, header.layout)?,
+            header,
             sessions: Vec::new(),
             tiles: Vec::new(),
             is_complete: false,
             is_torn: false,
-            file: Mutex::new(File::open(path)?),
             n_bytes: (MAGIC.len() + PREFIX + content.len()) as u64,
             n_blocks: 1,
         };
@@ -136,20 +173,7 @@ impl CheckpointFile {
 
     /// Reads a tile again.
     pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord>> {
-        let layout = &self.header.layout;
-        let mut content = Vec::new();
-        let kind = {
-            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            file.seek(SeekFrom::Start(stored.position))?;
-            block::read(
-                &mut *file,
-                stored.block,
-                TileRecord::max_bytes(layout),
-                &mut content,
-            )?
-        };
-        let tile = kind.filter(|&kind| kind == BlockKind::Tile);
-        Ok(tile.and_then(|_| TileRecord::of_bytes(&content, layout)))
+        self.reader.read(stored)
     }
 
     /// Reads the blocks behind the header; `content` is a buffer.
@@ -169,9 +193,7 @@ impl CheckpointFile {
                     Some(BlockKind::Header) | None => false,
                 };
             if !is_good {
-                let length = self.file.get_mut().map(|file| file.metadata());
-                let length = length.unwrap_or_else(|poisoned| poisoned.into_inner().metadata())?;
-                self.is_torn = length.len() != self.n_bytes;
+                self.is_torn = self.reader.n_bytes()? != self.n_bytes;
                 return Ok(());
             }
             self.n_bytes += (PREFIX + content.len()) as u64;
@@ -193,6 +215,7 @@ impl CheckpointFile {
             end_ns: record.run.end_ns,
             block: self.n_blocks,
             position: self.n_bytes,
+            n_bytes: content.len() as u32,
         });
         true
     }

@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
 
-use super::file::StoredTile;
+use super::file::{StoredTile, TileReader};
 use super::writer::TileWriter;
 use super::{CheckpointFile, Header, RunSpan, TileRecord};
 use crate::folder::WriteError;
@@ -36,6 +37,9 @@ pub struct TileSource {
 struct Sink {
     path: PathBuf,
     writer: Mutex<TileWriter>,
+    reader: TileReader,
+    /// The tiles that were kept.
+    kept: Mutex<HashMap<(u8, u32), StoredTile>>,
     /// The number of this run among those that wrote the file.
     number: u32,
     begin: OnceLock<(Instant, ProcessTime, u32)>,
@@ -69,10 +73,11 @@ impl Checkpoint {
     /// # Errors
     /// The file cannot be written.
     pub fn create(path: &Path, header: &Header) -> Result<Self, WriteError> {
-        let writer = TileWriter::create(path, header);
-        let writer = writer.map_err(|error| WriteError::new(path, error))?;
+        let sink = TileWriter::create(path, header)
+            .and_then(|writer| Sink::new(path, header, writer, 0))
+            .map_err(|error| WriteError::new(path, error))?;
         Ok(Self {
-            sink: Some(Sink::new(path, writer, 0)),
+            sink: Some(sink),
             ..Self::default()
         })
     }
@@ -82,10 +87,12 @@ impl Checkpoint {
     /// # Errors
     /// The file cannot be written.
     pub fn resume(file: CheckpointFile) -> Result<Self, WriteError> {
-        let writer = TileWriter::behind(&file);
-        let writer = writer.map_err(|error| WriteError::new(&file.path, error))?;
+        let (path, number) = (&file.path, file.sessions.len() as u32);
+        let sink = TileWriter::behind(&file)
+            .and_then(|writer| Sink::new(path, &file.header, writer, number))
+            .map_err(|error| WriteError::new(path, error))?;
         let mut this = Self {
-            sink: Some(Sink::new(&file.path, writer, file.sessions.len() as u32)),
+            sink: Some(sink),
             ..Self::default()
         };
         this.add(TileSource {
@@ -116,6 +123,25 @@ impl Checkpoint {
             }
             _ => {
                 self.fail_to_read(&source.file.path);
+                None
+            }
+        }
+    }
+
+    /// A tile of a rendering that came from a file or was kept, once all are given to the
+    /// system; `None` if it is missing, or cannot be read.
+    pub(crate) fn tile(&self, rendering: u8, tile: u32) -> Option<TileRecord> {
+        let kept = self.sink.as_ref().and_then(|sink| {
+            let stored = *lock(&sink.kept).get(&(rendering, tile))?;
+            Some((sink, stored))
+        });
+        let Some((sink, stored)) = kept else {
+            return self.restore(rendering, tile);
+        };
+        match sink.reader.read(&stored) {
+            Ok(Some(record)) => Some(record),
+            _ => {
+                self.fail_to_read(&sink.path);
                 None
             }
         }
@@ -165,7 +191,11 @@ impl Checkpoint {
 
     /// Keeps a tile.
     pub(crate) fn keep(&self, record: &TileRecord) {
-        self.write(|_, writer| writer.tile(record));
+        self.write(|sink, writer| {
+            let stored = writer.tile(record)?;
+            lock(&sink.kept).insert((stored.rendering, stored.tile), stored);
+            Ok(())
+        });
     }
 
     /// Gives all tiles that were kept to the system.
@@ -221,7 +251,7 @@ impl Checkpoint {
         self.sources.push(source);
     }
 
-    fn write(&self, write: impl FnOnce(&Sink, &mut TileWriter) -> std::io::Result<()>) {
+    fn write(&self, write: impl FnOnce(&Sink, &mut TileWriter) -> io::Result<()>) {
         let Some(sink) = self.sink.as_ref().filter(|_| !self.has_failed()) else {
             return;
         };
@@ -260,13 +290,15 @@ fn n_threads_of(file: &CheckpointFile) -> u32 {
 }
 
 impl Sink {
-    fn new(path: &Path, writer: TileWriter, number: u32) -> Self {
-        Self {
+    fn new(path: &Path, header: &Header, writer: TileWriter, number: u32) -> io::Result<Self> {
+        Ok(Self {
             path: path.to_owned(),
             writer: Mutex::new(writer),
+            reader: TileReader::open(path, header.layout)?,
+            kept: Mutex::default(),
             number,
             begin: OnceLock::new(),
-        }
+        })
     }
 
     /// What this run has done so far; `None` before it begins.
@@ -280,6 +312,6 @@ impl Sink {
     }
 }
 
-fn lock(writer: &Mutex<TileWriter>) -> MutexGuard<'_, TileWriter> {
-    writer.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -4,8 +4,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use super::block::{self, BlockKind};
-use super::file::{CheckpointFile, MAGIC, RunSpan};
+use super::block::{self, BlockKind, PREFIX};
+use super::file::{CheckpointFile, MAGIC, RunSpan, StoredTile};
 use super::{Header, TileRecord};
 
 /// Appends blocks to a file.
@@ -13,6 +13,7 @@ use super::{Header, TileRecord};
 pub(super) struct TileWriter {
     file: BufWriter<File>,
     n_blocks: u64,
+    n_bytes: u64,
     block: Vec<u8>,
 }
 
@@ -28,7 +29,7 @@ impl TileWriter {
             .open(path)?;
         lock(&file)?;
         file.set_len(0)?;
-        let mut this = Self::new(file, 0);
+        let mut this = Self::new(file, [0, MAGIC.len() as u64]);
         this.file.write_all(MAGIC)?;
         let header = serde_json::to_vec(header)?;
         this.append(BlockKind::Header, |bytes| bytes.extend(&header))?;
@@ -42,19 +43,30 @@ impl TileWriter {
         lock(&file)?;
         file.set_len(found.n_bytes)?;
         file.seek(SeekFrom::End(0))?;
-        Ok(Self::new(file, found.n_blocks))
+        Ok(Self::new(file, [found.n_blocks, found.n_bytes]))
     }
 
-    fn new(file: File, n_blocks: u64) -> Self {
+    fn new(file: File, [n_blocks, n_bytes]: [u64; 2]) -> Self {
         Self {
             file: BufWriter::with_capacity(1 << 18, file),
             n_blocks,
+            n_bytes,
             block: Vec::new(),
         }
     }
 
-    pub(super) fn tile(&mut self, record: &TileRecord) -> io::Result<()> {
-        self.append(BlockKind::Tile, |bytes| record.append_to(bytes))
+    /// Appends a tile, and returns where it is.
+    pub(super) fn tile(&mut self, record: &TileRecord) -> io::Result<StoredTile> {
+        let (block, position) = (self.n_blocks, self.n_bytes);
+        self.append(BlockKind::Tile, |bytes| record.append_to(bytes))?;
+        Ok(StoredTile {
+            rendering: record.rendering,
+            tile: record.tile,
+            end_ns: record.run.end_ns,
+            block,
+            position,
+            n_bytes: (self.block.len() - PREFIX) as u32,
+        })
     }
 
     /// Appends what the run with this number has done so far.
@@ -87,6 +99,7 @@ impl TileWriter {
         self.block.clear();
         block::append(&mut self.block, kind, self.n_blocks, append);
         self.n_blocks += 1;
+        self.n_bytes += self.block.len() as u64;
         self.file.write_all(&self.block)
     }
 }

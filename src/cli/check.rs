@@ -78,9 +78,12 @@ fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memor
         document,
         config,
         geometries,
+        memory,
         ..
-    } = scene.load(frame, Memory::of)?;
-    let memory = Memory::of(&config, &geometries);
+    } = match scene.frames {
+        None => scene.load(frame, Memory::of_still)?,
+        Some(_) => scene.load(frame, Memory::of)?,
+    };
     let placed = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     Ok((config, placed, memory))
 }
@@ -163,7 +166,7 @@ fn report(
                 bytes(memory::available())
             ),
         ),
-        ("files", files(config, &folder)),
+        ("files", files(config, memory, &folder)),
     ];
     // Behind the line about the scene.
     let (first, others) = lines.split_at(1);
@@ -197,11 +200,12 @@ fn frames_of(frames: &Frames, config: &Config) -> String {
 }
 
 /// The files that would be written.
-fn files(config: &Config, out: &Path) -> String {
+fn files(config: &Config, memory: &Memory, out: &Path) -> String {
     let request = Request {
         vtkhdf: false,
         config,
         is_profiled: false,
+        is_stored: memory.band_rows.is_some(),
     };
     let wanted = output::files().filter(|file| file.is_wanted(&request));
     let names: Vec<&str> = wanted.map(|file| file.name).collect();

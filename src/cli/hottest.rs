@@ -12,20 +12,15 @@ use crate::scene::Scene;
 use crate::text::Diagnostic;
 
 /// The most expensive pixel by a metric.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Hottest {
-    metric: Metric,
-    pixel: HotPixel,
-}
+type Hottest = (Metric, HotPixel);
 
-/// Returns lines with the most expensive pixel of a film by its time, if the times are
+/// Returns lines with the most expensive pixel of a picture by its time, if the times are
 /// reliable, and by its counters; empty if nothing was measured.
-pub(super) fn lines(film: &Film) -> String {
-    let found = [by_time(film), by_count(film)];
+pub(super) fn lines(found: [Option<Hottest>; 2]) -> String {
     let texts: Vec<String> = match found {
-        [Some(time), Some(count)] if time.pixel.place == count.pixel.place => {
-            let by = format!("time and {}", count.metric.label);
-            vec![line(time.pixel.place, &by, &[time, count].map(value))]
+        [Some(time), Some(count)] if time.1.place == count.1.place => {
+            let by = format!("time and {}", count.0.label);
+            vec![line(time.1.place, &by, &[time, count].map(value))]
         }
         found => found.into_iter().flatten().map(alone).collect(),
     };
@@ -38,8 +33,8 @@ pub(super) fn lines(film: &Film) -> String {
 
 /// The command that traces the most expensive pixel; `None` if nothing was measured, or
 /// if the scene was read from standard input.
-pub(super) fn trace_command(scene: &SceneArguments, film: &Film) -> Option<String> {
-    let Hottest { pixel, .. } = by_time(film).or_else(|| by_count(film))?;
+pub(super) fn trace_command(scene: &SceneArguments, found: [Option<Hottest>; 2]) -> Option<String> {
+    let (_, pixel) = found.into_iter().flatten().next()?;
     if scene.is_standard_input() {
         return None;
     }
@@ -105,32 +100,17 @@ pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPix
     }
 }
 
-fn by_time(film: &Film) -> Option<Hottest> {
-    most_by(film, Metric::of_times(film.cost)?)
-}
-
-/// By node visits, or by primitive tests if there is no hierarchy.
-fn by_count(film: &Film) -> Option<Hottest> {
-    let mut metrics = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS].into_iter();
-    let find = || metrics.find_map(|metric| most_by(film, metric));
-    film.cost.has_counters().then(find)?
-}
-
-fn most_by(film: &Film, metric: Metric) -> Option<Hottest> {
-    let pixel = film.hottest(metric, 1).into_iter().next()?;
-    Some(Hottest { metric, pixel })
-}
-
 fn alone(hottest: Hottest) -> String {
-    line(hottest.pixel.place, hottest.metric.label, &[value(hottest)])
+    let (metric, pixel) = hottest;
+    line(pixel.place, metric.label, &[value(hottest)])
 }
 
 fn line((x, y): (u32, u32), by: &str, values: &[String]) -> String {
     format!("pixel {x},{y} by {by}: {}", values.join(", "))
 }
 
-fn value(hottest: Hottest) -> String {
-    shown(hottest.metric, hottest.pixel.value)
+fn value((metric, pixel): Hottest) -> String {
+    shown(metric, pixel.value)
 }
 
 /// Formats a value of a metric with its unit.

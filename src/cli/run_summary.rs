@@ -22,7 +22,7 @@ pub(super) fn lines(
 ) -> String {
     let image = &rendering.config.image;
     let out = scene.out();
-    let trace = hottest::trace_command(scene, rendering.film);
+    let trace = hottest::trace_command(scene, rendering.survey.hottest);
     let trace = trace.map_or(String::new(), |trace| format!("        {trace}\n"));
     let keep = scene.command_to_keep();
     let keep = keep.map_or(String::new(), |command| format!("keep    {command}\n"));
@@ -73,7 +73,7 @@ pub(super) fn lines(
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering),
-        hottest::lines(rendering.film),
+        hottest::lines(rendering.survey.hottest),
         costs,
         shown(&out),
         files.join(", "),

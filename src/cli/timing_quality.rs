@@ -50,7 +50,7 @@ fn repeats(rendering: &RenderingView) -> Option<String> {
         (0 | 1, _) => Some(format!("repeats none; {rejected}, kept: see `--repeats`\n")),
         (n, _) => Some(format!(
             "repeats {n}; MAD {:.1} % of the time; {rejected}, dropped\n",
-            100.0 * film.total_time_mad_ns() / film.total_time_ns(),
+            100.0 * rendering.survey.time_mad_ns / rendering.survey.time_ns,
         )),
     }
 }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use super::Metric;
 use crate::film::Column;
-use crate::output::FRAME_VTI;
 use crate::results::{ObjectsTable, Results};
 use crate::summary::{self, Summary};
 use crate::text::Diagnostic;
@@ -160,7 +159,7 @@ impl Side {
     }
 
     fn foreign(&self, array: &str) -> Diagnostic {
-        let path = self.path_of(FRAME_VTI.name);
+        let path = self.path_of(self.results.frame_name());
         let message = format!(
             "`{}`: `{array}` does not have the type that raycost writes",
             path.display()

@@ -8,7 +8,7 @@ use crate::cost::Metric;
 use crate::output::run_fields;
 use crate::provenance::RunId;
 use crate::vtk::array::{Array, Entry};
-use crate::vtk::data_set::DataSet;
+use crate::vtk::data_set::{DataSet, Extent};
 use crate::vtk::{Codec, Encoding, appended};
 
 /// The file.
@@ -49,7 +49,7 @@ fn write(
         arrays.push(pixels.array(name, move || read(b.ids(name))));
     }
     let image = DataSet::Image {
-        size: diff.size,
+        extent: Extent::of_size(diff.size),
         point_data: arrays,
     };
     let encoding = Encoding {

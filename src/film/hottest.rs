@@ -30,7 +30,12 @@ impl Film {
     /// one beside it took at least half as long.
     pub fn hottest(&self, metric: Metric, n: usize) -> Vec<HotPixel> {
         if metric.is_timed() {
-            return self.times().hottest(n);
+            let first_row = self.row_range().start;
+            let mut pixels = self.times().hottest(n);
+            pixels
+                .iter_mut()
+                .for_each(|pixel| pixel.place.1 += first_row);
+            return pixels;
         }
         let mut list = HottestList::new(n);
         let mut counts = Vec::new();
@@ -41,6 +46,18 @@ impl Film {
                 .for_each(|(row, y)| list.add_row(row, y));
         }
         list.pixels
+    }
+
+    /// The most expensive pixel by time, if times can be trusted, and by node visits, or by
+    /// primitive tests if there is no hierarchy.
+    pub fn hottest_by_metrics(&self) -> [Option<(Metric, HotPixel)>; 2] {
+        let by = |metric| Some((metric, self.hottest(metric, 1).into_iter().next()?));
+        let mut counted = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS].into_iter();
+        let count = || counted.find_map(by);
+        [
+            Metric::of_times(self.cost).and_then(by),
+            self.cost.has_counters().then(count).flatten(),
+        ]
     }
 
     fn times(&self) -> Times<'_> {

@@ -62,6 +62,22 @@ impl Film {
         Some([shown.next()?, shown.next()?])
     }
 
+    /// Returns what [`heatmap_metrics`](Self::heatmap_metrics) does, by the totals of the
+    /// picture.
+    pub fn metrics_of_totals(&self) -> Option<[Metric; 2]> {
+        if !self.cost.has_counters() {
+            return None;
+        }
+        let mut shown = Metric::ALL.into_iter().filter(|&metric| {
+            if metric.is_timed() {
+                Metric::of_times(self.cost) == Some(metric)
+            } else {
+                metric.of(&self.totals) > 0
+            }
+        });
+        Some([shown.next()?, shown.next()?])
+    }
+
     fn has_any(&self, metric: Metric) -> bool {
         if metric.is_timed() {
             return Metric::of_times(self.cost) == Some(metric);

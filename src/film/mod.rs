@@ -1,7 +1,8 @@
 //! The film: the rendered image and the cost of each pixel.
 //!
 //! A [`Film`] is a stack of [`Strip`]s of a few rows each, and a strip is a
-//! structure of arrays. A thread renders a tile into buffers of its own, then
+//! structure of arrays. A film may have only some rows of its picture, or none, if it
+//! does not fit into memory. A thread renders a tile into buffers of its own, then
 //! copies them to the strips that the tile crosses, with one strip locked at a
 //! time. File writers read the strips in order. Counters stay with their tile
 //! ([`RenderedTile`]), packed by the thread that counted. [`columns`] lists the
@@ -15,6 +16,8 @@ mod rendered;
 mod strip;
 mod stored;
 mod tile;
+
+use std::ops::Range;
 
 use glam::Vec3;
 
@@ -56,7 +59,7 @@ pub struct Film {
     pub n_repeats: u8,
     /// The sum of the counters of all pixels; zero if nothing was counted.
     pub totals: Cost,
-    /// The rows; the first strip is on top.
+    /// Its rows, from top to bottom: those of the grid, some of them, or none.
     pub strips: Vec<Strip>,
     /// Threads and counters by tile, in the order of the grid.
     pub tiles: Vec<RenderedTile>,
@@ -95,11 +98,16 @@ impl Film {
 
     /// The same, with extra arrays.
     pub fn with_extra(extra: ExtraArrays, grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
-        let TileGrid { width, height, .. } = grid;
-        let strip = |first_row| {
-            let n_rows = STRIP_ROWS.min(height - first_row);
-            Strip::new([first_row, n_rows, width], cost, extra)
-        };
+        Self::without_rows(extra, grid, n_samples, cost).with_rows(0..grid.height)
+    }
+
+    /// The same without pixels: what a rendering knows of the whole picture.
+    pub fn without_rows(
+        extra: ExtraArrays,
+        grid: TileGrid,
+        n_samples: u32,
+        cost: CostMode,
+    ) -> Self {
         Self {
             grid,
             n_samples,
@@ -109,12 +117,44 @@ impl Film {
             repeats: Repeats::ONCE,
             n_repeats: 1,
             totals: Cost::default(),
-            strips: (0..height)
-                .step_by(STRIP_ROWS as usize)
-                .map(strip)
-                .collect(),
+            strips: Vec::new(),
             tiles: vec![RenderedTile::default(); grid.n_tiles() as usize],
         }
+    }
+
+    /// The same with these rows of the grid, not rendered yet, instead of its own.
+    pub fn with_rows(self, rows: Range<u32>) -> Self {
+        let strip = |first_row| {
+            let n_rows = STRIP_ROWS.min(rows.end - first_row);
+            Strip::new([first_row, n_rows, self.grid.width], self.cost, self.extra)
+        };
+        let strips = rows.clone().step_by(STRIP_ROWS as usize).map(strip);
+        Self {
+            strips: strips.collect(),
+            ..self
+        }
+    }
+
+    /// An empty film of one tile of the grid, at its top left.
+    pub(crate) fn of_one_tile(&self) -> Self {
+        let side = self.grid.tile_size;
+        let grid = TileGrid::new(side, side, side);
+        Self {
+            development: self.development,
+            ..Self::with_extra(self.extra, grid, self.n_samples, self.cost)
+        }
+    }
+
+    /// Its first row, and the one after its last.
+    pub fn row_range(&self) -> Range<u32> {
+        let first = self.strips.first().map_or(0, |strip| strip.first_row);
+        let end = |strip: &Strip| strip.first_row + strip.n_rows;
+        first..self.strips.last().map_or(first, end)
+    }
+
+    /// Whether it has any pixels.
+    pub fn has_rows(&self) -> bool {
+        !self.strips.is_empty()
     }
 
     /// Whether the samples of its pixels were counted.

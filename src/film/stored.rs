@@ -1,5 +1,7 @@
 //! The pixels of a tile as bytes, bit for bit.
 
+use std::ops::Range;
+
 use super::Strip;
 use crate::schedule::Tile;
 
@@ -31,44 +33,58 @@ macro_rules! arrays {
 impl Strip {
     /// Bytes of a pixel in all arrays that a rendering writes.
     pub(crate) fn stored_bytes_per_pixel(&self) -> usize {
-        let n_pixels = self.rgb.len().max(1);
-        let n_bytes = self.arrays().map(<[u8]>::len).iter().sum::<usize>();
-        n_bytes / n_pixels
+        self.arrays().map(|array| self.stride(array)).iter().sum()
     }
 
-    /// Appends the bytes of the strip's pixels in a tile, array by array and row by row,
-    /// in native order.
-    pub(crate) fn append_pixels(&self, tile: &Tile, bytes: &mut Vec<u8>) {
-        let width = self.width();
+    /// Writes the strip's pixels in a tile to the bytes of the tile, which are in native order:
+    /// all pixels of one array after the other, row by row.
+    pub(crate) fn store_pixels(&self, tile: &Tile, bytes: &mut [u8]) {
+        let mut rest = bytes;
         for array in self.arrays() {
-            let stride = array.len() / self.rgb.len().max(1);
-            for row in self.rows_of(tile) {
-                let first = (row * width + tile.columns[0] as usize) * stride;
-                bytes.extend_from_slice(&array[first..first + tile.width() * stride]);
+            let stride = self.stride(array);
+            let (of_array, others) = rest.split_at_mut(tile.n_pixels() * stride);
+            for (place, row) in self.rows_in(tile, stride) {
+                of_array[row].copy_from_slice(&array[place]);
             }
+            rest = others;
         }
     }
 
     /// Overwrites the strip's pixels in a tile with bytes of
-    /// [`append_pixels`](Self::append_pixels), and returns those behind them; `None`
-    /// if they are too few.
-    pub(crate) fn restore_pixels<'b>(
-        &mut self,
-        tile: &Tile,
-        mut bytes: &'b [u8],
-    ) -> Option<&'b [u8]> {
-        let (width, n_pixels) = (self.width(), self.rgb.len().max(1));
-        let rows = self.rows_of(tile);
-        for array in self.arrays_mut() {
-            let stride = array.len() / n_pixels;
-            for row in rows.clone() {
-                let first = (row * width + tile.columns[0] as usize) * stride;
-                let (stored, rest) = bytes.split_at_checked(tile.width() * stride)?;
-                array[first..first + stored.len()].copy_from_slice(stored);
-                bytes = rest;
+    /// [`store_pixels`](Self::store_pixels), of which there are as many.
+    pub(crate) fn restore_pixels(&mut self, tile: &Tile, bytes: &[u8]) {
+        let strides = self.arrays().map(|array| self.stride(array));
+        let rows = strides.map(|stride| self.rows_in(tile, stride).collect::<Vec<_>>());
+        let mut rest = bytes;
+        for ((array, stride), rows) in self.arrays_mut().into_iter().zip(strides).zip(rows) {
+            let (of_array, others) = rest.split_at(tile.n_pixels() * stride);
+            for (place, row) in rows {
+                array[place].copy_from_slice(&of_array[row]);
             }
+            rest = others;
         }
-        Some(bytes)
+    }
+
+    /// Bytes of a pixel in an array of the strip.
+    fn stride(&self, array: &[u8]) -> usize {
+        array.len() / self.rgb.len().max(1)
+    }
+
+    /// The bytes of each row that the strip shares with a tile: in an array of the strip, and in
+    /// one of the tile.
+    fn rows_in(
+        &self,
+        tile: &Tile,
+        stride: usize,
+    ) -> impl Iterator<Item = (Range<usize>, Range<usize>)> + use<> {
+        let (width, n_bytes) = (self.width(), tile.width() * stride);
+        let (first_row, left) = (self.first_row as usize, tile.columns[0] as usize);
+        let [top, _] = tile.rows.map(|row| row as usize);
+        self.rows_of(tile).map(move |row| {
+            let place = (row * width + left) * stride;
+            let in_tile = (row + first_row - top) * n_bytes;
+            (place..place + n_bytes, in_tile..in_tile + n_bytes)
+        })
     }
 
     /// Whether all pixels of a tile show one of so many objects and materials, or none.
@@ -84,7 +100,7 @@ impl Strip {
     }
 
     /// The rows of the strip that a tile crosses, counted from the uppermost.
-    fn rows_of(&self, tile: &Tile) -> std::ops::Range<usize> {
+    fn rows_of(&self, tile: &Tile) -> Range<usize> {
         let end = self.first_row + self.n_rows;
         let [top, bottom] = tile
             .rows

@@ -33,6 +33,18 @@ impl Film {
         });
     }
 
+    /// The tiles of its rows.
+    pub(crate) fn tiles_of_rows(&self) -> &[RenderedTile] {
+        let TileGrid {
+            tile_size,
+            n_columns,
+            ..
+        } = self.grid;
+        let rows = self.row_range();
+        let [first, end] = [rows.start / tile_size, rows.end.div_ceil(tile_size)];
+        &self.tiles[(first * n_columns) as usize..(end * n_columns) as usize]
+    }
+
     /// Number of tiles that were not rendered.
     pub fn n_missing_tiles(&self) -> usize {
         self.tiles.iter().filter(|tile| tile.is_missing).count()

@@ -60,7 +60,7 @@ pub(crate) const SUMMARY: &str = "summary.json";
 #[derive(Debug, Clone)]
 pub struct Written {
     /// Its name in the folder.
-    pub file: &'static str,
+    pub file: String,
     /// Its length in bytes.
     pub bytes: u64,
     /// Its checksum.

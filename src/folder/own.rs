@@ -25,7 +25,12 @@ const MAX_SUMMARY: u64 = 256 << 20;
 #[derive(Debug, Clone)]
 pub(crate) enum Own {
     /// `summary.json` lists them.
-    Listed(Vec<&'static str>),
+    Listed {
+        names: Vec<String>,
+        /// Whether a name is one of any number of files with numbers, of which there may be
+        /// more or fewer in an earlier run.
+        is_numbered: fn(&str) -> bool,
+    },
     /// They contain the key of a run's ID.
     Marked(Vec<&'static str>),
 }
@@ -54,18 +59,26 @@ impl Own {
     /// The first file that belongs to another program.
     pub(super) fn find(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
         let (names, listed) = match self {
-            Self::Listed(names) => (names, listed(folder)),
-            Self::Marked(names) => (names, Vec::new()),
+            Self::Listed { names, is_numbered } => {
+                let listed = listed(folder);
+                let is_other = |name: &&String| is_numbered(name) && !names.contains(name);
+                let others = listed.iter().filter(is_other);
+                (names.iter().chain(others).cloned().collect(), listed)
+            }
+            Self::Marked(names) => {
+                let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+                (names, Vec::new())
+            }
         };
         let mut found = Vec::new();
         for name in names {
-            let path = folder.join(name);
+            let path = folder.join(&name);
             let is_own = match fs::symlink_metadata(&path) {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => return Err(WriteError::new(path, error)),
                 Ok(at) if !at.is_file() => false,
                 Ok(_) => match self {
-                    Self::Listed(_) => listed.iter().any(|listed| listed == name),
+                    Self::Listed { .. } => listed.contains(&name),
                     Self::Marked(_) => {
                         is_marked(&path).map_err(|error| WriteError::new(&path, error))?
                     }
@@ -74,7 +87,7 @@ impl Own {
             if !is_own {
                 return Err(foreign(&path));
             }
-            found.push((*name).to_owned());
+            found.push(name);
         }
         Ok(found)
     }

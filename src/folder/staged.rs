@@ -12,7 +12,7 @@ use crate::text::numbers::milliseconds;
 /// A complete file in a workspace.
 #[derive(Debug)]
 pub(crate) struct StagedFile {
-    name: &'static str,
+    name: String,
     n_bytes: u64,
     checksum: Checksum,
     write_ms: f64,
@@ -22,7 +22,7 @@ impl StagedFile {
     /// Writes a file to a folder in which no file has this name.
     pub(super) fn write(
         folder: &Path,
-        name: &'static str,
+        name: &str,
         write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
     ) -> io::Result<Self> {
         let start = Instant::now();
@@ -30,7 +30,7 @@ impl StagedFile {
         write(&mut out)?;
         let (n_bytes, checksum) = out.finish()?;
         Ok(Self {
-            name,
+            name: name.to_owned(),
             n_bytes,
             checksum,
             write_ms: milliseconds(start.elapsed()),
@@ -40,14 +40,14 @@ impl StagedFile {
     /// Creates a file by a function in a folder in which no file has this name.
     pub(super) fn write_at(
         folder: &Path,
-        name: &'static str,
+        name: &str,
         write: impl FnOnce(&Path) -> io::Result<()>,
     ) -> io::Result<Self> {
         let start = Instant::now();
         let path = folder.join(name);
         write(&path)?;
         Ok(Self {
-            name,
+            name: name.to_owned(),
             n_bytes: path.metadata()?.len(),
             checksum: checksum_of(&path)?,
             write_ms: milliseconds(start.elapsed()),
@@ -55,14 +55,14 @@ impl StagedFile {
     }
 
     /// Its name in the folder.
-    pub(super) fn name(&self) -> &'static str {
-        self.name
+    pub(super) fn name(&self) -> &str {
+        &self.name
     }
 
     /// Name, length, checksum and time of writing.
     pub(crate) fn written(&self) -> Written {
         Written {
-            file: self.name,
+            file: self.name.clone(),
             bytes: self.n_bytes,
             checksum: self.checksum,
             write_ms: self.write_ms,

@@ -27,9 +27,10 @@ impl Staging<'_> {
     /// The errors of `write` and of the system.
     pub(crate) fn stage(
         &self,
-        name: &'static str,
+        name: impl AsRef<str>,
         write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
     ) -> Result<StagedFile, WriteError> {
+        let name = name.as_ref();
         let staged = StagedFile::write(&self.workspace.new_files(), name, write);
         staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
     }
@@ -40,7 +41,7 @@ impl Staging<'_> {
     /// The errors of `write` and of the system.
     pub(crate) fn stage_at(
         &self,
-        name: &'static str,
+        name: &str,
         write: impl FnOnce(&Path) -> io::Result<()>,
     ) -> Result<StagedFile, WriteError> {
         let staged = StagedFile::write_at(&self.workspace.new_files(), name, write);

@@ -6,15 +6,31 @@ mod allocator;
 mod cgroup;
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use sysinfo::System;
 
 pub use advice::advice;
 pub use allocator::{Allocator, may_fail};
 
+/// The limit that the user has set, in bytes.
+static LIMIT: OnceLock<u64> = OnceLock::new();
+
+/// Limits what [`available_memory`] returns from now on, so that the program uses no more
+/// than so many bytes. Only the first limit counts.
+pub fn limit_memory(n_bytes: u64) {
+    let _ = LIMIT.set(n_bytes);
+}
+
+/// Returns the limit that the user has set, in bytes.
+pub fn memory_limit() -> Option<u64> {
+    LIMIT.get().copied()
+}
+
 /// Returns the memory available to the program in bytes: the least of the free memory
-/// of the machine, the rest of the process's limits (`ulimit -v` and `-d`), and the
-/// rest of the limits of its control groups. `u64::MAX` if the system reports none.
+/// of the machine, the rest of the process's limits (`ulimit -v` and `-d`), the rest of
+/// the limits of its control groups, and the rest of [its own](limit_memory). `u64::MAX`
+/// if there is no limit.
 pub fn available_memory() -> u64 {
     let mut system = System::new();
     system.refresh_memory();
@@ -22,7 +38,16 @@ pub fn available_memory() -> u64 {
         0 => u64::MAX,
         n_bytes => n_bytes,
     };
-    of_machine.min(within_limits()).min(within_groups())
+    let own = memory_limit().map(|limit| limit.saturating_sub(resident_bytes()));
+    of_machine
+        .min(within_limits())
+        .min(within_groups())
+        .min(own.unwrap_or(u64::MAX))
+}
+
+/// Returns the bytes of memory that the process uses; 0 if the system does not report them.
+fn resident_bytes() -> u64 {
+    bytes_of_status(["VmRSS:"])[0]
 }
 
 /// Returns the bytes available within the process's own limits.
@@ -49,16 +74,19 @@ fn within_limits() -> u64 {
 /// process uses; 0 if the system does not report them.
 #[cfg(unix)]
 fn bytes_in_use() -> [u64; 2] {
+    let [size, data, stack] = bytes_of_status(["VmSize:", "VmData:", "VmStk:"]);
+    [size, data + stack]
+}
+
+/// Returns values of the process's status on Linux, in bytes; 0 for those that the system
+/// does not report.
+fn bytes_of_status<const N: usize>(keys: [&str; N]) -> [u64; N] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let of = |key: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(key))?;
-        let kib: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
-        Some(kib << 10)
-    };
-    [
-        of("VmSize:").unwrap_or(0),
-        of("VmData:").unwrap_or(0) + of("VmStk:").unwrap_or(0),
-    ]
+    keys.map(|key| {
+        let line = status.lines().find_map(|line| line.strip_prefix(key));
+        let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+        kib.unwrap_or(0) << 10
+    })
 }
 
 /// Returns the bytes available within the limits of the process's control groups.

@@ -1,13 +1,16 @@
 //! How far the hits are.
 
 use crate::film::Film;
-use crate::statistics::floats_at;
+use crate::statistics::{FineHistogram, floats_at, lower_edge};
 
 /// A view of all points shows nothing of a scene whose plane reaches to its horizon: at so
 /// many times the median distance, most of the picture is still that of the scene.
 const HORIZON: f32 = 4.0;
 
-/// The distances of the hits along their camera rays.
+/// The quantiles of the distances.
+const PERCENT: [u64; 4] = [1, 50, 99, 100];
+
+/// The distances of the hits along their camera rays, to .03 %.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Distances {
     /// The lower median; `None` without hits.
@@ -25,8 +28,24 @@ impl Distances {
             distances.extend(row.iter().filter(|distance| distance.is_finite()));
         }
         let last = distances.len().saturating_sub(1);
-        let indices = [1, 50, 99, 100].map(|percent| last * percent / 100);
-        let Some([near, median, far, farthest]) = floats_at(&distances, indices) else {
+        let indices = PERCENT.map(|percent| last * percent as usize / 100);
+        let quantiles = floats_at(&distances, indices);
+        Self::of_quantiles(quantiles.map(|quantiles| quantiles.map(lower_edge)))
+    }
+
+    /// The distances that a histogram counts.
+    pub(super) fn of_histogram(distances: &FineHistogram) -> Self {
+        let last = distances.n.saturating_sub(1);
+        let quantiles = PERCENT.map(|percent| distances.at(last * percent / 100));
+        let [Some(a), Some(b), Some(c), Some(d)] = quantiles else {
+            return Self::of_quantiles(None);
+        };
+        Self::of_quantiles(Some([a, b, c, d]))
+    }
+
+    /// The distances with these [`PERCENT`] quantiles.
+    fn of_quantiles(quantiles: Option<[f32; 4]>) -> Self {
+        let Some([near, median, far, farthest]) = quantiles else {
             return Self {
                 median: None,
                 max_shown: 1.0,

@@ -1,9 +1,8 @@
 //! The field data of VTK files: the scene, the run, the camera and the time.
 
+use super::Survey;
 use crate::camera::{ImagePlane, Projection};
-use crate::chart::Range;
 use crate::cost::Metric;
-use crate::film::Film;
 use crate::paraview::ViewCamera;
 use crate::provenance::{self, RunId};
 use crate::vtk::Field;
@@ -53,8 +52,11 @@ pub(super) fn of_time(time: f64) -> Field {
 
 /// The range of the colors of `cost.png`, which leaves out outliers, as `time_ns_range`;
 /// `None` without cost.
-pub(super) fn of_cost(film: &Film, range: &Range) -> Option<Field> {
-    let [metric, _]: [Metric; 2] = film.heatmap_metrics()?;
-    let name = format!("{}_range", metric.name);
-    Some(Field::floats(name, [range.low, range.high]))
+pub(super) fn of_cost(survey: &Survey) -> Option<Field> {
+    let [Metric { name, .. }, _] = survey.metrics?;
+    let range = survey.range;
+    Some(Field::floats(
+        format!("{name}_range"),
+        [range.low, range.high],
+    ))
 }

@@ -4,7 +4,6 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::RenderingView;
-use super::distances::Distances;
 use super::fields;
 use super::states::States;
 use crate::config::{Config, OptionalOutput};
@@ -43,6 +42,8 @@ pub struct Request<'a> {
     pub is_profiled: bool,
     /// Whether cloud and frame are also written as VTKHDF.
     pub vtkhdf: bool,
+    /// Whether the picture is larger than memory: cloud and frame are written in pieces.
+    pub is_stored: bool,
 }
 
 /// What a writer may use.
@@ -103,11 +104,6 @@ impl Job<'_> {
         partial.map_or(String::new(), |partial| format!("<!-- {partial} -->\n"))
     }
 
-    /// How far the hits are.
-    pub(super) fn distances(&self) -> &Distances {
-        self.states.distances()
-    }
-
     /// The encoding of VTK files.
     pub(super) fn encoding(&self) -> Encoding {
         let rendering = self.rendering;
@@ -126,8 +122,7 @@ impl Job<'_> {
     /// The encoding of VTK files that hold the pixels.
     pub(super) fn encoding_of_pixels(&self) -> Encoding {
         let mut encoding = self.encoding();
-        let range = self.states.cost_range();
-        (encoding.fields).extend(fields::of_cost(self.rendering.film, range));
+        (encoding.fields).extend(fields::of_cost(self.rendering.survey));
         encoding
     }
 }

@@ -1,22 +1,24 @@
 //! `frame.vti`: every pixel, hit or not.
 
 use std::io::{self, Seek, Write};
+use std::ops::Range;
 
 use super::file::{FileContent, OutputFile};
 use crate::film::{Column, Film};
 use crate::vtk::appended;
 use crate::vtk::array::Array;
-use crate::vtk::data_set::DataSet;
+use crate::vtk::data_set::{DataSet, Extent};
 use crate::vtk::encoding::Encoding;
 
 /// The file.
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "frame.vti",
-    is_wanted: |_| true,
+    is_wanted: |request| !request.is_stored,
     content: FileContent::Written(|job, out| {
         let film = job.rendering.film;
-        job.reserve(n_pixels(film) * bytes_per_point(film), out);
-        write(film, job.encoding_of_pixels(), out)
+        let rows = film.row_range();
+        job.reserve(n_pixels(film, &rows) * bytes_per_point(film), out);
+        write_rows(film, rows, job.encoding_of_pixels(), out)
     }),
 };
 
@@ -27,24 +29,46 @@ pub fn write(
     encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    appended::write(&image(film), encoding.into(), out)
+    write_rows(film, film.row_range(), encoding.into(), out)
 }
 
-/// Returns the film as an image.
-pub(super) fn image(film: &Film) -> DataSet<'_> {
+/// Writes some rows of a film as a piece of the image.
+pub(super) fn write_rows(
+    film: &Film,
+    rows: Range<u32>,
+    encoding: Encoding,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    appended::write(&image(film, rows), encoding, out)
+}
+
+/// Returns some rows of a film as a piece of the image.
+pub(super) fn image(film: &Film, rows: Range<u32>) -> DataSet<'_> {
+    let n = n_pixels(film, &rows);
+    let extent = extent(film, &rows);
     let array = |column| {
-        column_array(column, n_pixels(film), |column, out| {
-            write_rows(film, column, out)
+        let rows = rows.clone();
+        column_array(column, n, move |column, out| {
+            write_column(film, &rows, column, out)
         })
     };
     DataSet::Image {
-        size: [film.grid.width, film.grid.height],
+        extent,
         point_data: film.columns().map(array).collect(),
     }
 }
 
-fn n_pixels(film: &Film) -> u64 {
-    u64::from(film.grid.width) * u64::from(film.grid.height)
+/// Where some rows of a film are in the image.
+pub(super) fn extent(film: &Film, rows: &Range<u32>) -> Extent {
+    let height = film.grid.height;
+    Extent {
+        columns: [0, film.grid.width - 1],
+        rows: [height - rows.end, height - rows.start - 1],
+    }
+}
+
+fn n_pixels(film: &Film, rows: &Range<u32>) -> u64 {
+    u64::from(film.grid.width) * rows.len() as u64
 }
 
 /// The bytes of a point in all arrays of the film.
@@ -68,16 +92,26 @@ pub(super) fn column_array<'a>(
     }
 }
 
-fn write_rows(film: &Film, column: &Column, out: &mut dyn Write) -> io::Result<()> {
+fn write_column(
+    film: &Film,
+    rows: &Range<u32>,
+    column: &Column,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let row_bytes = film.grid.width as usize * column.stride();
     let mut buffer = Vec::new();
     for strip in film.strips.iter().rev() {
-        for row in column
+        let all = strip.first_row..strip.first_row + strip.n_rows;
+        if all.end <= rows.start || all.start >= rows.end {
+            continue;
+        }
+        let of_strip = column
             .bytes(film, strip, &mut buffer)
-            .chunks_exact(row_bytes)
-            .rev()
-        {
-            out.write_all(row)?;
+            .chunks_exact(row_bytes);
+        for (row, y) in of_strip.zip(all).rev() {
+            if rows.contains(&y) {
+                out.write_all(row)?;
+            }
         }
     }
     Ok(())

@@ -11,7 +11,8 @@ pub(super) const HITS: OutputFile = OutputFile {
     is_wanted: |request| request.vtkhdf,
     content: FileContent::AtPath(|job, path| {
         let fields = job.encoding_of_pixels().fields;
-        with_cloud(job.rendering.film, job.distances(), |cloud| {
+        let (film, survey) = (job.rendering.film, job.rendering.survey);
+        with_cloud((film, film.row_range()), &survey.distances, |cloud| {
             hdf::write(cloud, &fields, path)
         })
     }),
@@ -23,6 +24,7 @@ pub(super) const FRAME: OutputFile = OutputFile {
     is_wanted: |request| request.vtkhdf,
     content: FileContent::AtPath(|job, path| {
         let fields = job.encoding_of_pixels().fields;
-        hdf::write(&image(job.rendering.film), &fields, path)
+        let film = job.rendering.film;
+        hdf::write(&image(film, film.row_range()), &fields, path)
     }),
 };

@@ -17,12 +17,19 @@ use crate::vtk::encoding::Encoding;
 /// The file.
 pub(crate) const FILE: OutputFile = OutputFile {
     name: "hits.vtu",
-    is_wanted: |_| true,
+    is_wanted: |request| !request.is_stored,
     content: FileContent::Written(|job, out| {
         let film = job.rendering.film;
         let per_hit = bytes_per_point(film) + Column::POSITION.stride() as u64;
-        job.reserve(film.n_hits() as u64 * per_hit, out);
-        write_cloud(film, job.distances(), job.encoding_of_pixels(), out)
+        let survey = job.rendering.survey;
+        job.reserve(survey.n_hits * per_hit, out);
+        let rows = film.row_range();
+        write_rows(
+            (film, rows),
+            &survey.distances,
+            job.encoding_of_pixels(),
+            out,
+        )
     }),
 };
 
@@ -33,12 +40,13 @@ pub fn write(
     encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    write_cloud(film, &Distances::of(film), encoding.into(), out)
+    let rows = film.row_range();
+    write_rows((film, rows), &Distances::of(film), encoding.into(), out)
 }
 
-/// [`write`] for a film whose distances are known.
-fn write_cloud(
-    film: &Film,
+/// [`write`] for some rows of a film, from a strip's first on, whose distances are known.
+pub(super) fn write_rows(
+    film: (&Film, Range<u32>),
     distances: &Distances,
     encoding: Encoding,
     out: &mut (impl Write + Seek),
@@ -48,13 +56,14 @@ fn write_cloud(
     })
 }
 
-/// Calls `write` with the cloud of a film whose distances are known.
+/// Calls `write` with the cloud of some rows of a film, from a strip's first on, whose
+/// distances are known.
 pub(super) fn with_cloud(
-    film: &Film,
+    (film, rows): (&Film, Range<u32>),
     distances: &Distances,
     write: impl FnOnce(&DataSet) -> io::Result<()>,
 ) -> io::Result<()> {
-    let hits = Hits::of(film);
+    let hits = Hits::of(film, &rows);
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
     let array = |column| {
@@ -101,12 +110,15 @@ struct Hits<'a> {
 }
 
 impl<'a> Hits<'a> {
-    fn of(film: &'a Film) -> Self {
-        let runs: Vec<Vec<_>> = film
-            .strips
-            .iter()
-            .map(|strip| hit_runs(&strip.object).collect())
-            .collect();
+    fn of(film: &'a Film, rows: &Range<u32>) -> Self {
+        let runs_of = |strip: &Strip| {
+            if rows.contains(&strip.first_row) {
+                hit_runs(&strip.object).collect()
+            } else {
+                Vec::new()
+            }
+        };
+        let runs: Vec<Vec<_>> = film.strips.iter().map(runs_of).collect();
         let n = runs.iter().flatten().map(Range::len).sum();
         Self { film, runs, n }
     }

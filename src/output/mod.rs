@@ -4,6 +4,7 @@
 //! that fails or is killed leaves the old files.
 
 mod file;
+mod bands;
 mod bounding_sphere;
 mod distances;
 mod fields;
@@ -22,6 +23,8 @@ mod state_files;
 mod states;
 mod summary;
 mod surface;
+mod survey;
+mod surveyor;
 mod thread_time;
 mod tiles;
 mod trace_events;
@@ -29,6 +32,8 @@ mod traced;
 
 use std::time::Duration;
 
+pub use bands::{BandRows, Bands};
+pub(crate) use bands::{FRAME as FRAME_PVTI, HITS as HITS_PVTU, is_piece};
 pub(crate) use fields::of_run as run_fields;
 pub use file::{OutputFile, Request};
 pub(crate) use frame::FILE as FRAME_VTI;
@@ -41,6 +46,8 @@ pub(crate) use objects::{FILE as OBJECTS_CSV, rows_per_thing};
 pub use rays::Traced;
 pub(crate) use state_files::{GEOMETRY, HEATMAP};
 pub use surface::write as write_surface;
+pub use survey::Survey;
+pub(crate) use surveyor::Surveyor;
 pub use thread_time::thread_time;
 pub use tiles::write as write_tiles;
 pub(crate) use traced::STATE as RAYS_STATE;
@@ -82,6 +89,18 @@ pub(crate) fn write_bytes(config: &Config) -> u64 {
     compression_bytes(config.compress) + layers::write_bytes(config) + picture::write_bytes(config)
 }
 
+/// Upper bound of the bytes to write a picture in bands, besides those of their rows.
+pub(crate) fn bytes_beside_bands(config: &Config) -> u64 {
+    compression_bytes(config.compress)
+        + picture::bytes_beside_bands(config)
+        + Surveyor::bytes(&config.image)
+}
+
+/// Upper bound of the bytes to write a pixel of a band.
+pub(crate) fn bytes_per_band_pixel(config: &Config) -> u64 {
+    BYTES_PER_PIXEL + picture::bytes_per_band_pixel(config)
+}
+
 /// Files that are written in parallel.
 struct FileGroup {
     /// The stage that ends with them, if any.
@@ -99,6 +118,8 @@ const GROUPS: [FileGroup; 3] = [
             heatmap::FILE,
             hits::FILE,
             frame::FILE,
+            bands::HITS,
+            bands::FRAME,
             hdf::HITS,
             hdf::FRAME,
             state_files::GEOMETRY,
@@ -161,6 +182,10 @@ pub struct RenderingView<'a> {
     pub meter: &'a Meter,
     /// The pixels and their cost.
     pub film: &'a Film,
+    /// What is known of all pixels together.
+    pub survey: &'a Survey,
+    /// The pieces of a picture that is larger than memory, whose film has no pixels.
+    pub bands: Option<Bands<'a>>,
     /// The time span and the thread of each tile.
     pub schedule: &'a Schedule,
     /// The repeated renderings.
@@ -209,8 +234,22 @@ pub fn write(
         config: rendering.config,
         is_profiled: rendering.profiler.is_some(),
         vtkhdf: rendering.vtkhdf,
+        is_stored: rendering.bands.is_some(),
     };
-    let (mut files, mut written) = (Vec::new(), Vec::new());
+    let mut files = match rendering.bands {
+        None => Vec::new(),
+        Some(bands) => {
+            let job = Job {
+                rendering,
+                stages,
+                states: &states,
+                run,
+                written: &[],
+            };
+            bands.stage(&job, &staging)?
+        }
+    };
+    let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
     for group in &GROUPS {
         let wanted: Vec<&OutputFile> = group
             .files
@@ -235,7 +274,7 @@ pub fn write(
             stages.end(name);
         }
     }
-    staging.commit(&files, &own())?;
+    staging.commit(&files, &own(rendering.bands.map(|bands| bands.rows)))?;
     Ok(written)
 }
 
@@ -244,10 +283,16 @@ pub fn write(
 ///
 /// # Errors
 /// The first such file.
-pub fn refuse_foreign(folder: &OutputFolder) -> Result<(), WriteError> {
-    folder.refuse_foreign(&own())
+pub fn refuse_foreign(folder: &OutputFolder, pieces: Option<BandRows>) -> Result<(), WriteError> {
+    folder.refuse_foreign(&own(pieces))
 }
 
-fn own() -> Own {
-    Own::Listed(files().map(|file| file.name).collect())
+/// All files that a run may have written or writes, in these pieces.
+fn own(pieces: Option<BandRows>) -> Own {
+    let names = files().map(|file| file.name.to_owned());
+    let pieces = pieces.map_or(Vec::new(), |rows| rows.names());
+    Own::Listed {
+        names: names.chain(pieces).collect(),
+        is_numbered: bands::is_piece,
+    }
 }

@@ -5,12 +5,14 @@
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
+use std::ops::Range;
 
 use image::RgbImage;
 use rayon::prelude::*;
 
 use super::file::{FileContent, Job, OutputFile};
-use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends, png};
+use crate::chart::png::PngWriter;
+use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
 use crate::config::Config;
 use crate::film::{Film, STRIP_ROWS, Strip};
 use crate::folder::FileWriter;
@@ -18,10 +20,13 @@ use crate::material::{ArrayScale, ArrayTexture};
 use crate::provenance;
 use crate::scene::Scene;
 
+/// The file's name.
+pub(super) const NAME: &str = "image.png";
+
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {
-    name: "image.png",
-    is_wanted: |_| true,
+    name: NAME,
+    is_wanted: |request| !request.is_stored,
     content: FileContent::Written(|job, out| {
         let film = job.rendering.film;
         let legends = legends(job.rendering.scene);
@@ -36,26 +41,84 @@ pub(super) const FILE: OutputFile = OutputFile {
     }),
 };
 
+/// Writes the picture of a film that comes in bands, from top to bottom: `for_each` calls its
+/// function with each.
+pub(super) fn write_bands(
+    job: &Job,
+    out: &mut FileWriter,
+    for_each: impl FnOnce(&mut dyn FnMut(&Film, Range<u32>) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
+    let legends = legends(job.rendering.scene);
+    if !legends.is_empty() {
+        let grid = &job.rendering.film.grid;
+        let mut picture = RgbImage::new(grid.width, grid.height);
+        for_each(&mut |band, rows| {
+            copy_rows(band, rows, &mut picture);
+            Ok(())
+        })?;
+        draw_legends(&mut picture, &legends);
+        return write(job, picture.chunks_exact(3 * grid.width as usize), out);
+    }
+    let is_deep = job.rendering.config.film.bits > 8;
+    let pixel_bytes = if is_deep { 6 } else { 3 };
+    let mut png = job.begin_png(pixel_bytes, out)?;
+    for_each(&mut |band, rows| {
+        let skipped = (rows.start - band.row_range().start) as usize;
+        if is_deep {
+            let pixels = developed(band);
+            let of_band = pixels.chunks_exact(band.grid.width as usize);
+            let of_band: Vec<&[u8]> = of_band.map(<[_]>::as_flattened).collect();
+            png.add(&of_band[skipped..])
+        } else {
+            let of_band = band.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+            png.add(&of_band.skip(skipped).collect::<Vec<_>>())
+        }
+    })
+}
+
+/// Copies the last rows of a film, from this one on, into the picture.
+fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
+    let row_bytes = 3 * film.grid.width as usize;
+    let skipped = (rows.start - film.row_range().start) as usize;
+    let from = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+    let into = picture
+        .chunks_exact_mut(row_bytes)
+        .skip(rows.start as usize);
+    for (into, row) in into.zip(from.skip(skipped)) {
+        into.copy_from_slice(row);
+    }
+}
+
 /// A pixel of 16 bits per channel, the high byte first.
 type Rgb16 = [u8; 6];
 
 /// Upper bound of the memory to write a picture of 16 bits besides that of one of 8: the
 /// picture, and as much again compressed; and that of a picture with color bars.
 pub(super) fn write_bytes(config: &Config) -> u64 {
+    let of_bands = bytes_per_band_pixel(config) * config.image.n_pixels() as u64;
+    of_bands + bytes_beside_bands(config)
+}
+
+/// Upper bound of the memory of a pixel of the picture while its band is written, besides that
+/// of one of 8 bits.
+pub(super) fn bytes_per_band_pixel(config: &Config) -> u64 {
+    match config.film.bits {
+        8 => 0,
+        _ => 2 * size_of::<Rgb16>() as u64,
+    }
+}
+
+/// Upper bound of the memory to write a picture besides that of its bands.
+pub(super) fn bytes_beside_bands(config: &Config) -> u64 {
     let mut arrays = config
         .materials
         .values()
         .filter_map(|material| material.color.array());
-    let of_bars = if arrays.any(|array| array.bar.is_some()) {
-        size_of::<[u8; 3]>()
+    if arrays.any(|array| array.bar.is_some()) {
+        (size_of::<[u8; 3]>() * config.image.n_pixels()) as u64
     } else {
         0
-    };
-    let per_pixel = match config.film.bits {
-        8 => of_bars,
-        _ => of_bars + 2 * size_of::<Rgb16>(),
-    };
-    (per_pixel * config.image.n_pixels()) as u64
+    }
 }
 
 /// The color bars of the scene's materials, each once.
@@ -109,11 +172,8 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
     let film = job.rendering.film;
     let (width, height) = (film.grid.width, film.grid.height);
     let mut picture = RgbImage::new(width, height);
-    let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
     let row_bytes = 3 * width as usize;
-    for (into, row) in picture.chunks_exact_mut(row_bytes).zip(rows) {
-        into.copy_from_slice(row);
-    }
+    copy_rows(film, film.row_range(), &mut picture);
     draw_legends(&mut picture, legends);
     if job.rendering.config.film.bits == 8 {
         return write(job, picture.chunks_exact(row_bytes), out);
@@ -133,7 +193,7 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
 
 /// The picture of a film that keeps its radiance.
 fn developed(film: &Film) -> Vec<Rgb16> {
-    let n_pixels = film.grid.width as usize * film.grid.height as usize;
+    let n_pixels = film.grid.width as usize * film.row_range().len();
     let mut pixels = vec![[0; 6]; n_pixels];
     let strips = pixels.par_chunks_mut(film.grid.width as usize * STRIP_ROWS as usize);
     let develop = |(places, strip): (&mut [Rgb16], &Strip)| {
@@ -153,12 +213,25 @@ fn write<'a>(
     out: &mut impl Write,
 ) -> io::Result<()> {
     let rows: Vec<&[u8]> = rows.collect();
-    let (run, state) = (job.run.to_string(), job.states.geometry());
-    let mut texts = vec![(provenance::KEY, &*run), ("ParaViewState", &*state)];
-    let partial = job.rendering.partial.map(|partial| partial.to_string());
-    texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
-    let grid = &job.rendering.film.grid;
-    png::write([grid.width, grid.height], &rows, &texts, out)
+    let row_bytes = rows.first().map_or(0, |row| row.len());
+    let pixel_bytes = row_bytes / job.rendering.film.grid.width as usize;
+    job.begin_png(pixel_bytes, out)?.add(&rows)
+}
+
+impl Job<'_> {
+    /// Begins the picture, of so many bytes per pixel.
+    fn begin_png<'o, W: Write>(
+        &self,
+        pixel_bytes: usize,
+        out: &'o mut W,
+    ) -> io::Result<PngWriter<'o, W>> {
+        let (run, state) = (self.run.to_string(), self.states.geometry());
+        let mut texts = vec![(provenance::KEY, &*run), ("ParaViewState", &*state)];
+        let partial = self.rendering.partial.map(|partial| partial.to_string());
+        texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
+        let grid = &self.rendering.film.grid;
+        PngWriter::begin([grid.width, grid.height], pixel_bytes, &texts, out)
+    }
 }
 
 /// Writes a picture of 16 bits per channel.

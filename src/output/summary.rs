@@ -5,7 +5,7 @@ use indexmap::IndexMap;
 use serde_json::Number;
 
 use super::file::{FileContent, Job, OutputFile};
-use super::{RenderingView, thread_time};
+use super::{RenderingView, Survey, thread_time};
 use crate::cost::{Metric, MetricSource, RayKind};
 use crate::film::Film;
 use crate::folder::SUMMARY;
@@ -65,7 +65,7 @@ fn of(job: &Job) -> Summary {
         no_hardware_counters: stages.no_hardware_counters().map(str::to_owned),
         peak_memory_bytes: peak_memory_bytes(),
         n_pixels: Some(config.image.n_pixels() as u64),
-        n_hits: rendering.film.n_hits() as u64,
+        n_hits: rendering.survey.n_hits,
         cost: cost(rendering),
         schedule: Some(rendering.schedule.into()),
         compress: Some(config.compress),
@@ -102,19 +102,19 @@ fn cost(rendering: &RenderingView) -> CostSection {
         mode: film.cost,
         kernel: Some(film.cost.kernel().to_owned()),
         clock: rendering.meter.clock().map(Into::into),
-        totals: has_counters.then(|| totals(film)),
+        totals: has_counters.then(|| totals(film, rendering.survey)),
         mrays_per_second: has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
     }
 }
 
 /// The sums of the film's arrays, by the arrays' names.
-fn totals(film: &Film) -> IndexMap<String, Option<Number>> {
+fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
     let mut totals = IndexMap::new();
     let has = |metric: &Metric| *metric != Metric::SAMPLES || film.counts_samples();
     for metric in Metric::ALL.into_iter().filter(has) {
         let total = if metric.is_timed() {
             let is_measured = Metric::of_times(film.cost) == Some(metric);
-            let time_ns = is_measured.then(|| film.total_time_ns());
+            let time_ns = is_measured.then_some(survey.time_ns);
             time_ns.and_then(Number::from_f64)
         } else {
             Some(metric.of(&film.totals).into())

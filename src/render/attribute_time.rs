@@ -26,8 +26,8 @@ const COUNTERS: [Counter; 7] = [
 /// Nanoseconds per event that each of [`COUNTERS`] counts.
 type Weights = [f64; COUNTERS.len()];
 
-/// Sets the times of all pixels to their shares of their tiles' times. The pixels of a
-/// tile whose thread was interrupted are rejected.
+/// Sets the times of all pixels of a film to their shares of their tiles' times. The
+/// pixels of a tile whose thread was interrupted are rejected.
 pub(super) fn attribute_time(film: &mut Film, schedule: &Schedule) {
     let weights = fitted(&schedule.runs);
     let scales: Vec<f64> = schedule

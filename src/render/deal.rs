@@ -5,15 +5,17 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::Progress;
+use super::canvas::Canvas;
 use super::tile_queue::{TileQueue, TileRuns};
 use crate::checkpoint::TileRecord;
 use crate::ranks::{Message, MessageKind, POLL_EVERY, RankFailure, Team};
 use crate::schedule::{TileRun, WorkerShare};
 
 /// Deals tiles and receives them, until none is left.
-struct Dealer<'a, 'f, F> {
+struct Dealer<'a, 'f, 'c, F> {
     team: &'a Team,
     queue: &'a TileQueue<'a, 'f, F>,
+    canvas: &'a Canvas<'c>,
     shares: Vec<WorkerShare>,
     runs: TileRuns,
     /// The rank and the position of each tile that was dealt and has not been returned.
@@ -23,9 +25,18 @@ struct Dealer<'a, 'f, F> {
 /// Deals tiles of the queue to the workers of a team until all have returned theirs and
 /// none is left; returns the tiles that they have rendered.
 pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) -> TileRuns {
+    queue.with_canvas(|canvas| deal_on(canvas, team, queue))
+}
+
+fn deal_on<'a, F: Fn(Progress) + Sync>(
+    canvas: &'a Canvas,
+    team: &'a Team,
+    queue: &'a TileQueue<'a, '_, F>,
+) -> TileRuns {
     let mut dealer = Dealer {
         team,
         queue,
+        canvas,
         shares: vec![WorkerShare::default(); team.members.len()],
         runs: TileRuns::new(),
         dealt: HashMap::new(),
@@ -50,7 +61,7 @@ pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) ->
     dealer.runs
 }
 
-impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
+impl<F: Fn(Progress) + Sync> Dealer<'_, '_, '_, F> {
     /// Whether a tile is left, or has not been returned.
     fn is_needed(&self) -> bool {
         let is_dealt = self.shares.iter().any(|share| share.n_dealt > 0);
@@ -68,7 +79,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         let wanted = share.n_wanted(member.n_threads.into(), n_left, n_ranks);
         let mut bytes = Vec::new();
         for _ in 0..wanted {
-            let Some((position, tile)) = self.queue.next(&mut self.runs) else {
+            let Some((position, tile)) = self.queue.next(&mut self.runs, self.canvas) else {
                 break;
             };
             self.dealt.insert(tile.number, (rank, position));
@@ -129,11 +140,11 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
                 ..record.run
             },
         );
-        if !self.queue.pass.store(&tile, record, self.queue.canvas) {
+        if !self.queue.pass.store(&tile, record, self.canvas) {
             return None;
         }
         self.shares[rank as usize].returned(run.duration_ns());
-        self.queue.add(&mut self.runs, tile, run);
+        self.queue.add(&mut self.runs, tile, run, self.canvas);
         Some(())
     }
 

@@ -21,8 +21,10 @@ mod prepass;
 mod tile_plan;
 mod samples;
 mod repeat;
+mod stored;
 mod overhead;
 
+use std::ops::Range;
 use std::thread;
 use std::time::Instant;
 
@@ -39,7 +41,7 @@ use deal::deal;
 use pass::Pass;
 pub(crate) use rounds::SampleSums;
 use stream::StreamRenderer;
-use tile_queue::TileQueue;
+use tile_queue::{Target, TileQueue};
 use timed::SingleRayRenderer;
 pub(crate) use view::View;
 
@@ -47,6 +49,7 @@ pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
 pub use pass::Limits;
 pub use repeat::{Repeat, repeat, repeat_within};
 pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
+pub use stored::StoredPicture;
 pub use tile_plan::TilePlan;
 pub use worker::work;
 
@@ -139,9 +142,9 @@ fn render_tiles<R: TileRenderer>(
     renderer: impl Fn() -> R + Sync,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let canvas = Canvas::of(&mut film);
-    let (begin, runs) = pass.keeping(&canvas, |finished| {
-        let queue = TileQueue::new(plan, pass, (&canvas, finished), &report);
+    let target = Target::of(&mut film);
+    let (begin, runs) = pass.keeping(|| {
+        let queue = TileQueue::new(plan, pass, &target, &report);
         let render_some =
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
         let runs = match pass.limits.team {
@@ -158,8 +161,10 @@ fn render_tiles<R: TileRenderer>(
     let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
     schedule.n_threads = pass.n_threads();
     let is_first = pass.number == 0;
-    if is_first {
-        clear_missing(&schedule, &canvas);
+    if let Target::Film(canvas) = &target
+        && is_first
+    {
+        clear_missing(&schedule, 0..plan.grid.n_tiles(), canvas);
     }
     if is_first || schedule.is_whole() {
         note_runs(&mut film, &schedule);
@@ -167,12 +172,12 @@ fn render_tiles<R: TileRenderer>(
     (film, schedule)
 }
 
-/// Makes the pixels of missing tiles black without a hit.
-fn clear_missing(schedule: &Schedule, canvas: &Canvas) {
-    let missing = schedule.runs.par_iter().enumerate();
-    let missing = missing.filter(|(_, run)| run.is_missing);
-    missing.for_each(|(number, _)| {
-        let tile = schedule.grid.tile(number as u32);
+/// Makes the pixels of those of these tiles that are missing black without a hit.
+fn clear_missing(schedule: &Schedule, tiles: Range<u32>, canvas: &Canvas) {
+    let is_missing = |&number: &u32| schedule.runs[number as usize].is_missing;
+    let missing = tiles.into_par_iter().filter(is_missing);
+    missing.for_each(|number| {
+        let tile = schedule.grid.tile(number);
         tile.parts(MAX_PIXELS).for_each(|part| canvas.clear(&part));
     });
 }

@@ -1,6 +1,6 @@
 //! One rendering of a picture: the tiles that it takes over and keeps, and its end.
 
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
@@ -22,6 +22,8 @@ pub struct Limits<'a> {
     pub deadline: Option<Instant>,
     /// The other ranks that render, if this is rank 0 of several.
     pub team: Option<&'a Team>,
+    /// Whether pixels are kept in the files of the checkpoint alone: the film has none.
+    pub is_stored: bool,
 }
 
 /// One of several renderings of a picture.
@@ -35,9 +37,6 @@ pub(super) struct Pass<'a> {
     /// When its new tiles begin, in nanoseconds after the first of those taken over.
     elapsed_ns: u64,
 }
-
-/// Takes note of finished tiles.
-pub(super) struct Finished(Option<Sender<(Tile, TileRun)>>);
 
 impl<'a> Pass<'a> {
     /// The rendering with this number.
@@ -109,44 +108,31 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Does `work`, while a thread of its own keeps the tiles that are finished.
-    pub(super) fn keeping<T>(&self, canvas: &Canvas, work: impl FnOnce(&Finished) -> T) -> T {
+    /// Does `work`, while a thread of its own gives the tiles that are kept to the system.
+    pub(super) fn keeping<T>(&self, work: impl FnOnce() -> T) -> T {
         let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) else {
-            return work(&Finished(None));
+            return work();
         };
         checkpoint.begin(self.n_threads_now());
-        std::thread::scope(|scope| {
-            let (sender, receiver) = mpsc::channel();
-            scope.spawn(move || self.keep(checkpoint, canvas, &receiver));
-            work(&Finished(Some(sender)))
-        })
-    }
-
-    /// Keeps tiles until the last of their senders ends.
-    fn keep(&self, checkpoint: &Checkpoint, canvas: &Canvas, finished: &Receiver<(Tile, TileRun)>) {
-        let mut flushed = Instant::now();
-        loop {
-            let left = FLUSH_EVERY.saturating_sub(flushed.elapsed());
-            match finished.recv_timeout(left) {
-                Ok((tile, run)) => checkpoint.keep(&canvas.record(&tile, self.number, run)),
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
-            }
-            if flushed.elapsed() >= FLUSH_EVERY {
-                checkpoint.flush();
-                flushed = Instant::now();
-            }
-        }
+        let done = std::thread::scope(|scope| {
+            let (sender, receiver) = mpsc::channel::<()>();
+            scope.spawn(move || {
+                while receiver.recv_timeout(FLUSH_EVERY) == Err(RecvTimeoutError::Timeout) {
+                    checkpoint.flush();
+                }
+            });
+            let done = work();
+            drop(sender);
+            done
+        });
         checkpoint.flush();
+        done
     }
-}
 
-impl Finished {
-    /// The tile is in the film as a whole.
-    pub(super) fn add(&self, tile: Tile, run: TileRun) {
-        if let Some(sender) = &self.0 {
-            // The receiver ends after all senders.
-            let _ = sender.send((tile, run));
+    /// Keeps a finished tile, if tiles are kept.
+    pub(super) fn keep(&self, tile: &Tile, run: TileRun, canvas: &Canvas) {
+        if let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) {
+            checkpoint.keep(&canvas.record(tile, self.number, run));
         }
     }
 }

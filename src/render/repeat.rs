@@ -104,7 +104,11 @@ pub fn repeat_within(
 ) -> (Film, Schedule, Vec<Repeat>) {
     let view = View::new(scene, accel, &plan.image);
     let begin = Instant::now();
-    let mut film = plan.film(scene, meter.mode());
+    let mut film = if limits.is_stored {
+        plan.film_without_rows(scene, meter.mode())
+    } else {
+        plan.film(scene, meter.mode())
+    };
     film.repeats = repeats;
     let mut samples = (film.cost.has_time() && repeats.has_spread()).then(|| Samples::new(&film));
     let mut done: Vec<Repeat> = Vec::new();

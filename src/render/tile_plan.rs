@@ -121,9 +121,15 @@ impl TilePlan {
 
     /// Creates an empty film of the picture.
     pub(super) fn film(&self, scene: &Scene, cost: CostMode) -> Film {
+        self.film_without_rows(scene, cost)
+            .with_rows(0..self.grid.height)
+    }
+
+    /// Creates a film of the picture that has none of its pixels.
+    pub(super) fn film_without_rows(&self, scene: &Scene, cost: CostMode) -> Film {
         Film {
             development: scene.development,
-            ..Film::with_extra(
+            ..Film::without_rows(
                 scene.extra_arrays,
                 self.grid,
                 self.image.uniform_samples(),

@@ -4,21 +4,49 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use super::canvas::Canvas;
-use super::pass::{Finished, Pass};
+use super::pass::Pass;
 use super::{Progress, TilePlan, TileRenderer, render_tile};
 use crate::cost::Interruptions;
+use crate::film::Film;
 use crate::schedule::{Tile, TileRun};
 use crate::stop;
 
 /// Tiles with their numbers that a thread has rendered or taken over.
 pub(super) type TileRuns = Vec<(u32, TileRun)>;
 
+/// What threads render tiles to.
+pub(super) enum Target<'f> {
+    /// The film of the picture.
+    Film(Canvas<'f>),
+    /// Films of one tile, one for each thread, like this one without rows: the pass keeps
+    /// the tiles.
+    Tiles(&'f Film),
+}
+
+impl<'f> Target<'f> {
+    /// The film, or films of one tile if it has no rows.
+    pub(super) fn of(film: &'f mut Film) -> Self {
+        if film.has_rows() {
+            Self::Film(Canvas::of(film))
+        } else {
+            Self::Tiles(film)
+        }
+    }
+
+    /// Does `work` with the canvas of the calling thread.
+    fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
+        match self {
+            Self::Film(canvas) => work(canvas),
+            Self::Tiles(film) => work(&Canvas::of_one_tile(&mut film.of_one_tile())),
+        }
+    }
+}
+
 /// Tiles in the order of a plan, which threads take one by one.
 pub(super) struct TileQueue<'a, 'f, F> {
     pub(super) plan: &'a TilePlan,
     pub(super) pass: &'a Pass<'a>,
-    pub(super) canvas: &'a Canvas<'f>,
-    pub(super) finished: &'a Finished,
+    target: &'a Target<'f>,
     pub(super) report: &'a F,
     /// When the rendering begins.
     pub(super) begin: Instant,
@@ -31,46 +59,54 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
     pub(super) fn new(
         plan: &'a TilePlan,
         pass: &'a Pass<'a>,
-        (canvas, finished): (&'a Canvas<'f>, &'a Finished),
+        target: &'a Target<'f>,
         report: &'a F,
     ) -> Self {
         Self {
             plan,
             pass,
-            canvas,
-            finished,
+            target,
             report,
             begin: Instant::now(),
             n_taken: AtomicU32::new(0),
         }
     }
 
+    /// Does `work` with the canvas of the calling thread.
+    pub(super) fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
+        self.target.with_canvas(work)
+    }
+
     /// Renders tiles on the calling thread, which has this number, until none is left.
-    pub(super) fn render(&self, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
+    pub(super) fn render(&self, thread: u32, renderer: impl TileRenderer) -> TileRuns {
+        self.with_canvas(|canvas| self.render_on(canvas, thread, renderer))
+    }
+
+    fn render_on(&self, canvas: &Canvas, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
         let mut interruptions = Interruptions::of_this_thread();
         let mut runs = TileRuns::new();
-        while let Some((position, tile)) = self.next(&mut runs) {
+        while let Some((position, tile)) = self.next(&mut runs, canvas) {
             interruptions.take();
-            let run = render_tile(&mut renderer, &tile, self.canvas, self.begin);
+            let run = render_tile(&mut renderer, &tile, canvas, self.begin);
             let run = self.pass.after_restored(TileRun {
                 thread,
                 position,
                 is_interrupted: interruptions.take(),
                 ..run
             });
-            self.add(&mut runs, tile, run);
+            self.add(&mut runs, tile, run, canvas);
         }
         runs
     }
 
     /// The next tile that has to be rendered, and its position; takes over the tiles before
     /// it that other runs have rendered.
-    pub(super) fn next(&self, runs: &mut TileRuns) -> Option<(u32, Tile)> {
+    pub(super) fn next(&self, runs: &mut TileRuns, canvas: &Canvas) -> Option<(u32, Tile)> {
         loop {
             let position = self.n_taken.fetch_add(1, Ordering::Relaxed);
             let tile = self.plan.tile(position);
             let tile = tile.filter(|_| !self.pass.is_canceled())?;
-            match self.pass.restored(&tile, self.canvas) {
+            match self.pass.restored(&tile, canvas) {
                 Some(run) => self.note(runs, &tile, TileRun { position, ..run }, true),
                 None if self.pass.is_over() => {}
                 None => return Some((position, tile)),
@@ -78,11 +114,11 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         }
     }
 
-    /// Takes note of a tile that was rendered into the film.
-    pub(super) fn add(&self, runs: &mut TileRuns, tile: Tile, run: TileRun) {
+    /// Takes note of a tile that was rendered to the canvas.
+    pub(super) fn add(&self, runs: &mut TileRuns, tile: Tile, run: TileRun, canvas: &Canvas) {
         // A tile that was stopped is not whole.
         if !stop::is_requested() {
-            self.finished.add(tile, run);
+            self.pass.keep(&tile, run, canvas);
         }
         self.note(runs, &tile, run, false);
     }

@@ -9,6 +9,7 @@ use super::stream::StreamRenderer;
 use super::timed::SingleRayRenderer;
 use super::{TilePlan, TileRenderer, View, render_tile};
 use crate::accel::Accel;
+use crate::checkpoint::TileRecord;
 use crate::cost::{Counters, Interruptions, Meter, NoProbe};
 use crate::film::Film;
 use crate::ranks::{MessageKind, POLL_EVERY, RankWork, Ranks};
@@ -24,14 +25,11 @@ const DEALT_BYTES: usize = size_of::<u8>() + size_of::<u32>();
 
 /// The number of a rendering, and that of a tile.
 type DealtTile = (u8, u32);
-/// A rendered tile.
-type RenderedTileRun = (DealtTile, TileRun);
-
 /// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each
 /// pixel measured with the `meter`, and sends them back, until rank 0 has no more. After a
 /// request to stop ([`stop`]) it ends at once.
 pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, meter: &Meter) {
-    let film = plan.film(scene, meter.mode());
+    let film = &plan.film_without_rows(scene, meter.mode());
     let view = View::new(scene, accel, &plan.image);
     match meter {
         Meter::Off => render_dealt(ranks, film, plan, || StreamRenderer::<NoProbe>::new(view)),
@@ -47,17 +45,14 @@ pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, me
 
 fn render_dealt<R: TileRenderer>(
     ranks: &Ranks,
-    mut film: Film,
+    film: &Film,
     plan: &TilePlan,
     renderer: impl Fn() -> R + Sync,
 ) {
-    let canvas = Canvas::of(&mut film);
     let (to_threads, dealt) = mpsc::channel();
     let (to_rank_0, rendered) = mpsc::channel();
     let post = Post {
         ranks,
-        canvas: &canvas,
-        plan,
         rendered,
         work: RankWork::default(),
     };
@@ -66,8 +61,15 @@ fn render_dealt<R: TileRenderer>(
         scope.spawn(|| post.carry(to_threads));
         rayon::broadcast(|context| {
             let thread = context.index() as u32;
-            let renderer = renderer();
-            render_some(thread, renderer, (ranks, plan, &canvas), &dealt, &to_rank_0);
+            let mut film = film.of_one_tile();
+            let canvas = Canvas::of_one_tile(&mut film);
+            render_some(
+                thread,
+                renderer(),
+                (ranks, plan, &canvas),
+                &dealt,
+                &to_rank_0,
+            );
         });
     });
 }
@@ -78,7 +80,7 @@ fn render_some(
     mut renderer: impl TileRenderer,
     (ranks, plan, canvas): (&Ranks, &TilePlan, &Canvas),
     dealt: &Mutex<Receiver<DealtTile>>,
-    to_rank_0: &Sender<RenderedTileRun>,
+    to_rank_0: &Sender<TileRecord>,
 ) {
     let mut interruptions = Interruptions::of_this_thread();
     let next = || dealt.lock().unwrap_or_else(PoisonError::into_inner).recv();
@@ -91,8 +93,9 @@ fn render_some(
             is_interrupted: interruptions.take(),
             ..run
         };
+        let record = canvas.record(&tile, rendering, run);
         // A tile that was stopped is not whole.
-        if stop::is_requested() || to_rank_0.send(((rendering, number), run)).is_err() {
+        if stop::is_requested() || to_rank_0.send(record).is_err() {
             return;
         }
     }
@@ -109,9 +112,7 @@ fn give(bytes: &[u8], to_threads: &Sender<DealtTile>) {
 /// Carries tiles between rank 0 and the threads of a worker.
 struct Post<'a> {
     ranks: &'a Ranks,
-    canvas: &'a Canvas<'a>,
-    plan: &'a TilePlan,
-    rendered: Receiver<RenderedTileRun>,
+    rendered: Receiver<TileRecord>,
     work: RankWork,
 }
 
@@ -142,11 +143,9 @@ impl Post<'_> {
     /// Sends the tiles that the threads have rendered; false if there are none.
     fn send_rendered(&mut self) -> bool {
         let mut bytes = Vec::new();
-        while let Some(((rendering, number), run)) = self.next_rendered(bytes.len()) {
+        while let Some(record) = self.next_rendered(bytes.len()) {
             let begin = bytes.len();
             bytes.extend([0; size_of::<u32>()]);
-            let tile = self.plan.grid.tile(number);
-            let record = self.canvas.record(&tile, rendering, run);
             record.append_to(&mut bytes);
             let length = (bytes.len() - begin - size_of::<u32>()) as u32;
             bytes[begin..begin + size_of::<u32>()].copy_from_slice(&length.to_le_bytes());
@@ -159,7 +158,7 @@ impl Post<'_> {
     }
 
     /// A rendered tile for a message that already has so many bytes.
-    fn next_rendered(&self, n_bytes: usize) -> Option<RenderedTileRun> {
+    fn next_rendered(&self, n_bytes: usize) -> Option<TileRecord> {
         if n_bytes < MAX_BYTES {
             self.rendered.try_recv().ok()
         } else {

@@ -8,18 +8,23 @@
 mod frame;
 mod objects;
 mod verify;
-mod data;
+mod arrays;
+mod pieces;
+mod frame_file;
+mod hits_file;
 
 use std::path::{Path, PathBuf};
 
-pub use data::{ArrayInfo, FrameFile, HitsFile, LoadedArray};
+pub use arrays::{ArrayInfo, LoadedArray};
 pub(crate) use frame::complete_frame;
+pub use frame_file::{FrameFile, FramePiece};
+pub use hits_file::{HitsFile, HitsPiece};
 pub use objects::ObjectsTable;
 pub use verify::{Verdict, verify};
 
 use crate::folder::settle;
 use crate::host::advice;
-use crate::output::{FRAME_VTI, HITS_VTU};
+use crate::output::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, is_piece};
 use crate::provenance::checksum;
 use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::text::Diagnostic;
@@ -75,40 +80,58 @@ impl Results {
         &self.folder
     }
 
-    /// Opens `frame.vti`.
+    /// The file of all pixels: `frame.vti`, or `frame.pvti` if it has pieces.
+    pub fn frame_name(&self) -> &'static str {
+        match self.listed(FRAME_PVTI.name) {
+            Some(_) => FRAME_PVTI.name,
+            None => FRAME_VTI.name,
+        }
+    }
+
+    /// The file of the hit points: `hits.vtu`, or `hits.pvtu` if it has pieces.
+    pub fn hits_name(&self) -> &'static str {
+        match self.listed(HITS_PVTU.name) {
+            Some(_) => HITS_PVTU.name,
+            None => HITS_VTU.name,
+        }
+    }
+
+    /// Opens `frame.vti`, or the pieces of `frame.pvti`.
     ///
     /// # Errors
     /// The file is missing, damaged or not written by raycost, or its size differs
     /// from the summary's.
     pub fn frame(&self) -> Result<FrameFile, Diagnostic> {
-        let frame = FrameFile::open(&self.file(FRAME_VTI.name)?)?;
+        let name = self.frame_name();
+        let frame = FrameFile::open(&self.file(name)?)?;
         let ImageSection { width, height, .. } = self.summary.image;
         let found = (frame.width(), frame.height());
         if found != (width, height) {
             return Err(self.mixed(format!(
-                "frame.vti has {} x {} pixels, summary.json says {width} x {height}",
+                "{name} has {} x {} pixels, summary.json says {width} x {height}",
                 found.0, found.1
             )));
         }
-        self.check_run(FRAME_VTI.name, frame.run())?;
+        self.check_run(name, frame.run())?;
         Ok(frame)
     }
 
-    /// Opens `hits.vtu`.
+    /// Opens `hits.vtu`, or the pieces of `hits.pvtu`.
     ///
     /// # Errors
     /// The file is missing, damaged or not written by raycost, or its number of
     /// points differs from the summary's.
     pub fn hits(&self) -> Result<HitsFile, Diagnostic> {
-        let hits = HitsFile::open(&self.file(HITS_VTU.name)?)?;
+        let name = self.hits_name();
+        let hits = HitsFile::open(&self.file(name)?)?;
         if hits.n_points() as u64 != self.summary.n_hits {
             return Err(self.mixed(format!(
-                "hits.vtu has {}, summary.json says {}",
+                "{name} has {}, summary.json says {}",
                 counted(hits.n_points() as u64, "point"),
                 counted(self.summary.n_hits, "hit")
             )));
         }
-        self.check_run(HITS_VTU.name, hits.run())?;
+        self.check_run(name, hits.run())?;
         Ok(hits)
     }
 
@@ -130,7 +153,12 @@ impl Results {
         if run != expected.as_deref() {
             return Err(self.mixed(format!("{name} is not of the run of summary.json")));
         }
-        self.check_length(name)
+        self.check_length(name)?;
+        // Lists of pieces are of their run.
+        let files = self.summary.files.iter().map(|file| file.name.as_str());
+        files
+            .filter(|file| is_piece(file))
+            .try_for_each(|piece| self.check_length(piece))
     }
 
     /// Checks the length of a file against the summary.

@@ -10,7 +10,7 @@ use crate::folder::{Replace, WriteError, write_file_at};
 use crate::output::vertices;
 use crate::text::Diagnostic;
 use crate::vtk::array::Array;
-use crate::vtk::data_set::DataSet;
+use crate::vtk::data_set::{DataSet, Extent};
 use crate::vtk::hdf::HdfWriter;
 use crate::vtk::read::{DataArrayElement, DataArraysElement, VtkHeader, VtkReader, scalar_of};
 
@@ -51,8 +51,8 @@ fn append(file: &mut HdfWriter, path: &Path) -> io::Result<()> {
             let (width, height) = image.piece.size().unwrap_or_default();
             let n = u64::from(width) * u64::from(height);
             let point_data = arrays(&reader, &image.piece.point_data, n)?;
-            let size = [width, height];
-            (&image.field_data, DataSet::Image { size, point_data })
+            let extent = Extent::of_size([width, height]);
+            (&image.field_data, DataSet::Image { extent, point_data })
         }
         (None, Some(grid)) => {
             let n = grid.piece.n_points;

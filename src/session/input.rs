@@ -19,6 +19,8 @@ pub struct Input {
     pub geometries: Geometries,
     /// The frame of an animated scene.
     pub frame: Option<FrameSection>,
+    /// The memory that its rendering needs.
+    pub memory: Memory,
 }
 
 impl Input {
@@ -59,10 +61,10 @@ impl Input {
         let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;
         // The geometries are part of the need, but were not yet allocated when
         // `available` was measured.
-        needed(&config, &geometries)
-            .check(available)
-            .map_err(point_at)?;
+        let memory = needed(&config, &geometries);
+        memory.check(available).map_err(point_at)?;
         Ok(Self {
+            memory,
             document,
             config,
             geometries,

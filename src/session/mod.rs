@@ -22,10 +22,10 @@ use serde::Serialize;
 use crate::accel::{AccelIndex, BvhStatistics, FrameBase};
 use crate::animation::HierarchyUpdate;
 use crate::config::Config;
-use crate::film::{Column, columns};
+use crate::film::{self, Column, columns};
 use crate::folder::OutputFolder;
 use crate::memory::Memory;
-use crate::output;
+use crate::output::{self, BandRows};
 use crate::provenance::Checksum;
 use crate::scene::Scene;
 use crate::summary::{FrameSection, OtherRuns, Threads};
@@ -58,6 +58,8 @@ pub struct Session {
     frame: Option<FrameSection>,
     config: Config,
     scene: Scene,
+    /// Rows of the picture that are in memory at a time, if not all.
+    band_rows: Option<u32>,
     /// The index of the acceleration structure, built by the first rendering.
     index: OnceLock<Arc<AccelIndex>>,
     /// The structure of another frame, from which that of this one comes.
@@ -123,6 +125,7 @@ impl Session {
             config,
             geometries,
             frame,
+            memory,
         } = input;
         let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
         let name = Path::new(document.name()).file_stem().unwrap_or_default();
@@ -132,6 +135,7 @@ impl Session {
             frame,
             config,
             scene,
+            band_rows: memory.band_rows,
             index: OnceLock::new(),
             base: OnceLock::new(),
             base_contents: OnceLock::new(),
@@ -167,9 +171,18 @@ impl Session {
     /// The folder cannot be written to, has too little space, or has a file of
     /// another program where raycost would write.
     pub(crate) fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
-        let folder = OutputFolder::create(path, least_bytes(&self.config))?;
-        output::refuse_foreign(&folder)?;
+        let of_tiles = self.bands().map_or(0, |_| stored_bytes(&self.config));
+        let folder = OutputFolder::create(path, least_bytes(&self.config) + of_tiles)?;
+        output::refuse_foreign(&folder, self.bands())?;
         Ok(folder)
+    }
+
+    /// The rows of the pieces in which the picture is written if it is larger than memory:
+    /// then its tiles have to be kept in files.
+    pub(crate) fn bands(&self) -> Option<BandRows> {
+        let height = self.config.image.height;
+        let rows = |n_rows| BandRows { height, n_rows };
+        self.band_rows.map(rows)
     }
 
     /// Renders the scene and measures what its config asks for. The first rendering
@@ -208,6 +221,7 @@ impl Session {
             measured,
             vtkhdf: options.vtkhdf,
             pool,
+            survey: OnceLock::new(),
         })
     }
 
@@ -259,6 +273,12 @@ impl Session {
     fn scene_file(&self) -> &str {
         self.document.name()
     }
+}
+
+/// Lower bound of the bytes of the files of tiles.
+fn stored_bytes(config: &Config) -> u64 {
+    let per_pixel = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+    (config.image.n_pixels() * per_pixel) as u64
 }
 
 /// Lower bound of the bytes of the files, whatever the camera sees and however well

@@ -1,18 +1,23 @@
 //! A rendered scene.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
-use super::Session;
+use super::options::{Options, Report};
+use super::{RenderError, Session};
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
+use crate::checkpoint::Checkpoint;
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::folder::{OutputFolder, WriteError, Written};
 use crate::instruments::{Profiler, Stages};
-use crate::output;
-use crate::render::{Overhead, Repeat, least_repeats};
+use crate::output::{self, BandRows, Bands, Survey};
+use crate::render::{Overhead, Repeat, StoredPicture, least_repeats};
 use crate::schedule::Schedule;
+use crate::stop;
 use crate::summary::{OtherRuns, Partial, RanksSection, Threads};
+use crate::text::Diagnostic;
 
 /// The pixels of a scene, what they cost, and how they were rendered.
 #[derive(Debug)]
@@ -24,6 +29,7 @@ pub struct Rendering<'s> {
     pub(super) threads: Threads,
     pub(super) vtkhdf: bool,
     pub(super) pool: rayon::ThreadPool,
+    pub(super) survey: OnceLock<Survey>,
 }
 
 /// The results of a rendering.
@@ -97,6 +103,57 @@ impl Rendering<'_> {
         written
     }
 
+    /// Writes a picture that is larger than memory from the files of its tiles.
+    ///
+    /// # Errors
+    /// A file cannot be written; then no file has changed. Or a tile cannot be read, which
+    /// the checkpoint knows, or the rendering is canceled.
+    pub(crate) fn write_stored(
+        &mut self,
+        folder: &OutputFolder,
+        profiler: Option<&Profiler>,
+        (checkpoint, rows): (&Checkpoint, BandRows),
+        options: &Options,
+    ) -> Result<Vec<Written>, RenderError> {
+        let film = &self.measured.film;
+        let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
+        let bands = self.bands(checkpoint, rows);
+        let survey = options.reported("survey", n_pixels, |report: Report| {
+            self.pool.install(|| bands.survey(report))
+        });
+        stop::check()?;
+        let survey = survey.ok_or_else(unreadable)?;
+        if let [repeat] = &mut self.measured.repeats[..] {
+            repeat.pixels_ns = repeat.pixels_ns.map(|_| survey.time_ns);
+            repeat.n_rejected = survey.n_rejected;
+        }
+        self.survey = survey.into();
+        let mut stages = std::mem::take(&mut self.stages);
+        stages.end("survey");
+        let written = options.reported("write", n_pixels, |report: Report| {
+            let view = output::RenderingView {
+                bands: Some(self.bands(checkpoint, rows).reporting(report)),
+                ..self.view(profiler)
+            };
+            (self.pool).install(|| output::write(&view, folder, &mut stages))
+        });
+        stages.end("commit");
+        self.stages = stages;
+        stop::check()?;
+        if checkpoint.has_failed() {
+            return Err(unreadable());
+        }
+        written.map_err(|error| {
+            RenderError::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
+        })
+    }
+
+    fn bands<'a>(&'a self, checkpoint: &'a Checkpoint, rows: BandRows) -> Bands<'a> {
+        let Measured { film, schedule, .. } = &self.measured;
+        let picture = StoredPicture::new(self.session.scene(), (film, schedule), checkpoint);
+        Bands::new(picture, rows)
+    }
+
     /// What is missing because the rendering ended at a deadline; `None` if nothing is.
     pub(crate) fn partial(&self) -> Option<Partial> {
         let Measured {
@@ -108,6 +165,12 @@ impl Rendering<'_> {
         let n_rendered = schedule.rendered().count() as u32;
         let asked = least_repeats(self.session.config());
         Partial::of([n_rendered, *n_tiles], [film.n_repeats, asked])
+    }
+
+    /// What is known of all pixels together.
+    fn survey(&self) -> &Survey {
+        let survey = || Survey::of(&self.measured.film);
+        self.survey.get_or_init(|| self.pool.install(survey))
     }
 
     /// Borrows the rendering for the writers.
@@ -123,6 +186,8 @@ impl Rendering<'_> {
             bvh: measured.bvh,
             meter: &measured.meter,
             film: &measured.film,
+            survey: self.survey(),
+            bands: None,
             schedule: &measured.schedule,
             repeats: &measured.repeats,
             partial: self.partial(),
@@ -135,4 +200,11 @@ impl Rendering<'_> {
             threads: self.threads,
         }
     }
+}
+
+/// Why a picture cannot be written from the files of its tiles.
+fn unreadable() -> RenderError {
+    let message = "the finished tiles in the output folder cannot be read again";
+    let help = "leave the folder as it is while raycost runs, and render again";
+    RenderError::Machine(Diagnostic::new(message).with_help(help))
 }

@@ -4,6 +4,7 @@
 //! Comparisons use ranks alone: an interrupted run is one high rank, however
 //! long it took, and no distribution of the noise is assumed.
 
+mod fine_histogram;
 mod floats;
 mod least_squares;
 mod order;
@@ -11,6 +12,7 @@ mod rank_sum;
 mod ratio;
 mod sample;
 
+pub use fine_histogram::{FineHistogram, lower_edge};
 pub use floats::floats_at;
 pub use least_squares::non_negative_least_squares;
 pub use order::{median, upper_median};

@@ -97,7 +97,7 @@ impl From<&Schedule> for ScheduleSection {
 impl From<&Written> for FileEntry {
     fn from(written: &Written) -> Self {
         Self {
-            name: written.file.to_owned(),
+            name: written.file.clone(),
             bytes: written.bytes,
             checksum: Some(written.checksum),
             write_ms: Some(written.write_ms),

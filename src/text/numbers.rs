@@ -69,6 +69,40 @@ pub(crate) fn parse_duration(text: &str) -> Result<Duration, String> {
     duration.ok_or_else(|| "expected a duration such as 90s, 30m or 1.5h".to_owned())
 }
 
+/// Reads a size of memory such as `500M`, `4G` or `1.5 GiB`: a number above 0 and its unit.
+/// `K`, `M`, `G` and `T` are powers of 1024, as those with `iB`; `kB`, `MB`, `GB` and `TB` are
+/// powers of 1000.
+///
+/// # Errors
+/// What is expected.
+pub(crate) fn parse_bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let digits = text
+        .find(|c: char| c.is_ascii_alphabetic())
+        .unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let exponent = |letter: &str| {
+        ["K", "M", "G", "T"]
+            .iter()
+            .position(|known| *known == letter)
+    };
+    let unit = unit.to_ascii_uppercase();
+    let (letter, base) = match unit.strip_suffix("IB") {
+        Some(letter) => (letter, 1024.0),
+        None => match unit.strip_suffix('B') {
+            Some(letter) => (letter, 1000.0),
+            None => (&*unit, 1024.0),
+        },
+    };
+    let factor = exponent(letter).map(|exponent| f64::powi(base, exponent as i32 + 1));
+    let number = number.trim().parse::<f64>().ok().filter(|&n| n > 0.0);
+    let n_bytes = factor.zip(number).map(|(factor, n)| n * factor);
+    let n_bytes = n_bytes.filter(|n| (1.0..1e18).contains(n));
+    n_bytes
+        .map(|n| n as u64)
+        .ok_or_else(|| "expected a size such as 500M or 4G".to_owned())
+}
+
 /// The path as one word for a shell.
 pub(crate) fn shell_word(path: &Path) -> String {
     let text = one_line(&path.to_string_lossy()).into_owned();
@@ -129,6 +163,20 @@ mod tests {
             "", "30", "m", "-1s", "0s", "nan s", "inf s", "1e300d", "1 week", "1m30s",
         ] {
             assert!(parse_duration(wrong).is_err(), "{wrong}");
+        }
+        let sizes = [
+            ("4G", 4 << 30),
+            ("1.5 GiB", 3 << 29),
+            ("500mb", 500_000_000),
+            ("64k", 1 << 16),
+        ];
+        for (text, n_bytes) in sizes {
+            assert_eq!(parse_bytes(text), Ok(n_bytes), "{text}");
+        }
+        for wrong in [
+            "", "4", "G", "-1G", "0M", "nan G", "1e300T", "4 X", "iB", "4B",
+        ] {
+            assert!(parse_bytes(wrong).is_err(), "{wrong}");
         }
         assert_eq!(duration(Duration::from_nanos(60)), "60 ns");
         assert_eq!(duration(Duration::from_micros(1250)), "1.25 ms");

@@ -8,7 +8,7 @@ use crate::text::numbers::count;
 use crate::vtk::ArrayValues;
 
 /// Hit points and their pixels.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Cloud {
     /// Three coordinates per point, in world space.
     positions: Vec<f32>,
@@ -22,21 +22,25 @@ impl Cloud {
     /// Reads the points of all shown pixels, so that each pixel that is marked or
     /// probed in the picture has its point.
     pub(super) fn read(hits: &mut HitsFile, pixels: &ShownPixels) -> Result<Self, Diagnostic> {
-        let points = hits.read_points()?;
-        let of_points = hits.read("pixel")?.values;
-        let of_points = of_points.iter().map(|pixel| pixels.index(pixel as u64));
-        Ok(Self::of(&points, of_points))
+        let mut cloud = Self::default();
+        for piece in hits.pieces() {
+            let points = piece.read_points()?;
+            let of_points = piece.read("pixel")?.values;
+            let of_points = of_points.iter().map(|pixel| pixels.index(pixel as u64));
+            cloud.add(&points, of_points);
+        }
+        Ok(cloud)
     }
 
-    fn of(points: &[[f32; 3]], pixels: impl Iterator<Item = Option<u32>>) -> Self {
-        let shown = points.iter().zip(pixels);
-        let shown = shown.filter_map(|(point, pixel)| Some((point, pixel?)));
-        let (positions, pixels): (Vec<[f32; 3]>, Vec<u32>) = shown.unzip();
-        Self {
-            positions: positions.into_flattened(),
-            pixels,
-            n_all: points.len(),
+    /// Adds the points of shown pixels.
+    fn add(&mut self, points: &[[f32; 3]], pixels: impl Iterator<Item = Option<u32>>) {
+        for (point, pixel) in points.iter().zip(pixels) {
+            if let Some(pixel) = pixel {
+                self.positions.extend(point);
+                self.pixels.push(pixel);
+            }
         }
+        self.n_all += points.len();
     }
 
     /// The number of shown points.
@@ -74,10 +78,15 @@ mod tests {
     fn each_shown_pixel_has_its_point() {
         let points: Vec<[f32; 3]> = (0..100_u8).map(|i| [i.into(); 3]).collect();
         let pixels = (0..100).map(|i: u32| i.is_multiple_of(2).then_some(i));
-        let cloud = Cloud::of(&points, pixels);
+        let of = |points: &[[f32; 3]], pixels: &mut dyn Iterator<Item = Option<u32>>| {
+            let mut cloud = Cloud::default();
+            cloud.add(points, pixels);
+            cloud
+        };
+        let cloud = of(&points, &mut { pixels });
         assert_eq!((cloud.len(), cloud.n_all()), (50, 100));
         assert_eq!(cloud.positions[3..6], [2.0; 3]);
         assert!(cloud.note().unwrap().contains("50 of 100 hit points"));
-        assert_eq!(Cloud::of(&[], [].into_iter()).note(), None);
+        assert_eq!(of(&[], &mut [].into_iter()).note(), None);
     }
 }

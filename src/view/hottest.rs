@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::frame::ShownPixels;
 use crate::cost::Metric;
 use crate::film::{HotPixel, Times, highest_counts};
-use crate::results::FrameFile;
+use crate::results::{FrameFile, FramePiece};
 use crate::summary::Summary;
 use crate::text::Diagnostic;
 use crate::text::numbers::shell_word;
@@ -64,26 +64,51 @@ fn by_time(
     frame: &mut FrameFile,
 ) -> Result<Vec<HotPixel>, Diagnostic> {
     let width = frame.width() as usize;
-    let mut read = |name: &str| {
-        if frame.has(name) {
-            frame.read(name).map(|array| Some(array.values))
-        } else {
-            Ok(None)
-        }
-    };
-    let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(&mut read);
-    let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
     let n_repeats = summary.repeats.as_ref().map_or(1, |repeats| repeats.n);
-    let times = Times {
-        ns: rows_of_f32(ns.as_ref(), width),
-        mad_ns: rows_of_f32(mad_ns.as_ref(), width),
-        n_rejected: match &n_rejected {
-            Some(ArrayValues::U8(all)) => all.chunks_exact(width).collect(),
-            _ => Vec::new(),
-        },
-        n_repeats: n_repeats.try_into().unwrap_or(u8::MAX),
-    };
-    Ok(times.hottest(MAX_PIXELS_LISTED))
+    hottest_of(frame, |piece| {
+        let mut read = |name: &str| {
+            if piece.has(name) {
+                piece.read(name).map(|array| Some(array.values))
+            } else {
+                Ok(None)
+            }
+        };
+        let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(&mut read);
+        let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
+        let times = Times {
+            ns: rows_of_f32(ns.as_ref(), width),
+            mad_ns: rows_of_f32(mad_ns.as_ref(), width),
+            n_rejected: match &n_rejected {
+                Some(ArrayValues::U8(all)) => all.chunks_exact(width).collect(),
+                _ => Vec::new(),
+            },
+            n_repeats: n_repeats.try_into().unwrap_or(u8::MAX),
+        };
+        Ok(times.hottest(MAX_PIXELS_LISTED))
+    })
+}
+
+/// The most expensive pixels of all pieces, given those of each with rows from its first.
+fn hottest_of(
+    frame: &mut FrameFile,
+    of_piece: impl Fn(&mut FramePiece) -> Result<Vec<HotPixel>, Diagnostic>,
+) -> Result<Vec<HotPixel>, Diagnostic> {
+    let mut hottest = Vec::new();
+    for piece in frame.pieces() {
+        let pixels = of_piece(piece)?.into_iter();
+        hottest.extend(pixels.map(
+            |HotPixel {
+                 place: (x, y),
+                 value,
+             }| HotPixel {
+                place: (x, y + piece.first_row()),
+                value,
+            },
+        ));
+    }
+    hottest.sort_by(|a, b| b.value.total_cmp(&a.value));
+    hottest.truncate(MAX_PIXELS_LISTED);
+    Ok(hottest)
 }
 
 fn rows_of_f32(values: Option<&ArrayValues>, width: usize) -> Vec<&[f32]> {
@@ -97,11 +122,14 @@ fn by_count(frame: &mut FrameFile, name: &str) -> Result<Vec<HotPixel>, Diagnost
     if !frame.has(name) {
         return Ok(Vec::new());
     }
-    match frame.read(name)?.values {
-        ArrayValues::U32(all) => {
-            let rows = all.chunks_exact(frame.width() as usize);
-            Ok(highest_counts(rows, MAX_PIXELS_LISTED))
-        }
-        _ => Ok(Vec::new()),
-    }
+    let width = frame.width() as usize;
+    hottest_of(frame, |piece| {
+        Ok(match piece.read(name)?.values {
+            ArrayValues::U32(all) => {
+                let rows = all.chunks_exact(width);
+                highest_counts(rows, MAX_PIXELS_LISTED)
+            }
+            _ => Vec::new(),
+        })
+    })
 }

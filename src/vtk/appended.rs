@@ -96,6 +96,7 @@ mod tests {
 
     use super::*;
     use crate::vtk::Codec;
+    use crate::vtk::data_set::Extent;
 
     fn image(arrays: &[u64]) -> DataSet<'static> {
         let array = |&n_bytes| Array {
@@ -107,7 +108,7 @@ mod tests {
             write: Box::new(|out| out.write_all(&[1, 2, 3, 4])),
         };
         DataSet::Image {
-            size: [2, 1],
+            extent: Extent::of_size([2, 1]),
             point_data: arrays.iter().map(array).collect(),
         }
     }

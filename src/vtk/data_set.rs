@@ -1,13 +1,15 @@
 //! The data sets that can be written.
 
+use std::fmt;
+
 use super::array::Array;
 
 /// A data set with its arrays.
 pub(crate) enum DataSet<'a> {
-    /// A regular grid of points with spacing 1 and its first point at the origin.
+    /// A regular grid of points with spacing 1, or a piece of one, whose first point is at the
+    /// origin.
     Image {
-        /// Columns and rows.
-        size: [u32; 2],
+        extent: Extent,
         point_data: Vec<Array<'a>>,
     },
     /// A regular grid of square cells.
@@ -24,6 +26,32 @@ pub(crate) enum DataSet<'a> {
     Grid(CellMesh<'a>),
     /// Lines only.
     Lines(CellMesh<'a>),
+}
+
+/// The first and the last column and row of a plane of points, both included. VTK orders rows
+/// from bottom to top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Extent {
+    pub(crate) columns: [u32; 2],
+    pub(crate) rows: [u32; 2],
+}
+
+impl Extent {
+    /// That of so many columns and rows, at least one each.
+    pub(crate) fn of_size([width, height]: [u32; 2]) -> Self {
+        Self {
+            columns: [0, width - 1],
+            rows: [0, height - 1],
+        }
+    }
+}
+
+/// As in VTK's files.
+impl fmt::Display for Extent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([left, right], [bottom, top]) = (self.columns, self.rows);
+        write!(f, "{left} {right} {bottom} {top} 0 0")
+    }
 }
 
 /// Points and cells with their arrays.

@@ -4,7 +4,7 @@ use serde::Serialize;
 use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarType};
 
 use super::array::Array;
-use super::data_set::{CellMesh, DataSet};
+use super::data_set::{CellMesh, DataSet, Extent};
 use super::field::{Field, FieldValues};
 
 /// The element of a data set.
@@ -159,8 +159,8 @@ pub(super) fn content(
     field_data: Option<FieldDataElement>,
 ) -> (DataSetType, DataElement) {
     match data_set {
-        DataSet::Image { size, point_data } => {
-            let element = image_element(*size, point_data, field_data);
+        DataSet::Image { extent, point_data } => {
+            let element = image_element(extent, point_data, field_data);
             (DataSetType::ImageData, DataElement::ImageData(element))
         }
         DataSet::ImageCells {
@@ -187,11 +187,11 @@ pub(super) fn content(
 }
 
 fn image_element(
-    [width, height]: [u32; 2],
+    extent: &Extent,
     point_data: &[Array],
     field_data: Option<FieldDataElement>,
 ) -> ImageElement {
-    let extent = format!("0 {} 0 {} 0 0", width - 1, height - 1);
+    let extent = extent.to_string();
     ImageElement {
         extent: extent.clone(),
         origin: "0 0 0".to_owned(),

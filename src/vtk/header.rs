@@ -139,3 +139,11 @@ fn native_byte_order() -> ByteOrder {
         ByteOrder::BigEndian
     }
 }
+
+/// The order of the bytes of a number on this machine, as VTK names it.
+pub(super) fn byte_order() -> &'static str {
+    match native_byte_order() {
+        ByteOrder::LittleEndian => "LittleEndian",
+        ByteOrder::BigEndian => "BigEndian",
+    }
+}

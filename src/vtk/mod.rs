@@ -15,6 +15,7 @@ mod header;
 pub(crate) mod encoding;
 pub(crate) mod compressed;
 pub(crate) mod appended;
+pub(crate) mod parallel;
 pub(crate) mod hdf;
 pub(crate) mod read;
 

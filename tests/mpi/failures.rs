@@ -69,7 +69,7 @@ fn slow_job() -> Job {
     let flags = [
         "--width=160",
         "--height=120",
-        "--spp=48",
+        "--spp=160",
         "--cost=counters",
         "--also=schedule",
     ];
@@ -138,7 +138,7 @@ fn a_signal_ends_the_job_and_keeps_its_tiles() {
 fn a_timeout_ends_all_ranks() {
     let job = slow_job();
     let output = job
-        .ranks(2, "out", &["--timeout=1.5s"], "")
+        .ranks(2, "out", &["--timeout=700ms"], "")
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(4));

@@ -24,6 +24,7 @@ macro_rules! read_both_ways {
 }
 
 mod attribution_files;
+mod bands;
 mod hostile;
 mod interrupted;
 mod layers;

@@ -24,6 +24,7 @@ fn expected(cost: CostMode, optional: &[OptionalOutput]) -> Vec<&'static str> {
         .iter()
         .for_each(|output| config.output.add(*output));
     let request = Request {
+        is_stored: false,
         vtkhdf: false,
         config: &config,
         is_profiled: false,

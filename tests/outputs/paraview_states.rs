@@ -98,6 +98,21 @@ fn compressed_files_are_shown() {
     }
 }
 
+/// A picture that is larger than the memory that it may use.
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn pieces_are_shown() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
+    let out = render(&scene, "pieces", &flags);
+    assert!(out.join("frame.pvti").exists());
+    for state in ["geometry", "heatmap", "overview"] {
+        let file = out.join(state).with_extension("pvsm");
+        let flags = ["--from-state", "--require=time_ns,RGB"];
+        assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
+    }
+}
+
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn what_things_cost_is_shown() {

@@ -40,6 +40,12 @@ fn every_state_opens_in_the_window_without_a_message() {
         let file = out.join(state).with_extension("pvsm");
         assert_success(&open(&file, &out, state));
     }
+    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
+    let pieces = render(&scene, "window of pieces", &flags);
+    for state in ["geometry", "heatmap", "overview"] {
+        let file = pieces.join(state).with_extension("pvsm");
+        assert_success(&open(&file, &pieces, state));
+    }
     let template = in_repository("paraview/heatmap.pvsm");
     assert_success(&open(&template, &out, "heatmap by variable"));
 }

@@ -1,6 +1,6 @@
 """Reads a VTK file with VTK and hands over all that is in it.
 
-    python read_back.py FILE.vtu|FILE.vti|FILE.vtp
+    python read_back.py FILE.vtu|FILE.vti|FILE.vtp|FILE.pvtu|FILE.pvti
 
 Prints a line of JSON with the type of the data set and its arrays, then the arrays
 themselves, each with its length in 64 bits before it. Fails if VTK says a word on the way.
@@ -12,9 +12,21 @@ import sys
 
 from vtkmodules.vtkCommonCore import vtkOutputWindow
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
-from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+from vtkmodules.vtkIOXML import (
+    vtkXMLImageDataReader,
+    vtkXMLPImageDataReader,
+    vtkXMLPolyDataReader,
+    vtkXMLPUnstructuredGridReader,
+    vtkXMLUnstructuredGridReader,
+)
 
-READERS = dict(vti=vtkXMLImageDataReader, vtp=vtkXMLPolyDataReader, vtu=vtkXMLUnstructuredGridReader)
+READERS = dict(
+    pvti=vtkXMLPImageDataReader,
+    pvtu=vtkXMLPUnstructuredGridReader,
+    vti=vtkXMLImageDataReader,
+    vtp=vtkXMLPolyDataReader,
+    vtu=vtkXMLUnstructuredGridReader,
+)
 
 
 def main(path):

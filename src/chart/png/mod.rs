@@ -31,28 +31,102 @@ pub(crate) fn write(
     texts: &[(&str, &str)],
     out: &mut impl Write,
 ) -> io::Result<()> {
-    debug_assert_eq!(rows.len(), height as usize);
-    out.write_all(&SIGNATURE)?;
     let row_bytes = rows.first().map_or(0, |row| row.len());
-    let pixel_bytes = row_bytes / width as usize;
-    // Bits per channel; red, green and blue; deflate, filters by row, not interlaced.
-    let kind = [8 * pixel_bytes as u8 / 3, 2, 0, 0, 0];
-    let [width_bytes, height_bytes] = [width, height].map(u32::to_be_bytes);
-    write_chunk(b"IHDR", &[&width_bytes, &height_bytes, &kind], out)?;
-    for (keyword, text) in texts {
-        write_chunk(b"tEXt", &[keyword.as_bytes(), &[0], text.as_bytes()], out)?;
+    let mut png = PngWriter::begin([width, height], row_bytes / width as usize, texts, out)?;
+    png.add(rows)
+}
+
+/// Writes a picture some rows at a time. The file is the same whatever their numbers are.
+pub(crate) struct PngWriter<'a, W> {
+    out: &'a mut W,
+    height: usize,
+    pixel_bytes: usize,
+    /// Rows of a strip.
+    n_rows: usize,
+    /// Rows that were written.
+    n_written: usize,
+    /// The last of them, and those behind it that do not fill a strip yet.
+    last_written: Vec<u8>,
+    pending: Vec<Vec<u8>>,
+    checksum: u32,
+}
+
+impl<'a, W: Write> PngWriter<'a, W> {
+    /// Begins a picture of `width * height` pixels of so many bytes.
+    pub(crate) fn begin(
+        [width, height]: [u32; 2],
+        pixel_bytes: usize,
+        texts: &[(&str, &str)],
+        out: &'a mut W,
+    ) -> io::Result<Self> {
+        out.write_all(&SIGNATURE)?;
+        // Bits per channel; red, green and blue; deflate, filters by row, not interlaced.
+        let kind = [8 * pixel_bytes as u8 / 3, 2, 0, 0, 0];
+        let [width_bytes, height_bytes] = [width, height].map(u32::to_be_bytes);
+        write_chunk(b"IHDR", &[&width_bytes, &height_bytes, &kind], out)?;
+        for (keyword, text) in texts {
+            write_chunk(b"tEXt", &[keyword.as_bytes(), &[0], text.as_bytes()], out)?;
+        }
+        let row_bytes = pixel_bytes * width as usize;
+        Ok(Self {
+            out,
+            height: height as usize,
+            pixel_bytes,
+            n_rows: (STRIP / row_bytes.max(1)).max(1),
+            n_written: 0,
+            last_written: Vec::new(),
+            pending: Vec::new(),
+            checksum: 1,
+        })
     }
-    let strips = strips(rows, pixel_bytes, (STRIP / row_bytes.max(1)).max(1));
-    let last = strips.len().saturating_sub(1);
-    let mut checksum = 1;
-    for (i, strip) in strips.iter().enumerate() {
-        checksum = joined(checksum, strip);
-        let header: &[u8] = if i == 0 { &ZLIB_HEADER } else { &[] };
-        let checksum_bytes = checksum.to_be_bytes();
-        let trailer: &[u8] = if i == last { &checksum_bytes } else { &[] };
-        write_chunk(b"IDAT", &[header, &strip.compressed, trailer], out)?;
+
+    /// Adds the next rows; the last ones end the picture.
+    pub(crate) fn add(&mut self, rows: &[&[u8]]) -> io::Result<()> {
+        let pending = std::mem::take(&mut self.pending);
+        let rows: Vec<&[u8]> = pending
+            .iter()
+            .map(Vec::as_slice)
+            .chain(rows.iter().copied())
+            .collect();
+        let is_end = self.n_written + rows.len() == self.height;
+        let n_whole = if is_end {
+            rows.len()
+        } else {
+            rows.len() - rows.len() % self.n_rows
+        };
+        let (whole, rest) = rows.split_at(n_whole);
+        self.write_strips(whole)?;
+        self.pending = rest.iter().map(|row| row.to_vec()).collect();
+        if is_end {
+            write_chunk(b"IEND", &[], self.out)?;
+        }
+        Ok(())
     }
-    write_chunk(b"IEND", &[], out)
+
+    /// Writes rows that fill strips, or are the last ones.
+    fn write_strips(&mut self, rows: &[&[u8]]) -> io::Result<()> {
+        let above = (self.n_written > 0).then_some(&self.last_written[..]);
+        let is_end = self.n_written + rows.len() == self.height;
+        let strips = strips(above, rows, self.pixel_bytes, self.n_rows, is_end);
+        let last = strips.len().saturating_sub(1);
+        for (i, strip) in strips.iter().enumerate() {
+            self.checksum = joined(self.checksum, strip);
+            let is_first = self.n_written == 0 && i == 0;
+            let header: &[u8] = if is_first { &ZLIB_HEADER } else { &[] };
+            let checksum_bytes = self.checksum.to_be_bytes();
+            let trailer: &[u8] = if is_end && i == last {
+                &checksum_bytes
+            } else {
+                &[]
+            };
+            write_chunk(b"IDAT", &[header, &strip.compressed, trailer], self.out)?;
+        }
+        self.n_written += rows.len();
+        if let Some(last) = rows.last() {
+            self.last_written = last.to_vec();
+        }
+        Ok(())
+    }
 }
 
 /// Filtered and compressed rows.
@@ -63,15 +137,25 @@ struct CompressedRows {
     checksum: u32,
 }
 
-fn strips(rows: &[&[u8]], pixel_bytes: usize, n_rows: usize) -> Vec<CompressedRows> {
+/// Compresses rows below `above` in strips of `n_rows`; the last one ends the stream if
+/// `is_end`.
+fn strips(
+    above: Option<&[u8]>,
+    rows: &[&[u8]],
+    pixel_bytes: usize,
+    n_rows: usize,
+    is_end: bool,
+) -> Vec<CompressedRows> {
     let n_strips = rows.len().div_ceil(n_rows);
     let strip = |i: usize| {
         let first = i * n_rows;
-        let above = first.checked_sub(1).map(|above| rows[above]);
+        let above = first
+            .checked_sub(1)
+            .map_or(above, |above| Some(rows[above]));
         let rows = &rows[first..rows.len().min(first + n_rows)];
         let filtered = filter::filtered(above, rows, pixel_bytes);
         CompressedRows {
-            compressed: deflate::compressed(&filtered, i + 1 == n_strips),
+            compressed: deflate::compressed(&filtered, is_end && i + 1 == n_strips),
             n_bytes: filtered.len(),
             checksum: simd_adler32::adler32(&&filtered[..]),
         }
@@ -154,6 +238,25 @@ mod tests {
             assert!(found == pixels);
             let expected = texts.map(|(keyword, text)| (keyword.to_owned(), text.to_owned()));
             assert_eq!(found_texts, expected);
+        }
+    }
+
+    #[test]
+    fn rows_that_come_in_parts_make_the_same_file() {
+        for (size, parts) in [
+            ([300, 700], [1, 290, 301, 302]),
+            ([50_000, 9], [2, 3, 4, 8]),
+        ] {
+            let pixels = pixels(size, 5);
+            let rows: Vec<&[u8]> = pixels.chunks_exact(3 * size[0] as usize).collect();
+            let mut file = Vec::new();
+            let mut png = PngWriter::begin(size, 3, &[("a", "b")], &mut file).unwrap();
+            let mut begin = 0;
+            for end in parts.into_iter().chain([rows.len()]) {
+                png.add(&rows[begin..end]).unwrap();
+                begin = end;
+            }
+            assert!(file == encoded(size, &pixels, &[("a", "b")]));
         }
     }
 

@@ -191,7 +191,11 @@ impl FrameJob<'_> {
         let profiler = arguments.profile.then(start_profiler).transpose()?;
         let (number, n_frames) = (section.number, section.n_frames);
         let geometry = Frames::geometry(&document, &config);
-        let input = Input::read_frame(document, config, section, Memory::of)?;
+        let needed = match arguments.part {
+            Some(_) => Memory::of_part,
+            None => Memory::of,
+        };
+        let input = Input::read_frame(document, config, section, needed)?;
         let session = Session::new(input, stages)?;
         let silent = |_| {};
         let options = arguments.options(&silent);

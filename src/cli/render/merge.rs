@@ -10,6 +10,7 @@ use crate::ranks::n_launched;
 use crate::series::FRAMES;
 use crate::session::Session;
 use crate::text::Diagnostic;
+use crate::text::numbers::parse_bytes;
 
 /// Merge the parts of a picture that `raycost render --part` wrote
 ///
@@ -42,6 +43,11 @@ pub(in crate::cli) struct MergeArguments {
     /// a power cut
     #[arg(long)]
     sync: bool,
+
+    /// Use at most so much memory, such as 4G or 500M [default: three quarters of what is
+    /// available]. A picture that needs more is written in pieces
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    memory: Option<u64>,
 
     /// Print only errors
     #[arg(long, short)]
@@ -91,6 +97,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         hardware_counters: false,
         profile: false,
         sync: arguments.sync,
+        memory: arguments.memory,
         while_input_is_open: false,
         quiet: arguments.quiet,
     };

@@ -21,12 +21,14 @@ use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, run_summary};
+use crate::config::Config;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
-use crate::memory::Memory;
+use crate::memory::{self, Memory};
 use crate::ranks::{Ranks, SceneText};
+use crate::scene::Geometries;
 use crate::session::{Event, Options, Session};
 use crate::stop;
-use crate::text::numbers::parse_duration;
+use crate::text::numbers::{parse_bytes, parse_duration};
 use crate::text::{self, Diagnostic};
 use crate::vtk::hdf;
 
@@ -94,6 +96,11 @@ pub(super) struct RenderArguments {
     #[arg(long)]
     sync: bool,
 
+    /// Use at most so much memory, such as 4G or 500M [default: three quarters of what is
+    /// available]. A picture that needs more is written in pieces, by way of a file of tiles
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    memory: Option<u64>,
+
     /// Stop when standard input ends, as it does with the process at its other end
     #[arg(long, hide = true)]
     while_input_is_open: bool,
@@ -133,6 +140,9 @@ fn lead(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure
 /// Renders a scene, a part of it, or the tiles of all parts.
 fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
     let deadline = arguments.deadline();
+    if let Some(limit) = arguments.memory {
+        memory::set_limit(limit);
+    }
     arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
     let source = arguments.scene.source()?;
@@ -153,7 +163,8 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
         scene.check_frame(*range.0.start())?;
     }
     let profiler = arguments.profile.then(start_profiler).transpose()?;
-    let session = Session::new(scene.load(None, Memory::of)?, stages)?;
+    let session = Session::new(scene.load(None, arguments.needed())?, stages)?;
+    arguments.check_bands(&session)?;
     let out = arguments.scene.out();
     if let Some(part) = arguments.part {
         return still_part(arguments, &session, &out, (part, deadline));
@@ -252,6 +263,29 @@ impl RenderArguments {
         let help = "install libhdf5 with its headers (on Debian, `apt-get install libhdf5-dev`), \
                     then `cargo install --path . --features hdf5`";
         Err(Diagnostic::new(message).with_help(help).into())
+    }
+
+    /// The memory of a still picture, or of a part of one.
+    fn needed(&self) -> fn(&Config, &Geometries) -> Memory {
+        match self.part {
+            Some(_) => Memory::of_part,
+            None => Memory::of_still,
+        }
+    }
+
+    /// Checks that a picture that is larger than memory can have these settings.
+    fn check_bands(&self, session: &Session) -> Result<(), Diagnostic> {
+        let flag = match (self.format, self.measure_overhead) {
+            (Some(_), _) => "format",
+            (None, true) => "measure-overhead",
+            (None, false) => return Ok(()),
+        };
+        if session.bands().is_none() {
+            return Ok(());
+        }
+        let message = format!("`--{flag}` needs a picture that fits into memory");
+        let help = "choose a smaller `width` or `height`, or leave the flag out";
+        Err(Diagnostic::new(message).with_help(help))
     }
 
     /// How a session renders.

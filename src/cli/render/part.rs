@@ -117,6 +117,7 @@ pub(super) fn render(
             checkpoint: Some(&checkpoint),
             deadline,
             team: None,
+            is_stored: true,
         },
     };
     let rendering = session.render_within(&arguments.options(&on_event), &scope)?;

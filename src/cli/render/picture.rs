@@ -52,7 +52,10 @@ impl<'a> FinishedPicture<'a> {
             ..arguments.options(&on_event)
         };
         let mut rendering = session.render_within(&options, &tiles.scope(until.team))?;
-        let written = rendering.write_to(&folder, until.profiler)?;
+        let written = match tiles.stored().zip(session.bands()) {
+            None => rendering.write_to(&folder, until.profiler)?,
+            Some(stored) => rendering.write_stored(&folder, until.profiler, stored, &options)?,
+        };
         let partial = rendering.partial();
         Ok(Self {
             of_tiles: tiles.settle(partial)?,

@@ -29,7 +29,7 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
     };
     let scene = OpenScene::of(&arguments.scene, Source::new(name, text))?;
     let stages = Stages::start(HardwareCounters::none());
-    let session = Session::new(scene.load(None, Memory::of)?, stages)?;
+    let session = Session::new(scene.load(None, Memory::of_part)?, stages)?;
     ranks.introduce(&hello(arguments, &session, ranks)?);
     let options = Options {
         threads: arguments.threads,

@@ -24,6 +24,8 @@ pub(super) struct Tiles {
     deadline: Option<Instant>,
     /// The file of an interrupted run that this one does not continue.
     left: Option<PathBuf>,
+    /// Whether the picture is larger than memory: its pixels are in the files alone.
+    is_stored: bool,
 }
 
 impl Tiles {
@@ -39,9 +41,10 @@ impl Tiles {
         deadline: Option<Instant>,
     ) -> Result<Self, Failure> {
         let path = out.join(UNFINISHED);
+        let is_stored = session.bands().is_some();
         let checkpoint = if arguments.merges {
             merge::parts(arguments, session, out)?
-        } else if arguments.resume || arguments.timeout.is_some() {
+        } else if arguments.resume || arguments.timeout.is_some() || is_stored {
             kept(arguments, session, &path)?
         } else {
             return Ok(Self {
@@ -53,6 +56,7 @@ impl Tiles {
             checkpoint: Some(checkpoint),
             deadline,
             left: None,
+            is_stored,
         })
     }
 
@@ -64,8 +68,14 @@ impl Tiles {
                 checkpoint: self.checkpoint.as_ref(),
                 deadline: self.deadline,
                 team,
+                is_stored: self.is_stored,
             },
         }
+    }
+
+    /// The tiles, if the pixels are in their files alone.
+    pub(super) fn stored(&self) -> Option<&Checkpoint> {
+        self.checkpoint.as_ref().filter(|_| self.is_stored)
     }
 
     /// Removes the file of finished tiles if the output, which was written, is complete;

@@ -90,7 +90,10 @@ impl Scenario {
 }
 
 fn own() -> Own {
-    Own::Listed(NAMES.to_vec())
+    Own::Listed {
+        names: NAMES.map(str::to_owned).to_vec(),
+        is_numbered: |name| name.starts_with("piece_"),
+    }
 }
 
 fn content(name: &str, age: &str, names: &[&str]) -> String {

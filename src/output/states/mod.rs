@@ -12,14 +12,10 @@ use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
 
-use super::distances::Distances;
-use super::{RenderingView, files};
-use crate::chart::Range;
+use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files};
 use crate::cost::Metric;
-use crate::film::Film;
 use crate::folder::OutputFolder;
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
-use crate::statistics::floats_at;
 use crate::text::numbers::capitalized;
 
 /// The template of `geometry.pvsm`.
@@ -29,9 +25,8 @@ pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("../../../paraview/geome
 pub(super) struct States<'a> {
     folder: &'a OutputFolder,
     values: StateValues,
-    /// The range of the preferred cost metric.
-    cost_range: Range,
-    distances: Distances,
+    /// Whether cloud and frame are in pieces.
+    is_in_pieces: bool,
 }
 
 /// The values of a rendering, or of several, for all states.
@@ -57,23 +52,11 @@ pub(crate) struct StateValues {
 impl<'a> States<'a> {
     /// Computes the values for this rendering's files in this folder.
     pub(super) fn new(rendering: &RenderingView, folder: &'a OutputFolder) -> Self {
-        let (values, cost_range, distances) = StateValues::of(rendering);
         Self {
             folder,
-            values,
-            cost_range,
-            distances,
+            values: StateValues::of(rendering),
+            is_in_pieces: rendering.bands.is_some(),
         }
-    }
-
-    /// The range of the preferred cost metric.
-    pub(super) fn cost_range(&self) -> &Range {
-        &self.cost_range
-    }
-
-    /// How far the hits are.
-    pub(super) fn distances(&self) -> &Distances {
-        &self.distances
     }
 
     /// The values without the paths of the files.
@@ -88,31 +71,26 @@ impl<'a> States<'a> {
 
     /// Returns a template with its keys replaced by values, in ASCII.
     pub(super) fn filled(&self, template: &str) -> String {
-        self.values
-            .filled(template, |file| self.folder.path_of(file))
+        let path_of = |file: &str| self.folder.path_of(file);
+        if self.is_in_pieces {
+            self.values.filled(&of_pieces(template), path_of)
+        } else {
+            self.values.filled(template, path_of)
+        }
     }
 }
 
 impl StateValues {
-    /// The values of a rendering, the range of its preferred cost metric, and how far its
-    /// hits are.
-    fn of(rendering: &RenderingView) -> (Self, Range, Distances) {
-        let film = rendering.film;
+    /// The values of a rendering.
+    fn of(rendering: &RenderingView) -> Self {
+        let (film, survey) = (rendering.film, rendering.survey);
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
-        let metrics = film.heatmap_metrics();
-        let ((distances, counter), cost) = rayon::join(
-            || {
-                (
-                    Distances::of(film),
-                    metrics.map(|[_, second]| counter_axis(film, second)),
-                )
-            },
-            || cost_axis(film, metrics.map(|[first, _]| first)),
-        );
-        let (cost, cost_range) = cost;
-        let values = Self {
-            cost: cost.with_labels(n_labels),
+        let distances = &survey.distances;
+        let counter = survey.metrics;
+        let counter = counter.map(|[_, second]| counter_axis(second, survey.counter_ends));
+        Self {
+            cost: cost_axis(survey).with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: ViewCamera::of(&rendering.scene.image_plane, distances.median),
             size,
@@ -121,8 +99,7 @@ impl StateValues {
             is_partial: rendering.partial.is_some(),
             max_distance: distances.max_shown,
             attribution: AttributionValues::of(rendering),
-        };
-        (values, cost_range, distances)
+        }
     }
 
     /// The values for the files of both: axes that span all values, and the camera of the
@@ -187,45 +164,56 @@ impl StateValues {
     }
 }
 
-/// Returns the axis of the preferred cost metric, without outliers as in
-/// `cost.png`, and the range of its values.
-fn cost_axis(film: &Film, metric: Option<Metric>) -> (Axis, Range) {
-    let axis = |array, name, range: Range| {
-        Axis::new(
-            array,
-            name,
-            ColorScale::Logarithmic,
-            [range.low, range.high],
-        )
-    };
-    let Some(metric) = metric else {
-        let range = Range::of(film.rows(|strip| &strip.distance).flatten());
-        let axis = axis("distance", "Distance from the camera", range);
-        return (axis, range);
-    };
-    let range = Range::of(&film.metric(metric));
-    let axis = axis(metric.name, &capitalized(metric.title), range);
-    let axis = if metric.is_timed() {
-        axis.of_time()
-    } else {
-        axis
-    };
-    (axis, range)
+/// Returns a template that reads the pieces of cloud and frame.
+fn of_pieces(template: &str) -> String {
+    const READERS: [(&str, &str, &str, &str); 2] = [
+        (
+            FRAME_VTI.name,
+            FRAME_PVTI.name,
+            "\"XMLImageDataReader\"",
+            "\"XMLPImageDataReader\"",
+        ),
+        (
+            HITS_VTU.name,
+            HITS_PVTU.name,
+            "\"XMLUnstructuredGridReader\"",
+            "\"XMLPUnstructuredGridReader\"",
+        ),
+    ];
+    let proxies = template.split_inclusive("</Proxy>");
+    let replaced = proxies.map(|proxy| {
+        let reads = |name: &str| proxy.contains(&format!("fill=\"{name}\""));
+        match READERS.iter().find(|(one, ..)| reads(one)) {
+            None => proxy.to_owned(),
+            Some((one, pieces, reader, of_pieces)) => {
+                proxy.replace(reader, of_pieces).replace(one, pieces)
+            }
+        }
+    });
+    replaced.collect()
 }
 
-/// Returns the axis of a metric from the 0.5 % to the 99.5 % quantile; its ends differ
-/// by at least 1.
-fn counter_axis(film: &Film, metric: Metric) -> Axis {
-    let counts = film.metric(metric);
-    let indices = [1, 199].map(|part| counts.len().saturating_sub(1) * part / 200);
-    let [low, high] = floats_at(&counts, indices)
-        .unwrap_or_default()
-        .map(f64::from);
-    let ends = [low, high.max(low + 1.0)];
+/// Returns the axis of the preferred cost metric, without outliers as in `cost.png`.
+fn cost_axis(survey: &Survey) -> Axis {
+    let range = survey.range;
+    let ends = [range.low, range.high];
+    let axis = |array, name| Axis::new(array, name, ColorScale::Logarithmic, ends);
+    match survey.metrics {
+        None => axis("distance", "Distance from the camera"),
+        Some([metric, _]) if metric.is_timed() => {
+            axis(metric.name, &capitalized(metric.title)).of_time()
+        }
+        Some([metric, _]) => axis(metric.name, &capitalized(metric.title)),
+    }
+}
+
+/// Returns the axis of the second metric from the 0.5 % to the 99.5 % quantile; its ends
+/// differ by at least 1.
+fn counter_axis(metric: Metric, [low, high]: [f64; 2]) -> Axis {
     Axis::new(
         metric.name,
         &capitalized(metric.title),
         ColorScale::Linear,
-        ends,
+        [low, high.max(low + 1.0)],
     )
 }

@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use super::Distances;
 use crate::attribution::TracedRay;
 use crate::cost::Metric;
 use crate::folder::OutputFolder;
 use crate::output::bounding_sphere::BoundingSphere;
+use crate::output::distances::Distances;
 use crate::output::rays::{CLOUD, FILE, Rays};
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill};
 

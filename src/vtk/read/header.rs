@@ -168,18 +168,32 @@ fn check_size(xml: &str) -> Result<(), String> {
 }
 
 impl ImagePieceElement {
-    /// Columns and rows; `None` unless the extent is that of an image with one layer.
-    pub(crate) fn size(&self) -> Option<(u32, u32)> {
-        let ends = self.extent.split_ascii_whitespace().map(str::parse);
-        let ends: Vec<i64> = ends.collect::<Result<_, _>>().ok()?;
-        let [x0, x1, y0, y1, z0, z1] = ends[..] else {
-            return None;
-        };
-        let n = |from: i64, to: i64| {
-            let n = to.checked_sub(from)?.checked_add(1)?;
-            u32::try_from(n).ok().filter(|&n| n > 0)
-        };
-        (n(z0, z1)? == 1).then_some(())?;
-        Some((n(x0, x1)?, n(y0, y1)?))
+    /// The first and the last column and row; `None` unless the extent is that of an image
+    /// with one layer.
+    pub(crate) fn extent(&self) -> Option<[u32; 4]> {
+        extent_of(&self.extent)
     }
+
+    /// Columns and rows, as [`extent`](Self::extent).
+    pub(crate) fn size(&self) -> Option<(u32, u32)> {
+        let [width, height] = size_of_extent(self.extent()?);
+        Some((width, height))
+    }
+}
+
+/// Parses the first and the last column and row of an extent, none of them negative; `None`
+/// unless there is one layer.
+pub(crate) fn extent_of(text: &str) -> Option<[u32; 4]> {
+    let ends = text.split_ascii_whitespace().map(str::parse);
+    let ends: Vec<u32> = ends.collect::<Result<_, _>>().ok()?;
+    let [x0, x1, y0, y1, z0, z1] = ends[..] else {
+        return None;
+    };
+    let is_plane = x0 <= x1 && y0 <= y1 && z0 == z1 && x1.max(y1) < u32::MAX;
+    is_plane.then_some([x0, x1, y0, y1])
+}
+
+/// Columns and rows of an extent.
+pub(crate) fn size_of_extent([x0, x1, y0, y1]: [u32; 4]) -> [u32; 2] {
+    [x1 - x0 + 1, y1 - y0 + 1]
 }

@@ -32,6 +32,23 @@ macro_rules! values {
                 })
             }
 
+            /// No numbers of the same type.
+            pub(crate) fn none_of_type(&self) -> Self {
+                match self { $(Self::$kind(_) => Self::$kind(Vec::new()),)* }
+            }
+
+            /// Appends the numbers of `other` from `first` on; false if they have another
+            /// type.
+            pub(crate) fn append(&mut self, other: &Self, first: usize) -> bool {
+                match (self, other) {
+                    $((Self::$kind(numbers), Self::$kind(others)) => {
+                        numbers.extend_from_slice(&others[first..]);
+                        true
+                    })*
+                    _ => false,
+                }
+            }
+
             /// The number of numbers.
             pub fn len(&self) -> usize {
                 match self { $(Self::$kind(numbers) => numbers.len(),)* }

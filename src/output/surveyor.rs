@@ -1,0 +1,189 @@
+//! Surveys a picture band by band.
+
+use super::distances::Distances;
+use super::run::PixelHashes;
+use super::survey::{ReducedMap, Survey};
+use crate::chart::{Histogram, Range};
+use crate::config::Image;
+use crate::cost::Metric;
+use crate::film::{Film, HotPixel, Strip};
+use crate::statistics::FineHistogram;
+
+/// The longest side of a map, in pixels.
+const MAX_SIDE: u32 = 4096;
+
+/// Takes the bands of a picture from top to bottom.
+pub(crate) struct Surveyor {
+    survey: Survey,
+    range: Histogram,
+    cost: FineHistogram,
+    counter: FineHistogram,
+    distances: FineHistogram,
+    map: ReducedMap,
+}
+
+impl Surveyor {
+    /// Of a picture without its pixels.
+    pub(crate) fn new(film: &Film) -> Self {
+        let metrics = film.metrics_of_totals();
+        let map = ReducedMap::of([film.grid.width, film.grid.height]);
+        Self {
+            survey: Survey {
+                hashes: PixelHashes::default(),
+                n_hits: 0,
+                time_ns: 0.0,
+                time_mad_ns: 0.0,
+                n_rejected: 0,
+                hottest: [None; 2],
+                metrics,
+                range: Range::of(&[]),
+                median: 0.0,
+                sum: 0.0,
+                counter_ends: [0.0; 2],
+                distances: Distances::of_histogram(&FineHistogram::default()),
+                map: None,
+            },
+            range: Histogram::default(),
+            cost: FineHistogram::default(),
+            counter: FineHistogram::default(),
+            distances: FineHistogram::default(),
+            map,
+        }
+    }
+
+    /// Upper bound of its bytes.
+    pub(super) fn bytes(image: &Image) -> u64 {
+        let map = ReducedMap::of([image.width, image.height]);
+        3 * FineHistogram::BYTES + (map.values.len() * size_of::<f32>()) as u64
+    }
+
+    /// Takes the next band, on the current rayon pool.
+    pub(crate) fn add(&mut self, band: &Film) {
+        let Self {
+            survey,
+            range,
+            cost,
+            counter,
+            distances,
+            map,
+        } = self;
+        let metrics = survey.metrics;
+        let of_counters = || {
+            if let Some([_, second]) = metrics {
+                for_each_strip(band, second, |_, counts| {
+                    counter.add(counts.iter().copied());
+                });
+            }
+        };
+        let of_distances = || {
+            let all = band.values(|strip| &strip.distance);
+            distances.add(all.filter(|distance| distance.is_finite()));
+        };
+        let of_cost = || match metrics {
+            Some([first, _]) => for_each_strip(band, first, |strip, values| {
+                range.add(values);
+                cost.add(values.iter().copied());
+                survey.sum += values.iter().copied().map(f64::from).sum::<f64>();
+                map.add(strip.first_row, values);
+            }),
+            None => range.add(band.rows(|strip| &strip.distance).flatten()),
+        };
+        let of_film = || survey.hashes.add(band);
+        rayon::join(
+            || rayon::join(of_counters, of_distances),
+            || rayon::join(of_cost, of_film),
+        );
+        survey.n_hits += band.n_hits() as u64;
+        survey.time_ns += band.total_time_ns();
+        survey.time_mad_ns += band.total_time_mad_ns();
+        survey.n_rejected += band.n_rejected();
+        for (so_far, found) in survey.hottest.iter_mut().zip(band.hottest_by_metrics()) {
+            *so_far = hotter(*so_far, found);
+        }
+    }
+
+    /// The survey of all bands.
+    pub(crate) fn finish(self) -> Survey {
+        let Self {
+            survey,
+            range,
+            cost,
+            counter,
+            distances,
+            map,
+        } = self;
+        let quantile = |part: u64| counter.at(counter.n.saturating_sub(1) * part / 200);
+        Survey {
+            range: Range::of_histogram(&range),
+            median: cost.at(cost.n / 2).unwrap_or_default(),
+            counter_ends: [1, 199].map(|part| quantile(part).unwrap_or_default().into()),
+            distances: Distances::of_histogram(&distances),
+            map: Some(map.means()),
+            ..survey
+        }
+    }
+}
+
+/// The more expensive of two; of equal ones the first.
+fn hotter(
+    first: Option<(Metric, HotPixel)>,
+    second: Option<(Metric, HotPixel)>,
+) -> Option<(Metric, HotPixel)> {
+    match (first, second) {
+        (Some(first), Some(second)) if second.1.value > first.1.value => Some(second),
+        (first, second) => first.or(second),
+    }
+}
+
+/// Calls `take` with each strip of a film and a metric of its pixels.
+fn for_each_strip(film: &Film, metric: Metric, mut take: impl FnMut(&Strip, &[f32])) {
+    let (mut counts, mut values) = (Vec::new(), Vec::new());
+    for strip in &film.strips {
+        if metric.is_timed() {
+            take(strip, &strip.time_ns);
+            continue;
+        }
+        film.counts(strip, metric, &mut counts);
+        values.clear();
+        values.extend(counts.iter().map(|&count| count as f32));
+        take(strip, &values);
+    }
+}
+
+impl ReducedMap {
+    /// A map of a picture of this size, so far with sums of zero.
+    fn of(picture: [u32; 2]) -> Self {
+        let side = picture[0].max(picture[1]).div_ceil(MAX_SIDE);
+        let size = picture.map(|n| (n / side).max(1));
+        Self {
+            side,
+            size,
+            width: picture[0],
+            values: vec![0.0; size[0] as usize * size[1] as usize],
+        }
+    }
+
+    /// Adds rows of values from this row of the picture on. Rows and columns behind the last
+    /// whole block are left out.
+    fn add(&mut self, first_row: u32, values: &[f32]) {
+        let [n_columns, n_rows] = self.size.map(|n| n as usize);
+        let side = self.side as usize;
+        for (row, y) in values.chunks_exact(self.width as usize).zip(first_row..) {
+            let block_row = y as usize / side;
+            if block_row >= n_rows {
+                return;
+            }
+            let sums = &mut self.values[block_row * n_columns..][..n_columns];
+            for (sum, block) in sums.iter_mut().zip(row.chunks_exact(side)) {
+                *sum += block.iter().sum::<f32>();
+            }
+        }
+    }
+
+    /// Makes means of the sums.
+    fn means(mut self) -> Self {
+        let n = (self.side * self.side) as f32;
+        self.values.iter_mut().for_each(|value| *value /= n);
+        self
+    }
+}

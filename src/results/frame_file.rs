@@ -1,0 +1,230 @@
+//! `frame.vti`, or the pieces that `frame.pvti` lists: arrays of all pixels.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::arrays::{ArrayInfo, Arrays, LoadedArray};
+use super::pieces::PieceList;
+use crate::config::MAX_SIDE;
+use crate::text::Diagnostic;
+use crate::vtk::read::{ImagePieceElement, VtkReader};
+
+/// The open file, or its pieces.
+#[derive(Debug)]
+pub struct FrameFile {
+    width: u32,
+    height: u32,
+    /// From top to bottom, at least one.
+    pieces: Vec<FramePiece>,
+}
+
+/// Rows of the frame in a file.
+#[derive(Debug)]
+pub struct FramePiece {
+    arrays: Arrays,
+    width: u32,
+    /// The rows of the file, row 0 of the picture on top.
+    stored: Range<u32>,
+    /// Those of them that are in no piece above it.
+    rows: Range<u32>,
+}
+
+impl FrameFile {
+    /// Opens `frame.vti` or `frame.pvti` at `path`.
+    ///
+    /// # Errors
+    /// The file, or that of a piece, cannot be read, is damaged, or raycost did not write it.
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+        match PieceList::open(path)? {
+            None => {
+                let piece = FramePiece::open(path, None)?;
+                Ok(Self {
+                    width: piece.width,
+                    height: piece.stored.end,
+                    pieces: vec![piece],
+                })
+            }
+            Some(list) => Self::of_pieces(&list),
+        }
+    }
+
+    fn of_pieces(list: &PieceList) -> Result<Self, Diagnostic> {
+        let Some([width, height]) = list.size else {
+            return Err(list.foreign("it is not an image"));
+        };
+        let open = |path| FramePiece::open(path, Some(height));
+        let mut pieces: Vec<FramePiece> = list
+            .paths
+            .iter()
+            .map(|path| open(path))
+            .collect::<Result<_, _>>()?;
+        let mut end = 0;
+        for piece in &mut pieces {
+            let Range { start, end: next } = piece.stored;
+            let is_next = start <= end && end < next && piece.width == width;
+            if !is_next || piece.arrays.file.run != list.run {
+                return Err(list.foreign("its pieces do not fit together"));
+            }
+            piece.rows = end..next;
+            end = next;
+        }
+        if end != height {
+            return Err(list.foreign("its pieces are not all rows of the picture"));
+        }
+        Ok(Self {
+            width,
+            height,
+            pieces,
+        })
+    }
+
+    /// The id of the run that wrote the file, if the file has one.
+    pub fn run(&self) -> Option<&str> {
+        self.pieces[0].arrays.file.run.as_deref()
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The headers of the arrays, in the file's order.
+    pub fn arrays(&self) -> &[ArrayInfo] {
+        &self.pieces[0].arrays.infos
+    }
+
+    /// Whether the file has an array of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.pieces[0].arrays.position(name).is_some()
+    }
+
+    /// The pieces from top to bottom; one if the frame is one file.
+    pub fn pieces(&mut self) -> &mut [FramePiece] {
+        &mut self.pieces
+    }
+
+    /// Reads an array, row-major, `width * height` tuples, row 0 on top as in the
+    /// film; the file stores the bottom row first.
+    ///
+    /// # Errors
+    /// The array is missing, with the option that writes it, or damaged.
+    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        self.joined(|piece| Ok(Some(piece.read_shared(name)?)))
+    }
+
+    /// Reads the pixels of an array at the intersections of `columns` and `rows`,
+    /// both ascending, as [`Self::read`] does. Takes the memory of these pixels and
+    /// of one row of the array.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_selected(
+        &mut self,
+        name: &str,
+        columns: &[u32],
+        rows: &[u32],
+    ) -> Result<LoadedArray, Diagnostic> {
+        self.joined(|piece| {
+            let of_piece = rows.iter().filter(|row| piece.rows.contains(row));
+            let of_piece: Vec<u32> = of_piece.map(|row| row - piece.stored.start).collect();
+            let size = [piece.width as usize, piece.stored.len()];
+            if of_piece.is_empty() && !rows.is_empty() {
+                return Ok(None);
+            }
+            let read = piece.arrays.read_selected(name, size, [columns, &of_piece]);
+            read.map(Some)
+        })
+    }
+
+    /// Joins what `read` returns of each piece.
+    fn joined(
+        &self,
+        read: impl Fn(&FramePiece) -> Result<Option<LoadedArray>, Diagnostic>,
+    ) -> Result<LoadedArray, Diagnostic> {
+        let mut joined: Option<LoadedArray> = None;
+        for piece in &self.pieces {
+            let Some(array) = read(piece)? else { continue };
+            let Some(joined) = &mut joined else {
+                joined = Some(array);
+                continue;
+            };
+            if !joined.append(&array, 0) {
+                return Err(piece.arrays.file.foreign("its arrays differ from others"));
+            }
+        }
+        joined.ok_or_else(|| self.pieces[0].arrays.file.foreign("it has no rows"))
+    }
+}
+
+impl FramePiece {
+    /// Opens the file of a piece of a picture with so many rows, or of a whole one.
+    fn open(path: &Path, height: Option<u32>) -> Result<Self, Diagnostic> {
+        let (file, header) = VtkReader::open(path)?;
+        let Some(image) = header.image else {
+            return Err(file.foreign("it holds no ImageData"));
+        };
+        let extent = image.piece.extent();
+        let Some((width, stored)) = extent.and_then(|extent| place(&extent, height)) else {
+            let ImagePieceElement { extent, .. } = image.piece;
+            let why = format!("`{extent}` is not the extent of a picture");
+            return Err(file.foreign(&why));
+        };
+        let n_pixels = u64::from(width) * stored.len() as u64;
+        Ok(Self {
+            arrays: Arrays::of(file, &image.piece.point_data, n_pixels)?,
+            width,
+            rows: stored.clone(),
+            stored,
+        })
+    }
+
+    /// Whether it has an array of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.arrays.position(name).is_some()
+    }
+
+    /// The first of its rows.
+    pub fn first_row(&self) -> u32 {
+        self.rows.start
+    }
+
+    /// Reads its rows of an array, row-major, the upper row first.
+    ///
+    /// # Errors
+    /// As [`FrameFile::read`].
+    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        self.read_shared(name)
+    }
+
+    /// [`read`](Self::read), by one thread at a time.
+    fn read_shared(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        let stored = self.arrays.read(name, self.stored.len())?;
+        let n_skipped = (self.rows.start - self.stored.start) as usize * self.width as usize;
+        if n_skipped == 0 {
+            return Ok(stored);
+        }
+        let mut array = LoadedArray {
+            values: stored.values.none_of_type(),
+            name: stored.name.clone(),
+            n_components: stored.n_components,
+        };
+        array.append(&stored, n_skipped);
+        Ok(array)
+    }
+}
+
+/// The columns and the rows of an extent, row 0 of the picture on top; `None` if it is not
+/// that of whole rows. A picture of unknown height has all of its rows.
+fn place([x0, x1, y0, y1]: &[u32; 4], height: Option<u32>) -> Option<(u32, Range<u32>)> {
+    let height = match height {
+        None => (*y0 == 0).then_some(y1 + 1)?,
+        Some(height) => height,
+    };
+    let is_in = *x0 == 0 && *x1 < MAX_SIDE && y1 < &height && height <= MAX_SIDE;
+    is_in.then(|| (x1 + 1, height - y1 - 1..height - y0))
+}

@@ -1,0 +1,76 @@
+//! Files that list the pieces of a data set (`.pvti`, `.pvtu`), each a file of its own.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use super::array::Array;
+use super::data_set::Extent;
+use super::header::byte_order;
+use crate::provenance::{KEY, RunId};
+
+/// The pieces of a data set, by their files in the same folder.
+pub(crate) enum PieceFiles {
+    /// Parts of an image of so many columns and rows, with spacing 1 and the first point at the
+    /// origin.
+    Image {
+        size: [u32; 2],
+        files: Vec<(String, Extent)>,
+    },
+    /// Grids of cells, whose points are 32-bit floats.
+    Grids { files: Vec<String> },
+}
+
+/// Writes the file of pieces that all have these arrays of points.
+pub(crate) fn write(
+    pieces: &PieceFiles,
+    arrays: &[Array],
+    run: RunId,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let order = byte_order();
+    let (kind, attributes, body) = match pieces {
+        PieceFiles::Image { size, files } => {
+            let whole = Extent::of_size(*size);
+            let attributes = format!(" WholeExtent=\"{whole}\" Origin=\"0 0 0\" Spacing=\"1 1 1\"");
+            let piece = |(file, extent): &(String, Extent)| {
+                format!("<Piece Extent=\"{extent}\" Source=\"{file}\"/>\n")
+            };
+            let files: String = files.iter().map(piece).collect();
+            ("PImageData", attributes, files)
+        }
+        PieceFiles::Grids { files } => {
+            let piece = |file: &String| format!("<Piece Source=\"{file}\"/>\n");
+            let files: String = files.iter().map(piece).collect();
+            let points = "<PPoints>\n<PDataArray type=\"Float32\" Name=\"Points\" \
+                          NumberOfComponents=\"3\"/>\n</PPoints>\n";
+            (
+                "PUnstructuredGrid",
+                String::new(),
+                format!("{points}{files}"),
+            )
+        }
+    };
+    let normals = match pieces {
+        PieceFiles::Grids { .. } if arrays.iter().any(|array| array.name == "Normals") => {
+            " Normals=\"Normals\""
+        }
+        _ => "",
+    };
+    let mut listed = String::new();
+    for array in arrays {
+        let (scalar, name, n) = (array.vtk_type(), array.name, array.n_components);
+        let _ = writeln!(
+            listed,
+            "<PDataArray type=\"{scalar}\" Name=\"{name}\" NumberOfComponents=\"{n}\"/>"
+        );
+    }
+    write!(
+        out,
+        "<?xml version=\"1.0\"?>\n\
+         <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"{order}\" \
+         header_type=\"UInt64\" {KEY}=\"{run}\">\n\
+         <{kind} GhostLevel=\"0\"{attributes}>\n\
+         <PPointData{normals}>\n{listed}</PPointData>\n\
+         {body}</{kind}>\n</VTKFile>\n"
+    )
+}
