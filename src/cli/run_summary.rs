@@ -7,7 +7,7 @@ use super::{charges, hottest, shell_word, shown, timing_quality};
 use crate::config::OptionalOutput;
 use crate::folder::Written;
 use crate::instruments::Stages;
-use crate::output::{GEOMETRY, HEATMAP, RenderingView};
+use crate::output::{GEOMETRY, HEATMAP, RenderingView, is_piece};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::summary::RanksSection;
@@ -26,10 +26,7 @@ pub(super) fn lines(
     let trace = trace.map_or(String::new(), |trace| format!("        {trace}\n"));
     let keep = scene.command_to_keep();
     let keep = keep.map_or(String::new(), |command| format!("keep    {command}\n"));
-    let files: Vec<String> = written
-        .iter()
-        .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
-        .collect();
+    let files = files(written);
     let times: Vec<String> = stages
         .ended
         .iter()
@@ -76,9 +73,22 @@ pub(super) fn lines(
         hottest::lines(rendering.survey.hottest),
         costs,
         shown(&out),
-        files.join(", "),
+        files,
         shell_word(&out.join(state.name)),
     )
+}
+
+/// The names and the lengths of the files; those of pieces together.
+fn files(written: &[Written]) -> String {
+    let (pieces, files): (Vec<_>, Vec<_>) = written.iter().partition(|one| is_piece(&one.file));
+    let files = files.into_iter();
+    let files = files.map(|one| format!("{} ({})", one.file, bytes(one.bytes)));
+    let n_bytes = pieces.iter().map(|piece| piece.bytes).sum();
+    let of_pieces = match pieces.len() as u64 {
+        0 => None,
+        n => Some(format!("{} ({})", counted(n, "piece"), bytes(n_bytes))),
+    };
+    files.chain(of_pieces).collect::<Vec<_>>().join(", ")
 }
 
 /// "1,234 primitives", and the number of omitted triangles.

@@ -10,7 +10,7 @@ const HORIZON: f32 = 4.0;
 /// The quantiles of the distances.
 const PERCENT: [u64; 4] = [1, 50, 99, 100];
 
-/// The distances of the hits along their camera rays, to .03 %.
+/// The distances of the hits along their camera rays, to .05 %.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Distances {
     /// The lower median; `None` without hits.

@@ -7,7 +7,7 @@ use crate::cost::Metric;
 use crate::film::{Film, HotPixel};
 use crate::statistics::{floats_at, lower_edge};
 
-/// What is known of all pixels of a picture together. Quantiles are exact to .03 %, and those
+/// What is known of all pixels of a picture together. Quantiles are exact to .05 %, and those
 /// of counts up to 4096 exact: so much can be found in one pass over a picture that does not
 /// fit into memory.
 #[derive(Debug, Clone)]

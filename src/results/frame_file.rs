@@ -228,3 +228,94 @@ fn place([x0, x1, y0, y1]: &[u32; 4], height: Option<u32>) -> Option<(u32, Range
     let is_in = *x0 == 0 && *x1 < MAX_SIDE && y1 < &height && height <= MAX_SIDE;
     is_in.then(|| (x1 + 1, height - y1 - 1..height - y0))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::io::{self, Seek, SeekFrom, Write};
+
+    use vtkio::model::ScalarType;
+
+    use super::*;
+    use crate::vtk::array::Array;
+    use crate::vtk::data_set::{DataSet, Extent};
+    use crate::vtk::{ArrayValues, Codec, appended};
+
+    /// A file in which zeros take no space on the disk.
+    struct SparseFile(File);
+
+    impl Write for SparseFile {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let is_zero = bytes.len() == ZEROS.len() && bytes == ZEROS;
+            if !is_zero {
+                return self.0.write(bytes);
+            }
+            self.0.seek(SeekFrom::Current(bytes.len() as i64))?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            self.0.flush()
+        }
+    }
+
+    impl Seek for SparseFile {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    static ZEROS: [u8; 1 << 20] = [0; 1 << 20];
+
+    /// Zeros but for the last bytes.
+    fn array<'a>(name: &'a str, n_components: usize, n: u64, last: &'static [u8]) -> Array<'a> {
+        let n_bytes = n * n_components as u64;
+        Array {
+            name,
+            scalar: ScalarType::U8,
+            n_components,
+            n_bytes,
+            unit: None,
+            write: Box::new(move |out| {
+                let n_zeros = n_bytes - last.len() as u64;
+                for _ in 0..n_zeros / ZEROS.len() as u64 {
+                    out.write_all(&ZEROS)?;
+                }
+                out.write_all(&ZEROS[..(n_zeros % ZEROS.len() as u64) as usize])?;
+                out.write_all(last)
+            }),
+        }
+    }
+
+    /// More than 2^31 pixels, and an array that begins more than 2^32 bytes into the file.
+    #[test]
+    fn counts_and_offsets_may_have_more_than_32_bits() {
+        let size = [MAX_SIDE, 33_000];
+        let n = u64::from(size[0]) * u64::from(size[1]);
+        assert!(n > 1 << 31);
+        let image = DataSet::Image {
+            extent: Extent::of_size(size),
+            point_data: vec![
+                array("RGB", 3, n, &[1, 2, 3]),
+                array("n_rejected", 1, n, &[7, 8]),
+            ],
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("frame.vti");
+        let mut file = SparseFile(File::create(&path).unwrap());
+        appended::write(&image, Codec::None.into(), &mut file).unwrap();
+        assert!(path.metadata().unwrap().len() > 4 * n);
+        let mut frame = FrameFile::open(&path).unwrap();
+        assert_eq!([frame.width(), frame.height()], size);
+        // The last pixels of a file are those of the upper row.
+        let columns = [0, size[0] - 2, size[0] - 1];
+        let found = frame.read_selected("n_rejected", &columns, &[0, size[1] - 1]);
+        let expected = ArrayValues::U8(vec![0, 7, 8, 0, 0, 0]);
+        assert_eq!(found.unwrap().values, expected);
+        let found = frame.read_selected("RGB", &columns[1..], &[0]);
+        assert_eq!(
+            found.unwrap().values,
+            ArrayValues::U8(vec![0, 0, 0, 1, 2, 3])
+        );
+    }
+}
