@@ -8,11 +8,11 @@ use serde::Deserialize;
 #[serde(rename_all = "snake_case", expecting = "`rebuild`, `refit` or `auto`")]
 pub enum HierarchyUpdate {
     /// It is built, as that of a still.
-    #[default]
     Rebuild,
     /// It is that of the first frame, with boxes around the moved objects, where these are as
     /// many and of the same kinds.
     Refit,
     /// Whichever of both is expected to cost less.
+    #[default]
     Auto,
 }
