@@ -198,7 +198,8 @@ impl Placed<'_> {
         let major = labels.iter().map(|label| (label.position, TICK_EM));
         let minor = minor.iter().map(|&position| (position, MINOR_TICK_EM));
         for (position, length_em) in minor.chain(major) {
-            let along = self.along(position).saturating_sub(line_px / 2);
+            let last = self.bar.length_px.saturating_sub(line_px);
+            let along = self.along(position).saturating_sub(line_px / 2).min(last);
             let across = self.bar.thickness_px();
             let tick = self.rect(along, line_px, across, px(length_em * em_px));
             canvas::fill_rect(picture, tick, canvas::LINE);
