@@ -7,7 +7,7 @@ use super::{charges, hottest, shell_word, shown, timing_quality};
 use crate::config::OptionalOutput;
 use crate::folder::Written;
 use crate::instruments::Stages;
-use crate::output::{GEOMETRY, HEATMAP, RenderingView, is_piece};
+use crate::output::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::summary::RanksSection;
@@ -38,10 +38,13 @@ pub(super) fn lines(
         }
         _ => String::new(),
     };
-    let state = if rendering.film.cost.has_counters() {
-        HEATMAP
+    let best = [HEATMAP, GEOMETRY, FRAME_VTI, FRAME_PVTI].map(|file| file.name);
+    let is_written = |name: &&str| written.iter().any(|file| file.file == *name);
+    let next = best.into_iter().find(is_written).unwrap_or_default();
+    let option = if next.ends_with(".pvsm") {
+        "--state="
     } else {
-        GEOMETRY
+        ""
     };
     let quality = timing_quality::lines(rendering);
     let tiles = if rendering.config.output.has(OptionalOutput::Schedule) {
@@ -60,7 +63,7 @@ pub(super) fn lines(
          {}\
          {}\
          wrote   {}: {}\n\
-         next    paraview --state={}\n\
+         next    paraview {option}{}\n\
          {trace}\
          {keep}",
         image.width,
@@ -74,7 +77,7 @@ pub(super) fn lines(
         costs,
         shown(&out),
         files,
-        shell_word(&out.join(state.name)),
+        shell_word(&out.join(next)),
     )
 }
 

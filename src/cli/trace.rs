@@ -11,7 +11,7 @@ use super::tree::Trees;
 use super::{Failure, hottest, shell_word, shown};
 use crate::accel::Accel;
 use crate::attribution::{ObservedPixel, Observer, TooManyRays};
-use crate::config::{Config, Image, Tiling};
+use crate::config::{Config, Image, Tiling, WrittenArrays};
 use crate::cost::{Meter, Metric};
 use crate::film::HotPixel;
 use crate::folder::{OutputFolder, Written};
@@ -106,6 +106,8 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     }
     let meter = Meter::new(config.cost);
     let mut scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
+    // The state of the cloud needs arrays that `output.arrays` may leave out.
+    scene.extra_arrays.written = WrittenArrays::default();
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;

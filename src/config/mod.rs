@@ -6,6 +6,7 @@
 
 mod acceleration;
 mod adaptive;
+mod arrays;
 mod cost_mode;
 mod isosurface;
 mod file;
@@ -18,6 +19,7 @@ mod instances;
 mod image;
 mod object;
 mod outputs;
+mod array_check;
 mod repeats;
 mod shading;
 mod tiling;
@@ -29,6 +31,7 @@ use serde::Deserialize;
 
 pub use acceleration::{Acceleration, Quality, Structure};
 pub use adaptive::{Adaptive, MAX_SAMPLES};
+pub use arrays::{PixelArray, WrittenArrays};
 pub use cost_mode::CostMode;
 pub use file::{
     GeometryFile, MeshFile, MeshNormals, PointRadius, RadiusArray, SpheresFile, TubesFile,
@@ -112,7 +115,7 @@ pub struct Config {
     /// How the picture is divided among threads.
     #[serde(default)]
     pub tiles: Tiling,
-    /// The optional outputs, in addition to the files of every run.
+    /// The optional outputs, in addition to the files of every run, and the arrays of these.
     #[serde(default)]
     pub output: Outputs,
     /// The compression of the arrays in VTK files.
@@ -143,6 +146,7 @@ impl Config {
             albedo: has_exr,
             bounces: self.output.has(OptionalOutput::Bounces),
             instance: self.has_instances(),
+            written: self.output.written_arrays(),
         }
     }
 

@@ -4,14 +4,14 @@ use std::fmt;
 
 use clap::ValueEnum;
 use serde::Deserialize;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
-use super::{Acceleration, CostMode};
+use super::{Acceleration, CostMode, PixelArray, WrittenArrays};
 use crate::text;
 use crate::yaml::{self, Fault, FieldPath};
 
-/// The optional outputs of a run.
+/// The optional outputs of a run, and the arrays of its VTK files.
 ///
 /// ```
 /// # use raycost::config::{OptionalOutput, Outputs};
@@ -20,11 +20,16 @@ use crate::yaml::{self, Fault, FieldPath};
 /// ").unwrap();
 /// # assert!(outputs.has(OptionalOutput::Objects) && outputs.has(OptionalOutput::Bvh) && !outputs.has(OptionalOutput::Surface));
 /// # assert_eq!((outputs.bvh.max_depth, outputs.bvh.min_visits), (10, 100));
+/// let outputs: Outputs = raycost::yaml::from_str("
+/// { also: [objects], arrays: [RGB, time_ns] }
+/// ").unwrap();
+/// # assert!(outputs.has(OptionalOutput::Objects) && outputs.written_arrays().has("RGB"));
+/// # assert!(!outputs.written_arrays().has("distance"));
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
-#[serde(from = "Vec<OutputEntry>")]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Outputs {
     optional: Vec<OptionalOutput>,
+    arrays: Option<Vec<PixelArray>>,
     /// The nodes of the hierarchy that are written.
     pub bvh: BvhLimits,
 }
@@ -62,6 +67,8 @@ pub struct ExtraArrays {
     pub bounces: bool,
     /// The instance that the center sample hit.
     pub instance: bool,
+    /// Those of all arrays that cloud and frame have.
+    pub written: WrittenArrays,
 }
 
 /// The nodes of the hierarchy that are written; all, if not given.
@@ -158,6 +165,17 @@ impl Outputs {
         Ok(())
     }
 
+    /// The chosen arrays of cloud and frame; `None` for all.
+    pub fn arrays(&self) -> Option<&[PixelArray]> {
+        self.arrays.as_deref()
+    }
+
+    /// The arrays that cloud and frame have.
+    pub fn written_arrays(&self) -> WrittenArrays {
+        let chosen = self.arrays.as_deref();
+        chosen.map_or(WrittenArrays::default(), WrittenArrays::only)
+    }
+
     /// The requested outputs, each once.
     pub fn iter(&self) -> impl Iterator<Item = OptionalOutput> {
         self.optional.iter().copied()
@@ -189,6 +207,47 @@ impl From<Vec<OutputEntry>> for Outputs {
         }
         outputs
     }
+}
+
+impl<'de> Deserialize<'de> for Outputs {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(OutputsVisitor)
+    }
+}
+
+/// A list of optional outputs, or a mapping with such a list.
+struct OutputsVisitor;
+
+impl<'de> Visitor<'de> for OutputsVisitor {
+    type Value = Outputs;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list such as [objects], or keys such as { arrays: [RGB, time_ns] }")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Outputs, A::Error> {
+        Vec::<OutputEntry>::deserialize(SeqAccessDeserializer::new(list)).map(Outputs::from)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Outputs, A::Error> {
+        let keys = OutputKeys::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Outputs {
+            arrays: keys.arrays,
+            ..keys.also.into()
+        })
+    }
+}
+
+/// The YAML mapping of the section.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OutputKeys {
+    /// The optional outputs.
+    #[serde(default)]
+    also: Vec<OutputEntry>,
+    /// The arrays of `hits.vtu` and `frame.vti`; all if not given.
+    #[serde(default)]
+    arrays: Option<Vec<PixelArray>>,
 }
 
 impl<'de> Deserialize<'de> for OutputEntry {

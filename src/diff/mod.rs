@@ -157,6 +157,12 @@ impl Diff {
     pub fn of(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
         let size = common_size(sides)?;
         let metrics = common_metrics(sides)?;
+        for side in sides {
+            side.require(&["RGB", "object", "tile"])?;
+            if !metrics.contains(&Metric::TIME) {
+                side.require(&[Metric::NODE_VISITS.name, Metric::PRIMITIVE_TESTS.name])?;
+            }
+        }
         let [a, b] = sides;
         let mut groups = Groups::of(sides)?;
         let mut totals = Totals::default();
@@ -220,7 +226,13 @@ fn common_metrics(sides: &[Side; 2]) -> Result<Vec<Metric>, Diagnostic> {
     for side in sides {
         if !Metric::ALL.iter().any(|metric| side.has(*metric)) {
             let message = format!("`{}` holds no cost to compare", side.name());
-            let help = "render it again without `--no-cost`";
+            let help = match side.summary().arrays {
+                None => "render it again without `--no-cost`",
+                Some(_) => {
+                    "add costs, such as `node_visits` and `primitive_tests`, to \
+                            `output.arrays`, and render it again"
+                }
+            };
             return Err(Diagnostic::new(message).with_help(help));
         }
     }

@@ -20,7 +20,7 @@ pub struct Setting {
 const MACHINE: [&str; 4] = ["raycost", "machine", "cost/kernel", "cost/clock/source"];
 
 /// Paths in `summary.json` that describe the settings.
-const SETTINGS: [&str; 15] = [
+const SETTINGS: [&str; 16] = [
     "scene",
     "image",
     "film",
@@ -36,6 +36,7 @@ const SETTINGS: [&str; 15] = [
     "repeats/asked",
     "schedule/tile_size",
     "schedule/order",
+    "arrays",
 ];
 
 /// Returns the values of a summary, by its keys.

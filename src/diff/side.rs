@@ -61,6 +61,14 @@ impl Side {
         &self.results.summary
     }
 
+    /// Checks that the output has these arrays of the pixels.
+    ///
+    /// # Errors
+    /// Some are missing, with what writes them.
+    pub(super) fn require(&self, arrays: &[&str]) -> Result<(), Diagnostic> {
+        self.results.frame()?.require(arrays)
+    }
+
     /// Reads `objects.csv`; `None` if the folder has none.
     pub(super) fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
         self.results.objects()

@@ -3,7 +3,7 @@
 use vtkio::model::ScalarType;
 
 use super::{Film, Strip};
-use crate::config::{CostMode, Repeats};
+use crate::config::{Config, CostMode, ExtraArrays, Repeats};
 use crate::cost::{Metric, MetricSource};
 use crate::geometry::LENGTH_UNIT;
 
@@ -104,8 +104,33 @@ pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column>
     all_columns(cost, repeats, false)
 }
 
+/// The arrays that the files of a rendering with this config have for each pixel.
+pub fn written_columns(config: &Config) -> impl Iterator<Item = Column> + use<> {
+    let extra = config.extra_arrays();
+    let counts_samples = config.image.adaptive.is_some();
+    kept_columns(config.cost, config.repeats, counts_samples, extra)
+        .filter(move |column| extra.written.has(column.name))
+}
+
+/// [`columns`], with the numbers of samples if they are counted, and what a film keeps on
+/// request.
+pub(super) fn kept_columns(
+    cost: CostMode,
+    repeats: Repeats,
+    counts_samples: bool,
+    extra: ExtraArrays,
+) -> impl Iterator<Item = Column> {
+    let radiance = extra.radiance_in_vtk.then_some(Column::RADIANCE);
+    let bounces = extra.bounces.then_some(Column::BOUNCES);
+    let instance = extra.instance.then_some(Column::INSTANCE);
+    all_columns(cost, repeats, counts_samples)
+        .chain(radiance)
+        .chain(bounces)
+        .chain(instance)
+}
+
 /// [`columns`], with the numbers of samples if they are counted.
-pub(super) fn all_columns(
+fn all_columns(
     cost: CostMode,
     repeats: Repeats,
     counts_samples: bool,
@@ -178,8 +203,10 @@ impl Column {
 
 #[cfg(test)]
 mod tests {
+    use clap::ValueEnum;
+
     use super::*;
-    use crate::config::ExtraArrays;
+    use crate::config::{PixelArray, WrittenArrays};
     use crate::film::bytes_per_pixel;
     use crate::schedule::TileGrid;
 
@@ -218,6 +245,26 @@ mod tests {
             };
             assert_eq!(bytes_per_pixel(mode, instance), expected + 4);
         }
+    }
+
+    #[test]
+    fn every_array_can_be_chosen_by_its_name() {
+        let extra = ExtraArrays {
+            radiance_in_vtk: true,
+            bounces: true,
+            instance: true,
+            written: WrittenArrays::only(&[]),
+            ..ExtraArrays::default()
+        };
+        let mut n_chosen = 0;
+        for mode in [CostMode::Time, CostMode::AttributedTime] {
+            for column in kept_columns(mode, Repeats::Auto, true, extra) {
+                assert!(!extra.written.has(column.name), "{}", column.name);
+                n_chosen += usize::from(mode == CostMode::Time);
+            }
+        }
+        // The time of the other mode, and two of the cloud.
+        assert_eq!(PixelArray::value_variants().len(), n_chosen + 3);
     }
 
     #[test]

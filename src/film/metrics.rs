@@ -68,14 +68,37 @@ impl Film {
         if !self.cost.has_counters() {
             return None;
         }
-        let mut shown = Metric::ALL.into_iter().filter(|&metric| {
-            if metric.is_timed() {
-                Metric::of_times(self.cost) == Some(metric)
-            } else {
-                metric.of(&self.totals) > 0
-            }
-        });
+        let mut shown = Metric::ALL
+            .into_iter()
+            .filter(|&metric| self.has_total(metric));
         Some([shown.next()?, shown.next()?])
+    }
+
+    /// The metrics that are shown of its VTK files, two if they have two: those that are not
+    /// zero first.
+    pub fn metrics_in_files(&self) -> [Option<Metric>; 2] {
+        self.first_in_files(|metric| self.has_any(metric))
+    }
+
+    /// The same, by the totals of the picture.
+    pub fn metrics_in_files_of_totals(&self) -> [Option<Metric>; 2] {
+        self.first_in_files(|metric| self.has_total(metric))
+    }
+
+    fn first_in_files(&self, has: impl Fn(Metric) -> bool) -> [Option<Metric>; 2] {
+        let is_in_files = |metric: &Metric| self.columns().any(|column| column.name == metric.name);
+        let in_files = || Metric::ALL.into_iter().filter(is_in_files);
+        let counted = in_files().filter(|&metric| has(metric));
+        let zero = in_files().filter(|&metric| !has(metric));
+        let mut metrics = counted.chain(zero);
+        [metrics.next(), metrics.next()]
+    }
+
+    fn has_total(&self, metric: Metric) -> bool {
+        if metric.is_timed() {
+            return Metric::of_times(self.cost) == Some(metric);
+        }
+        metric.of(&self.totals) > 0
     }
 
     fn has_any(&self, metric: Metric) -> bool {

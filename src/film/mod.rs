@@ -21,8 +21,8 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use column::all_columns;
-pub use column::{Column, columns};
+use column::kept_columns;
+pub use column::{Column, columns, written_columns};
 pub use hottest::{HotPixel, Times, highest_counts};
 pub use packed::PackedCounters;
 pub use rendered::{Pixel, PixelTime, Rendered};
@@ -164,13 +164,14 @@ impl Film {
 
     /// The arrays of its VTK files, in their order.
     pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
-        let radiance = self.extra.radiance_in_vtk.then_some(Column::RADIANCE);
-        let bounces = self.extra.bounces.then_some(Column::BOUNCES);
-        let instance = self.extra.instance.then_some(Column::INSTANCE);
-        all_columns(self.cost, self.repeats, self.counts_samples())
-            .chain(radiance)
-            .chain(bounces)
-            .chain(instance)
+        let written = self.extra.written;
+        self.kept_columns()
+            .filter(move |column| written.has(column.name))
+    }
+
+    /// The same, with the arrays that its VTK files leave out.
+    pub fn kept_columns(&self) -> impl Iterator<Item = Column> + use<> {
+        kept_columns(self.cost, self.repeats, self.counts_samples(), self.extra)
     }
 
     /// Number of pixels with a hit.

@@ -2,7 +2,6 @@
 
 use super::Survey;
 use crate::camera::{ImagePlane, Projection};
-use crate::cost::Metric;
 use crate::paraview::ViewCamera;
 use crate::provenance::{self, RunId};
 use crate::vtk::Field;
@@ -51,12 +50,12 @@ pub(super) fn of_time(time: f64) -> Field {
 }
 
 /// The range of the colors of `cost.png`, which leaves out outliers, as `time_ns_range`;
-/// `None` without cost.
+/// `None` without cost, and where the files leave it out.
 pub(super) fn of_cost(survey: &Survey) -> Option<Field> {
-    let [Metric { name, .. }, _] = survey.metrics?;
+    let [metric, _] = survey.metrics?;
     let range = survey.range;
-    Some(Field::floats(
-        format!("{name}_range"),
-        [range.low, range.high],
-    ))
+    (survey.shown[0] == Some(metric)).then(|| {
+        let name = format!("{}_range", metric.name);
+        Field::floats(name, [range.low, range.high])
+    })
 }

@@ -7,6 +7,8 @@ use super::RenderingView;
 use super::fields;
 use super::states::States;
 use crate::config::{Config, OptionalOutput};
+use crate::cost::Metric;
+use crate::film::{Column, written_columns};
 use crate::folder::{FileWriter, StagedFile, Staging, WriteError, Written};
 use crate::instruments::Stages;
 use crate::provenance::{RunId, stamped};
@@ -82,6 +84,17 @@ impl Request<'_> {
     /// Whether the optional output is requested.
     pub(super) fn has(&self, output: OptionalOutput) -> bool {
         self.config.output.has(output)
+    }
+
+    /// Whether cloud and frame have all these arrays.
+    pub(super) fn has_arrays(&self, names: &[&str]) -> bool {
+        self.config.output.written_arrays().has_all(names)
+    }
+
+    /// The number of costs that the frame has for each pixel.
+    pub(super) fn n_costs(&self) -> usize {
+        let is_cost = |column: &Column| Metric::ALL.iter().any(|m| m.name == column.name);
+        written_columns(self.config).filter(is_cost).count()
     }
 
     /// Whether node visits, primitive tests and rays are counted.

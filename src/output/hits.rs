@@ -72,11 +72,15 @@ pub(super) fn with_cloud(
         })
     };
     let mut point_data: Vec<Array> = film.columns().map(array).collect();
-    point_data.push(pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)));
-    point_data.push(Array::of("horizon", n, || {
-        let distances_of_hits = hits.distances();
-        distances_of_hits.map(|distance| u8::from(distances.is_horizon(distance)))
-    }));
+    let of_cloud = [
+        pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)),
+        Array::of("horizon", n, || {
+            let distances_of_hits = hits.distances();
+            distances_of_hits.map(|distance| u8::from(distances.is_horizon(distance)))
+        }),
+    ];
+    let is_written = |array: &Array| film.extra.written.has(array.name);
+    point_data.extend(of_cloud.into_iter().filter(is_written));
     write(&DataSet::Grid(vertices(
         n,
         array(Column::POSITION),

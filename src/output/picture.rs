@@ -11,6 +11,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 
 use super::file::{FileContent, Job, OutputFile};
+use super::state_files::SHOWN_OF_CLOUD;
 use crate::chart::png::PngWriter;
 use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
 use crate::config::Config;
@@ -225,8 +226,13 @@ impl Job<'_> {
         pixel_bytes: usize,
         out: &'o mut W,
     ) -> io::Result<PngWriter<'o, W>> {
-        let (run, state) = (self.run.to_string(), self.states.geometry());
-        let mut texts = vec![(provenance::KEY, &*run), ("ParaViewState", &*state)];
+        let run = self.run.to_string();
+        let written = self.rendering.film.extra.written;
+        let state = written
+            .has_all(&SHOWN_OF_CLOUD)
+            .then(|| self.states.geometry());
+        let mut texts = vec![(provenance::KEY, &*run)];
+        texts.extend(state.iter().map(|state| ("ParaViewState", &**state)));
         let partial = self.rendering.partial.map(|partial| partial.to_string());
         texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
         let grid = &self.rendering.film.grid;

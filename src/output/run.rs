@@ -17,7 +17,7 @@ pub(super) struct PixelHashes {
 impl PixelHashes {
     /// Adds the hashes of a film, or of the next rows of one.
     pub(super) fn add(&mut self, film: &Film) {
-        let stored: Vec<Column> = film.columns().filter(Column::is_in_strips).collect();
+        let stored: Vec<Column> = film.kept_columns().filter(Column::is_in_strips).collect();
         let of_strip = |strip: &Strip| {
             let mut hasher = Hasher::new();
             for column in &stored {

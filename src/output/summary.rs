@@ -69,6 +69,10 @@ fn of(job: &Job) -> Summary {
         cost: cost(rendering),
         schedule: Some(rendering.schedule.into()),
         compress: Some(config.compress),
+        arrays: config
+            .output
+            .arrays()
+            .map(|chosen| chosen.iter().map(|array| array.name()).collect()),
         files: job.written.iter().map(FileEntry::from).collect(),
     }
 }

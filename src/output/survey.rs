@@ -28,10 +28,14 @@ pub struct Survey {
     pub(super) range: Range,
     pub(super) median: f32,
     pub(super) sum: f64,
-    /// The 0.5 % and the 99.5 % quantile of the second of them.
+    /// The two metrics that states show of the files, which may leave out those of heatmaps.
+    pub(super) shown: [Option<Metric>; 2],
+    /// The range of the first of these; the distance where there is none.
+    pub(super) shown_range: Range,
+    /// The 0.5 % and the 99.5 % quantile of the second of these.
     pub(super) counter_ends: [f64; 2],
     pub(super) distances: Distances,
-    /// The first of them as a map that fits into memory; `None` where the film has all pixels.
+    /// The first of heatmaps as a map that fits into memory; `None` where the film has all pixels.
     pub(super) map: Option<ReducedMap>,
 }
 
@@ -51,11 +55,12 @@ impl Survey {
     /// Surveys a film that has all pixels, on the current rayon pool.
     pub fn of(film: &Film) -> Self {
         let metrics = film.heatmap_metrics();
+        let shown = film.metrics_in_files();
         let mut hashes = PixelHashes::default();
         let ((distances, counter_ends), (range, median, sum)) = rayon::join(
             || {
                 hashes.add(film);
-                let ends = metrics.map(|[_, second]| counter_ends(&film.metric(second)));
+                let ends = shown[1].map(|second| counter_ends(&film.metric(second)));
                 (Distances::of(film), ends.unwrap_or_default())
             },
             || match metrics {
@@ -71,6 +76,14 @@ impl Survey {
                 }
             },
         );
+        let shown_range = match shown[0] {
+            Some(first) if metrics.is_none_or(|[metric, _]| metric != first) => {
+                Range::of(&film.metric(first))
+            }
+            Some(_) => range,
+            None if metrics.is_none() => range,
+            None => Range::of(film.rows(|strip| &strip.distance).flatten()),
+        };
         Self {
             hashes,
             n_hits: film.n_hits() as u64,
@@ -82,6 +95,8 @@ impl Survey {
             range,
             median,
             sum,
+            shown,
+            shown_range,
             counter_ends,
             distances,
             map: None,

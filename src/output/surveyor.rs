@@ -16,6 +16,8 @@ const MAX_SIDE: u32 = 4096;
 pub(crate) struct Surveyor {
     survey: Survey,
     range: Histogram,
+    /// Of the first metric of the files, or of the distance.
+    shown: Histogram,
     cost: FineHistogram,
     counter: FineHistogram,
     distances: FineHistogram,
@@ -39,11 +41,14 @@ impl Surveyor {
                 range: Range::of(&[]),
                 median: 0.0,
                 sum: 0.0,
+                shown: film.metrics_in_files_of_totals(),
+                shown_range: Range::of(&[]),
                 counter_ends: [0.0; 2],
                 distances: Distances::of_histogram(&FineHistogram::default()),
                 map: None,
             },
             range: Histogram::default(),
+            shown: Histogram::default(),
             cost: FineHistogram::default(),
             counter: FineHistogram::default(),
             distances: FineHistogram::default(),
@@ -62,14 +67,19 @@ impl Surveyor {
         let Self {
             survey,
             range,
+            shown,
             cost,
             counter,
             distances,
             map,
         } = self;
-        let metrics = survey.metrics;
+        let (metrics, in_files) = (survey.metrics, survey.shown);
+        let of_shown = || match in_files[0] {
+            Some(first) => for_each_strip(band, first, |_, values| shown.add(values)),
+            None => shown.add(band.rows(|strip| &strip.distance).flatten()),
+        };
         let of_counters = || {
-            if let Some([_, second]) = metrics {
+            if let Some(second) = in_files[1] {
                 for_each_strip(band, second, |_, counts| {
                     counter.add(counts.iter().copied());
                 });
@@ -91,7 +101,7 @@ impl Surveyor {
         let of_film = || survey.hashes.add(band);
         rayon::join(
             || rayon::join(of_counters, of_distances),
-            || rayon::join(of_cost, of_film),
+            || rayon::join(of_cost, || rayon::join(of_film, of_shown)),
         );
         survey.n_hits += band.n_hits() as u64;
         survey.time_ns += band.total_time_ns();
@@ -107,6 +117,7 @@ impl Surveyor {
         let Self {
             survey,
             range,
+            shown,
             cost,
             counter,
             distances,
@@ -115,6 +126,7 @@ impl Surveyor {
         let quantile = |part: u64| counter.at(counter.n.saturating_sub(1) * part / 200);
         Survey {
             range: Range::of_histogram(&range),
+            shown_range: Range::of_histogram(&shown),
             median: cost.at(cost.n / 2).unwrap_or_default(),
             counter_ends: [1, 199].map(|part| quantile(part).unwrap_or_default().into()),
             distances: Distances::of_histogram(&distances),

@@ -42,6 +42,8 @@ impl LoadedArray {
 #[derive(Debug)]
 pub(super) struct Arrays {
     pub(super) file: VtkReader,
+    /// Those that the scene chose; `None` if the file has all, or none is known.
+    pub(super) chosen: Option<Vec<String>>,
     pub(super) infos: Vec<ArrayInfo>,
     places: Vec<ArrayLocation>,
 }
@@ -65,6 +67,7 @@ impl Arrays {
         file.check_overlap(&places)?;
         Ok(Self {
             file,
+            chosen: None,
             infos,
             places,
         })
@@ -110,8 +113,42 @@ impl Arrays {
         })
     }
 
+    /// Checks that the file has these arrays.
+    ///
+    /// # Errors
+    /// Some are missing, with what writes them.
+    pub(super) fn require(&self, names: &[&str]) -> Result<(), Diagnostic> {
+        let mut missing = names.iter().filter(|name| self.position(name).is_none());
+        match (missing.next(), &self.chosen) {
+            (None, _) => Ok(()),
+            (Some(first), None) => Err(self.missing(first)),
+            (Some(first), Some(_)) => {
+                let all: Vec<&str> = std::iter::once(first).chain(missing).copied().collect();
+                Err(self.left_out(&all))
+            }
+        }
+    }
+
+    /// The error for arrays that the scene did not choose.
+    fn left_out(&self, names: &[&str]) -> Diagnostic {
+        let path = self.file.path.display();
+        let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        let (arrays, them) = match names {
+            [_] => ("array", "it"),
+            _ => ("arrays", "them"),
+        };
+        let list = quoted.join(", ");
+        let message = format!("`{path}` has no {arrays} {list}: `output.arrays` leaves {them} out");
+        Diagnostic::new(message)
+            .with_help(format!("add {list} to `output.arrays`, and render again"))
+    }
+
     /// The error for a missing array, with the option that writes it.
     fn missing(&self, name: &str) -> Diagnostic {
+        let is_left_out = |chosen: &Vec<String>| chosen.iter().all(|other| other != name);
+        if self.chosen.as_ref().is_some_and(is_left_out) {
+            return self.left_out(&[name]);
+        }
         let path = self.file.path.display();
         let error = Diagnostic::new(format!("`{path}` has no array `{name}`"));
         let written_with = |mode, repeats| columns(mode, repeats).any(|column| column.name == name);

@@ -103,6 +103,21 @@ impl FrameFile {
         self.pieces[0].arrays.position(name).is_some()
     }
 
+    /// Names the arrays that the scene chose, for messages.
+    pub(super) fn set_chosen(&mut self, chosen: Option<&Vec<String>>) {
+        for piece in &mut self.pieces {
+            piece.arrays.chosen = chosen.cloned();
+        }
+    }
+
+    /// Checks that the file has these arrays.
+    ///
+    /// # Errors
+    /// Some are missing, with what writes them.
+    pub fn require(&self, names: &[&str]) -> Result<(), Diagnostic> {
+        self.pieces[0].arrays.require(names)
+    }
+
     /// The pieces from top to bottom; one if the frame is one file.
     pub fn pieces(&mut self) -> &mut [FramePiece] {
         &mut self.pieces

@@ -65,6 +65,13 @@ impl HitsFile {
         self.pieces[0].arrays.position(name).is_some()
     }
 
+    /// Names the arrays that the scene chose, for messages.
+    pub(super) fn set_chosen(&mut self, chosen: Option<&Vec<String>>) {
+        for piece in &mut self.pieces {
+            piece.arrays.chosen = chosen.cloned();
+        }
+    }
+
     /// The pieces, in the order of the pixels; one if the cloud is one file.
     pub fn pieces(&mut self) -> &mut [HitsPiece] {
         &mut self.pieces

@@ -103,7 +103,8 @@ impl Results {
     /// from the summary's.
     pub fn frame(&self) -> Result<FrameFile, Diagnostic> {
         let name = self.frame_name();
-        let frame = FrameFile::open(&self.file(name)?)?;
+        let mut frame = FrameFile::open(&self.file(name)?)?;
+        frame.set_chosen(self.summary.arrays.as_ref());
         let ImageSection { width, height, .. } = self.summary.image;
         let found = (frame.width(), frame.height());
         if found != (width, height) {
@@ -123,7 +124,8 @@ impl Results {
     /// points differs from the summary's.
     pub fn hits(&self) -> Result<HitsFile, Diagnostic> {
         let name = self.hits_name();
-        let hits = HitsFile::open(&self.file(name)?)?;
+        let mut hits = HitsFile::open(&self.file(name)?)?;
+        hits.set_chosen(self.summary.arrays.as_ref());
         if hits.n_points() as u64 != self.summary.n_hits {
             return Err(self.mixed(format!(
                 "{name} has {}, summary.json says {}",

@@ -57,6 +57,7 @@ impl Input {
         config
             .check_output()
             .map_err(|(_, fault)| document.point_at(fault))?;
+        config.check_arrays().map_err(point_at)?;
         let available = memory::available();
         let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;
         // The geometries are part of the need, but were not yet allocated when

@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::accel::{AccelIndex, BvhStatistics, FrameBase};
 use crate::animation::HierarchyUpdate;
 use crate::config::Config;
-use crate::film::{self, Column, columns};
+use crate::film::{self, written_columns};
 use crate::folder::OutputFolder;
 use crate::memory::Memory;
 use crate::output::{self, BandRows};
@@ -285,24 +285,6 @@ fn stored_bytes(config: &Config) -> u64 {
 /// it compresses.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti has all arrays except the positions.
-    let per_pixel: usize = columns(config.cost, config.repeats)
-        .map(|column| column.stride())
-        .sum();
-    let radiance = if config.extra_arrays().radiance_in_vtk {
-        Column::RADIANCE.stride()
-    } else {
-        0
-    };
-    let bounces = if config.extra_arrays().bounces {
-        Column::BOUNCES.stride()
-    } else {
-        0
-    };
-    let instance = if config.extra_arrays().instance {
-        Column::INSTANCE.stride()
-    } else {
-        0
-    };
-    (config.image.n_pixels() * (per_pixel + radiance + bounces + instance)) as u64
-        / config.compress.max_ratio()
+    let per_pixel: usize = written_columns(config).map(|column| column.stride()).sum();
+    (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
 }

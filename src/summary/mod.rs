@@ -112,6 +112,9 @@ pub struct Summary {
     pub schedule: Option<ScheduleSection>,
     /// The compression of the VTK files.
     pub compress: Option<Codec>,
+    /// The arrays of the cloud and the frame that the scene chose; left out if they have all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrays: Option<Vec<String>>,
     /// The files of the run except the summary itself.
     #[serde(default)]
     pub files: Vec<FileEntry>,

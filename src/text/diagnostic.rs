@@ -8,11 +8,11 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::terminal::{one_line, visible};
 
-/// Most characters shown of a message and of the label beside the caret: a
-/// value in the text may have any length.
+/// Most characters shown of a message: a value in the text may have any length.
 const MAX_MESSAGE: usize = 240;
-/// Most characters shown of the remedy, which may list all choices.
-const MAX_HELP: usize = 400;
+/// Most characters shown of the label beside the caret and of the remedy, which may list all
+/// choices.
+const MAX_LIST: usize = 480;
 /// Most characters underlined.
 const MAX_UNDERLINED: usize = 60;
 
@@ -73,13 +73,13 @@ impl Diagnostic {
         let shown = marked.char_indices().nth(MAX_UNDERLINED);
         let n_shown = shown.map_or(marked.len(), |(byte, _)| byte);
         self.message = truncated(&self.message, MAX_MESSAGE);
-        self.help = self.help.map(|help| truncated(&help, MAX_HELP));
+        self.help = self.help.map(|help| truncated(&help, MAX_LIST));
         self.excerpt = Some(Excerpt {
             file: one_line(file).into_owned(),
             line: 1 + text[..line_start].matches('\n').count(),
             text: line_text.to_owned(),
             span: begin..begin + n_shown,
-            label: truncated(label, MAX_MESSAGE),
+            label: truncated(label, MAX_LIST),
         });
         self
     }

@@ -58,10 +58,8 @@ impl Page {
     fn of_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
         let mut frame = results.frame()?;
         let pixels = ShownPixels::at_most(n_pixels, [frame.width(), frame.height()]);
-        // The page cannot be drawn without these arrays: report the missing one.
-        if let Some(missing) = ["RGB", "footprint"].iter().find(|name| !frame.has(name)) {
-            frame.read(missing)?;
-        }
+        // The page cannot be drawn without these arrays: report the missing ones.
+        frame.require(&["RGB", "footprint"])?;
         let arrays = pixels.read(&mut frame)?;
         let cloud = Cloud::read(&mut results.hits()?, &pixels)?;
         let table = results.objects()?;

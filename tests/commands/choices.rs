@@ -6,7 +6,7 @@ use raycost::camera::Camera;
 use raycost::cli::Cli;
 use raycost::color::{ColorMap, ToneCurve, Transfer};
 use raycost::config::{
-    CostMode, Object, Outputs, PixelFilter, PixelPattern, ShadingModel, TileOrder,
+    CostMode, Object, Outputs, PixelArray, PixelFilter, PixelPattern, ShadingModel, TileOrder,
 };
 use raycost::cost::Metric;
 use raycost::import::read_mesh;
@@ -52,6 +52,7 @@ fn the_scene_reference_lists_every_key_and_keyword() {
         choices::<Wrap>("zzz"),
         choices::<TexelFilter>("zzz"),
         choices::<Outputs>("[zzz]"),
+        choices::<PixelArray>("zzz"),
         choices::<PixelPattern>("zzz"),
         choices::<PixelFilter>("zzz"),
         choices::<ShadingModel>("zzz"),

@@ -117,6 +117,7 @@ fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let source = Source::new("scene.yaml", text);
     let mut config: Config = source.parse()?;
     let mut check = || {
+        config.check_arrays()?;
         Timeline::of(&config, source.folder())?;
         let geometries = Geometries::read(&mut config, source.folder(), available)?;
         Memory::of(&config, &geometries).check(available)?;

@@ -1,7 +1,7 @@
 //! Films of noise.
 
 use bytemuck::cast_slice_mut;
-use raycost::config::{CostMode, ExtraArrays, Repeats};
+use raycost::config::{CostMode, ExtraArrays, Repeats, WrittenArrays};
 use raycost::cost::{Cost, Counters};
 use raycost::film::{Film, PackedCounters, RenderedTile};
 use raycost::schedule::TileGrid;
@@ -14,6 +14,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         albedo: true,
         bounces: true,
         instance: true,
+        written: WrittenArrays::default(),
     };
     let grid = TileGrid::new(width, height, 7);
     let mut film = Film::with_extra(extra, grid, 0x1234_5678, cost);

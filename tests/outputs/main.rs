@@ -23,6 +23,7 @@ macro_rules! read_both_ways {
     )*};
 }
 
+mod arrays;
 mod attribution_files;
 mod bands;
 mod hostile;

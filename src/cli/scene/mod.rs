@@ -142,7 +142,10 @@ impl SceneArguments {
             } else {
                 fault.without_place()
             }
-        })
+        })?;
+        config
+            .check_arrays()
+            .map_err(|fault| document.point_at(fault))
     }
 
     /// Whether the scene is read from standard input.

@@ -50,7 +50,7 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     channels.extend(vector("", COLOR, Column::RADIANCE));
     channels.extend(vector("albedo.", COLOR, Column::ALBEDO));
     channels.extend(vector("P.", SPACE, Column::POSITION));
-    for column in film.columns() {
+    for column in film.kept_columns() {
         match column.name {
             // The picture of 8 bits, and what is there already.
             "RGB" | "radiance" => {}

@@ -32,8 +32,8 @@ pub(super) struct States<'a> {
 /// The values of a rendering, or of several, for all states.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct StateValues {
-    /// The axis of the preferred cost metric, or of the distance if no cost was
-    /// measured.
+    /// The axis of the preferred cost metric of the files, or of the distance if they
+    /// have none.
     cost: Axis,
     counter: Option<Axis>,
     camera: ViewCamera,
@@ -87,8 +87,8 @@ impl StateValues {
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::of(3, size).n_labels();
         let distances = &survey.distances;
-        let counter = survey.metrics;
-        let counter = counter.map(|[_, second]| counter_axis(second, survey.counter_ends));
+        let counter = survey.shown[1];
+        let counter = counter.map(|second| counter_axis(second, survey.counter_ends));
         Self {
             cost: cost_axis(survey).with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
@@ -195,15 +195,15 @@ fn of_pieces(template: &str) -> String {
 
 /// Returns the axis of the preferred cost metric, without outliers as in `cost.png`.
 fn cost_axis(survey: &Survey) -> Axis {
-    let range = survey.range;
+    let range = survey.shown_range;
     let ends = [range.low, range.high];
     let axis = |array, name| Axis::new(array, name, ColorScale::Logarithmic, ends);
-    match survey.metrics {
+    match survey.shown[0] {
         None => axis("distance", "Distance from the camera"),
-        Some([metric, _]) if metric.is_timed() => {
+        Some(metric) if metric.is_timed() => {
             axis(metric.name, &capitalized(metric.title)).of_time()
         }
-        Some([metric, _]) => axis(metric.name, &capitalized(metric.title)),
+        Some(metric) => axis(metric.name, &capitalized(metric.title)),
     }
 }
 
