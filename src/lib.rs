@@ -94,6 +94,7 @@ pub mod summary;
 pub mod output;
 #[doc(hidden)]
 pub mod memory;
+mod prediction;
 pub mod results;
 #[doc(hidden)]
 pub mod view;

@@ -48,10 +48,15 @@ pub struct Layout {
     pub footer_baseline: u32,
 }
 
+/// The smallest magnification at which the longer side of the map is long enough.
+pub(super) fn magnification([width, height]: [u32; 2]) -> u32 {
+    MIN_LONGER_SIDE_PX.div_ceil(width.max(height))
+}
+
 impl Layout {
     /// Computes the layout of `map`.
     pub fn of(map: &CostMap) -> Self {
-        let magnification = MIN_LONGER_SIDE_PX.div_ceil(map.width.max(map.height));
+        let magnification = magnification([map.width, map.height]);
         let [width, height] = [map.width * magnification, map.height * magnification];
         let em_px = (width.max(height) as f32 / 50.0).clamp(14.0, 160.0);
         let em = |n: f32| px(n * em_px);

@@ -61,6 +61,11 @@ pub struct CostMap<'a> {
     pub subtitle: &'a str,
 }
 
+/// Pixels of the picture along each side of one of the map, for a map of this size.
+pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
+    layout::magnification([width, height])
+}
+
 /// Writes the picture of `map` as a PNG with the run's ID.
 ///
 /// # Errors

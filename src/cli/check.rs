@@ -11,6 +11,7 @@ use crate::color::{ToneCurve, Transfer};
 use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::{self, Request};
+use crate::prediction::{DiskUse, Prediction};
 use crate::render::most_repeats;
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
@@ -21,7 +22,7 @@ use crate::text::{self, Diagnostic};
 
 /// Check a scene without rendering it, or verify an output folder
 ///
-/// For a scene, prints what `raycost render` would do. For a folder that `raycost
+/// For a scene, prints what `raycost render` would do, and predicts its memory and disk. For a folder that `raycost
 /// render` wrote, compares every file with its length and checksum in summary.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -66,8 +67,15 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         scene.at(number)?;
         stop::check()?;
     }
-    let (config, placed, memory) = placed(&scene, arguments.frame)?;
-    let report = report(arguments, &scene, &config, &placed, &memory);
+    let (config, mut placed, memory) = placed(&scene, arguments.frame)?;
+    let mut expected = Prediction::of(&config, &mut placed)
+        .map_err(|error| scene.point_at(memory::too_large(error)))?;
+    if memory.band_rows.is_some() {
+        // Bands fill what they may.
+        expected.peak_memory = None;
+    }
+    stop::check()?;
+    let report = report(arguments, &scene, &config, &placed, (&memory, &expected));
     Ok(text::print(&report)?)
 }
 
@@ -93,7 +101,7 @@ fn report(
     open: &OpenScene,
     config: &Config,
     scene: &Scene,
-    memory: &Memory,
+    (memory, expected): (&Memory, &Prediction),
 ) -> String {
     let arguments = &arguments.scene;
     let frames = open
@@ -158,7 +166,8 @@ fn report(
         (
             "memory",
             format!(
-                "up to {} (film {}, scene {}{}), {} free",
+                "{} {} (film {}, scene {}{}) beside the program, {} free",
+                at_the_peak(expected),
                 bytes(memory.total()),
                 bytes(memory.film),
                 bytes(memory.scene),
@@ -167,6 +176,7 @@ fn report(
             ),
         ),
         ("files", files(config, memory, &folder)),
+        ("disk", disk(config, &expected.disk)),
     ];
     // Behind the line about the scene.
     let (first, others) = lines.split_at(1);
@@ -174,6 +184,29 @@ fn report(
     lines
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect()
+}
+
+/// "about 159 MB at the peak; with at most", where the peak is known.
+fn at_the_peak(expected: &Prediction) -> String {
+    match expected.peak_memory {
+        Some(peak) => format!("about {} at the peak; with at most", bytes(peak)),
+        None => "up to".to_owned(),
+    }
+}
+
+/// The bytes of the files: of arrays, and at most of what is always compressed.
+fn disk(config: &Config, disk: &DiskUse) -> String {
+    let of_file = |(name, n_bytes): &(&str, u64)| format!("{name} {}", bytes(*n_bytes));
+    let of_files: Vec<String> = disk.arrays.iter().map(of_file).collect();
+    let [plain, pictures] = [disk.of_arrays() + disk.texts, disk.pictures].map(bytes);
+    let pictures = format!("up to {pictures} of pictures before compression");
+    match config.compress.label() {
+        None => format!("about {plain} ({}), and {pictures}", of_files.join(", ")),
+        Some(codec) => format!(
+            "up to {plain} ({}) before compression by {codec}, and {pictures}",
+            of_files.join(", ")
+        ),
+    }
 }
 
 /// ", 512 bytes for each instance", in a scene that has some.

@@ -6,7 +6,7 @@ use crate::memory::Memory;
 use crate::scene::Geometries;
 use crate::session::{Frames, Input};
 use crate::text::Diagnostic;
-use crate::yaml::{Document, Source};
+use crate::yaml::{Document, Fault, Source};
 
 /// A scene whose text was read: a still, or all frames of an animation.
 pub(super) struct OpenScene<'a> {
@@ -85,6 +85,11 @@ impl<'a> OpenScene<'a> {
             n => format!("the scene has {n} frames, 0 to {}", n - 1),
         };
         Err(Diagnostic::new(message).with_help(help))
+    }
+
+    /// Converts the fault to a diagnostic that shows its line.
+    pub(super) fn point_at(&self, fault: Fault) -> Diagnostic {
+        self.document.point_at(fault)
     }
 
     /// The scene at a frame, or the still, with the settings of the command line.

@@ -41,7 +41,8 @@ impl Film {
                 .collect::<Vec<_>>()
                 .concat();
         }
-        let (mut of_strip, mut all) = (Vec::new(), Vec::new());
+        let n_pixels = self.grid.width as usize * self.grid.height as usize;
+        let (mut of_strip, mut all) = (Vec::new(), Vec::with_capacity(n_pixels));
         for strip in &self.strips {
             self.counts(strip, metric, &mut of_strip);
             all.extend(of_strip.iter().map(|&count| count as f32));

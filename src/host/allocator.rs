@@ -36,6 +36,29 @@ impl Allocator {
     }
 }
 
+/// The resident bytes that the system's allocator keeps for later; 0 where it does not say.
+pub(crate) fn free_heap() -> u64 {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        #[expect(unsafe_code, reason = "a function of the C library")]
+        // SAFETY: it takes nothing and returns numbers.
+        let in_use = unsafe { libc::mallinfo2() }.uordblks as u64;
+        let maps = std::fs::read_to_string("/proc/self/smaps").unwrap_or_default();
+        resident_heap(&maps).saturating_sub(in_use)
+    }
+    #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+    0
+}
+
+/// The resident bytes of the heap, from the text of `/proc/PID/smaps`: proc_pid_smaps(5).
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn resident_heap(maps: &str) -> u64 {
+    let mut lines = maps.lines().skip_while(|line| !line.ends_with("[heap]"));
+    let resident = lines.find_map(|line| line.strip_prefix("Rss:"));
+    let kib = resident.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+    kib.unwrap_or(0) << 10
+}
+
 thread_local! {
     /// Has no destructor and allocates nothing: an allocator may read it at any
     /// time.

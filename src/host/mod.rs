@@ -11,6 +11,7 @@ use std::sync::OnceLock;
 use sysinfo::System;
 
 pub use advice::advice;
+pub(crate) use allocator::free_heap;
 pub use allocator::{Allocator, may_fail};
 
 /// The limit that the user has set, in bytes.
@@ -68,6 +69,17 @@ fn within_limits() -> u64 {
 #[cfg(not(unix))]
 fn within_limits() -> u64 {
     u64::MAX
+}
+
+/// Returns the resident memory of this process in bytes; `None` if the system does not
+/// report it.
+pub(crate) fn resident_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kib: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kib << 10)
 }
 
 /// Returns the bytes of address space, and of data and stack within it, that the

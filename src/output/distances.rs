@@ -23,7 +23,7 @@ pub(super) struct Distances {
 impl Distances {
     /// The distances of a film.
     pub(super) fn of(film: &Film) -> Self {
-        let mut distances = Vec::new();
+        let mut distances = Vec::with_capacity(film.n_hits());
         for row in film.rows(|strip| &strip.distance) {
             distances.extend(row.iter().filter(|distance| distance.is_finite()));
         }

@@ -101,6 +101,34 @@ pub(crate) fn bytes_per_band_pixel(config: &Config) -> u64 {
     BYTES_PER_PIXEL + picture::bytes_per_band_pixel(config)
 }
 
+/// The same, of a typical rendering: the two files of pixels are compressed at a time.
+pub(crate) fn expected_write_bytes(config: &Config) -> u64 {
+    let of_two = 2 * (compression_bytes(config.compress) / 5);
+    of_two + layers::write_bytes(config) + picture::write_bytes(config)
+}
+
+/// The bytes of the layers of a scene's picture before compression; 0 if they are not asked
+/// for.
+pub(crate) fn layer_bytes(config: &Config) -> u64 {
+    layers::raw_bytes(config)
+}
+
+/// The bytes of the ParaView states that a rendering with this config writes, as templates.
+pub(crate) fn state_bytes(config: &Config) -> u64 {
+    let request = Request {
+        config,
+        is_profiled: false,
+        vtkhdf: false,
+        is_stored: false,
+    };
+    let wanted = files().filter(|file| file.is_wanted(&request));
+    let of_file = |file: &OutputFile| match file.content {
+        FileContent::State(template) => template.len() as u64,
+        FileContent::Written(_) | FileContent::AtPath(_) => 0,
+    };
+    wanted.map(of_file).sum()
+}
+
 /// Files that are written in parallel.
 struct FileGroup {
     /// The stage that ends with them, if any.

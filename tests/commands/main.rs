@@ -19,6 +19,7 @@ mod include;
 mod limits;
 mod mutations;
 mod new;
+mod prediction;
 mod roofline;
 mod schema;
 mod settings;

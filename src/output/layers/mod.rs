@@ -53,6 +53,15 @@ pub(super) fn write_bytes(config: &Config) -> u64 {
     BLOCKS_MEMORY.max(of_rows(BLOCK_ROWS)).min(of_rows(height))
 }
 
+/// The bytes of the file before compression; 0 if it is not asked for.
+pub(super) fn raw_bytes(config: &Config) -> u64 {
+    if !config.output.has(OptionalOutput::Exr) {
+        return 0;
+    }
+    let n_channels = most_channels(config.cost, config.repeats);
+    (config.image.n_pixels() * n_channels * CHANNEL_BYTES) as u64
+}
+
 /// The memory to compress so many columns and rows.
 fn block_memory([width, n_rows]: [u32; 2], n_channels: usize) -> u64 {
     COPIES * u64::from(width) * u64::from(n_rows) * (n_channels * CHANNEL_BYTES) as u64
