@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::schedule::TileGrid;
 use crate::session::{Frames, Input};
 use crate::stop;
-use crate::text::numbers::{bytes, count, counted};
+use crate::text::numbers::{bytes, count, counted, parse_bytes};
 use crate::text::{self, Diagnostic};
 
 /// Check a scene without rendering it, or verify an output folder
@@ -35,6 +35,11 @@ pub(super) struct CheckArguments {
     /// Frame of an animated scene [default: the first]
     #[arg(long, value_name = "N")]
     frame: Option<u32>,
+
+    /// The memory that `render` may use, such as 4G or 500M [default: three quarters of what is
+    /// available]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    memory: Option<u64>,
 }
 
 impl CheckArguments {
@@ -60,6 +65,9 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if let Some(parts) = outputs_in(&arguments.scene.scene) {
         return verified(&arguments.scene.scene, &parts);
+    }
+    if let Some(limit) = arguments.memory {
+        memory::set_limit(limit);
     }
     let scene = OpenScene::read(&arguments.scene)?;
     let n_frames = scene.frames.as_ref().map_or(1, Frames::n_frames);
@@ -176,7 +184,7 @@ fn report(
             ),
         ),
         ("files", files(config, memory, &folder)),
-        ("disk", disk(config, &expected.disk)),
+        ("disk", disk(config, memory, &expected.disk)),
     ];
     // Behind the line about the scene.
     let (first, others) = lines.split_at(1);
@@ -195,15 +203,22 @@ fn at_the_peak(expected: &Prediction) -> String {
 }
 
 /// The bytes of the files: of arrays, and at most of what is always compressed.
-fn disk(config: &Config, disk: &DiskUse) -> String {
+fn disk(config: &Config, memory: &Memory, disk: &DiskUse) -> String {
+    let of_tiles = match memory.band_rows {
+        None => String::new(),
+        Some(_) => format!(", and until the end {} of tiles", bytes(disk.tiles)),
+    };
     let of_file = |(name, n_bytes): &(&str, u64)| format!("{name} {}", bytes(*n_bytes));
     let of_files: Vec<String> = disk.arrays.iter().map(of_file).collect();
     let [plain, pictures] = [disk.of_arrays() + disk.texts, disk.pictures].map(bytes);
     let pictures = format!("up to {pictures} of pictures before compression");
     match config.compress.label() {
-        None => format!("about {plain} ({}), and {pictures}", of_files.join(", ")),
+        None => format!(
+            "about {plain} ({}), and {pictures}{of_tiles}",
+            of_files.join(", ")
+        ),
         Some(codec) => format!(
-            "up to {plain} ({}) before compression by {codec}, and {pictures}",
+            "up to {plain} ({}) before compression by {codec}, and {pictures}{of_tiles}",
             of_files.join(", ")
         ),
     }
@@ -242,10 +257,17 @@ fn files(config: &Config, memory: &Memory, out: &Path) -> String {
     };
     let wanted = output::files().filter(|file| file.is_wanted(&request));
     let names: Vec<&str> = wanted.map(|file| file.name).collect();
+    let of_bands = memory.band_rows.map_or(String::new(), |n_rows| {
+        let n_pieces = config.image.height.div_ceil(n_rows);
+        format!(
+            "; image.png; {} of {n_rows} rows for each of cloud and frame",
+            counted(n_pieces.into(), "piece")
+        )
+    });
     let codec = (config.compress.label()).map(|codec| format!(", VTK files compressed by {codec}"));
     let codec = codec.unwrap_or_default();
     let (names, out) = (names.join(", "), shown(out));
-    format!("{names} in {out}{codec}")
+    format!("{names}{of_bands} in {out}{codec}")
 }
 
 /// How light would become the picture.

@@ -6,7 +6,7 @@ use super::preview::Preview;
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{Config, OptionalOutput};
-use crate::film::{Column, written_columns};
+use crate::film::{self, Column, written_columns};
 use crate::output;
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
@@ -28,6 +28,8 @@ pub(crate) struct DiskUse {
     pub(crate) texts: u64,
     /// Of all pictures before compression, which is always on.
     pub(crate) pictures: u64,
+    /// Of the file of finished tiles.
+    pub(crate) tiles: u64,
 }
 
 impl DiskUse {
@@ -72,6 +74,7 @@ impl DiskUse {
             arrays,
             texts: SUMMARY + output::state_bytes(config) + of_tiles,
             pictures: of_pictures(config, preview),
+            tiles: (n_pixels as f64 * stored_bytes(config, preview)) as u64,
         }
     }
 
@@ -93,6 +96,12 @@ fn bytes_of_hit(config: &Config) -> u64 {
     // A cell has a point, where its points end, and a type.
     let of_cell = 2 * 4 + 1;
     Column::POSITION.stride() as u64 + of("pixel", index) + of("horizon", 1) + of_cell
+}
+
+/// The bytes of a pixel in a file of tiles.
+fn stored_bytes(config: &Config, preview: &Preview) -> f64 {
+    let of_film = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+    of_film as f64 + preview.counter_bytes
 }
 
 /// The bytes of the pictures before compression.

@@ -163,6 +163,33 @@ fn the_output_in_pieces_is_read_by_all_commands() {
 }
 
 #[test]
+fn check_says_how_a_picture_will_be_written() {
+    let folder = Folder::new();
+    folder.render_in_bands("seed_sphere", &["--cost=counters"], "out");
+    let arguments = [
+        "check",
+        "configs/seed_sphere.yaml",
+        "--cost=counters",
+        MEMORY,
+    ];
+    let output = folder.run(&[&arguments, &SIZE[..]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    // The memory of the program itself may differ by a piece.
+    let n_pieces = n_pieces(&folder.path("out"));
+    let said = |n: usize| text.contains(&format!("; image.png; {n} pieces of "));
+    assert!(
+        (n_pieces - 1..=n_pieces + 1).any(said),
+        "{n_pieces}: {text}"
+    );
+    assert!(text.contains(", and until the end "), "{text}");
+    assert!(
+        folder
+            .message(&["check", "configs/seed_sphere.yaml", "--memory=1M"], 2)
+            .contains("too large")
+    );
+}
+
+#[test]
 fn pieces_of_an_earlier_run_are_replaced_and_those_of_others_kept() {
     let folder = Folder::new();
     folder.render_in_bands("seed_sphere", &["--cost=counters"], "out");
