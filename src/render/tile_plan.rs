@@ -24,7 +24,9 @@ pub struct TilePlan {
     sequence: Vec<u32>,
     /// The estimated work of each tile of the grid; `None` if it is not known.
     work: Option<Vec<u64>>,
-    pixels_per_work: f64,
+    /// The estimated time of each tile of the grid; `None` if it is not known.
+    times: Option<Vec<f64>>,
+    pixels_per_ns: f64,
 }
 
 impl TilePlan {
@@ -42,7 +44,8 @@ impl TilePlan {
         };
         let this = Self {
             work,
-            pixels_per_work: 1.0,
+            times: None,
+            pixels_per_ns: 1.0,
             image: *image,
             grid,
             order: tiling.order,
@@ -68,27 +71,23 @@ impl TilePlan {
         self.scaled()
     }
 
-    /// Estimates the work of each tile, if it is not known, by a few rays through each on
-    /// the current rayon pool.
-    pub fn with_estimate(mut self, scene: &Scene, accel: &Accel) -> Self {
-        self.estimated(scene, accel);
+    /// Estimates the time of each tile by a few pixels of each on the current rayon pool.
+    pub fn with_estimate(mut self, scene: &Scene, accel: &Accel, mode: CostMode) -> Self {
+        self.times = Some(prepass::times(scene, accel, &self, mode));
         self.scaled()
     }
 
-    /// Whether the work of each tile is known.
+    /// Whether the work or the time of each tile is known.
     pub(crate) fn is_estimated(&self) -> bool {
-        self.work.is_some()
+        self.work.is_some() || self.times.is_some()
     }
 
-    /// Measures work in pixels of average cost.
+    /// Measures time in pixels of average cost.
     fn scaled(mut self) -> Self {
-        let work = self.work.as_deref().unwrap_or_default();
-        let of_tiles = self
-            .sequence
-            .iter()
-            .filter_map(|&number| work.get(number as usize));
-        let sum: u64 = of_tiles.sum();
-        self.pixels_per_work = self.n_pixels() as f64 / sum.max(1) as f64;
+        if let Some(times) = &self.times {
+            let of_tiles = self.sequence.iter().map(|&number| times[number as usize]);
+            self.pixels_per_ns = self.n_pixels() as f64 / of_tiles.sum::<f64>().max(1.0);
+        }
         self
     }
 
@@ -102,8 +101,8 @@ impl TilePlan {
     /// The work of a tile in pixels of average cost; that of all tiles of the plan adds up
     /// to the number of their pixels.
     pub(super) fn work(&self, tile: &Tile) -> f64 {
-        match &self.work {
-            Some(work) => work[tile.number as usize] as f64 * self.pixels_per_work,
+        match &self.times {
+            Some(times) => times[tile.number as usize] * self.pixels_per_ns,
             None => tile.n_pixels() as f64,
         }
     }

@@ -113,7 +113,7 @@ impl<'a> SingleRayRenderer<'a> {
     }
 
     /// Renders pixel `i` of a tile in place: a copy would take as long as a ray.
-    fn render_pixel(&mut self, place: (u32, u32), i: usize) {
+    pub(super) fn render_pixel(&mut self, place: (u32, u32), i: usize) {
         let Self {
             view,
             pixels,

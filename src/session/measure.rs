@@ -31,7 +31,7 @@ impl Session {
         }
         let mut plan = scope.plan(scene, accel, config);
         if options.estimates_work {
-            plan = plan.with_estimate(scene, accel);
+            plan = plan.with_estimate(scene, accel, config.cost);
         }
         if plan.is_estimated() {
             stages.end("order");
