@@ -37,6 +37,9 @@ pub use team::{Member, RankWork, Team};
 #[cfg(feature = "mpi")]
 pub use world::abort;
 
+/// Whether this program can be one of several ranks.
+pub const IS_BUILT: bool = cfg!(feature = "mpi");
+
 /// How long a thread sleeps that has nothing to send and has received nothing.
 pub const POLL_EVERY: Duration = Duration::from_micros(500);
 

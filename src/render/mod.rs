@@ -121,7 +121,7 @@ fn render_onto(
             (film, schedule)
         }
         Meter::Time(clock) => {
-            let renderer = || SingleRayRenderer::new(view, Some(clock), plan);
+            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.room());
             render_tiles(film, plan, pass, renderer, report)
         }
     }

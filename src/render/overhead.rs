@@ -127,7 +127,7 @@ impl Variant {
             Self::SingleRay => {
                 let view = View::new(scene, accel, &plan.image);
                 let film = plan.film(scene, CostMode::Counters);
-                let renderer = || SingleRayRenderer::new(view, None, plan);
+                let renderer = || SingleRayRenderer::new(view, None, plan.room());
                 render_tiles(film, plan, &Pass::default(), renderer, report).0
             }
         }

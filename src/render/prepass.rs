@@ -5,7 +5,6 @@ use std::time::Instant;
 use cpu_time::ThreadTime as ThreadClock;
 use rayon::prelude::*;
 
-use super::TilePlan;
 use super::stream::{StreamRenderer, WAVE_LEN};
 use super::timed::SingleRayRenderer;
 use super::view::View;
@@ -42,15 +41,19 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
 /// Estimates the time of each tile on this machine, in nanoseconds but for a common factor, by
 /// some of its pixels, at least one, rendered as the cost mode asks: with one sample, or with
 /// those that adaptive sampling gives them.
-pub(super) fn times(scene: &Scene, accel: &Accel, plan: &TilePlan, mode: CostMode) -> Vec<f64> {
-    let (image, grid) = (&plan.image, &plan.grid);
+pub(super) fn times(
+    (scene, accel): (&Scene, &Accel),
+    image: &Image,
+    grid: &TileGrid,
+    mode: CostMode,
+) -> Vec<f64> {
     let (image, step) = match image.adaptive {
         None => (of_one_sample(image), STEP),
         Some(_) => (*image, WIDE_STEP),
     };
     let view = View::new(scene, accel, &image);
     if mode == CostMode::Time {
-        let renderer = || SingleRayRenderer::new(view, None, plan);
+        let renderer = || SingleRayRenderer::new(view, None, (1, &image));
         return chunks(grid, 1, renderer, |renderer, tiles| {
             let of_tile = |tile| time_of_tile(renderer, tile, step);
             tiles.iter().map(of_tile).collect()

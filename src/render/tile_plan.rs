@@ -73,7 +73,8 @@ impl TilePlan {
 
     /// Estimates the time of each tile by a few pixels of each on the current rayon pool.
     pub fn with_estimate(mut self, scene: &Scene, accel: &Accel, mode: CostMode) -> Self {
-        self.times = Some(prepass::times(scene, accel, &self, mode));
+        let Self { image, grid, .. } = &self;
+        self.times = Some(prepass::times((scene, accel), image, grid, mode));
         self.scaled()
     }
 
@@ -137,9 +138,10 @@ impl TilePlan {
         }
     }
 
-    /// Most pixels rendered at a time.
-    pub(super) fn max_pixels(&self) -> usize {
-        MAX_PIXELS.min(self.grid.tile_size.pow(2) as usize)
+    /// Most pixels rendered at a time, and their image.
+    pub(super) fn room(&self) -> (usize, &Image) {
+        let most = MAX_PIXELS.min(self.grid.tile_size.pow(2) as usize);
+        (most, &self.image)
     }
 
     /// Returns the tile at a position of the order; `None` after the last.

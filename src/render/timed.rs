@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use super::view::View;
-use super::{SampleSums, TilePlan, TileRenderer};
+use super::{SampleSums, TileRenderer};
 use crate::config::Image;
 use crate::cost::{BounceCounts, Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
 use crate::film::{Pixel, PixelTime, Rendered};
@@ -44,10 +44,13 @@ pub(super) struct SingleRayRenderer<'a> {
 }
 
 impl<'a> SingleRayRenderer<'a> {
-    /// Creates a renderer of the plan's tiles for the calling thread, and warms up
-    /// the thread.
-    pub(super) fn new(view: View<'a>, clock: Option<&'a Clock>, plan: &TilePlan) -> Self {
-        let n_pixels = plan.max_pixels();
+    /// Creates a renderer of at most so many pixels of the image at a time for the calling
+    /// thread, and warms up the thread.
+    pub(super) fn new(
+        view: View<'a>,
+        clock: Option<&'a Clock>,
+        (n_pixels, image): (usize, &Image),
+    ) -> Self {
         // Filled with nonzero values, so that page faults are not part of a pixel's
         // time: the system would map zeroed pages only at the first write.
         let written_cost = Cost {
@@ -69,7 +72,7 @@ impl<'a> SingleRayRenderer<'a> {
             paths: Vec::with_capacity(PATHS),
         };
         renderer.bounces.reset(n_pixels);
-        renderer.warm_up_thread(&plan.image);
+        renderer.warm_up_thread(image);
         renderer
     }
 
@@ -303,8 +306,8 @@ mod tests {
         let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
         let view = View::new(&scene, &accel, &config.image);
         let clock = Clock::calibrated();
-        let mut cold = SingleRayRenderer::new(view, None, &plan);
-        let mut warm = SingleRayRenderer::new(view, Some(&clock), &plan);
+        let mut cold = SingleRayRenderer::new(view, None, plan.room());
+        let mut warm = SingleRayRenderer::new(view, Some(&clock), plan.room());
         for number in [0, 200, 399] {
             let tile = plan.tile(number).unwrap();
             let [cold, warm] = [cold.render(&tile), warm.render(&tile)];

@@ -37,7 +37,7 @@ pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, me
             render_dealt(ranks, film, plan, || StreamRenderer::<Counters>::new(view));
         }
         Meter::Time(clock) => {
-            let renderer = || SingleRayRenderer::new(view, Some(clock), plan);
+            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.room());
             render_dealt(ranks, film, plan, renderer);
         }
     }

@@ -54,6 +54,8 @@ factors! {
     SamplesPerPixel "samples_per_pixel": BoundedCount<{ MAX_SAMPLES as u64 }> => |n| n.level("spp");
     /// Number of rendering threads.
     Threads "threads": BoundedCount<1024> => |n| n.level("threads");
+    /// Number of processes that render one picture by MPI, started by the `launcher`.
+    Ranks "ranks": BoundedCount<65_535> => |n| n.level_of_launcher();
     /// The acceleration structure.
     Acceleration "acceleration": Structure => |structure| keyword("acceleration", structure);
     /// Number of spheres per generator of the scene.

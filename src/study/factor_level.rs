@@ -76,6 +76,14 @@ impl<const MAX: u64> BoundedCount<MAX> {
             flags: vec![format!("--{flag}={}", self.0)],
         }
     }
+
+    /// The level that the launcher selects, not a flag.
+    pub(super) fn level_of_launcher(self) -> FactorLevel {
+        FactorLevel {
+            value: json!(self.0),
+            flags: Vec::new(),
+        }
+    }
 }
 
 impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {

@@ -10,12 +10,14 @@
 
 mod factor_level;
 mod factor;
+mod launcher;
 mod point;
 mod plot_spec;
 mod plan;
 mod run_metrics;
 mod run_log;
 mod table;
+mod scaling;
 mod cost_law;
 mod limits_file;
 mod roofline_point;
@@ -24,6 +26,7 @@ mod plot;
 pub use cost_law::{CostLaw, CostSample, PowerLaw};
 pub use factor::{Factor, FlagFactor};
 pub use factor_level::FactorLevel;
+pub use launcher::Launcher;
 pub use limits_file::LimitsFile;
 pub use plan::{Case, PlannedRun, QuickPlan, StudyPlan, Vary};
 pub use plot::{Ceiling, Figure, PlotPoint, Series};
@@ -32,4 +35,5 @@ pub use point::{StudyPoint, label_of};
 pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_points};
 pub use run_log::{Run, RunLog};
 pub use run_metrics::RunMetrics;
+pub use scaling::scaling_rows;
 pub use table::{StatisticsRow, statistics_rows, write_csv};

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
 use super::factor_level::FactorForm;
-use super::{Factor, FactorLevel, PlotSpec, StudyPoint};
+use super::{Factor, FactorLevel, FlagFactor, Launcher, PlotSpec, StudyPoint};
 use crate::sampling::uniform;
-use crate::yaml;
+use crate::yaml::{self, Fault, FieldPath};
 
 /// A study file.
 ///
@@ -42,6 +42,9 @@ pub struct StudyPlan {
     /// Flags of `raycost render` for all runs.
     #[serde(default)]
     pub flags: Vec<String>,
+    /// The command that starts a run on so many `ranks`, such as `mpirun -n {ranks}`.
+    #[serde(default)]
+    pub launcher: Option<Launcher>,
     /// Runs of each point that enter the statistics; 10 if not given.
     #[serde(default = "ten", deserialize_with = "repeats")]
     pub repeats: u32,
@@ -113,6 +116,33 @@ impl StudyPlan {
             self.flags = quick.flags.unwrap_or(self.flags);
         }
         self
+    }
+
+    /// Checks that there is a launcher where ranks are varied, and nowhere else.
+    ///
+    /// # Errors
+    /// The key that lacks the other.
+    pub fn check_launcher(&self) -> Result<(), Fault> {
+        let is_ranks = |factor: &Factor| *factor == Factor::Flag(FlagFactor::Ranks);
+        let in_cases = self.cases.iter().flat_map(|case| &case.0);
+        let ranks_in_cases = in_cases.map(|(factor, _)| factor).any(is_ranks);
+        let ranks_in_vary = self.vary.0.iter().any(|(factor, _)| is_ranks(factor));
+        let key = |key| FieldPath::default().key(key);
+        let (path, message, help) = match (&self.launcher, ranks_in_vary || ranks_in_cases) {
+            (None, true) => (
+                key(if ranks_in_vary { "vary" } else { "cases" }),
+                "`ranks` need a `launcher`",
+                "add `launcher: \"mpirun -n {ranks}\"`",
+            ),
+            (Some(_), false) => (
+                key("launcher"),
+                "a `launcher` needs the factor `ranks`",
+                "add `ranks: [1, 2, 4]` to `vary`, or leave the launcher out",
+            ),
+            (Some(launcher), true) => return launcher.check(key("launcher")),
+            (None, false) => return Ok(()),
+        };
+        Err(Fault::new(path, message, "one is there without the other").with_help(help))
     }
 
     /// The total number of runs, warm-up included, saturating.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use super::{Factor, FactorLevel};
+use super::{Factor, FactorLevel, FlagFactor};
 
 /// A scene and a level of each factor.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +37,11 @@ impl StudyPoint {
             .values
             .insert(factor.name().to_owned(), level.value.clone());
         point
+    }
+
+    /// The number of ranks, where that is a factor.
+    pub fn ranks(&self) -> Option<u64> {
+        self.values.get(FlagFactor::Ranks.name())?.as_u64()
     }
 
     /// The label in messages: "scene seed_extended, threads 2".

@@ -44,6 +44,7 @@ impl RunMetrics {
         }
         metrics.add_ratios();
         metrics.add_costs_per_ray(summary);
+        metrics.add_scaling(summary);
         metrics
     }
 
@@ -91,6 +92,37 @@ impl RunMetrics {
         ];
         for (name, value) in found {
             self.add(name, value.filter(|value| value.is_finite()));
+        }
+    }
+
+    /// Adds the throughput, the part of the run that threads and ranks share, and the
+    /// efficiency of ranks with its parts.
+    ///
+    /// The useful time of a rank is the mean busy time of its threads; load balance is the mean
+    /// of all threads over the longest of a rank, communication efficiency that longest over the
+    /// wall time of the rendering, and parallel efficiency their product: POP Centre of
+    /// Excellence, "Standard Metrics for Performance Audits of Parallel Applications".
+    fn add_scaling(&mut self, summary: &Summary) {
+        let of = |name: &str| self.0.get(name).copied();
+        let wall_ms = of("render_wall_ms").filter(|&ms| ms > 0.0);
+        let all_ms: f64 = summary.stages.iter().map(|stage| stage.wall_ms).sum();
+        let pixels = of("n_pixels").zip(wall_ms);
+        self.add("pixels_per_second", pixels.map(|(n, ms)| n / ms * 1e3));
+        self.add("render_share", wall_ms.map(|ms| ms / all_ms));
+        let Some(ranks) = &summary.ranks else { return };
+        let n_threads: u32 = ranks.of_rank.iter().map(|rank| rank.threads).sum();
+        let busy_ms: f64 = ranks.of_rank.iter().map(|rank| rank.busy_ms).sum();
+        let mean_ms = busy_ms / f64::from(n_threads.max(1));
+        let longest_ms = mean_ms * (1.0 + ranks.load_imbalance);
+        self.add_count("n_ranks", Some(ranks.n.into()));
+        self.add_count("sent_bytes", Some(ranks.sent_bytes));
+        for (name, part, whole) in [
+            ("load_balance", mean_ms, Some(longest_ms)),
+            ("communication_efficiency", longest_ms, wall_ms),
+            ("parallel_efficiency", mean_ms, wall_ms),
+        ] {
+            let ratio = whole.map(|whole| part / whole);
+            self.add(name, ratio.filter(|ratio| ratio.is_finite()));
         }
     }
 

@@ -104,10 +104,11 @@ fn yaml_files(folder: &str) -> Vec<PathBuf> {
         .collect()
 }
 
-const KINDS: [(&str, SchemaKind, &str); 3] = [
+const KINDS: [(&str, SchemaKind, &str); 4] = [
     ("configs", SchemaKind::Scene, "scene.json"),
     ("configs/library", SchemaKind::Part, "part.json"),
     ("configs/studies", SchemaKind::Study, "study.json"),
+    ("configs/studies/ranks", SchemaKind::Study, "study.json"),
 ];
 
 #[test]

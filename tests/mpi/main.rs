@@ -11,6 +11,8 @@ mod failures;
 mod job;
 #[cfg(feature = "mpi")]
 mod pictures;
+#[cfg(feature = "mpi")]
+mod studies;
 
 #[cfg(not(feature = "mpi"))]
 #[test]

@@ -31,7 +31,12 @@ def main():
         schema = json.loads(output.stdout)
         Draft202012Validator.check_schema(schema)
         validators[kind] = Draft202012Validator(schema)
-    folders = [("configs", "scene"), ("configs/library", "part"), ("configs/studies", "study")]
+    folders = [
+        ("configs", "scene"),
+        ("configs/library", "part"),
+        ("configs/studies", "study"),
+        ("configs/studies/ranks", "study"),
+    ]
     for folder, kind in folders:
         for path in sorted((ROOT / folder).glob("*.yaml")):
             expect(validators[kind], path.read_text(), True, path)

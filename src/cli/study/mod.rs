@@ -16,10 +16,11 @@ use super::progress::StudyBar;
 use super::{Cli, Failure};
 use crate::folder::{Replace, lock_folder, refuse_file, write_file};
 use crate::instruments::{HardwareCounters, MachineLimits};
+use crate::ranks;
 use crate::stop;
 use crate::study::{
     Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
-    StudyPoint, roofline_points, statistics_rows,
+    StudyPoint, roofline_points, scaling_rows, statistics_rows,
 };
 use crate::summary::{Build, Machine};
 use crate::text::{self, Diagnostic, numbers};
@@ -85,7 +86,8 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         let left = study.measure(&mut log, arguments.quiet)?;
         n_left += left;
         let n_processors = made_by["machine"]["logical_cpus"].as_u64();
-        let rows = statistics_rows(&study.plan, &log, n_processors);
+        let mut rows = statistics_rows(&study.plan, &log, n_processors);
+        rows.extend(scaling_rows(&rows));
         let points = study.roofline(&rows, &made_by)?;
         report::write_tables(&study.out, &study.plan, &rows, points.as_deref(), &made_by)?;
         if !arguments.quiet {
@@ -114,6 +116,9 @@ impl Study {
                 .with_help("vary less at once, or lower `repeats`");
             return Err(source.point_at(fault).into());
         }
+        plan.check_launcher()
+            .and_then(|()| launcher_is_there(&plan))
+            .map_err(|fault| source.point_at(fault))?;
         let study = Self {
             points: plan.points(),
             plan,
@@ -222,6 +227,32 @@ impl Study {
     fn limits_path(&self) -> PathBuf {
         self.out.join("limits.json")
     }
+}
+
+/// Checks that the program that starts ranks is there, and that this one can be a rank.
+fn launcher_is_there(plan: &StudyPlan) -> Result<(), Fault> {
+    let Some(launcher) = &plan.launcher else {
+        return Ok(());
+    };
+    let path = yaml::FieldPath::default().key("launcher");
+    if !ranks::IS_BUILT {
+        let message = "this raycost was built without MPI, which ranks need";
+        let help = "install MPI (on Debian, `apt-get install libopenmpi-dev libclang-dev`), then \
+                    `cargo install --path . --features mpi`";
+        return Err(Fault::new(path, message, "starts ranks").with_help(help));
+    }
+    let program = launcher.program();
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let is_found = if program.contains('/') {
+        Path::new(program).is_file()
+    } else {
+        std::env::split_paths(&folders).any(|folder| folder.join(program).is_file())
+    };
+    if is_found {
+        return Ok(());
+    }
+    let message = format!("there is no program `{program}`");
+    Err(Fault::new(path, message, "is not in PATH").with_help("install MPI, or give its path"))
 }
 
 /// Checks that a point can be rendered, before the first run.

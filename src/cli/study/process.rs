@@ -26,7 +26,15 @@ pub(super) fn render(
 ) -> Result<RunMetrics, Failure> {
     let failed = |message: String| Failure::Machine(Diagnostic::new(message));
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
-    let mut command = Command::new(program);
+    let launched = plan.launcher.as_ref().zip(point.ranks());
+    let mut command = match launched.map(|(launcher, n_ranks)| launcher.words(n_ranks)) {
+        None => Command::new(program),
+        Some(words) => {
+            let mut command = Command::new(&words[0]);
+            command.args(&words[1..]).arg(program);
+            command
+        }
+    };
     command
         .arg("render")
         .arg(folder.join(&point.scene))

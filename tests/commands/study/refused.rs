@@ -53,6 +53,26 @@ fn mistakes_are_reported_before_the_first_run() {
             "title: x\nscenes: [scene.yaml]\nvary: { camera.look_at.fov_y_deg: [20, 200] }",
             "`camera.look_at.fov_y_deg` cannot be `200`",
         ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { ranks: [1, 2] }",
+            "`ranks` need a `launcher`",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nlauncher: mpirun -n {ranks}",
+            "a `launcher` needs the factor `ranks`",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { ranks: [1] }\nlauncher: mpirun -n {n}",
+            "is no command with the number of ranks",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { ranks: [1] }\nlauncher: nompirun {ranks}",
+            if cfg!(feature = "mpi") {
+                "there is no program `nompirun`"
+            } else {
+                "without MPI"
+            },
+        ),
         ("title: x\nscenes: ['-']", "cannot read the scene `./-`"),
         ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
         ("title: x\nscenes: [none.yaml]", "cannot read the scene"),

@@ -93,11 +93,17 @@ fn the_page_on_studies_lists_all_factors() {
 
 #[test]
 fn the_studies_of_the_repository_are_valid() {
-    for entry in fs::read_dir(in_repository("configs/studies")).unwrap() {
-        let path = entry.unwrap().path();
+    let folders = ["configs/studies", "configs/studies/ranks"];
+    let entries = folders.map(|folder| fs::read_dir(in_repository(folder)).unwrap());
+    let paths = entries
+        .into_iter()
+        .flatten()
+        .map(|entry| entry.unwrap().path());
+    for path in paths.filter(|path| path.is_file()) {
         let source = Source::read(&path).unwrap();
         let plan: StudyPlan = source.parse().unwrap_or_else(|error| panic!("{error}"));
         assert!(!plan.plots.is_empty() && plan.quick.is_some(), "{path:?}");
+        plan.check_launcher().unwrap();
         for point in plan.points().iter().chain(&plan.into_quick().points()) {
             let scene = path.with_file_name("").join(&point.scene);
             assert!(scene.exists(), "{scene:?}");

@@ -1,0 +1,71 @@
+//! Studies over the number of ranks.
+
+use std::fs;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::common::{assert_success, in_repository};
+
+/// The medians of a metric by number of ranks.
+fn medians(statistics: &Value, metric: &str) -> Vec<(u64, f64)> {
+    let rows = statistics["rows"].as_array().unwrap().iter();
+    let rows = rows.filter(|row| row["metric"] == metric);
+    let pair = |row: &Value| (row["point"]["ranks"].as_u64(), row["median"].as_f64());
+    rows.map(pair)
+        .map(|(ranks, median)| (ranks.unwrap(), median.unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_study_over_ranks_has_their_efficiency_and_its_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_repository("configs/seed_extended.yaml");
+    let study = format!(
+        "title: Ranks\nscenes: [{}]\nvary: {{ ranks: [1, 2] }}\nlauncher: mpirun -n {{ranks}}\n\
+         flags: [--threads=1, --cost=counters, --width=300, --height=200]\nrepeats: 3\n\
+         plots: [{{ x: ranks, y: [load_balance, communication_efficiency] }}]\n",
+        scene.display()
+    );
+    fs::write(folder.path().join("study.yaml"), study).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raycost"));
+    command.args(["study", "study.yaml", "--out", "out"]);
+    for (name, value) in [
+        ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
+        ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
+        ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
+        ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
+    ] {
+        command.env(name, value);
+    }
+    assert_success(&command.current_dir(folder.path()).output().unwrap());
+    let text = fs::read(folder.path().join("out/statistics.json")).unwrap();
+    let statistics: Value = serde_json::from_slice(&text).unwrap();
+    assert_eq!(medians(&statistics, "n_ranks"), [(2, 2.0)]);
+    assert_eq!(medians(&statistics, "n_threads"), [(1, 1.0), (2, 2.0)]);
+    let [speedup, efficiency] =
+        ["speedup", "scaling_efficiency"].map(|metric| medians(&statistics, metric));
+    assert_eq!([speedup[0].1, efficiency[0].1], [1.0, 1.0]);
+    assert!((efficiency[1].1 - speedup[1].1 / 2.0).abs() < 1e-9);
+    let walls = medians(&statistics, "render_wall_ms");
+    assert!((speedup[1].1 - walls[0].1 / walls[1].1).abs() < 1e-6);
+    // In each run the efficiency is the product of its parts.
+    let log = fs::read_to_string(folder.path().join("out/runs.jsonl")).unwrap();
+    let runs = log
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let of_two = runs.filter(|run| run["point"]["ranks"] == 2);
+    let metrics: Vec<Value> = of_two.map(|run| run["metrics"].clone()).collect();
+    assert!(metrics.len() >= 3);
+    for metrics in metrics {
+        let of = |name: &str| metrics[name].as_f64().unwrap();
+        let product = of("load_balance") * of("communication_efficiency");
+        assert!((of("parallel_efficiency") - product).abs() < 1e-9);
+        let is_share = |name: &&str| of(name) > 0.0 && of(name) <= 1.0 + 1e-9;
+        assert!(
+            ["load_balance", "parallel_efficiency", "render_share"]
+                .iter()
+                .all(is_share)
+        );
+    }
+}
