@@ -136,14 +136,22 @@ impl Surveyor {
     }
 }
 
-/// The more expensive of two; of equal ones the first.
+/// The more expensive of two; of equal ones the first. Node visits come before primitive tests,
+/// which are those of a band without any.
 fn hotter(
     first: Option<(Metric, HotPixel)>,
     second: Option<(Metric, HotPixel)>,
 ) -> Option<(Metric, HotPixel)> {
+    let is_second = |(first, hot): (Metric, HotPixel), (second, other): (Metric, HotPixel)| {
+        if first == second {
+            other.value > hot.value
+        } else {
+            second == Metric::NODE_VISITS
+        }
+    };
     match (first, second) {
-        (Some(first), Some(second)) if second.1.value > first.1.value => Some(second),
-        (first, second) => first.or(second),
+        (Some(one), Some(other)) if is_second(one, other) => second,
+        _ => first.or(second),
     }
 }
 

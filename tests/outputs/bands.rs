@@ -147,6 +147,16 @@ fn the_output_in_pieces_is_read_by_all_commands() {
     ] {
         assert_success(&folder.run(command));
     }
+    // The upper rows have tests of a plane and no node visits.
+    let hottest = |out: &str, flags: &[&str]| {
+        let scene = "configs/seed_extended.yaml";
+        let command = ["render", scene, "--cost=counters", "--out", out];
+        let output = folder.run(&[&command, &SIZE[..], flags].concat());
+        let text = String::from_utf8(output.stdout).unwrap();
+        let line = text.lines().find(|line| line.starts_with("hottest "));
+        line.unwrap().to_owned()
+    };
+    assert_eq!(hottest("one", &[]), hottest("pieces", &[MEMORY]));
     let diff = Results::open(&folder.path("bands")).unwrap();
     assert_eq!(diff.frame_name(), "frame.pvti");
     let page = fs::read_to_string(folder.path("bands/view.html")).unwrap();
