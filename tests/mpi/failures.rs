@@ -22,10 +22,6 @@ fn a_mistake_is_one_message() {
     let job = Job::new("seed_sphere", &["--cost=counters"]);
     for (flag, expected) in [
         ("--widht=3", "unexpected argument"),
-        (
-            "--part=1/2",
-            "several ranks render one picture, and not `--part`",
-        ),
         ("--measure-overhead", "and not `--measure-overhead`"),
         ("--set=image.widht=3", "unknown key `widht`"),
     ] {

@@ -8,6 +8,14 @@ use tempfile::TempDir;
 
 use crate::common::{assert_success, in_repository, raycost};
 
+/// Lets Open MPI start more ranks than processors, and as root in a container.
+pub const ENVIRONMENT: [(&str, &str); 4] = [
+    ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
+    ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
+    ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
+    ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
+];
+
 /// A scene of the repository and its flags, rendered by any number of ranks into folders.
 pub struct Job {
     folder: TempDir,
@@ -45,17 +53,7 @@ impl Job {
     /// the lines `before` it.
     pub fn ranks(&self, n: usize, out: &str, more: &[&str], before: &str) -> Command {
         let program = env!("CARGO_BIN_EXE_raycost");
-        let mut command = Command::new("mpirun");
-        command.current_dir(self.folder.path());
-        // More ranks than processors; as root in a container. Those are Open MPI's.
-        for (name, value) in [
-            ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
-            ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
-            ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
-            ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
-        ] {
-            command.env(name, value);
-        }
+        let mut command = self.launch();
         let arguments = |command: &mut Command| {
             command.args(&self.arguments);
             command.args(["--threads=1", "--out", out]).args(more);
@@ -75,6 +73,14 @@ impl Job {
             ]);
             arguments(&mut command);
         }
+        command
+    }
+
+    /// `mpirun`, in the folder.
+    pub fn launch(&self) -> Command {
+        let mut command = Command::new("mpirun");
+        command.current_dir(self.folder.path());
+        command.envs(ENVIRONMENT);
         command
     }
 

@@ -14,6 +14,23 @@ use crate::job::Job;
 const SMALL: [&str; 2] = ["--width=70", "--height=50"];
 
 #[test]
+fn processes_of_one_launch_may_render_a_part_each() {
+    let job = Job::new("seed_extended", &["--cost=counters", SMALL[0], SMALL[1]]);
+    job.render_alone("alone");
+    let mut command = job.launch();
+    let script = "exec \"$0\" \"$@\" --part=$((OMPI_COMM_WORLD_RANK + 1))/2";
+    command.args(["-n", "2", "sh", "-c", script, env!("CARGO_BIN_EXE_raycost")]);
+    command
+        .args(&job.arguments)
+        .args(["--threads=1", "--out=out"]);
+    assert_success(&command.output().unwrap());
+    let mut merge = raycost();
+    merge.current_dir(job.path("")).args(["merge", "out"]);
+    assert_success(&merge.output().unwrap());
+    assert_same_output(&job.path("alone"), &job.path("out"));
+}
+
+#[test]
 fn ranks_render_the_same_picture_as_one_process() {
     let cases: [(&str, &[&str]); 6] = [
         ("seed_extended", &["--cost=none"]),

@@ -6,6 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::common::{assert_success, in_repository};
+use crate::job::ENVIRONMENT;
 
 /// The medians of a metric by number of ranks.
 fn medians(statistics: &Value, metric: &str) -> Vec<(u64, f64)> {
@@ -30,14 +31,7 @@ fn a_study_over_ranks_has_their_efficiency_and_its_parts() {
     fs::write(folder.path().join("study.yaml"), study).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_raycost"));
     command.args(["study", "study.yaml", "--out", "out"]);
-    for (name, value) in [
-        ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
-        ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
-        ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
-        ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
-    ] {
-        command.env(name, value);
-    }
+    command.envs(ENVIRONMENT);
     assert_success(&command.current_dir(folder.path()).output().unwrap());
     let text = fs::read(folder.path().join("out/statistics.json")).unwrap();
     let statistics: Value = serde_json::from_slice(&text).unwrap();

@@ -118,7 +118,12 @@ enum ExtraFormat {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
-    match Ranks::join()? {
+    // Processes with parts share no picture: each renders its own.
+    let ranks = match arguments.part {
+        Some(_) => None,
+        None => Ranks::join()?,
+    };
+    match ranks {
         Some(ranks) if ranks.rank() > 0 => ranks::help(arguments, ranks),
         ranks => lead(arguments, ranks),
     }

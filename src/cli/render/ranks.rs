@@ -84,11 +84,6 @@ impl RenderArguments {
     pub(super) fn check_ranks(&self, is_animation: bool) -> Result<(), Diagnostic> {
         let alone = "start one process without `mpirun`";
         let refused = [
-            (
-                self.part.is_some(),
-                "`--part`",
-                "start each part by itself, as an array of jobs",
-            ),
             (self.measure_overhead, "`--measure-overhead`", alone),
             (
                 self.frames.is_some() || is_animation,
