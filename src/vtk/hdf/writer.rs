@@ -60,9 +60,10 @@ impl HdfWriter {
     /// It is of another kind or has other arrays than the first, or the errors of HDF5.
     pub(crate) fn append(&mut self, data_set: &DataSet, fields: &[Field]) -> io::Result<()> {
         let step = match data_set {
-            DataSet::Image { size, point_data } => {
+            DataSet::Image { extent, point_data } => {
                 self.begin(data_set, point_data)?;
-                self.append_image(*size, point_data)?;
+                let size = [extent.columns, extent.rows].map(|[first, last]| last - first + 1);
+                self.append_image(size, point_data)?;
                 StepSize::default()
             }
             DataSet::Grid(mesh) => {
@@ -128,10 +129,10 @@ impl HdfWriter {
 
     /// Writes what the data sets are, and where an image is.
     fn write_kind(&self, data_set: &DataSet) -> hdf5_metno::Result<()> {
-        let DataSet::Image { size, .. } = data_set else {
+        let DataSet::Image { extent, .. } = data_set else {
             return rows::set_text(&self.root, "Type", "UnstructuredGrid");
         };
-        let [right, top] = size.map(|n| i64::from(n) - 1);
+        let [right, top] = [extent.columns, extent.rows].map(|[_, last]| i64::from(last));
         rows::set_text(&self.root, "Type", "ImageData")?;
         attribute(&self.root, "WholeExtent", &[0, right, 0, top, 0, 0])?;
         attribute(&self.root, "Origin", &[0.0; 3])?;
