@@ -454,3 +454,31 @@ fn the_job_array_of_the_book_renders_all_parts() {
     let out = names(&folder.path("out"));
     assert_success(&folder.run(&["check", &format!("out/{}", out[0])]));
 }
+
+#[test]
+fn a_part_is_rendered_by_one_run_at_a_time() {
+    let folder = Folder::new();
+    let arguments = [
+        "render",
+        "configs/cornell_box.yaml",
+        "--part=1/2",
+        "--threads=1",
+        "--quiet",
+        "--out=out",
+    ];
+    let mut command = raycost();
+    command.current_dir(folder.0.path()).args(arguments);
+    let mut first = command.spawn().unwrap();
+    // Its first bytes are written when it is locked.
+    let path = folder.path("out/parts/part-1-of-2.unfinished");
+    while path.metadata().map_or(0, |found| found.len()) == 0 {
+        assert!(first.try_wait().unwrap().is_none());
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let second = folder.run(&arguments);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    let message = String::from_utf8(second.stderr).unwrap();
+    assert_eq!(second.status.code(), Some(1), "{message}");
+    assert!(message.contains("another run is writing it"), "{message}");
+}
