@@ -2,14 +2,14 @@
 
 use std::process::ExitCode;
 
-use raycost::host::Allocator;
+use raycost::host::{self, Allocator};
 use raycost::{cli, ranks, text};
 
 #[global_allocator]
 static ALLOCATOR: Allocator = Allocator;
 
 fn main() -> ExitCode {
-    Allocator::configure();
+    host::configure_heap();
     match cli::run(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -32,6 +32,7 @@ pub use tile::RenderedTile;
 use crate::color::Development;
 use crate::config::{CostMode, ExtraArrays, Repeats};
 use crate::cost::{Cost, RaysByBounce};
+use crate::host::grow_heap;
 use crate::schedule::TileGrid;
 
 /// Rows of a strip, except for the last one: fewer than a tile has by default, so
@@ -128,6 +129,8 @@ impl Film {
             let n_rows = STRIP_ROWS.min(rows.end - first_row);
             Strip::new([first_row, n_rows, self.grid.width], self.cost, self.extra)
         };
+        let n_pixels = rows.len() * self.grid.width as usize;
+        grow_heap(n_pixels * stored_bytes_per_pixel(self.cost, self.extra));
         let strips = rows.clone().step_by(STRIP_ROWS as usize).map(strip);
         Self {
             strips: strips.collect(),

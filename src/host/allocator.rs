@@ -14,51 +14,6 @@ use std::io::Write;
 #[derive(Debug, Clone, Copy)]
 pub struct Allocator;
 
-impl Allocator {
-    /// Configures the system's allocator: all threads share one heap, which grows by
-    /// megabytes and keeps large blocks. Otherwise glibc gives each thread a heap that
-    /// grows by a page at a time, with a system call that locks the whole process.
-    pub fn configure() {
-        #[cfg(all(target_os = "linux", target_env = "gnu"))]
-        for (parameter, value) in [
-            (libc::M_ARENA_MAX, 1),
-            (libc::M_TOP_PAD, 4 << 20),
-            (libc::M_MMAP_THRESHOLD, 32 << 20),
-            (libc::M_TRIM_THRESHOLD, 128 << 20),
-        ] {
-            #[expect(unsafe_code, reason = "a function of the C library")]
-            // SAFETY: these parameters take any number of bytes or heaps; values out of
-            // range are ignored.
-            unsafe {
-                libc::mallopt(parameter, value);
-            }
-        }
-    }
-}
-
-/// The resident bytes that the system's allocator keeps for later; 0 where it does not say.
-pub(crate) fn free_heap() -> u64 {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    {
-        #[expect(unsafe_code, reason = "a function of the C library")]
-        // SAFETY: it takes nothing and returns numbers.
-        let in_use = unsafe { libc::mallinfo2() }.uordblks as u64;
-        let maps = std::fs::read_to_string("/proc/self/smaps").unwrap_or_default();
-        resident_heap(&maps).saturating_sub(in_use)
-    }
-    #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-    0
-}
-
-/// The resident bytes of the heap, from the text of `/proc/PID/smaps`: proc_pid_smaps(5).
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-fn resident_heap(maps: &str) -> u64 {
-    let mut lines = maps.lines().skip_while(|line| !line.ends_with("[heap]"));
-    let resident = lines.find_map(|line| line.strip_prefix("Rss:"));
-    let kib = resident.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
-    kib.unwrap_or(0) << 10
-}
-
 thread_local! {
     /// Has no destructor and allocates nothing: an allocator may read it at any
     /// time.

@@ -3,6 +3,10 @@
 
 mod advice;
 mod allocator;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod heap;
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+mod no_gnu_heap;
 mod cgroup;
 
 use std::path::Path;
@@ -11,8 +15,15 @@ use std::sync::OnceLock;
 use sysinfo::System;
 
 pub use advice::advice;
-pub(crate) use allocator::free_heap;
 pub use allocator::{Allocator, may_fail};
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub use heap::configure_heap;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub(crate) use heap::{free_heap, grow_heap};
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub use no_gnu_heap::configure_heap;
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub(crate) use no_gnu_heap::{free_heap, grow_heap};
 
 /// The limit that the user has set, in bytes.
 static LIMIT: OnceLock<u64> = OnceLock::new();
