@@ -47,7 +47,10 @@ fn main() {
     set_variable("COMPILER", &version.unwrap_or_default());
     set_variable("PROFILE", &env::var("PROFILE").unwrap_or_default());
     let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
-    set_variable("FLAGS", &flags.replace('\u{1f}', " "));
+    // The same program wherever it is built: flags that hide paths name them.
+    let kept = |flag: &&str| !flag.starts_with("--remap-path-prefix=");
+    let flags: Vec<&str> = flags.split('\u{1f}').filter(kept).collect();
+    set_variable("FLAGS", &flags.join(" "));
     if let Some(commit) = commit() {
         set_variable("COMMIT", &commit);
     }
