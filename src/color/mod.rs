@@ -62,33 +62,28 @@ impl Development {
     /// Returns the numbers of a picture of 8 bits per channel: the nearest ones.
     pub fn rgb8(&self, radiance: Vec3) -> [u8; 3] {
         let mut numbers = [[0; 3]];
-        self.develop8(&[radiance], |radiance| *radiance, &mut numbers);
+        self.develop8(&[radiance], &mut numbers);
         numbers[0]
     }
 
     /// Overwrites `numbers` with those of the `radiance` of all pixels, in the manner of
     /// [`rgb8`](Self::rgb8).
-    pub fn develop8<T>(
-        &self,
-        pixels: &[T],
-        radiance: impl Fn(&T) -> Vec3,
-        numbers: &mut [[u8; 3]],
-    ) {
-        let exposed = |pixel: &T| self.gain * radiance(pixel);
-        let developed = |pixel: &T| self.curve.displayed(exposed(pixel));
+    pub fn develop8(&self, radiance: &[Vec3], numbers: &mut [[u8; 3]]) {
+        let exposed = |radiance: &Vec3| self.gain * *radiance;
+        let developed = |radiance: &Vec3| self.curve.displayed(exposed(radiance));
         // A loop each, which decides nothing per pixel.
         match (self.curve, self.transfer) {
             (ToneCurve::None, Transfer::Linear) => {
-                fill(pixels, numbers, |pixel| linear8(exposed(pixel)))
+                fill(radiance, numbers, |of| linear8(exposed(of)))
             }
-            (_, Transfer::Linear) => fill(pixels, numbers, |pixel| linear8(developed(pixel))),
+            (_, Transfer::Linear) => fill(radiance, numbers, |of| linear8(developed(of))),
             (ToneCurve::None, Transfer::Srgb) => {
                 let levels = srgb::levels();
-                fill(pixels, numbers, |pixel| levels.of_color(exposed(pixel)));
+                fill(radiance, numbers, |of| levels.of_color(exposed(of)));
             }
             (_, Transfer::Srgb) => {
                 let levels = srgb::levels();
-                fill(pixels, numbers, |pixel| levels.of_color(developed(pixel)));
+                fill(radiance, numbers, |of| levels.of_color(developed(of)));
             }
         }
     }

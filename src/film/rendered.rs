@@ -9,8 +9,8 @@ use crate::trace::SurfacePoint;
 /// Pixels of a tile and their cost, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Rendered<'a> {
-    /// The images of the pixels.
-    pub pixels: &'a [Pixel],
+    /// The colors and the surfaces of the pixels.
+    pub pixels: &'a Pixels,
     /// The counters of the pixels, if they were counted.
     pub counters: Option<&'a Counters>,
     /// The rays of the pixels by bounce; empty unless the film keeps them.
@@ -78,6 +78,59 @@ impl Pixel {
         self.object = point.object.0 as i32;
         self.material = point.material.0 as i32;
         self.set_instance(point.instance);
+    }
+}
+
+/// The colors and the surfaces of pixels as a structure of arrays, as a strip of the film
+/// has them: rows of pixels are copied, not converted.
+#[derive(Debug, Clone, Default)]
+#[expect(missing_docs, reason = "`Pixel` documents each array")]
+pub struct Pixels {
+    pub color: Vec<Vec3>,
+    pub position: Vec<Vec3>,
+    pub normal: Vec<Vec3>,
+    pub albedo: Vec<Vec3>,
+    pub distance: Vec<f32>,
+    pub footprint: Vec<f32>,
+    pub object: Vec<i32>,
+    pub material: Vec<i32>,
+    pub instance: Vec<i32>,
+}
+
+impl Pixels {
+    /// Black pixels without a hit.
+    pub fn none(n: usize) -> Self {
+        let mut pixels = Self::default();
+        pixels.resize(n);
+        pixels
+    }
+
+    /// Keeps the first `n` pixels; new ones are black without a hit.
+    pub fn resize(&mut self, n: usize) {
+        let new = Pixel::default();
+        self.color.resize(n, new.color);
+        self.position.resize(n, new.position);
+        self.normal.resize(n, new.normal);
+        self.albedo.resize(n, new.albedo);
+        self.distance.resize(n, new.distance);
+        self.footprint.resize(n, new.footprint);
+        self.object.resize(n, new.object);
+        self.material.resize(n, new.material);
+        self.instance.resize(n, new.instance);
+    }
+
+    /// Overwrites pixel `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, pixel: &Pixel) {
+        self.color[i] = pixel.color;
+        self.position[i] = pixel.position;
+        self.normal[i] = pixel.normal;
+        self.albedo[i] = pixel.albedo;
+        self.distance[i] = pixel.distance;
+        self.footprint[i] = pixel.footprint;
+        self.object[i] = pixel.object;
+        self.material[i] = pixel.material;
+        self.instance[i] = pixel.instance;
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::{Pixel, Rendered};
+use super::{Pixels, Rendered};
 use crate::color::Development;
 use crate::config::{CostMode, ExtraArrays};
 use crate::cost::RaysByBounce;
@@ -79,24 +79,9 @@ impl Strip {
         development: &Development,
     ) {
         let places = first..first + row.len();
-        let pixels = &rendered.pixels[row.clone()];
-        self.put_surfaces(places.clone(), pixels);
-        development.develop8(pixels, |pixel| pixel.color, &mut self.rgb[places.clone()]);
-        if !self.radiance.is_empty() {
-            fill(&mut self.radiance[places.clone()], pixels, |pixel| {
-                pixel.color
-            });
-        }
-        if !self.albedo.is_empty() {
-            fill(&mut self.albedo[places.clone()], pixels, |pixel| {
-                pixel.albedo
-            });
-        }
-        if !self.instance.is_empty() {
-            fill(&mut self.instance[places.clone()], pixels, |pixel| {
-                pixel.instance
-            });
-        }
+        self.put_pixels(places.clone(), rendered.pixels, row.clone());
+        let colors = &rendered.pixels.color[row.clone()];
+        development.develop8(colors, &mut self.rgb[places.clone()]);
         if !rendered.bounces.is_empty() {
             self.bounces[places.clone()].copy_from_slice(&rendered.bounces[row.clone()]);
         }
@@ -109,19 +94,27 @@ impl Strip {
         }
     }
 
-    fn put_surfaces(&mut self, places: Range<usize>, pixels: &[Pixel]) {
-        // Array by array: one bounds check each, and contiguous writes.
+    fn put_pixels(&mut self, places: Range<usize>, pixels: &Pixels, row: Range<usize>) {
         macro_rules! put {
-            ($field:ident, $value:expr) => {
-                fill(&mut self.$field[places.clone()], pixels, $value)
+            ($field:ident, $from:ident) => {
+                self.$field[places.clone()].copy_from_slice(&pixels.$from[row.clone()])
             };
         }
-        put!(position, |pixel| pixel.position);
-        put!(normal, |pixel| pixel.normal);
-        put!(distance, |pixel| pixel.distance);
-        put!(footprint, |pixel| pixel.footprint);
-        put!(object, |pixel| pixel.object);
-        put!(material, |pixel| pixel.material);
+        put!(position, position);
+        put!(normal, normal);
+        put!(distance, distance);
+        put!(footprint, footprint);
+        put!(object, object);
+        put!(material, material);
+        if !self.radiance.is_empty() {
+            put!(radiance, color);
+        }
+        if !self.albedo.is_empty() {
+            put!(albedo, albedo);
+        }
+        if !self.instance.is_empty() {
+            put!(instance, instance);
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use super::noisy_pixels::NoisyPixels;
 use super::view::View;
 use crate::accel::Hit;
 use crate::cost::{BounceCounts, ByPixel, PixelProbe, RayKind};
-use crate::film::{Pixel, Rendered};
+use crate::film::{Pixel, Pixels, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use crate::simd::{N_LANES, Simd, VectorColumn};
@@ -33,7 +33,7 @@ pub(super) struct StreamRenderer<'a, P> {
     simd: Simd,
     places: Places,
     noisy: NoisyPixels,
-    pixels: Vec<Pixel>,
+    pixels: Pixels,
     probe: P,
     bounces: BounceCounts,
     wave: PathWave,
@@ -64,7 +64,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             simd,
             places: Places::default(),
             noisy: NoisyPixels::default(),
-            pixels: Vec::new(),
+            pixels: Pixels::default(),
             probe: P::default(),
             bounces: BounceCounts::new(view.counts_bounces),
             wave: PathWave::default(),
@@ -87,7 +87,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
         self.places.fill(places);
         let n_pixels = self.places.len();
-        self.pixels.resize(n_pixels, Pixel::default());
+        self.pixels.resize(n_pixels);
         self.probe.reset(n_pixels, self.view.rounds.n_uniform());
         self.bounces.reset(n_pixels);
         self.means.reset(n_pixels);
@@ -235,8 +235,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let (block, lane) = (i / N_LANES, i % N_LANES);
             let ray = N_LANES * n_samples * block + sample * self.places.in_block(block) + lane;
             let (number, _) = self.places.get(i);
-            let pixel = &mut self.pixels[number];
-            *pixel = Pixel::default();
+            let mut pixel = Pixel::default();
             if let Some(point) = self.points.of_ray(ray) {
                 [pixel.position, pixel.normal] = self.points.position_and_normal(point);
                 let [object, material] = self.points.object_and_material(point);
@@ -246,6 +245,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                 pixel.distance = self.points.distance(point);
                 self.distances[i] = pixel.distance;
             }
+            self.pixels.set(number, &pixel);
         }
     }
 
@@ -309,12 +309,12 @@ impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
         });
         for i in 0..self.places.len() {
             let (number, _) = self.places.get(i);
-            let pixel = &mut self.pixels[number];
-            pixel.color = self.means.get(i);
-            self.view.set_footprint(pixel, self.footprints[i]);
+            self.pixels.color[number] = self.means.get(i);
+            let position = self.pixels.position[number];
+            self.pixels.footprint[number] = self.view.footprint(position, self.footprints[i]);
         }
         Rendered {
-            pixels: &self.pixels[..self.places.len()],
+            pixels: &self.pixels,
             counters: self.probe.counted(),
             bounces: self.bounces.get(),
             times: &[],

@@ -8,7 +8,7 @@ use super::view::View;
 use super::{SampleSums, TileRenderer};
 use crate::config::Image;
 use crate::cost::{BounceCounts, Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
-use crate::film::{Pixel, PixelTime, Rendered};
+use crate::film::{Pixel, PixelTime, Pixels, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{LightSample, PathRay};
 use crate::simd::Vector;
@@ -33,6 +33,8 @@ pub(super) struct SingleRayRenderer<'a> {
     /// `None` to measure the overhead of timing.
     stopwatch: Option<Stopwatch<'a>>,
     pixels: Vec<Pixel>,
+    /// The same as a structure of arrays.
+    columns: Pixels,
     /// The counters of each pixel. [`Counters`] allocates at the first ray of a
     /// kind, which would be part of that pixel's time.
     costs: Vec<Cost>,
@@ -65,6 +67,7 @@ impl<'a> SingleRayRenderer<'a> {
             view,
             stopwatch: clock.map(Stopwatch::new),
             pixels: vec![Pixel::default(); n_pixels],
+            columns: Pixels::none(n_pixels),
             costs: vec![written_cost; n_pixels],
             counters: Counters::default(),
             bounces: BounceCounts::new(view.counts_bounces),
@@ -174,6 +177,9 @@ impl TileRenderer for SingleRayRenderer<'_> {
                 self.times[i] = stopwatch.lap();
             }
         }
+        for (i, pixel) in self.pixels[..n_pixels].iter().enumerate() {
+            self.columns.set(i, pixel);
+        }
         self.counters.reset(n_pixels, self.view.rounds.n_uniform());
         for (i, cost) in self.costs[..n_done].iter().enumerate() {
             self.counters.add(i, cost);
@@ -183,7 +189,7 @@ impl TileRenderer for SingleRayRenderer<'_> {
             None => 0,
         };
         Rendered {
-            pixels: &self.pixels[..n_pixels],
+            pixels: &self.columns,
             counters: Some(&self.counters),
             bounces: self.bounces.get(),
             times: &self.times[..n_times],
@@ -317,9 +323,7 @@ mod tests {
                 cold.counters.unwrap().total(),
                 warm.counters.unwrap().total()
             );
-            let colors = |rendered: Rendered| -> Vec<Vec3> {
-                rendered.pixels.iter().map(|pixel| pixel.color).collect()
-            };
+            let colors = |rendered: Rendered| -> Vec<Vec3> { rendered.pixels.color.clone() };
             assert_eq!(colors(cold), colors(warm));
         }
     }

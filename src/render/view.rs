@@ -134,13 +134,14 @@ impl<'a> View<'a> {
     pub(super) fn finish(&self, pixel: &mut Pixel, n_samples: u32, (x, y): (u32, u32)) {
         pixel.color /= n_samples as f32;
         let footprint = self.footprints([x as f32, y as f32], pixel.distance);
-        self.set_footprint(pixel, footprint);
+        pixel.footprint = self.footprint(pixel.position, footprint);
     }
 
-    /// Sets the footprint of a pixel; `of_pinhole` is that of [`footprints`](Self::footprints).
+    /// Returns the footprint of a pixel that sees a position; `of_pinhole` is that of
+    /// [`footprints`](Self::footprints).
     #[inline]
-    pub(super) fn set_footprint(&self, pixel: &mut Pixel, of_pinhole: f32) {
-        let behind_lens = self.plane.footprint_behind_lens(self.pitch, pixel.position);
-        pixel.footprint = behind_lens.unwrap_or(of_pinhole);
+    pub(super) fn footprint(&self, position: Vec3, of_pinhole: f32) -> f32 {
+        let behind_lens = self.plane.footprint_behind_lens(self.pitch, position);
+        behind_lens.unwrap_or(of_pinhole)
     }
 }
