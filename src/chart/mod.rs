@@ -71,11 +71,22 @@ pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
 /// # Errors
 /// If writing fails.
 pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> {
+    write_with(&[(provenance::KEY, &*run.to_string())], map, out)
+}
+
+/// Writes the picture of `map` as a PNG without an ID.
+///
+/// # Errors
+/// If writing fails.
+pub(crate) fn write_bare(map: &CostMap, out: &mut impl Write) -> io::Result<()> {
+    write_with(&[], map, out)
+}
+
+fn write_with(texts: &[(&str, &str)], map: &CostMap, out: &mut impl Write) -> io::Result<()> {
     let picture = draw(map);
     let (width, height) = picture.dimensions();
     let rows: Vec<&[u8]> = picture.chunks_exact(3 * width as usize).collect();
-    let texts = [(provenance::KEY, &*run.to_string())];
-    png::write([width, height], &rows, &texts, out)
+    png::write([width, height], &rows, texts, out)
 }
 
 /// Draws `map` with its title, color bar and footer.

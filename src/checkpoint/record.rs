@@ -1,6 +1,7 @@
 //! A finished tile ↔ bytes.
 
 use super::RecordLayout;
+use super::block::PREFIX;
 use crate::cost::Cost;
 use crate::film::PackedCounters;
 use crate::schedule::{Tile, TileRun};
@@ -29,6 +30,9 @@ const N_COUNTS: usize = 8;
 const MAX_NS: u64 = 1 << 53;
 /// Most threads.
 pub(super) const MAX_THREADS: u32 = 1 << 16;
+
+/// The bytes of a tile in a file besides its pixels and counters, which are in one part.
+pub(crate) const BYTES_PER_TILE: u64 = (PREFIX + FIXED_BYTES + 8) as u64;
 
 impl TileRecord {
     /// Upper bound of the bytes of a record with this layout.

@@ -14,6 +14,10 @@ use super::writer::TileWriter;
 use super::{CheckpointFile, Header, RunSpan, TileRecord};
 use crate::folder::WriteError;
 
+/// About the bytes of memory of a tile that was kept: a map of twice as many, with a byte for
+/// each.
+pub(crate) const MEMORY_PER_TILE: usize = 2 * (size_of::<((u8, u32), StoredTile)>() + 1);
+
 /// Finished tiles, and where new ones go.
 #[derive(Debug, Default)]
 pub struct Checkpoint {

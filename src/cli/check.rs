@@ -11,7 +11,7 @@ use crate::color::{ToneCurve, Transfer};
 use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
 use crate::memory::{self, Memory};
 use crate::output::{self, Request};
-use crate::prediction::{DiskUse, Prediction};
+use crate::prediction::{ArrayFile, DiskUse, Prediction};
 use crate::render::most_repeats;
 use crate::scene::Scene;
 use crate::schedule::TileGrid;
@@ -76,12 +76,8 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         stop::check()?;
     }
     let (config, mut placed, memory) = placed(&scene, arguments.frame)?;
-    let mut expected = Prediction::of(&config, &mut placed)
+    let expected = Prediction::of(&config, &mut placed, memory.band_rows)
         .map_err(|error| scene.point_at(memory::too_large(error)))?;
-    if memory.band_rows.is_some() {
-        // Bands fill what they may.
-        expected.peak_memory = None;
-    }
     stop::check()?;
     let report = report(arguments, &scene, &config, &placed, (&memory, &expected));
     Ok(text::print(&report)?)
@@ -202,26 +198,32 @@ fn at_the_peak(expected: &Prediction) -> String {
     }
 }
 
-/// The bytes of the files: of arrays, and at most of what is always compressed.
+/// The bytes of the files, and of what is compressed at most where nobody knows better.
 fn disk(config: &Config, memory: &Memory, disk: &DiskUse) -> String {
-    let of_tiles = match memory.band_rows {
-        None => String::new(),
-        Some(_) => format!(", and until the end {} of tiles", bytes(disk.tiles)),
+    let list = |is_known: bool| {
+        let files = disk.arrays.iter().filter(|file| file.is_known == is_known);
+        let of_file = |file: &ArrayFile| format!("{} {}", file.name, bytes(file.n_bytes));
+        let mut list: Vec<String> = files.map(of_file).collect();
+        if !is_known && disk.layers > 0 {
+            list.push(format!("image.exr {}", bytes(disk.layers)));
+        }
+        list.join(", ")
     };
-    let of_file = |(name, n_bytes): &(&str, u64)| format!("{name} {}", bytes(*n_bytes));
-    let of_files: Vec<String> = disk.arrays.iter().map(of_file).collect();
-    let [plain, pictures] = [disk.of_arrays() + disk.texts, disk.pictures].map(bytes);
-    let pictures = format!("up to {pictures} of pictures before compression");
-    match config.compress.label() {
-        None => format!(
-            "about {plain} ({}), and {pictures}{of_tiles}",
-            of_files.join(", ")
-        ),
-        Some(codec) => format!(
-            "up to {plain} ({}) before compression by {codec}, and {pictures}{of_tiles}",
-            of_files.join(", ")
-        ),
+    let [arrays, pictures] = [disk.of_known_arrays() + disk.texts, disk.pictures].map(bytes);
+    let codec = (config.compress.label()).map(|codec| format!(" compressed by {codec}"));
+    let codec = codec.unwrap_or_default();
+    let mut text = format!(
+        "about {arrays} ({}{codec}), and {pictures} of pictures",
+        list(true)
+    );
+    let unknown = list(false);
+    if !unknown.is_empty() {
+        text += &format!("; before compression {unknown}");
     }
+    if memory.band_rows.is_some() {
+        text += &format!("; until the end {} of tiles", bytes(disk.tiles));
+    }
+    text
 }
 
 /// ", 512 bytes for each instance", in a scene that has some.

@@ -38,11 +38,13 @@ pub(crate) use fields::of_run as run_fields;
 pub use file::{OutputFile, Request};
 pub(crate) use frame::FILE as FRAME_VTI;
 pub use frame::write as write_frame;
+pub(crate) use heatmap::write_bare as write_bare_map;
 pub use hits::write as write_hits;
 pub(crate) use hits::{FILE as HITS_VTU, vertices};
 pub use nodes::write as write_nodes;
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS_CSV, rows_per_thing};
+pub(crate) use picture::write_bare as write_bare_picture;
 pub use rays::Traced;
 pub(crate) use state_files::{GEOMETRY, HEATMAP};
 pub use surface::write as write_surface;
@@ -61,7 +63,7 @@ use states::States;
 
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
-use crate::config::Config;
+use crate::config::{Config, CostMode};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
@@ -107,10 +109,40 @@ pub(crate) fn expected_write_bytes(config: &Config) -> u64 {
     of_two + layers::write_bytes(config) + picture::write_bytes(config)
 }
 
+/// The same, of a typical picture in bands, the largest of so many pixels.
+pub(crate) fn expected_band_bytes(config: &Config, n_pixels: u64) -> u64 {
+    let of_two = 2 * (compression_bytes(config.compress) / 5);
+    // Without costs there is a map that is never written to.
+    let of_map = match config.cost {
+        CostMode::None => 0,
+        _ => Surveyor::bytes(&config.image),
+    };
+    let of_pixels = n_pixels * picture::bytes_per_band_pixel(config);
+    of_two + of_pixels + picture::bytes_beside_bands(config) + of_map
+}
+
 /// The bytes of the layers of a scene's picture before compression; 0 if they are not asked
 /// for.
 pub(crate) fn layer_bytes(config: &Config) -> u64 {
     layers::raw_bytes(config)
+}
+
+/// The bytes of the texts in the picture of a rendering with this config.
+pub(crate) fn picture_texts(config: &Config) -> u64 {
+    let has_state = config
+        .output
+        .written_arrays()
+        .has_all(&state_files::SHOWN_OF_CLOUD);
+    if has_state {
+        state_files::GEOMETRY_TEMPLATE.len() as u64
+    } else {
+        0
+    }
+}
+
+/// Pixels along the side of a block of the map of a picture of this size in pieces.
+pub(crate) fn map_side(picture: [u32; 2]) -> u32 {
+    survey::ReducedMap::side(picture)
 }
 
 /// The bytes of the ParaView states that a rendering with this config writes, as templates.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::file::{FileContent, Job, OutputFile};
 use super::state_files::SHOWN_OF_CLOUD;
-use crate::chart::png::PngWriter;
+use crate::chart::png::{self, PngWriter};
 use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
 use crate::config::Config;
 use crate::film::{Film, STRIP_ROWS, Strip};
@@ -41,6 +41,19 @@ pub(super) const FILE: OutputFile = OutputFile {
         }
     }),
 };
+
+/// Writes the pixels of a film as a picture without color bars and texts.
+pub(crate) fn write_bare(film: &Film, bits: u8, out: &mut impl Write) -> io::Result<()> {
+    let size = [film.grid.width, film.grid.height];
+    if bits == 8 {
+        let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+        return png::write(size, &rows.collect::<Vec<_>>(), &[], out);
+    }
+    let pixels = developed(film);
+    let rows = pixels.chunks_exact(film.grid.width as usize);
+    let rows: Vec<&[u8]> = rows.map(<[_]>::as_flattened).collect();
+    png::write(size, &rows, &[], out)
+}
 
 /// Writes the picture of a film that comes in bands, from top to bottom: `for_each` calls its
 /// function with each.

@@ -1,7 +1,7 @@
 //! The ParaView states, a row each: `geometry.pvsm`, `heatmap.pvsm` and the others.
 
 use super::file::{FileContent, OutputFile};
-use super::states::GEOMETRY_TEMPLATE;
+pub(super) use super::states::GEOMETRY_TEMPLATE;
 use crate::config::OptionalOutput;
 
 /// The arrays of the cloud that every state needs that shows it.

@@ -173,7 +173,22 @@ fn for_each_strip(film: &Film, metric: Metric, mut take: impl FnMut(&Strip, &[f3
 impl ReducedMap {
     /// A map of a picture of this size, so far with sums of zero.
     fn of(picture: [u32; 2]) -> Self {
-        let side = picture[0].max(picture[1]).div_ceil(MAX_SIDE);
+        Self::of_blocks(picture, Self::side(picture))
+    }
+
+    /// Pixels along the side of a block of a picture of this size.
+    pub(super) fn side(picture: [u32; 2]) -> u32 {
+        picture[0].max(picture[1]).div_ceil(MAX_SIDE)
+    }
+
+    /// A map of values of a picture of this size by blocks with this side.
+    pub(super) fn of_pixels(picture: [u32; 2], side: u32, values: &[f32]) -> Self {
+        let mut map = Self::of_blocks(picture, side);
+        map.add(0, values);
+        map.means()
+    }
+
+    fn of_blocks(picture: [u32; 2], side: u32) -> Self {
         let size = picture.map(|n| (n / side).max(1));
         Self {
             side,

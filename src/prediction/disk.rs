@@ -1,11 +1,12 @@
 //! The bytes of the files.
 
-use std::io::{self, Seek, SeekFrom, Write};
-
+use super::length::Length;
 use super::preview::Preview;
+use super::sample::RowSample;
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
-use crate::config::{Config, OptionalOutput};
+use crate::checkpoint;
+use crate::config::{Config, Image, OptionalOutput};
 use crate::film::{self, Column, written_columns};
 use crate::output;
 use crate::scene::Scene;
@@ -22,66 +23,126 @@ const PER_TILE: u64 = 300;
 /// The bytes of the files.
 #[derive(Debug, Clone)]
 pub(crate) struct DiskUse {
-    /// Of each file of arrays before compression, by its name.
-    pub(crate) arrays: Vec<(&'static str, u64)>,
+    /// Those of arrays.
+    pub(crate) arrays: Vec<ArrayFile>,
     /// Of all files of text.
     pub(crate) texts: u64,
-    /// Of all pictures before compression, which is always on.
+    /// Of the picture and the cost map.
     pub(crate) pictures: u64,
+    /// Of the picture's layers before compression, which is always on; 0 if there are none.
+    pub(crate) layers: u64,
     /// Of the file of finished tiles.
     pub(crate) tiles: u64,
 }
 
+/// The bytes of a file of arrays.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ArrayFile {
+    /// Its name.
+    pub(crate) name: &'static str,
+    /// Its bytes, before compression if it is not known what that makes of them.
+    pub(crate) n_bytes: u64,
+    /// Whether they are those on the disk.
+    pub(crate) is_known: bool,
+}
+
 impl DiskUse {
+    /// Of a picture in so many pieces.
     pub(super) fn of(
         config: &Config,
         scene: &Scene,
-        preview: &Preview,
+        (preview, sample): (&Preview, &RowSample),
         nodes: Vec<BvhNode>,
+        n_pieces: u32,
     ) -> Self {
-        let n_pixels = config.image.n_pixels() as u64;
-        let n_hits = (preview.hit_share * n_pixels as f64).round() as u64;
-        let per_pixel: u64 = written_columns(config)
-            .map(|column| column.stride() as u64)
-            .sum();
-        let per_hit = per_pixel + bytes_of_hit(config);
-        let mut arrays = vec![
-            ("hits.vtu", HEADER + n_hits * per_hit),
-            ("frame.vti", HEADER + n_pixels * per_pixel),
-        ];
-        let (cost, has) = (config.cost, |output| config.output.has(output));
-        if has(OptionalOutput::Surface) {
-            let visits = vec![Visits::default(); scene.primitives.len()];
-            let write =
-                |out: &mut Length| output::write_surface(scene, &visits, cost, Codec::None, out);
-            arrays.push(("surface.vtu", length(write)));
-        }
-        if has(OptionalOutput::Bvh) {
-            let visits = vec![Visits::default(); nodes.len()];
-            let hierarchy = (&Hierarchy { nodes, visits }, scene.instances.as_ref());
-            let limits = config.output.bvh;
-            let write =
-                |out: &mut Length| output::write_nodes(hierarchy, limits, cost, Codec::None, out);
-            arrays.push(("bvh.vtu", length(write)));
-        }
-        let grid = TileGrid::new(config.image.width, config.image.height, config.tiles.size);
-        let of_tiles = if has(OptionalOutput::Schedule) {
+        let Image { width, height, .. } = config.image;
+        let grid = TileGrid::new(width, height, config.tiles.size);
+        let mut arrays = of_pixels(config, (preview, sample), n_pieces);
+        arrays.extend(of_attribution(config, scene, nodes));
+        let of_tiles = if config.output.has(OptionalOutput::Schedule) {
             PER_TILE * u64::from(grid.n_tiles())
         } else {
             0
         };
+        let side = match n_pieces {
+            1 => 1,
+            _ => output::map_side([width, height]),
+        };
+        let of_pixels = config.image.n_pixels() as f64 * stored_bytes(config, preview);
         Self {
             arrays,
             texts: SUMMARY + output::state_bytes(config) + of_tiles,
-            pictures: of_pictures(config, preview),
-            tiles: (n_pixels as f64 * stored_bytes(config, preview)) as u64,
+            pictures: sample.of_picture() + sample.of_map(side) + output::picture_texts(config),
+            layers: output::layer_bytes(config),
+            tiles: of_pixels as u64 + u64::from(grid.n_tiles()) * checkpoint::BYTES_PER_TILE,
         }
     }
 
-    /// The sum of all arrays.
-    pub(crate) fn of_arrays(&self) -> u64 {
-        self.arrays.iter().map(|(_, n_bytes)| n_bytes).sum()
+    /// The sum of the arrays whose bytes on the disk are known.
+    pub(crate) fn of_known_arrays(&self) -> u64 {
+        let known = self.arrays.iter().filter(|file| file.is_known);
+        known.map(|file| file.n_bytes).sum()
     }
+}
+
+/// The cloud and the frame, in so many pieces. Those of the frame share a row of pixels.
+fn of_pixels(
+    config: &Config,
+    (preview, sample): (&Preview, &RowSample),
+    n_pieces: u32,
+) -> Vec<ArrayFile> {
+    let n_pixels = config.image.n_pixels() as u64;
+    let n_hits = (preview.hit_share * n_pixels as f64).round() as u64;
+    let [cloud, frame] = match config.compress {
+        Codec::None => {
+            let columns = written_columns(config);
+            let per_pixel: u64 = columns.map(|column| column.stride() as u64).sum();
+            let per_hit = per_pixel + bytes_of_hit(config);
+            [n_hits * per_hit, n_pixels * per_pixel]
+        }
+        _ => sample.of_arrays(n_hits),
+    };
+    let n_pieces = u64::from(n_pieces);
+    let of_shared_rows = (n_pieces - 1) * frame / u64::from(config.image.height);
+    let file = |name, n_bytes| ArrayFile {
+        name,
+        n_bytes: n_pieces * HEADER + n_bytes,
+        is_known: true,
+    };
+    let names = match n_pieces {
+        1 => ["hits.vtu", "frame.vti"],
+        _ => ["hits.pvtu", "frame.pvti"],
+    };
+    vec![
+        file(names[0], cloud),
+        file(names[1], frame + of_shared_rows),
+    ]
+}
+
+/// The files of the costs of primitives and nodes.
+fn of_attribution(config: &Config, scene: &Scene, nodes: Vec<BvhNode>) -> Vec<ArrayFile> {
+    let (cost, has) = (config.cost, |output| config.output.has(output));
+    let file = |name, n_bytes| ArrayFile {
+        name,
+        n_bytes,
+        is_known: config.compress == Codec::None,
+    };
+    let mut files = Vec::new();
+    if has(OptionalOutput::Surface) {
+        let visits = vec![Visits::default(); scene.primitives.len()];
+        let write =
+            |out: &mut Length| output::write_surface(scene, &visits, cost, Codec::None, out);
+        files.push(file("surface.vtu", Length::of(write)));
+    }
+    if has(OptionalOutput::Bvh) {
+        let visits = vec![Visits::default(); nodes.len()];
+        let hierarchy = (&Hierarchy { nodes, visits }, scene.instances.as_ref());
+        let limits = config.output.bvh;
+        let write =
+            |out: &mut Length| output::write_nodes(hierarchy, limits, cost, Codec::None, out);
+        files.push(file("bvh.vtu", Length::of(write)));
+    }
+    files
 }
 
 /// The bytes of a point of the cloud besides the arrays that the frame has, too.
@@ -102,53 +163,4 @@ fn bytes_of_hit(config: &Config) -> u64 {
 fn stored_bytes(config: &Config, preview: &Preview) -> f64 {
     let of_film = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
     of_film as f64 + preview.counter_bytes
-}
-
-/// The bytes of the pictures before compression.
-fn of_pictures(config: &Config, preview: &Preview) -> u64 {
-    let n_pixels = config.image.n_pixels() as f64;
-    let of_picture = 3.0 * f64::from(config.film.bits) / 8.0;
-    let of_map = 3.0 * preview.map_pixels;
-    (n_pixels * (of_picture + of_map)) as u64 + output::layer_bytes(config)
-}
-
-/// The length of what a function writes.
-fn length(write: impl FnOnce(&mut Length) -> io::Result<()>) -> u64 {
-    let mut out = Length::default();
-    match write(&mut out) {
-        Ok(()) => out.length,
-        Err(_) => 0,
-    }
-}
-
-/// Counts bytes, and forgets them.
-#[derive(Debug, Default)]
-struct Length {
-    position: u64,
-    length: u64,
-}
-
-impl Write for Length {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.position += bytes.len() as u64;
-        self.length = self.length.max(self.position);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Seek for Length {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        let from = |base: u64, offset: i64| base.checked_add_signed(offset);
-        let position = match to {
-            SeekFrom::Start(position) => Some(position),
-            SeekFrom::End(offset) => from(self.length, offset),
-            SeekFrom::Current(offset) => from(self.position, offset),
-        };
-        self.position = position.ok_or(io::ErrorKind::InvalidInput)?;
-        Ok(self.position)
-    }
 }

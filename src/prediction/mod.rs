@@ -7,14 +7,17 @@
 //! pixels have a hit, and how large their counters are. The rest are the film's arrays and
 //! the copies of some of them while files are written.
 
-mod disk;
+mod length;
 mod preview;
+mod sample;
+mod bands;
+mod disk;
 
-pub(crate) use disk::DiskUse;
+pub(crate) use disk::{ArrayFile, DiskUse};
 
 use crate::accel::{Accel, BvhNode, TooLarge};
 use crate::attribution::Visits;
-use crate::config::{Config, OptionalOutput, Repeats};
+use crate::config::{Config, Image, OptionalOutput, Repeats};
 use crate::film;
 use crate::host::{free_heap, resident_memory};
 use crate::instruments::peak_memory_bytes;
@@ -23,6 +26,7 @@ use crate::render::most_repeats;
 use crate::scene::{Scene, World};
 use crate::schedule::{self, TileGrid};
 use preview::Preview;
+use sample::RowSample;
 
 /// What a rendering will take.
 #[derive(Debug, Clone)]
@@ -35,12 +39,17 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
-    /// Predicts the rendering of a scene that was read and placed, on the current rayon pool.
-    /// Builds the hierarchy and renders a small picture, whose image plane the scene keeps.
+    /// Predicts the rendering of a scene that was read and placed, in bands of so many rows if
+    /// it is larger than memory, on the current rayon pool. Builds the hierarchy and renders a
+    /// small picture, and some rows.
     ///
     /// # Errors
     /// The hierarchy is too large.
-    pub(crate) fn of(config: &Config, scene: &mut Scene) -> Result<Self, TooLarge> {
+    pub(crate) fn of(
+        config: &Config,
+        scene: &mut Scene,
+        band_rows: Option<u32>,
+    ) -> Result<Self, TooLarge> {
         let world = World {
             primitives: &scene.primitives,
             instances: scene.instances.as_ref(),
@@ -54,14 +63,24 @@ impl Prediction {
         let so_far = MemorySoFar::so_far();
         let nodes = if has_nodes { accel.nodes() } else { Vec::new() };
         let peak_memory = so_far.map(|so_far| {
-            let film = of_film(config, &preview);
-            let later = of_attribution(config, scene, &nodes) + of_files(config, &preview);
+            let (film, later) = match band_rows {
+                None => (
+                    of_film(config, &preview),
+                    of_attribution(config, scene, &nodes) + of_files(config, &preview),
+                ),
+                Some(n_rows) => (bands::of_bands(config, &preview, n_rows), 0),
+            };
             let filled = film.saturating_sub(so_far.free);
             so_far.peak.max(so_far.resident + filled + later)
         });
+        let n_pieces = band_rows.map_or(1, |n_rows| config.image.height.div_ceil(n_rows));
+        let is_repeated = n_repeats(config, &preview) > 1;
+        let Image { width, height, .. } = config.image;
+        scene.image_plane = config.camera.image_plane(width, height);
+        let sample = RowSample::of(config, scene, &accel, is_repeated);
         Ok(Self {
             peak_memory,
-            disk: DiskUse::of(config, scene, &preview, nodes),
+            disk: DiskUse::of(config, scene, (&preview, &sample), nodes, n_pieces),
         })
     }
 }

@@ -194,7 +194,7 @@ fn note_runs(film: &mut Film, schedule: &Schedule) {
 /// counters.
 fn render_tile(
     renderer: &mut impl TileRenderer,
-    tile: &Tile,
+    (plan, tile): (&TilePlan, &Tile),
     canvas: &Canvas,
     begin: Instant,
 ) -> TileRun {
@@ -206,7 +206,7 @@ fn render_tile(
         ..TileRun::default()
     };
     for part in tile.parts(MAX_PIXELS) {
-        let rendered = renderer.render(&part);
+        let rendered = renderer.render(&plan.in_picture(&part));
         run.warm_up_ns += rendered.warm_up_ns as u64;
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());

@@ -22,6 +22,9 @@ pub struct TilePlan {
     pub order: TileOrder,
     /// The tiles' numbers in that order.
     sequence: Vec<u32>,
+    /// The first row in the picture of each row of tiles; `None` if the grid is that of the
+    /// whole picture.
+    first_rows: Option<Vec<u32>>,
     /// The estimated work of each tile of the grid; `None` if it is not known.
     work: Option<Vec<u64>>,
     /// The estimated time of each tile of the grid; `None` if it is not known.
@@ -50,8 +53,51 @@ impl TilePlan {
             grid,
             order: tiling.order,
             sequence,
+            first_rows: None,
         };
         this.scaled()
+    }
+
+    /// About so many rows of a picture, evenly spread and in whole tiles, as a picture of
+    /// their own; the whole picture if it has no more.
+    pub(crate) fn of_some_rows(image: &Image, tile_size: u32, n_rows: u32) -> Self {
+        let [n_all, n_rows_of_tiles] = [image.height, n_rows].map(|n| n / tile_size);
+        let n_rows_of_tiles = n_rows_of_tiles.max(1);
+        let first_row = |i: u32| {
+            let place = (f64::from(i) + 0.5) / f64::from(n_rows_of_tiles);
+            (place * f64::from(n_all)) as u32 * tile_size
+        };
+        let first_rows: Option<Vec<u32>> =
+            (n_rows_of_tiles < n_all).then(|| (0..n_rows_of_tiles).map(first_row).collect());
+        let height = match first_rows {
+            Some(_) => n_rows_of_tiles * tile_size,
+            None => image.height,
+        };
+        let grid = TileGrid::new(image.width, height, tile_size);
+        Self {
+            image: *image,
+            grid,
+            order: TileOrder::Scanline,
+            sequence: (0..grid.n_tiles()).collect(),
+            first_rows,
+            work: None,
+            times: None,
+            pixels_per_ns: 1.0,
+        }
+    }
+
+    /// Where a tile of the grid, or some of its rows, are in the picture.
+    pub(super) fn in_picture(&self, tile: &Tile) -> Tile {
+        let Some(first_rows) = &self.first_rows else {
+            return *tile;
+        };
+        let size = self.grid.tile_size;
+        let first_row = first_rows[(tile.rows[0] / size) as usize];
+        let begin = tile.rows[0] - tile.rows[0] % size;
+        Tile {
+            rows: tile.rows.map(|y| y - begin + first_row),
+            ..*tile
+        }
     }
 
     /// Leaves only the tiles of one part of the picture, in their order. All parts together

@@ -87,7 +87,7 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         let mut runs = TileRuns::new();
         while let Some((position, tile)) = self.next(&mut runs, canvas) {
             interruptions.take();
-            let run = render_tile(&mut renderer, &tile, canvas, self.begin);
+            let run = render_tile(&mut renderer, (self.plan, &tile), canvas, self.begin);
             let run = self.pass.after_restored(TileRun {
                 thread,
                 position,

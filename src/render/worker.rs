@@ -87,7 +87,7 @@ fn render_some(
     while let Ok((rendering, number)) = next() {
         interruptions.take();
         let tile = plan.grid.tile(number);
-        let run = render_tile(&mut renderer, &tile, canvas, ranks.epoch);
+        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch);
         let run = TileRun {
             thread,
             is_interrupted: interruptions.take(),
