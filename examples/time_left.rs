@@ -1,19 +1,45 @@
 //! Prints how well the time left of a rendering is estimated, after the first tenth of it:
 //! `cargo run --release --example time_left -- configs/*.yaml`.
+//!
+//! Each scene is rendered five times in each mode of cost, large enough to take some seconds.
 
 use std::error::Error;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use raycost::config::{CostMode, Repeats};
 use raycost::instruments::TimeLeft;
 use raycost::session::{Event, Options, Session};
 
-/// The greatest error of the expected duration after the first tenth of a rendering, in
-/// percent of it, and the duration.
-pub fn worst_error(scene: &Path) -> Result<(f64, Duration), Box<dyn Error>> {
+/// Renderings of a scene whose median error is printed.
+const N_RENDERINGS: usize = 5;
+
+/// The least time that a rendering should take.
+const LEAST: Duration = Duration::from_secs(2);
+
+/// How well the time left of a rendering was estimated.
+#[derive(Debug, Clone, Copy)]
+pub struct Errors {
+    /// The greatest error of the expected duration after the first tenth of the rendering, in
+    /// percent of it.
+    pub worst: f64,
+    /// The error at that tenth: what is too long is positive.
+    pub at_tenth: f64,
+    /// The duration of the rendering.
+    pub wall: Duration,
+    /// The time that the estimate took before it.
+    pub estimating: Duration,
+}
+
+/// Renders a scene in a mode of cost, its picture larger by a factor along both sides, and
+/// compares the expected durations with the real one.
+pub fn errors(scene: &Path, cost: CostMode, factor: f64) -> Result<Errors, Box<dyn Error>> {
     let session = Session::open_with(scene, |config| {
-        config.repeats = raycost::config::Repeats::ONCE;
+        (config.cost, config.repeats) = (cost, Repeats::ONCE);
+        let larger = |side: u32| (f64::from(side) * factor).round() as u32;
+        config.image.width = larger(config.image.width);
+        config.image.height = larger(config.image.height);
     })?;
     let stage: Mutex<Option<(Instant, TimeLeft)>> = Mutex::new(None);
     let expected: Mutex<Vec<[Duration; 2]>> = Mutex::default();
@@ -51,20 +77,52 @@ pub fn worst_error(scene: &Path) -> Result<(f64, Duration), Box<dyn Error>> {
         on_event: Some(&on_event),
         ..Options::default()
     };
-    session.render(&options)?;
+    let rendering = session.render(&options)?;
     let wall = ended.into_inner()?;
     let after_tenth = expected.into_inner()?.into_iter();
-    let errors = after_tenth
+    let errors: Vec<f64> = after_tenth
         .filter(|[elapsed, _]| *elapsed * 10 >= wall)
-        .map(|[_, expected]| 100.0 * (expected.as_secs_f64() / wall.as_secs_f64() - 1.0).abs());
-    Ok((errors.fold(0.0, f64::max), wall))
+        .map(|[_, expected]| 100.0 * (expected.as_secs_f64() / wall.as_secs_f64() - 1.0))
+        .collect();
+    Ok(Errors {
+        worst: errors
+            .iter()
+            .fold(0.0, |worst, error| error.abs().max(worst)),
+        at_tenth: errors.first().copied().unwrap_or(0.0),
+        wall,
+        estimating: rendering.stages().wall("order"),
+    })
+}
+
+/// The rendering with the median of the worst errors, of pictures that take some seconds.
+fn median(scene: &Path, cost: CostMode) -> Result<Errors, Box<dyn Error>> {
+    let first = errors(scene, cost, 1.0)?;
+    let longer = LEAST.as_secs_f64() / first.wall.as_secs_f64();
+    let factor = longer.sqrt().clamp(1.0, 8.0);
+    let rendered: Result<Vec<Errors>, _> = (0..N_RENDERINGS)
+        .map(|_| errors(scene, cost, factor))
+        .collect();
+    let mut rendered = rendered?;
+    rendered.sort_by(|a, b| a.worst.total_cmp(&b.worst));
+    Ok(rendered[N_RENDERINGS / 2])
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
+    println!("scene, cost: greatest error, error after a tenth, time, time of the estimate");
     for scene in std::env::args().skip(1) {
-        let (percent, wall) = worst_error(Path::new(&scene))?;
-        let seconds = wall.as_secs_f64();
-        println!("{scene}: at most {percent:.0} % of {seconds:.2} s");
+        for cost in [CostMode::Time, CostMode::Counters, CostMode::None] {
+            let Errors {
+                worst,
+                at_tenth,
+                wall,
+                estimating,
+            } = median(Path::new(&scene), cost)?;
+            let [seconds, estimating] = [wall, estimating].map(|time| time.as_secs_f64());
+            println!(
+                "{scene}, {cost:?}: {worst:.0} %, {at_tenth:+.0} %, {seconds:.2} s, {:.1} %",
+                100.0 * estimating / seconds
+            );
+        }
     }
     Ok(())
 }

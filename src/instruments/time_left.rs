@@ -18,6 +18,8 @@ struct WorkDone {
     here: f64,
     /// By earlier ones.
     before: f64,
+    /// The first work of this run, and when it was done.
+    first: Option<(f64, Duration)>,
 }
 
 impl TimeLeft {
@@ -38,12 +40,13 @@ impl TimeLeft {
             done.before += work;
         } else {
             done.here += work;
+            done.first.get_or_insert((work, self.begin.elapsed()));
         }
         ((done.here + done.before) / self.work).min(1.0)
     }
 
-    /// The time left, if the rest takes as long for its work as what this run has done;
-    /// `None` before the first.
+    /// The time left, if the rest takes as long for its work as what this run has done, but for
+    /// the first, before which threads and memory were made; `None` before the first.
     pub fn left(&self) -> Option<Duration> {
         let done = *self.done.lock().unwrap_or_else(PoisonError::into_inner);
         done.left(self.work, self.begin.elapsed())
@@ -53,7 +56,11 @@ impl TimeLeft {
 impl WorkDone {
     fn left(self, work: f64, elapsed: Duration) -> Option<Duration> {
         let rest = (work - self.here - self.before).max(0.0);
-        let left = elapsed.as_secs_f64() * rest / self.here;
+        let (first, at) = match self.first {
+            Some(first) if elapsed > 2 * first.1 && self.here > first.0 => first,
+            _ => Default::default(),
+        };
+        let left = (elapsed - at).as_secs_f64() * rest / (self.here - first);
         Duration::try_from_secs_f64(left).ok()
     }
 }
@@ -65,7 +72,12 @@ mod tests {
     #[test]
     fn the_rest_takes_as_long_for_its_work() {
         let left = |here, before| {
-            let left = WorkDone { here, before }.left(100.0, Duration::from_secs(10));
+            let done = WorkDone {
+                here,
+                before,
+                first: None,
+            };
+            let left = done.left(100.0, Duration::from_secs(10));
             left.map(|left| left.as_secs_f64().round())
         };
         assert_eq!(left(10.0, 0.0), Some(90.0));
@@ -74,6 +86,19 @@ mod tests {
         assert_eq!(left(0.0, 50.0), None);
         // Rounding may add up to a little more.
         assert_eq!(left(100.1, 0.0), Some(0.0));
+    }
+
+    #[test]
+    fn what_precedes_the_first_work_counts_once() {
+        let done = WorkDone {
+            here: 30.0,
+            before: 0.0,
+            first: Some((10.0, Duration::from_secs(4))),
+        };
+        let left = |seconds| done.left(100.0, Duration::from_secs(seconds));
+        assert_eq!(left(10), Some(Duration::from_secs(21)));
+        // Too early to tell.
+        assert_eq!(left(6), Some(Duration::from_secs(14)));
     }
 
     #[test]

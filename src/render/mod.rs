@@ -18,6 +18,7 @@ mod stream;
 mod timed;
 mod attribute_time;
 mod prepass;
+mod tile_times;
 mod tile_plan;
 mod samples;
 mod repeat;
@@ -51,6 +52,7 @@ pub use repeat::{Repeat, repeat, repeat_within};
 pub(crate) use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
 pub use stored::StoredPicture;
 pub use tile_plan::TilePlan;
+pub use tile_times::estimate_times;
 pub use worker::work;
 
 /// Most pixels rendered at a time: a larger tile is rendered in groups of rows,

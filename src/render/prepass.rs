@@ -1,16 +1,12 @@
-//! Estimates the work of each tile from one pixel in 64.
+//! Estimates the work of each tile from some of its pixels.
 
-use std::time::Instant;
-
-use cpu_time::ThreadTime as ThreadClock;
 use rayon::prelude::*;
 
 use super::stream::{StreamRenderer, WAVE_LEN};
-use super::timed::SingleRayRenderer;
 use super::view::View;
 use crate::accel::Accel;
-use crate::config::{CostMode, Image};
-use crate::cost::{Cost, Counters};
+use crate::config::Image;
+use crate::cost::{Cost, Counters, RayKind};
 use crate::scene::Scene;
 use crate::schedule::{Tile, TileGrid};
 
@@ -18,10 +14,6 @@ use crate::schedule::{Tile, TileGrid};
 const STEP: u32 = 8;
 /// Their distance where each gets as many samples as in the picture.
 const WIDE_STEP: u32 = 32;
-
-/// Probed pixels that are traced in a stream and timed together: few, since neighbors take
-/// about the same time per step.
-const TIMED_PIXELS: u32 = 256;
 
 /// Estimates the work of each tile in traversal steps: one sample of some of its
 /// pixels, at least one, extrapolated to all of them. It is counted, not timed,
@@ -38,41 +30,44 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
     })
 }
 
-/// Estimates the time of each tile on this machine, in nanoseconds but for a common factor, by
-/// some of its pixels, at least one, rendered as the cost mode asks: with one sample, or with
-/// those that adaptive sampling gives them.
-pub(super) fn times(
-    (scene, accel): (&Scene, &Accel),
+/// Estimates the counts of the rays of each tile by about one camera ray in 64, from at least one
+/// pixel: with one sample, or with those that adaptive sampling gives it.
+pub(super) fn counts(
+    scene: &Scene,
+    accel: &Accel,
     image: &Image,
     grid: &TileGrid,
-    mode: CostMode,
-) -> Vec<f64> {
-    let (image, step) = match image.adaptive {
-        None => (of_one_sample(image), STEP),
-        Some(_) => (*image, WIDE_STEP),
+) -> Vec<RayCounts> {
+    let n_samples = f64::from(image.samples_per_pixel);
+    let (image, step, factor) = match image.adaptive {
+        None => {
+            let step = (f64::from(STEP) / n_samples.sqrt()).max(1.0) as u32;
+            (of_one_sample(image), step.next_power_of_two(), n_samples)
+        }
+        Some(_) => (*image, WIDE_STEP, 1.0),
     };
     let view = View::new(scene, accel, &image);
-    if mode == CostMode::Time {
-        let renderer = || SingleRayRenderer::new(view, None, (1, &image));
-        return chunks(grid, 1, renderer, |renderer, tiles| {
-            let of_tile = |tile| time_of_tile(renderer, tile, step);
-            tiles.iter().map(of_tile).collect()
-        });
-    }
     let per_tile = grid.tile_size.div_ceil(step).pow(2);
-    let n_per_chunk = (TIMED_PIXELS / per_tile).max(1);
-    // The first chunk of a thread is traced twice: its memory is new.
-    let renderer = || (StreamRenderer::<Counters>::new(view), true);
-    chunks(grid, n_per_chunk, renderer, |(renderer, is_new), tiles| {
-        if std::mem::take(is_new) {
-            steps_of_tiles(renderer, tiles, step);
-        }
-        let begin = ThreadClock::now();
-        let steps = steps_of_tiles(renderer, tiles, step);
-        let ns = begin.elapsed().as_nanos() as f64;
-        let ns_per_step = ns / steps.iter().sum::<u64>().max(1) as f64;
-        steps.iter().map(|&n| n as f64 * ns_per_step).collect()
+    let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
+    let renderer = || StreamRenderer::<Counters>::new(view);
+    chunks(grid, n_per_chunk, renderer, |renderer, tiles| {
+        let costs = costs_of_tiles(renderer, tiles, step);
+        let of_tile = |(tile, (cost, n_probed)): (&Tile, (Cost, usize))| {
+            let factor = factor * tile.n_pixels() as f64 / n_probed as f64;
+            ray_counts(&cost).map(|count| count * factor)
+        };
+        tiles.iter().zip(costs).map(of_tile).collect()
     })
+}
+
+/// What takes time: camera rays, other rays, and the node visits and primitive tests of all.
+pub(super) type RayCounts = [f64; 4];
+
+/// The counts of a cost.
+pub(super) fn ray_counts(cost: &Cost) -> RayCounts {
+    let camera = cost.rays_of(RayKind::Camera);
+    let others = cost.n_rays() - camera;
+    [camera, others, cost.node_visits, cost.primitive_tests].map(|count| count as f64)
 }
 
 fn of_one_sample(image: &Image) -> Image {
@@ -105,6 +100,19 @@ fn chunks<R, T: Send>(
 
 /// Traces the probed pixels of tiles; returns the steps of each tile.
 fn steps_of_tiles(renderer: &mut StreamRenderer<Counters>, tiles: &[Tile], step: u32) -> Vec<u64> {
+    let costs = costs_of_tiles(renderer, tiles, step);
+    let of_tile = |(tile, (cost, n_probed)): (&Tile, (Cost, usize))| {
+        steps(cost) * tile.n_pixels() as u64 / n_probed as u64
+    };
+    tiles.iter().zip(costs).map(of_tile).collect()
+}
+
+/// Traces the probed pixels of tiles; returns the cost of those of each tile, and their number.
+fn costs_of_tiles(
+    renderer: &mut StreamRenderer<Counters>,
+    tiles: &[Tile],
+    step: u32,
+) -> Vec<(Cost, usize)> {
     let places = tiles.iter().flat_map(|tile| probed_pixels(tile, step));
     renderer.follow((0..).zip(places));
     let counters = renderer.probe();
@@ -112,22 +120,10 @@ fn steps_of_tiles(renderer: &mut StreamRenderer<Counters>, tiles: &[Tile], step:
     let of_tile = |tile| {
         let n_probed = probed_pixels(tile, step).count();
         let probed = pixels.by_ref().take(n_probed);
-        let n_steps: u64 = probed.map(|pixel| steps(counters.of(pixel))).sum();
-        n_steps * tile.n_pixels() as u64 / n_probed as u64
+        let cost = probed.map(|pixel| counters.of(pixel)).reduce(Cost::with);
+        (cost.unwrap_or_default(), n_probed)
     };
     tiles.iter().map(of_tile).collect()
-}
-
-/// Renders the probed pixels of a tile one by one; returns the time of all of its pixels in
-/// nanoseconds.
-fn time_of_tile(renderer: &mut SingleRayRenderer, tile: &Tile, step: u32) -> f64 {
-    let n_probed = probed_pixels(tile, step).count();
-    let begin = Instant::now();
-    for place in probed_pixels(tile, step) {
-        renderer.render_pixel(place, 0);
-    }
-    let ns = begin.elapsed().as_nanos() as f64;
-    ns * tile.n_pixels() as f64 / n_probed as f64
 }
 
 /// Returns the probed pixels of a tile.
@@ -141,7 +137,7 @@ fn probed_pixels(tile: &Tile, step: u32) -> impl Iterator<Item = (u32, u32)> + u
     places(tile.rows).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// Returns the traversal steps of a pixel's rays, with [`RAY_STEPS`] for each ray.
+/// Returns the traversal steps of rays, with [`RAY_STEPS`] for each ray.
 fn steps(cost: Cost) -> u64 {
     cost.node_visits + cost.primitive_tests + RAY_STEPS * cost.n_rays()
 }

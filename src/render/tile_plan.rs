@@ -117,11 +117,15 @@ impl TilePlan {
         self.scaled()
     }
 
-    /// Estimates the time of each tile by a few pixels of each on the current rayon pool.
-    pub fn with_estimate(mut self, scene: &Scene, accel: &Accel, mode: CostMode) -> Self {
-        let Self { image, grid, .. } = &self;
-        self.times = Some(prepass::times((scene, accel), image, grid, mode));
+    /// The same plan with the estimated times of the grid's tiles.
+    pub(super) fn with_times(mut self, times: Vec<f64>) -> Self {
+        self.times = Some(times);
         self.scaled()
+    }
+
+    /// The tiles' numbers in their order.
+    pub(super) fn sequence(&self) -> &[u32] {
+        &self.sequence
     }
 
     /// Whether the work or the time of each tile is known.

@@ -11,7 +11,7 @@ use crate::attribution::CostAttribution;
 use crate::cost::Meter;
 use crate::instruments::Stages;
 use crate::memory;
-use crate::render::{N_RENDERINGS, Overhead, least_repeats, repeat_within};
+use crate::render::{N_RENDERINGS, Overhead, estimate_times, least_repeats, repeat_within};
 use crate::stop;
 use crate::summary::RanksSection;
 
@@ -31,7 +31,7 @@ impl Session {
         }
         let mut plan = scope.plan(scene, accel, config);
         if options.estimates_work {
-            plan = plan.with_estimate(scene, accel, config.cost);
+            plan = estimate_times(plan, (scene, accel), &meter);
         }
         if plan.is_estimated() {
             stages.end("order");
