@@ -36,6 +36,8 @@ pub mod stop;
 #[doc(hidden)]
 pub mod host;
 #[doc(hidden)]
+pub mod files;
+#[doc(hidden)]
 pub mod text;
 #[doc(hidden)]
 pub mod provenance;

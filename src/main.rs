@@ -15,9 +15,9 @@ fn main() -> ExitCode {
         Err(failure) => {
             if let Some(message) = failure.message() {
                 text::print_error(&message);
-                // A rank that fails ends the others.
-                ranks::abort(failure.exit_code());
             }
+            // A rank that fails, or is asked to end, ends the others.
+            ranks::abort(failure.exit_code());
             ExitCode::from(failure.exit_code())
         }
     }

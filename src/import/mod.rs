@@ -25,14 +25,15 @@ mod vtk;
 mod pieces;
 mod series;
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use glam::Vec3;
 
+use crate::files::{self, InputFile};
 use crate::stop;
 
+use budget::Budget;
 pub use choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 pub use fault::{FileFault, FileLocation};
 pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
@@ -52,7 +53,7 @@ type GeometryFileReader = BufReader<Stoppable>;
 
 /// A file that cannot be read on once the program is asked to end.
 #[derive(Debug)]
-struct Stoppable(File);
+struct Stoppable(InputFile);
 
 impl Seek for Stoppable {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
@@ -63,7 +64,7 @@ impl Seek for Stoppable {
 impl Stoppable {
     /// The length of the file in bytes.
     fn length(&self) -> io::Result<u64> {
-        self.0.metadata().map(|metadata| metadata.len())
+        self.0.length()
     }
 }
 
@@ -342,6 +343,11 @@ pub fn is_vtk(path: &Path) -> bool {
     vtk::EXTENSIONS.contains(&extension(path).as_str())
 }
 
+/// Whether each of several ranks reads the file from its own disk: HDF5 opens it by its path.
+pub fn is_read_by_each_rank(path: &Path) -> bool {
+    vtk::is_hdf(path)
+}
+
 /// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in
 /// bytes. The arrays of a VTK file, which may be compressed, are not in it: their memory is
 /// checked as they are read.
@@ -350,20 +356,30 @@ pub fn is_vtk(path: &Path) -> bool {
 /// If it is not a regular file, or if its metadata cannot be read.
 pub fn max_bytes(path: &Path) -> Result<u64> {
     let per_byte = if is_vtk(path) { 1 } else { MAX_BYTES_PER_BYTE };
-    let metadata = std::fs::metadata(path).map_err(FileFault::from);
-    let length = metadata.and_then(|metadata| {
-        if metadata.is_file() {
-            Ok(metadata.len().saturating_mul(per_byte))
-        } else {
-            Err(FileFault::new("it is no file", "a file"))
-        }
+    let length = files::length_of(path).map_err(FileFault::from);
+    let n_bytes = length.and_then(|length| match length {
+        Some(length) => Ok(length.saturating_mul(per_byte)),
+        None => Err(FileFault::new("it is no file", "a file")),
     });
-    length.map_err(|fault| fault.in_file(path))
+    n_bytes.map_err(|fault| fault.in_file(path))
 }
 
 fn open(path: &Path) -> Result<GeometryFileReader> {
-    let file = Stoppable(File::open(path)?);
+    let file = Stoppable(InputFile::open(path)?);
     Ok(BufReader::with_capacity(1 << 18, file))
+}
+
+/// All bytes of a file of which none has been read, if the budget has room for them.
+fn read_whole(file: GeometryFileReader, budget: &mut Budget) -> Result<Vec<u8>> {
+    let Stoppable(file) = file.into_inner();
+    let length = file.length()?;
+    budget.take(length)?;
+    if let InputFile::InMemory(bytes) = file {
+        return Ok(bytes.into_inner());
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    Stoppable(file).take(length).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// The file name's extension in lower case; empty for none.

@@ -17,6 +17,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageResult};
 
 use super::{FileFault, Result, open};
 use crate::color::Transfer;
+use crate::files;
 use crate::picture::{Picture, Texels};
 
 /// Reads a picture, which materials share. Its numbers are those of `transfer`; by default sRGB in PNG and JPEG
@@ -55,7 +56,7 @@ impl<T: BufRead + Seek> SeekableBytes for T {}
 /// # Errors
 /// If it cannot be opened, or is no regular file.
 pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
-    if !path.metadata()?.is_file() {
+    if files::length_of(path)?.is_none() {
         return Err(FileFault::new("it is no file", "a file"));
     }
     Ok(Box::new(open(path)?))

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::RankFailure;
-use crate::checkpoint::Header;
 use crate::text::one_line;
 
 /// The text of a scene that rank 0 has read.
@@ -15,7 +14,7 @@ pub struct SceneText {
     pub text: String,
 }
 
-/// Who a rank is, and what it is about to render.
+/// Who a rank is, and what it is about to render, before the scene is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Hello {
     /// The name of its machine.
@@ -24,33 +23,26 @@ pub struct Hello {
     pub n_threads: u32,
     /// The scene on its command line.
     pub scene: String,
-    /// The program, the flags, and a hash of the settings and of the contents of the files.
-    pub header: Header,
+    /// The program with its version and its commit.
+    pub program: String,
+    /// The flags that change the picture or its costs.
+    pub flags: Vec<String>,
 }
 
 impl Hello {
     /// Why this rank cannot help one that has said `leader`; `None` if it can.
     pub(super) fn fault(&self, leader: &Self) -> Option<RankFailure> {
-        let [here, there] = [self, leader].map(|hello| &hello.header);
-        let program = |header: &Header| match &header.commit {
-            Some(commit) => format!("raycost {} ({commit})", header.raycost),
-            None => format!("raycost {}", header.raycost),
-        };
-        let differ = |what: &str, [here, there]: [String; 2]| {
-            let [here, there] = [here, there].map(|text| one_line(&text).into_owned());
+        let differ = |what: &str, [here, there]: [&str; 2]| {
+            let [here, there] = [one_line(here), one_line(there)];
             (here != there).then(|| format!("{what} `{here}`, and rank 0 `{there}`"))
         };
-        let flags = |header: &Header| match header.flags.join(" ") {
+        let flags = |hello: &Self| match hello.flags.join(" ") {
             none if none.is_empty() => "no flags".to_owned(),
             some => some,
         };
-        let message = differ("it is", [program(here), program(there)])
-            .or_else(|| differ("it renders", [self.scene.clone(), leader.scene.clone()]))
-            .or_else(|| differ("it has the flags", [flags(here), flags(there)]))
-            .or_else(|| {
-                let why = here.foreign_to(there).is_some();
-                why.then(|| "the files of the scene differ from those of rank 0".to_owned())
-            })?;
+        let message = differ("it is", [&self.program, &leader.program])
+            .or_else(|| differ("it renders", [&self.scene, &leader.scene]))
+            .or_else(|| differ("it has the flags", [&flags(self), &flags(leader)]))?;
         Some(RankFailure::input(message))
     }
 }

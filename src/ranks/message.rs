@@ -5,10 +5,12 @@ use serde::{Deserialize, Serialize};
 /// What a message holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
-    /// From rank 0: the text of the scene.
-    Scene,
     /// From a worker: who it is and what it is about to render.
     Hello,
+    /// From rank 0: the text of the scene.
+    Scene,
+    /// From a worker: what it renders now that it has read the scene.
+    Header,
     /// From rank 0: a request for the time on the worker's clock.
     Clock,
     /// From a worker: that time.
@@ -58,9 +60,10 @@ impl RankFailure {
 }
 
 impl MessageKind {
-    const ALL: [Self; 10] = [
-        Self::Scene,
+    const ALL: [Self; 11] = [
         Self::Hello,
+        Self::Scene,
+        Self::Header,
         Self::Clock,
         Self::Time,
         Self::Ready,

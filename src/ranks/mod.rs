@@ -1,9 +1,10 @@
 //! The processes that render one picture together: the ranks of MPI.
 //!
-//! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, whose versions
-//! and settings it has compared, and a worker answers it. What the messages do is in
-//! [`crate::render`]. MPI is the system's library, behind the cargo feature `mpi`; without
-//! it, nobody can join, and several processes of one launch are refused.
+//! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, and a worker
+//! answers it. Rank 0 compares versions and flags before it reads the scene, of which it
+//! broadcasts the text and the files. What the other messages do is in [`crate::render`]. MPI
+//! is the system's library, behind the cargo feature `mpi`; without it, nobody can join, and
+//! several processes of one launch are refused.
 //!
 //! One thread of a process sends and receives at a time (`MPI_THREAD_SERIALIZED`): the main
 //! thread until the rendering begins and after it has ended, and a thread of its own in
@@ -25,6 +26,8 @@ use no_world::NoMpiWorld as MpiWorld;
 #[cfg(feature = "mpi")]
 use world::MpiWorld;
 
+use crate::checkpoint::Header;
+use crate::files::Broadcast;
 use crate::stop;
 use crate::text::Diagnostic;
 
@@ -120,6 +123,24 @@ impl Ranks {
         while self.wait().is_some() {}
     }
 
+    /// The way of the scene's files from rank 0 to all others.
+    pub fn broadcast(&self) -> Box<dyn Broadcast> {
+        self.world.broadcast()
+    }
+
+    /// Waits until all others have introduced themselves; returns them, after rank 0 itself.
+    ///
+    /// # Errors
+    /// The first rank that fails or differs, with its number and its machine.
+    pub fn meet(&self, leader: Hello) -> Result<Vec<Hello>, (String, RankFailure)> {
+        team::meet(self, leader)
+    }
+
+    /// Introduces this worker to rank 0.
+    pub fn introduce(&self, hello: &Hello) {
+        self.send(0, MessageKind::Hello, &message::to_json(hello));
+    }
+
     /// Waits for the text of the scene from rank 0; `None` if the program is asked to end.
     pub fn receive_scene(&self) -> Option<SceneText> {
         let message = self.wait()?;
@@ -137,9 +158,9 @@ impl Ranks {
         self.send(0, MessageKind::Work, &message::to_json(work));
     }
 
-    /// Introduces this worker to rank 0, and lets it read this worker's clock.
-    pub fn introduce(&self, hello: &Hello) {
-        self.send(0, MessageKind::Hello, &message::to_json(hello));
+    /// Reports to rank 0 what this worker is to render, and lets it read this worker's clock.
+    pub fn report(&self, header: &Header) {
+        self.send(0, MessageKind::Header, &message::to_json(header));
         let Some(mut message) = self.wait() else {
             return;
         };

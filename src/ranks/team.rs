@@ -3,10 +3,11 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::{Hello, Message, MessageKind, RankFailure, Ranks};
-use crate::checkpoint::RecordLayout;
+use crate::checkpoint::{Header, RecordLayout};
 use crate::stop;
 
 /// How often rank 0 reads the clock of a worker: the reading that took the shortest time is
@@ -54,18 +55,21 @@ pub struct RankWork {
 }
 
 impl Team {
-    /// Waits until all others have introduced themselves, and compares what they are about
-    /// to render with what rank 0 is.
+    /// Waits until all others have read the scene, and compares what they are about to render
+    /// with what rank 0 is.
     ///
     /// # Errors
     /// The first rank that fails or differs, with its number and its machine.
-    pub fn gather(ranks: Ranks, hello: &Hello) -> Result<Self, (String, RankFailure)> {
-        let others = hellos(&ranks, hello)?;
+    pub fn gather(
+        ranks: Ranks,
+        hellos: Vec<Hello>,
+        header: &Header,
+    ) -> Result<Self, (String, RankFailure)> {
+        compare(&ranks, &hellos, header)?;
         let mut first_thread = 0;
-        let all = [hello].into_iter().chain(&others);
-        let members = all.map(|hello| {
+        let members = hellos.into_iter().map(|hello| {
             let member = Member {
-                host: hello.host.clone(),
+                host: hello.host,
                 n_threads: hello.n_threads,
                 first_thread,
                 clock_ns: 0,
@@ -77,7 +81,7 @@ impl Team {
         let mut team = Self {
             members: members.collect(),
             ranks,
-            layout: hello.header.layout,
+            layout: header.layout,
             failure: OnceLock::new(),
             sent_bytes: AtomicU64::new(0),
             communication_ns: AtomicU64::new(0),
@@ -178,25 +182,49 @@ impl Team {
 }
 
 /// Waits until all others have introduced themselves to a rank 0 that would say `leader`.
-fn hellos(ranks: &Ranks, leader: &Hello) -> Result<Vec<Hello>, (String, RankFailure)> {
-    let mut others: Vec<Option<Hello>> = vec![None; ranks.n() as usize - 1];
-    while others.iter().any(Option::is_none) {
+pub(super) fn meet(ranks: &Ranks, leader: Hello) -> Result<Vec<Hello>, (String, RankFailure)> {
+    let fault = |other: &Hello| other.fault(&leader);
+    let name = |rank: u32, other: Option<&Hello>| named(rank, other.map(|other| &*other.host));
+    let others = from_each(ranks, fault, name)?;
+    Ok([leader].into_iter().chain(others).collect())
+}
+
+/// Waits until all others have read the scene, and compares what they render.
+fn compare(ranks: &Ranks, hellos: &[Hello], header: &Header) -> Result<(), (String, RankFailure)> {
+    let fault = |other: &Header| {
+        let message = "the files of the scene differ from those of rank 0";
+        let is_foreign = other.foreign_to(header).is_some();
+        is_foreign.then(|| RankFailure::input(message))
+    };
+    let name = |rank: u32, _: Option<&Header>| named(rank, Some(&hellos[rank as usize].host));
+    from_each(ranks, fault, name).map(drop)
+}
+
+/// Waits for one value of each other rank, in their order.
+///
+/// # Errors
+/// The first rank that sends a failure instead, or whose value has a fault.
+fn from_each<T: Clone + DeserializeOwned>(
+    ranks: &Ranks,
+    fault: impl Fn(&T) -> Option<RankFailure>,
+    name: impl Fn(u32, Option<&T>) -> String,
+) -> Result<Vec<T>, (String, RankFailure)> {
+    let mut found: Vec<Option<T>> = vec![None; ranks.n() as usize - 1];
+    while found.iter().any(Option::is_none) {
         // A failure after a signal is not reported.
         let ended = || ("a rank".to_owned(), RankFailure::input("it has ended"));
         let message = ranks.wait().ok_or_else(ended)?;
-        let index = message.from as usize - 1;
-        let other: Option<Hello> = serde_json::from_slice(&message.bytes).ok();
-        let name = || named(message.from, other.as_ref().map(|other| &*other.host));
-        let fault = match &other {
+        let value: Option<T> = serde_json::from_slice(&message.bytes).ok();
+        let fault = match &value {
             None => Some(failure_of(&message)),
-            Some(other) => other.fault(leader),
+            Some(value) => fault(value),
         };
         if let Some(fault) = fault {
-            return Err((name(), fault));
+            return Err((name(message.from, value.as_ref()), fault));
         }
-        others[index] = other;
+        found[message.from as usize - 1] = value;
     }
-    Ok(others.into_iter().flatten().collect())
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// The failure in a message.

@@ -4,16 +4,22 @@ use std::mem::ManuallyDrop;
 use std::time::Duration;
 
 use mpi::Threading;
+use mpi::collective::Root;
 use mpi::environment::{self, Universe};
 use mpi::point_to_point::{Destination, MatchedReceiveVec, Source};
+use mpi::request::{Request, Scope};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
+use crate::files::Broadcast;
 use crate::text::Diagnostic;
 
 /// How often a thread looks whether its message was taken without giving way to others.
 const N_LOOKS: u32 = 200;
 /// How long it then sleeps in between.
 const LOOK_EVERY: Duration = Duration::from_micros(50);
+
+/// Bytes from which on a broadcast waits within the library.
+const LONG: usize = 1 << 16;
 
 /// When the launcher has forwarded a message.
 const FORWARDED_AFTER: Duration = Duration::from_millis(100);
@@ -60,18 +66,7 @@ impl MpiWorld {
         let world = self.universe.world();
         let receiver = world.process_at_rank(to as i32);
         mpi::request::scope(|scope| {
-            let mut request = receiver.immediate_send_with_tag(scope, bytes, tag);
-            for look in 0.. {
-                match request.test() {
-                    Ok(_) => return,
-                    Err(pending) => request = pending,
-                }
-                if look < N_LOOKS {
-                    std::thread::yield_now();
-                } else {
-                    std::thread::sleep(LOOK_EVERY);
-                }
-            }
+            finish(receiver.immediate_send_with_tag(scope, bytes, tag));
         });
     }
 
@@ -83,8 +78,52 @@ impl MpiWorld {
         Some((status.source_rank() as u32, status.tag(), bytes))
     }
 
+    /// The way of bytes from rank 0 to all others.
+    pub(super) fn broadcast(&self) -> Box<dyn Broadcast> {
+        let is_leader = self.rank() == 0;
+        Box::new(WorldBroadcast { is_leader })
+    }
+
     pub(super) fn leave(self) {
         drop(ManuallyDrop::into_inner(self.universe));
+    }
+}
+
+/// Waits until a request is done; sleeps if that takes long.
+fn finish<'a, D: ?Sized, S: Scope<'a>>(mut request: Request<'a, D, S>) {
+    for look in 0.. {
+        match request.test() {
+            Ok(_) => return,
+            Err(pending) => request = pending,
+        }
+        if look < N_LOOKS {
+            std::thread::yield_now();
+        } else {
+            std::thread::sleep(LOOK_EVERY);
+        }
+    }
+}
+
+/// From rank 0 to all others.
+struct WorldBroadcast {
+    is_leader: bool,
+}
+
+impl Broadcast for WorldBroadcast {
+    fn is_leader(&self) -> bool {
+        self.is_leader
+    }
+
+    fn broadcast(&self, bytes: &mut [u8]) {
+        let world = SimpleCommunicator::world();
+        let root = world.process_at_rank(0);
+        // Rank 0 may have yet to read what short bytes announce; long ones follow at once, and
+        // the library is fastest where it waits itself.
+        if bytes.len() > LONG {
+            root.broadcast_into(bytes);
+        } else {
+            mpi::request::scope(|scope| finish(root.immediate_broadcast_into(scope, bytes)));
+        }
     }
 }
 

@@ -23,7 +23,8 @@ impl Session {
     /// # Errors
     /// A file of the scene cannot be read.
     pub(crate) fn contents(&self) -> Result<Checksum, Diagnostic> {
-        of_pixels(&self.document, &self.config, (None, None))
+        let (document, config) = (&self.document, &self.config);
+        of_pixels(config, (None, None), files(document, config))
     }
 
     /// What identifies finished tiles of this scene, rendered by this program. `flags` are
@@ -33,6 +34,26 @@ impl Session {
     /// A file of the scene cannot be read.
     pub(crate) fn header(
         &self,
+        flags: Vec<String>,
+        part: Option<PicturePart>,
+    ) -> Result<Header, Diagnostic> {
+        self.header_with(files(&self.document, &self.config), flags, part)
+    }
+
+    /// What identifies the tiles of a rank: of the contents of the files those that rank 0 has
+    /// not read for all.
+    ///
+    /// # Errors
+    /// Such a file cannot be read.
+    pub(crate) fn header_of_rank(&self, flags: Vec<String>) -> Result<Header, Diagnostic> {
+        let files = named_files(&self.document, &self.config).into_iter();
+        let own = files.filter(|file| import::is_read_by_each_rank(file));
+        self.header_with(own, flags, None)
+    }
+
+    fn header_with(
+        &self,
+        files: impl Iterator<Item = PathBuf>,
         flags: Vec<String>,
         part: Option<PicturePart>,
     ) -> Result<Header, Diagnostic> {
@@ -52,7 +73,7 @@ impl Session {
             flags,
             folder: folder.to_string_lossy().into_owned(),
             frame: frame.map(|frame| frame.number),
-            fingerprint: of_pixels(&self.document, config, (frame_time, base))?,
+            fingerprint: of_pixels(config, (frame_time, base), files)?,
             part,
             layout: RecordLayout {
                 width: config.image.width,
@@ -100,19 +121,18 @@ pub(super) fn section_of(
 
 /// A hash of all that determines the pixels of a scene, except for the program: of the
 /// config, the time of a frame, the frame whose hierarchy may be refitted, and the contents
-/// of the files. Files and scene may be
-/// elsewhere on another machine.
+/// of these files. Files and scene may be elsewhere on another machine.
 ///
 /// # Errors
 /// A file cannot be read.
 fn of_pixels(
-    document: &Document,
     config: &Config,
     (frame, base): (Option<(u32, f64)>, Option<Checksum>),
+    files: impl Iterator<Item = PathBuf>,
 ) -> Result<Checksum, Diagnostic> {
     let mut hasher = Hasher::new();
     hasher.add(format!("{config:?}{frame:?}{base:?}").as_bytes());
-    for file in files(document, config) {
+    for file in files {
         // What is no file cannot be one of the scene: it was read before.
         if file.is_file() {
             let sum = checksum_of(&file).map_err(|error| {
@@ -171,6 +191,16 @@ fn picture_files(document: &Document, config: &Config) -> Vec<PathBuf> {
 /// The files of objects that the config names, with the pieces of data sets.
 fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     let mut found = Vec::new();
+    for file in named_files(document, config) {
+        found.extend(import::pieces_of(&file));
+        found.push(file);
+    }
+    found
+}
+
+/// The files of objects that the config names.
+fn named_files(document: &Document, config: &Config) -> Vec<PathBuf> {
+    let mut found = Vec::new();
     for (index, object) in config.objects.iter().enumerate() {
         let path = FieldPath::default().key("objects").index(index);
         let path = path.key(object.geometry.to_string());
@@ -185,11 +215,8 @@ fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
             }
             Geometry::Shape(_) | Geometry::Generator(_) | Geometry::Tube(_) => {}
         }
-        for (path, file) in named {
-            let file = document.folder_of(&path).join(file);
-            found.extend(import::pieces_of(&file));
-            found.push(file);
-        }
+        let in_folder = |(path, file): (FieldPath, &Path)| document.folder_of(&path).join(file);
+        found.extend(named.into_iter().map(in_folder));
     }
     found
 }

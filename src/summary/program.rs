@@ -57,6 +57,14 @@ impl Machine {
 }
 
 impl Build {
+    /// The program with its version and its commit.
+    pub fn title(&self) -> String {
+        match &self.commit {
+            Some(commit) => format!("raycost {} ({commit})", self.version),
+            None => format!("raycost {}", self.version),
+        }
+    }
+
     /// Describes this build.
     pub fn current() -> Self {
         Self {

@@ -11,6 +11,7 @@ use super::field_path::{FieldPath, Step};
 use super::origins::{Merging, Origins, ValuePlace};
 use super::source::{MAX_BYTES, Source};
 use super::tree::Tree;
+use crate::files;
 use crate::text::Diagnostic;
 
 /// The key of the section.
@@ -29,7 +30,7 @@ pub(super) fn compose(
     sources: &mut Vec<Source>,
     merging: Merging,
 ) -> Result<(Tree, Origins), Diagnostic> {
-    let canonical = Path::new(sources[0].name()).canonicalize().ok();
+    let canonical = files::canonical(Path::new(sources[0].name())).ok();
     let mut files = Files {
         n_bytes: sources[0].text().len() as u64,
         sources,
@@ -111,9 +112,9 @@ impl Files<'_> {
             let message = format!("`{name}` is no YAML file");
             return Err(fault(message, "expected a file that ends in .yaml or .yml"));
         }
-        let canonical = file.canonicalize();
+        let canonical = files::canonical(file);
         let reason = match &canonical {
-            Ok(found) if found.is_file() => None,
+            Ok(found) if files::is_file(found) => None,
             Ok(_) => Some("it is no file".to_owned()),
             Err(error) => Some(error.to_string()),
         };

@@ -1,6 +1,5 @@
 //! The text of a scene file.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 use std::string::FromUtf8Error;
@@ -12,6 +11,7 @@ use super::field_path::FieldPath;
 use super::position::{self, Location};
 use super::setting::{LocatedText, SettingText};
 use super::translate;
+use crate::files::InputFile;
 use crate::host::{advice, available_memory};
 use crate::text::Diagnostic;
 
@@ -96,7 +96,9 @@ impl Source {
     /// allows, or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         Self::read_from(&path.display().to_string(), |bytes| {
-            File::open(path)?.take(MAX_BYTES + 1).read_to_end(bytes)
+            InputFile::open(path)?
+                .take(MAX_BYTES + 1)
+                .read_to_end(bytes)
         })
     }
 

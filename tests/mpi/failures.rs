@@ -9,7 +9,7 @@ use crate::common::same_output::{assert_same_output, summary};
 use crate::job::{Job, is_written};
 
 /// Checks that a job ends with one message, which contains `expected`, and this exit code.
-fn assert_refused(output: &Output, code: i32, expected: &str) {
+pub fn assert_refused(output: &Output, code: i32, expected: &str) {
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{message}");
     assert!(message.contains(expected), "{message}");

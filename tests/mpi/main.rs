@@ -8,6 +8,8 @@ mod common;
 #[cfg(feature = "mpi")]
 mod failures;
 #[cfg(feature = "mpi")]
+mod files;
+#[cfg(feature = "mpi")]
 mod job;
 #[cfg(feature = "mpi")]
 mod pictures;

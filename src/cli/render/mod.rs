@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use part::PartDone;
 use picture::{FinishedPicture, Until};
+use ranks::Crew;
 
 use crate::animation::FrameRange;
 use crate::checkpoint::PicturePart;
@@ -24,7 +25,7 @@ use crate::cli::{Failure, run_summary};
 use crate::config::Config;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::{self, Memory};
-use crate::ranks::{Ranks, SceneText};
+use crate::ranks::Ranks;
 use crate::scene::Geometries;
 use crate::session::{Event, Options, Session};
 use crate::stop;
@@ -150,15 +151,13 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     }
     arguments.check_format()?;
     let stages = Stages::with_start(arguments.hardware());
+    let crew = ranks
+        .map(|ranks| Crew::meet(arguments, ranks))
+        .transpose()?;
     let source = arguments.scene.source()?;
-    if let Some(ranks) = &ranks {
-        ranks.send_scene(&SceneText {
-            name: source.name().to_owned(),
-            text: source.text().to_owned(),
-        });
-    }
+    let shared = crew.as_ref().map(|crew| crew.send(&source));
     let scene = OpenScene::of(&arguments.scene, source)?;
-    if ranks.is_some() {
+    if crew.is_some() {
         arguments.check_ranks(scene.frames.is_some())?;
     }
     if let Some(frames) = &scene.frames {
@@ -168,13 +167,17 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
         scene.check_frame(*range.0.start())?;
     }
     let profiler = arguments.profile.then(start_profiler).transpose()?;
-    let session = Session::new(scene.load(None, arguments.needed())?, stages)?;
+    let input = scene.load(None, arguments.needed())?;
+    if let Some(shared) = shared {
+        shared.end();
+    }
+    let session = Session::new(input, stages)?;
     arguments.check_bands(&session)?;
     let out = arguments.scene.out();
     if let Some(part) = arguments.part {
         return still_part(arguments, &session, &out, (part, deadline));
     }
-    let team = ranks.map(|ranks| ranks::gather(arguments, &session, ranks));
+    let team = crew.map(|crew| crew.gather(arguments, &session));
     let team = team.transpose()?;
     let until = Until {
         deadline,

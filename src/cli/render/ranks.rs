@@ -3,11 +3,13 @@
 use super::RenderArguments;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, thread_pool};
+use crate::files::{self, SharedFiles};
 use crate::instruments::{HardwareCounters, Stages};
 use crate::memory::Memory;
 use crate::ranks::{Hello, RankFailure, Ranks, SceneText, Team};
 use crate::session::{Options, RenderError, Session};
 use crate::stop;
+use crate::summary::Build;
 use crate::text::Diagnostic;
 use crate::yaml::Source;
 
@@ -24,13 +26,17 @@ pub(super) fn help(arguments: &RenderArguments, ranks: Ranks) -> Result<(), Fail
 }
 
 fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
+    ranks.introduce(&hello(arguments, ranks)?);
     let Some(SceneText { name, text }) = ranks.receive_scene() else {
         return Ok(stop::check()?);
     };
+    let files = files::share(ranks.broadcast());
     let scene = OpenScene::of(&arguments.scene, Source::new(name, text))?;
+    let input = scene.load(None, Memory::of_part)?;
+    files.end();
     let stages = Stages::start(HardwareCounters::none());
-    let session = Session::new(scene.load(None, Memory::of_part)?, stages)?;
-    ranks.introduce(&hello(arguments, &session, ranks)?);
+    let session = Session::new(input, stages)?;
+    ranks.report(&session.header_of_rank(arguments.scene.all_flags())?);
     let options = Options {
         threads: arguments.threads,
         ..Options::default()
@@ -38,25 +44,52 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
     Ok(session.work(&options, ranks)?)
 }
 
-/// Waits for the other ranks, which rank 0 leads.
-pub(super) fn gather(
-    arguments: &RenderArguments,
-    session: &Session,
+/// The other ranks, which rank 0 leads, before they have read the scene.
+pub(super) struct Crew {
     ranks: Ranks,
-) -> Result<Team, Failure> {
-    let hello = hello(arguments, session, &ranks)?;
-    let gathered = Team::gather(ranks, &hello);
-    Ok(gathered.map_err(|(rank, failure)| RenderError::of_rank(&rank, &failure))?)
+    hellos: Vec<Hello>,
+}
+
+impl Crew {
+    /// Waits for the other ranks, and compares their programs and flags.
+    pub(super) fn meet(arguments: &RenderArguments, ranks: Ranks) -> Result<Self, Failure> {
+        let hellos = ranks.meet(hello(arguments, &ranks)?).map_err(of_rank)?;
+        Ok(Self { ranks, hellos })
+    }
+
+    /// Gives them the text of the scene, and from now on its files.
+    pub(super) fn send(&self, scene: &Source) -> SharedFiles {
+        self.ranks.send_scene(&SceneText {
+            name: scene.name().to_owned(),
+            text: scene.text().to_owned(),
+        });
+        files::share(self.ranks.broadcast())
+    }
+
+    /// Waits until they have read the scene.
+    pub(super) fn gather(
+        self,
+        arguments: &RenderArguments,
+        session: &Session,
+    ) -> Result<Team, Failure> {
+        let header = session.header_of_rank(arguments.scene.all_flags())?;
+        Ok(Team::gather(self.ranks, self.hellos, &header).map_err(of_rank)?)
+    }
+}
+
+fn of_rank((rank, failure): (String, RankFailure)) -> RenderError {
+    RenderError::of_rank(&rank, &failure)
 }
 
 /// What a rank is about to render.
-fn hello(arguments: &RenderArguments, session: &Session, ranks: &Ranks) -> Result<Hello, Failure> {
+fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
     let n_threads = thread_pool(arguments.threads)?.current_num_threads();
     Ok(Hello {
         host: ranks.host(),
         n_threads: n_threads as u32,
         scene: arguments.scene.scene.to_string_lossy().into_owned(),
-        header: session.header(arguments.scene.all_flags(), None)?,
+        program: Build::current().title(),
+        flags: arguments.scene.all_flags(),
     })
 }
 

@@ -1,7 +1,6 @@
 //! The bytes of a glTF file's buffers: within the file, in its JSON as base64, or beside it.
 
 use std::borrow::Cow;
-use std::io::Read;
 use std::path::Path;
 
 use base64::Engine;
@@ -10,7 +9,7 @@ use gltf_json::{Index, Root, buffer};
 
 use crate::import::budget::Budget;
 use crate::import::materials::{of_reference, path_in};
-use crate::import::{FileFault, Result, max_bytes, open};
+use crate::import::{FileFault, Result, max_bytes, open, read_whole};
 
 /// The bytes of all buffers.
 pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
@@ -80,14 +79,7 @@ pub(super) fn bytes_of_uri(uri: &str, folder: &Path, budget: &mut Budget) -> Res
         return bytes;
     }
     let path = path_in(folder, &decoded(uri));
-    let read = max_bytes(&path).and_then(|_| {
-        let file = open(&path)?;
-        let length = file.get_ref().length()?;
-        budget.take(length)?;
-        let mut bytes = Vec::with_capacity(length as usize);
-        file.take(length).read_to_end(&mut bytes)?;
-        Ok(bytes)
-    });
+    let read = max_bytes(&path).and_then(|_| read_whole(open(&path)?, budget));
     read.map_err(|fault| of_reference(&path, fault))
 }
 

@@ -10,25 +10,20 @@ mod nodes;
 mod materials;
 mod flat_scene;
 
-use std::io::Read;
-
 use glam::Vec3;
 
 use super::budget::Budget;
 use super::materials::PictureShelf;
 use super::mesh::Mesh;
-use super::{GeometryFileReader, Result, Surroundings};
+use super::{GeometryFileReader, Result, Surroundings, read_whole};
 use accessor::Accessors;
 use buffers::Buffers;
 use flat_scene::FlatScene;
 use materials::Materials;
 
-pub(super) fn read(mut file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
+pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let mut budget = Budget::new();
-    let length = file.get_ref().length()?;
-    budget.take(length)?;
-    let mut bytes = Vec::with_capacity(length as usize);
-    file.read_to_end(&mut bytes)?;
+    let bytes = read_whole(file, &mut budget)?;
     let (root, binary) = container::parse(&bytes, &mut budget)?;
     let buffers = Buffers::read(&root, binary, around.folder, &mut budget)?;
     let mut scene = FlatScene::new(Accessors {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::mtl;
+use crate::files;
 use crate::import::fault::cut;
 use crate::import::materials::{MAX_MATERIALS, MeshMaterial, PictureShelf, of_reference, path_in};
 use crate::import::{FileFault, FileLocation, Result, Surroundings};
@@ -98,14 +99,14 @@ fn read_library(
     found: &mut Vec<MeshMaterial>,
 ) -> Result<()> {
     let whole = path_in(folder, names);
-    let files = if whole.is_file() {
+    let files = if files::is_file(&whole) {
         vec![whole]
     } else {
         let names = names.split_ascii_whitespace();
         names.map(|name| path_in(folder, name)).collect()
     };
     for file in files {
-        if !file.is_file() {
+        if !files::is_file(&file) {
             let fault = FileFault::new("there is no such file", "the file of materials");
             return Err(of_reference(&file, fault));
         }

@@ -20,7 +20,6 @@ mod places;
 mod lines;
 mod isosurface;
 
-use std::io::Read;
 use std::path::Path;
 
 use super::budget::{self, Budget};
@@ -29,7 +28,7 @@ use super::mesh::Mesh;
 use super::places::{InstancePlace, PlaceArrays};
 use super::spheres::Spheres;
 use super::tubes::Tubes;
-use super::{DataFile, FileFault, Result, extension, max_bytes, open};
+use super::{DataFile, FileFault, Result, extension, max_bytes, open, read_whole};
 pub(super) use collection::read as read_collection;
 pub(super) use hdf::{is_hdf, read_times};
 use piece::{Piece, Wanted};
@@ -186,11 +185,7 @@ fn for_each_piece(file: DataFile, wanted: &Wanted, visit: &mut Visit) -> Result<
 fn read_file(path: &Path, wanted: &Wanted, budget: &mut Budget) -> Result<Contents> {
     // A piece may be named like a device, which never ends.
     max_bytes(path)?;
-    let mut file = open(path)?;
-    let length = file.get_ref().length()?;
-    budget.take(length)?;
-    let mut bytes = Vec::with_capacity(length as usize);
-    file.read_to_end(&mut bytes)?;
+    let bytes = read_whole(open(path)?, budget)?;
     if bytes.starts_with(legacy::SIGNATURE) {
         let piece = legacy::read(&bytes, wanted, budget)?;
         return Ok(Contents::Pieces(vec![piece]));
