@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::common::{assert_success, in_repository};
+use crate::common::{assert_success, in_repository, raycost};
 use crate::job::ENVIRONMENT;
 
 /// The medians of a metric by number of ranks.
@@ -61,5 +61,66 @@ fn a_study_over_ranks_has_their_efficiency_and_its_parts() {
                 .iter()
                 .all(is_share)
         );
+    }
+}
+
+#[test]
+fn a_launcher_that_is_no_program_is_shown_at_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    // In a folder of PATH, too.
+    fs::write(folder.path().join("launch"), "#!/bin/sh\nexec \"$@\"\n").unwrap();
+    for (launcher, message, label, help) in [
+        (
+            "nompirun",
+            "there is no program `nompirun`",
+            "is not in PATH",
+            "install MPI, or give its path",
+        ),
+        (
+            "launch",
+            "there is no program `launch`",
+            "is not in PATH",
+            "install MPI, or give its path",
+        ),
+        (
+            "./launch",
+            "`./launch` cannot be executed",
+            "is no program",
+            "make it executable: `chmod +x`",
+        ),
+        (
+            "./none",
+            "there is no program `./none`",
+            "is no file",
+            "install MPI, or give its path",
+        ),
+        (
+            "./",
+            "there is no program `./`",
+            "is no file",
+            "install MPI, or give its path",
+        ),
+    ] {
+        let scene = in_repository("configs/seed_sphere.yaml");
+        let line = format!("launcher: {launcher} {{ranks}}");
+        let study = format!(
+            "title: x\nscenes: [{}]\nvary: {{ ranks: [1] }}\n{line}\n",
+            scene.display()
+        );
+        fs::write(folder.path().join("study.yaml"), study).unwrap();
+        let mut command = raycost();
+        command.args(["study", "study.yaml", "--out", "out"]);
+        let command = command
+            .current_dir(folder.path())
+            .env("PATH", folder.path());
+        let refused = command.output().unwrap();
+        let carets = "^".repeat(line.len() - "launcher: ".len());
+        let expected = format!(
+            "error: {message}\n --> study.yaml:4:11\n  |\n4 | {line}\n  |           {carets} \
+             {label}\n  |\n  = help: {help}\n"
+        );
+        assert_eq!(String::from_utf8_lossy(&refused.stderr), expected);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(!folder.path().join("out").exists());
     }
 }

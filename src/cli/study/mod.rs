@@ -1,6 +1,7 @@
 //! `raycost study`.
 
 mod files;
+mod launcher;
 mod process;
 mod report;
 
@@ -16,7 +17,6 @@ use super::progress::StudyBar;
 use super::{Cli, Failure};
 use crate::folder::{Replace, lock_folder, refuse_file, write_file};
 use crate::instruments::{HardwareCounters, MachineLimits};
-use crate::ranks;
 use crate::stop;
 use crate::study::{
     Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
@@ -117,7 +117,7 @@ impl Study {
             return Err(source.point_at(fault).into());
         }
         plan.check_launcher()
-            .and_then(|()| launcher_is_there(&plan))
+            .and_then(|()| launcher::check(&plan))
             .map_err(|fault| source.point_at(fault))?;
         let study = Self {
             points: plan.points(),
@@ -227,32 +227,6 @@ impl Study {
     fn limits_path(&self) -> PathBuf {
         self.out.join("limits.json")
     }
-}
-
-/// Checks that the program that starts ranks is there, and that this one can be a rank.
-fn launcher_is_there(plan: &StudyPlan) -> Result<(), Fault> {
-    let Some(launcher) = &plan.launcher else {
-        return Ok(());
-    };
-    let path = yaml::FieldPath::default().key("launcher");
-    if !ranks::IS_BUILT {
-        let message = "this raycost was built without MPI, which ranks need";
-        let help = "install MPI (on Debian, `apt-get install libopenmpi-dev libclang-dev`), then \
-                    `cargo install --path . --features mpi`";
-        return Err(Fault::new(path, message, "starts ranks").with_help(help));
-    }
-    let program = launcher.program();
-    let folders = std::env::var_os("PATH").unwrap_or_default();
-    let is_found = if program.contains('/') {
-        Path::new(program).is_file()
-    } else {
-        std::env::split_paths(&folders).any(|folder| folder.join(program).is_file())
-    };
-    if is_found {
-        return Ok(());
-    }
-    let message = format!("there is no program `{program}`");
-    Err(Fault::new(path, message, "is not in PATH").with_help("install MPI, or give its path"))
 }
 
 /// Checks that a point can be rendered, before the first run.

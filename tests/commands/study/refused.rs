@@ -53,26 +53,6 @@ fn mistakes_are_reported_before_the_first_run() {
             "title: x\nscenes: [scene.yaml]\nvary: { camera.look_at.fov_y_deg: [20, 200] }",
             "`camera.look_at.fov_y_deg` cannot be `200`",
         ),
-        (
-            "title: x\nscenes: [scene.yaml]\nvary: { ranks: [1, 2] }",
-            "`ranks` need a `launcher`",
-        ),
-        (
-            "title: x\nscenes: [scene.yaml]\nlauncher: mpirun -n {ranks}",
-            "a `launcher` needs the factor `ranks`",
-        ),
-        (
-            "title: x\nscenes: [scene.yaml]\nvary: { ranks: [1] }\nlauncher: mpirun -n {n}",
-            "is no command with the number of ranks",
-        ),
-        (
-            "title: x\nscenes: [scene.yaml]\nvary: { ranks: [1] }\nlauncher: nompirun {ranks}",
-            if cfg!(feature = "mpi") {
-                "there is no program `nompirun`"
-            } else {
-                "without MPI"
-            },
-        ),
         ("title: x\nscenes: ['-']", "cannot read the scene `./-`"),
         ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
         ("title: x\nscenes: [none.yaml]", "cannot read the scene"),
@@ -93,6 +73,81 @@ fn mistakes_are_reported_before_the_first_run() {
             "{study}\n{}",
             stderr_of(&refused)
         );
+        assert!(!folder.path().join("out").exists());
+    }
+}
+
+#[test]
+fn mistakes_about_the_launcher_are_shown_at_their_lines() {
+    for (lines, expected) in [
+        (
+            "vary: { ranks: [1, 2] }",
+            "error: `ranks` need a `launcher`
+ --> study.yaml:3:7
+  |
+3 | vary: { ranks: [1, 2] }
+  |       ^^^^^^^^^^^^^^^^^ one is there without the other
+  |
+  = help: add `launcher: \"mpirun -n {ranks}\"`
+",
+        ),
+        (
+            "cases: [{ ranks: 1 }]",
+            "error: `ranks` need a `launcher`
+ --> study.yaml:3:8
+  |
+3 | cases: [{ ranks: 1 }]
+  |        ^^^^^^^^^^^^^^ one is there without the other
+  |
+  = help: add `launcher: \"mpirun -n {ranks}\"`
+",
+        ),
+        (
+            "launcher: mpirun -n {ranks}",
+            "error: a `launcher` needs the factor `ranks`
+ --> study.yaml:3:11
+  |
+3 | launcher: mpirun -n {ranks}
+  |           ^^^^^^^^^^^^^^^^^ one is there without the other
+  |
+  = help: add `ranks: [1, 2, 4]` to `vary`, or leave the launcher out
+",
+        ),
+        (
+            "vary: { ranks: [1] }\nlauncher: mpirun -n {n}",
+            "error: the `launcher` is no command with the number of ranks
+ --> study.yaml:4:11
+  |
+4 | launcher: mpirun -n {n}
+  |           ^^^^^^^^^^^^^ expected a command such as `mpirun -n {ranks}`
+",
+        ),
+        (
+            "vary: { ranks: [1] }\nlauncher: [mpirun, -n, '{ranks}']",
+            "error: `launcher` cannot be a list
+ --> study.yaml:4:11
+  |
+4 | launcher: [mpirun, -n, '{ranks}']
+  |           ^^^^^^^^^^^^^^^^^^^^^^^ expected a text
+",
+        ),
+        #[cfg(not(feature = "mpi"))]
+        (
+            "vary: { ranks: [1] }\nlauncher: mpirun -n {ranks}",
+            "error: this raycost was built without MPI, which ranks need
+ --> study.yaml:4:11
+  |
+4 | launcher: mpirun -n {ranks}
+  |           ^^^^^^^^^^^^^^^^^ starts ranks
+  |
+  = help: install MPI (on Debian, `apt-get install libopenmpi-dev libclang-dev`), then `cargo install --path . --features mpi`
+",
+        ),
+    ] {
+        let folder = folder(&format!("title: x\nscenes: [scene.yaml]\n{lines}\n"));
+        let refused = run(folder.path(), &[]);
+        assert_eq!(refused.status.code(), Some(2), "{lines}");
+        assert_eq!(stderr_of(&refused), expected);
         assert!(!folder.path().join("out").exists());
     }
 }

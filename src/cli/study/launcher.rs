@@ -1,0 +1,52 @@
+//! Whether the ranks of a study can be started.
+
+use std::path::Path;
+
+use crate::ranks;
+use crate::study::StudyPlan;
+use crate::yaml::{Fault, FieldPath};
+
+/// Checks that the program that starts ranks can be run, and that this one can be a rank.
+pub(super) fn check(plan: &StudyPlan) -> Result<(), Fault> {
+    let Some(launcher) = &plan.launcher else {
+        return Ok(());
+    };
+    let fault = |message: String, expected: &str, help: &str| {
+        let path = FieldPath::default().key("launcher");
+        Err(Fault::new(path, message, expected).with_help(help))
+    };
+    if !ranks::IS_BUILT {
+        let message = "this raycost was built without MPI, which ranks need";
+        let help = "install MPI (on Debian, `apt-get install libopenmpi-dev libclang-dev`), then \
+                    `cargo install --path . --features mpi`";
+        return fault(message.to_owned(), "starts ranks", help);
+    }
+    let program = launcher.program();
+    let path = Path::new(program);
+    let (is_found, expected) = if program.contains('/') {
+        (is_executable(path), "is no file")
+    } else {
+        let folders = std::env::var_os("PATH").unwrap_or_default();
+        let mut folders = std::env::split_paths(&folders);
+        let is_in_one = folders.any(|folder| is_executable(&folder.join(program)));
+        (is_in_one, "is not in PATH")
+    };
+    if is_found {
+        return Ok(());
+    }
+    if program.contains('/') && path.is_file() {
+        let message = format!("`{program}` cannot be executed");
+        return fault(message, "is no program", "make it executable: `chmod +x`");
+    }
+    let message = format!("there is no program `{program}`");
+    fault(message, expected, "install MPI, or give its path")
+}
+
+/// Whether this user may execute a file.
+fn is_executable(path: &Path) -> bool {
+    #[cfg(unix)]
+    let may_execute = rustix::fs::access(path, rustix::fs::Access::EXEC_OK).is_ok();
+    #[cfg(not(unix))]
+    let may_execute = true;
+    may_execute && path.is_file()
+}
