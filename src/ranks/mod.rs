@@ -60,7 +60,7 @@ impl Ranks {
     /// # Errors
     /// This program was built without MPI, or the library has no threads.
     pub fn join() -> Result<Option<Self>, Diagnostic> {
-        if n_launched().is_none() {
+        if n_launched().is_none_or(|n| n == 1) {
             return Ok(None);
         }
         let world = MpiWorld::join()?;

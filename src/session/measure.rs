@@ -52,10 +52,17 @@ impl Session {
         stages.end("render");
         stop::check()?;
         scope.check()?;
-        let ranks = scope.limits.team.map(|team| {
-            let work = team.dismiss();
-            RanksSection::of(team, &schedule, &work)
-        });
+        let ranks = match scope.limits.team {
+            Some(team) => {
+                let work = team.dismiss();
+                Some(RanksSection::of(team, &schedule, &work))
+            }
+            None if scope.is_only_rank => {
+                let n_threads = rayon::current_num_threads() as u32;
+                Some(RanksSection::of_one(n_threads, &schedule))
+            }
+            None => None,
+        };
         stop::check()?;
         scope.check()?;
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();

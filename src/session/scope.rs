@@ -16,6 +16,8 @@ pub(crate) struct Scope<'a> {
     pub(crate) part: Option<PicturePart>,
     /// The tiles of other runs, and the end.
     pub(crate) limits: Limits<'a>,
+    /// Whether the summary has a section of ranks although this process is the only one.
+    pub(crate) is_only_rank: bool,
 }
 
 impl Scope<'_> {

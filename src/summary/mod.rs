@@ -83,7 +83,7 @@ pub struct Summary {
     pub build: Option<Build>,
     /// The number of threads.
     pub threads: Threads,
-    /// The ranks of MPI that rendered; left out if one process did.
+    /// The ranks of MPI that rendered; left out if one process did that no launcher has started.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ranks: Option<RanksSection>,
     /// The tiles of other runs; left out if there are none.

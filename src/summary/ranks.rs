@@ -1,11 +1,12 @@
 //! The section on the ranks of MPI.
 
 use serde::{Deserialize, Serialize};
+use sysinfo::System;
 
 use crate::ranks::{RankWork, Team};
 use crate::schedule::{Schedule, TileRun};
 
-/// The ranks that have rendered the picture together, and how evenly they were busy.
+/// The ranks that have rendered the picture together, or the only one, and how evenly they were busy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RanksSection {
     /// The number of ranks.
@@ -43,25 +44,43 @@ impl RanksSection {
     pub(crate) fn of(team: &Team, schedule: &Schedule, work: &[RankWork]) -> Self {
         let entries = team.members.iter().zip(work).zip(0..);
         let of_rank = entries.map(|((member, work), rank)| {
-            let here = || {
-                let runs = schedule.rendered().map(|(_, run)| run);
-                runs.filter(|run| run.rank == rank)
-            };
-            RankEntry {
-                host: member.host.clone(),
-                threads: member.n_threads,
-                n_tiles: here().count() as u64,
-                busy_ms: here().map(TileRun::duration_ns).sum::<u64>() as f64 / 1e6,
-                sent_bytes: work.sent_bytes,
-                communication_ms: work.communication_ns as f64 / 1e6,
-            }
+            let host = member.host.clone();
+            RankEntry::of((rank, host), member.n_threads, schedule, *work)
         });
-        let of_rank: Vec<RankEntry> = of_rank.collect();
+        Self::with(of_rank.collect())
+    }
+
+    /// The only rank, which has sent nothing.
+    pub(crate) fn of_one(n_threads: u32, schedule: &Schedule) -> Self {
+        let host = System::host_name().unwrap_or_default();
+        let nothing = RankWork::default();
+        Self::with(vec![RankEntry::of((0, host), n_threads, schedule, nothing)])
+    }
+
+    fn with(of_rank: Vec<RankEntry>) -> Self {
         Self {
             n: of_rank.len() as u32,
             load_imbalance: load_imbalance(&of_rank),
             sent_bytes: of_rank.iter().map(|rank| rank.sent_bytes).sum(),
             of_rank,
+        }
+    }
+}
+
+impl RankEntry {
+    /// A rank on a machine that has rendered its tiles of these, and sent so much.
+    fn of((rank, host): (u32, String), threads: u32, schedule: &Schedule, work: RankWork) -> Self {
+        let here = || {
+            let runs = schedule.rendered().map(|(_, run)| run);
+            runs.filter(|run| run.rank == rank)
+        };
+        Self {
+            host,
+            threads,
+            n_tiles: here().count() as u64,
+            busy_ms: here().map(TileRun::duration_ns).sum::<u64>() as f64 / 1e6,
+            sent_bytes: work.sent_bytes,
+            communication_ms: work.communication_ns as f64 / 1e6,
         }
     }
 }

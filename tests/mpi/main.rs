@@ -40,12 +40,22 @@ fn without_mpi_several_processes_are_refused() {
         assert!(message.contains("--features mpi"), "{message}");
         assert!(!folder.path().join("out").exists());
     }
-    // One process of a job is none of several.
-    for variables in [
-        &[("OMPI_COMM_WORLD_SIZE", "1")][..],
-        &[("PMIX_RANK", "0"), ("SLURM_STEP_NUM_TASKS", "1")],
-        &[("SLURM_STEP_NUM_TASKS", "8")],
+    // The only process of a launch is the only rank, and one of a job is none.
+    for (variables, n) in [
+        (&[("OMPI_COMM_WORLD_SIZE", "1")][..], Some(1)),
+        (
+            &[("PMIX_RANK", "0"), ("SLURM_STEP_NUM_TASKS", "1")],
+            Some(1),
+        ),
+        (&[("SLURM_STEP_NUM_TASKS", "8")], None),
     ] {
         common::assert_success(&launched(variables));
+        let summary = common::same_output::summary(&folder.path().join("out"));
+        let ranks = &summary["ranks"];
+        assert_eq!(ranks["n"].as_u64(), n);
+        if n.is_some() {
+            assert_eq!(ranks["load_imbalance"], 0.0);
+            assert_eq!(ranks["of_rank"][0]["n_tiles"], 1);
+        }
     }
 }

@@ -209,7 +209,7 @@ impl FrameJob<'_> {
                 let until = Until {
                     deadline: self.deadline,
                     profiler: profiler.as_ref(),
-                    team: None,
+                    ..Until::default()
                 };
                 whole(arguments, &session, folder, until)?
             }

@@ -55,7 +55,7 @@ pub(in crate::cli) struct MergeArguments {
 }
 
 pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
-    if n_launched().is_some() {
+    if n_launched().is_some_and(|n| n > 1) {
         let message = "`raycost merge` is one process, and not several ranks";
         let help = "start it without `mpirun`";
         return Err(Diagnostic::new(message).with_help(help).into());

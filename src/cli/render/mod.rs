@@ -25,7 +25,7 @@ use crate::cli::{Failure, run_summary};
 use crate::config::Config;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::{self, Memory};
-use crate::ranks::Ranks;
+use crate::ranks::{Ranks, n_launched};
 use crate::scene::Geometries;
 use crate::session::{Event, Options, Session};
 use crate::stop;
@@ -183,6 +183,7 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
         deadline,
         profiler: profiler.as_ref(),
         team: team.as_ref(),
+        is_only_rank: !arguments.merges && n_launched() == Some(1),
     };
     let picture = FinishedPicture::render(arguments, &session, &out, until)?;
     if let Some(team) = team {

@@ -119,6 +119,7 @@ pub(super) fn render(
             team: None,
             is_stored: true,
         },
+        ..Scope::default()
     };
     let rendering = session.render_within(&arguments.options(&on_event), &scope)?;
     if let Some(partial) = rendering.partial() {

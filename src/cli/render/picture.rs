@@ -10,7 +10,7 @@ use crate::cli::progress::Bars;
 use crate::folder::Written;
 use crate::instruments::Profiler;
 use crate::ranks::Team;
-use crate::session::{Options, Rendering, Session};
+use crate::session::{Options, Rendering, Scope, Session};
 use crate::stop;
 use crate::summary::Partial;
 
@@ -25,12 +25,14 @@ pub(super) struct FinishedPicture<'a> {
 }
 
 /// When no further tile is begun, what samples the functions meanwhile, and who renders.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Until<'a> {
     pub(super) deadline: Option<Instant>,
     pub(super) profiler: Option<&'a Profiler>,
     /// The ranks that render, if there are several.
     pub(super) team: Option<&'a Team>,
+    /// Whether a launcher has started this process as the only rank.
+    pub(super) is_only_rank: bool,
 }
 
 impl<'a> FinishedPicture<'a> {
@@ -51,7 +53,11 @@ impl<'a> FinishedPicture<'a> {
             vtkhdf: arguments.format.is_some() && !session.is_frame(),
             ..arguments.options(&on_event)
         };
-        let mut rendering = session.render_within(&options, &tiles.scope(until.team))?;
+        let scope = Scope {
+            is_only_rank: until.is_only_rank,
+            ..tiles.scope(until.team)
+        };
+        let mut rendering = session.render_within(&options, &scope)?;
         let written = match tiles.stored().zip(session.bands()) {
             None => rendering.write_to(&folder, until.profiler)?,
             Some(stored) => rendering.write_stored(&folder, until.profiler, stored, &options)?,

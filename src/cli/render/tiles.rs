@@ -63,13 +63,13 @@ impl Tiles {
     /// The tiles for a rendering by this process, or by all ranks of a team.
     pub(super) fn scope<'a>(&'a self, team: Option<&'a Team>) -> Scope<'a> {
         Scope {
-            part: None,
             limits: Limits {
                 checkpoint: self.checkpoint.as_ref(),
                 deadline: self.deadline,
                 team,
                 is_stored: self.is_stored,
             },
+            ..Scope::default()
         }
     }
 
