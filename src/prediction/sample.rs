@@ -11,8 +11,13 @@ use crate::output;
 use crate::render::{TilePlan, repeat};
 use crate::scene::Scene;
 
-/// Most camera rays of the rows, unless those of one row of tiles are more: about a second.
-const MOST_SAMPLES: u64 = 1 << 20;
+/// Camera rays of the rows, unless the least number of rows has more: about a second.
+const N_SAMPLES: u64 = 1 << 20;
+
+/// The least number of rows of tiles, and most camera rays of these: pixels that would have more
+/// have fewer samples.
+const LEAST_ROWS_OF_TILES: u32 = 4;
+const MOST_SAMPLES: u64 = 1 << 22;
 
 /// Renderings that show the spread of times.
 const TWICE: Repeats = Repeats::Exactly(NonZeroU8::new(2).unwrap());
@@ -28,10 +33,10 @@ pub(super) struct RowSample<'a> {
 impl<'a> RowSample<'a> {
     /// Renders some rows of a scene with the image plane of the picture on the current rayon pool.
     pub(super) fn of(config: &'a Config, scene: &Scene, accel: &Accel, is_repeated: bool) -> Self {
-        let image = &config.image;
         let has_spread = config.cost.has_time() && config.repeats.has_spread();
         let repeats = if has_spread { TWICE } else { Repeats::ONCE };
-        let plan = TilePlan::of_some_rows(image, config.tiles.size, n_rows(image, repeats));
+        let (image, n_rows) = rows(config, if has_spread { 2 } else { 1 });
+        let plan = TilePlan::of_some_rows(&image, config.tiles.size, n_rows);
         let meter = Meter::new(config.cost);
         let (mut film, ..) = repeat(repeats, scene, accel, &plan, &meter, |_| {});
         if !is_repeated {
@@ -41,7 +46,7 @@ impl<'a> RowSample<'a> {
         }
         Self {
             config,
-            share: f64::from(image.height) / f64::from(film.grid.height),
+            share: f64::from(config.image.height) / f64::from(film.grid.height),
             film,
         }
     }
@@ -86,11 +91,20 @@ impl<'a> RowSample<'a> {
     }
 }
 
-/// The number of rows, in whole rows of tiles if they are not all.
-fn n_rows(image: &Image, repeats: Repeats) -> u32 {
-    let n_renderings = if repeats == TWICE { 2 } else { 1 };
-    let per_row = u64::from(image.width) * u64::from(image.samples_per_pixel) * n_renderings;
-    (MOST_SAMPLES / per_row.max(1)) as u32
+/// The picture with no more samples than there is time for, and the number of rows, which are
+/// rendered so many times.
+fn rows(config: &Config, n_renderings: u64) -> (Image, u32) {
+    let image = config.image;
+    let per_row = u64::from(image.width) * n_renderings;
+    let least = LEAST_ROWS_OF_TILES * config.tiles.size;
+    let most_samples = MOST_SAMPLES / (per_row * u64::from(least));
+    let n_samples = u64::from(image.samples_per_pixel).min(most_samples).max(1);
+    let n_rows = N_SAMPLES / (per_row * n_samples);
+    let image = Image {
+        samples_per_pixel: n_samples as u32,
+        ..image
+    };
+    (image, least.max(n_rows as u32))
 }
 
 fn scaled(n_bytes: u64, factor: f64) -> u64 {

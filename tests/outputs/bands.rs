@@ -191,7 +191,7 @@ fn check_says_how_a_picture_will_be_written() {
         (n_pieces - 1..=n_pieces + 1).any(said),
         "{n_pieces}: {text}"
     );
-    assert!(text.contains(", and until the end "), "{text}");
+    assert!(text.contains("; until the end "), "{text}");
     assert!(
         folder
             .message(&["check", "configs/seed_sphere.yaml", "--memory=1M"], 2)
