@@ -25,7 +25,7 @@ use column::kept_columns;
 pub use column::{Column, columns, written_columns};
 pub use hottest::{HotPixel, Times, highest_counts};
 pub use packed::PackedCounters;
-pub use rendered::{Pixel, PixelTime, Pixels, Rendered};
+pub use rendered::{Pixel, PixelColumns, PixelTime, Rendered};
 pub use strip::Strip;
 pub use tile::RenderedTile;
 

@@ -10,7 +10,7 @@ use crate::trace::SurfacePoint;
 #[derive(Debug, Clone, Copy)]
 pub struct Rendered<'a> {
     /// The colors and the surfaces of the pixels.
-    pub pixels: &'a Pixels,
+    pub pixels: &'a PixelColumns,
     /// The counters of the pixels, if they were counted.
     pub counters: Option<&'a Counters>,
     /// The rays of the pixels by bounce; empty unless the film keeps them.
@@ -85,7 +85,7 @@ impl Pixel {
 /// has them: rows of pixels are copied, not converted.
 #[derive(Debug, Clone, Default)]
 #[expect(missing_docs, reason = "`Pixel` documents each array")]
-pub struct Pixels {
+pub struct PixelColumns {
     pub color: Vec<Vec3>,
     pub position: Vec<Vec3>,
     pub normal: Vec<Vec3>,
@@ -97,7 +97,7 @@ pub struct Pixels {
     pub instance: Vec<i32>,
 }
 
-impl Pixels {
+impl PixelColumns {
     /// Black pixels without a hit.
     pub fn none(n: usize) -> Self {
         let mut pixels = Self::default();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::{Pixels, Rendered};
+use super::{PixelColumns, Rendered};
 use crate::color::Development;
 use crate::config::{CostMode, ExtraArrays};
 use crate::cost::RaysByBounce;
@@ -94,7 +94,7 @@ impl Strip {
         }
     }
 
-    fn put_pixels(&mut self, places: Range<usize>, pixels: &Pixels, row: Range<usize>) {
+    fn put_pixels(&mut self, places: Range<usize>, pixels: &PixelColumns, row: Range<usize>) {
         macro_rules! put {
             ($field:ident, $from:ident) => {
                 self.$field[places.clone()].copy_from_slice(&pixels.$from[row.clone()])

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::checkpoint::TileRecord;
 use crate::color::Development;
-use crate::film::{Film, PackedCounters, Pixels, Rendered, RenderedTile, STRIP_ROWS, Strip};
+use crate::film::{Film, PackedCounters, PixelColumns, Rendered, RenderedTile, STRIP_ROWS, Strip};
 use crate::schedule::{Tile, TileRun};
 
 /// A film whose strips and tiles each have a lock.
@@ -130,7 +130,7 @@ impl<'a> Canvas<'a> {
 
     /// Makes the pixels of a tile, or of its next rows, black without a hit.
     pub(super) fn clear(&self, tile: &Tile) {
-        let pixels = Pixels::none(tile.n_pixels());
+        let pixels = PixelColumns::none(tile.n_pixels());
         self.store(
             tile,
             &Rendered {

@@ -15,7 +15,7 @@ use super::noisy_pixels::NoisyPixels;
 use super::view::View;
 use crate::accel::Hit;
 use crate::cost::{BounceCounts, ByPixel, PixelProbe, RayKind};
-use crate::film::{Pixel, Pixels, Rendered};
+use crate::film::{Pixel, PixelColumns, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use crate::simd::{N_LANES, Simd, VectorColumn};
@@ -33,7 +33,7 @@ pub(super) struct StreamRenderer<'a, P> {
     simd: Simd,
     places: Places,
     noisy: NoisyPixels,
-    pixels: Pixels,
+    pixels: PixelColumns,
     probe: P,
     bounces: BounceCounts,
     wave: PathWave,
@@ -64,7 +64,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             simd,
             places: Places::default(),
             noisy: NoisyPixels::default(),
-            pixels: Pixels::default(),
+            pixels: PixelColumns::default(),
             probe: P::default(),
             bounces: BounceCounts::new(view.counts_bounces),
             wave: PathWave::default(),

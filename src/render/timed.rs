@@ -8,7 +8,7 @@ use super::view::View;
 use super::{SampleSums, TileRenderer};
 use crate::config::Image;
 use crate::cost::{BounceCounts, Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
-use crate::film::{Pixel, PixelTime, Pixels, Rendered};
+use crate::film::{Pixel, PixelColumns, PixelTime, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{LightSample, PathRay};
 use crate::simd::Vector;
@@ -34,7 +34,7 @@ pub(super) struct SingleRayRenderer<'a> {
     stopwatch: Option<Stopwatch<'a>>,
     pixels: Vec<Pixel>,
     /// The same as a structure of arrays.
-    columns: Pixels,
+    columns: PixelColumns,
     /// The counters of each pixel. [`Counters`] allocates at the first ray of a
     /// kind, which would be part of that pixel's time.
     costs: Vec<Cost>,
@@ -67,7 +67,7 @@ impl<'a> SingleRayRenderer<'a> {
             view,
             stopwatch: clock.map(Stopwatch::new),
             pixels: vec![Pixel::default(); n_pixels],
-            columns: Pixels::none(n_pixels),
+            columns: PixelColumns::none(n_pixels),
             costs: vec![written_cost; n_pixels],
             counters: Counters::default(),
             bounces: BounceCounts::new(view.counts_bounces),
