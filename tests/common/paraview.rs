@@ -68,8 +68,10 @@ pub fn folder(name: &str) -> PathBuf {
 /// Runs what its arguments name on a virtual screen. Two `xvfb-run -a` that start at once may
 /// choose the same screen: each has another number to begin with.
 pub fn on_virtual_screen() -> Command {
-    static NEXT: AtomicU32 = AtomicU32::new(100);
-    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    // Others may test at the same time.
+    let first = 100 * (1 + std::process::id() % 500);
+    let number = first + NEXT.fetch_add(1, Ordering::Relaxed);
     let mut command = Command::new("xvfb-run");
     command.args(["-a", "-n", &number.to_string()]);
     command
