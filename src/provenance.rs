@@ -13,6 +13,14 @@ use twox_hash::XxHash3_128;
 /// The key, attribute or keyword of a run's ID.
 pub(crate) const KEY: &str = "raycost_run";
 
+/// A program with its version and its commit.
+pub(crate) fn program(version: &str, commit: Option<&str>) -> String {
+    match commit {
+        Some(commit) => format!("raycost {version} ({commit})"),
+        None => format!("raycost {version}"),
+    }
+}
+
 /// A hash of the settings and the results of a run: runs that write the same bytes
 /// have the same ID.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::RecordLayout;
-use crate::provenance::Checksum;
+use crate::provenance::{Checksum, program};
 
 /// The first block of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,10 +91,7 @@ impl Header {
     /// Why tiles of `self` do not belong to the rendering of `other`, whatever their
     /// parts are; `None` if they do.
     pub fn foreign_to(&self, other: &Self) -> Option<String> {
-        let program = |header: &Self| match &header.commit {
-            Some(commit) => format!("raycost {} ({commit})", header.raycost),
-            None => format!("raycost {}", header.raycost),
-        };
+        let program = |header: &Self| program(&header.raycost, header.commit.as_deref());
         let [found, expected] = [program(self), program(other)];
         if found != expected {
             return Some(format!("{found} rendered it, and not {expected}"));

@@ -198,7 +198,7 @@ fn at_the_peak(expected: &Prediction) -> String {
     }
 }
 
-/// The bytes of the files, and of what is compressed at most where nobody knows better.
+/// The bytes of the files; before compression where the compressed ones are not predicted.
 fn disk(config: &Config, memory: &Memory, disk: &DiskUse) -> String {
     let list = |is_known: bool| {
         let files = disk.arrays.iter().filter(|file| file.is_known == is_known);

@@ -56,7 +56,7 @@ pub fn share(broadcast: Box<dyn Broadcast>) -> SharedFiles {
 
 /// Files are shared as long as it lives. A leader that drops it without [`end`](Self::end)
 /// has failed, and has to end the others. Another process that drops it, having failed or not,
-/// takes part until the leader ends, which waits for nobody so.
+/// takes part until the leader ends, so that the leader never waits for it.
 #[derive(Debug)]
 pub struct SharedFiles(PhantomData<*const ()>);
 

@@ -96,24 +96,24 @@ impl Strip {
 
     fn put_pixels(&mut self, places: Range<usize>, pixels: &PixelColumns, row: Range<usize>) {
         macro_rules! put {
-            ($field:ident, $from:ident) => {
-                self.$field[places.clone()].copy_from_slice(&pixels.$from[row.clone()])
+            ($field:ident) => {
+                self.$field[places.clone()].copy_from_slice(&pixels.$field[row.clone()])
             };
         }
-        put!(position, position);
-        put!(normal, normal);
-        put!(distance, distance);
-        put!(footprint, footprint);
-        put!(object, object);
-        put!(material, material);
-        if !self.radiance.is_empty() {
-            put!(radiance, color);
-        }
+        put!(position);
+        put!(normal);
+        put!(distance);
+        put!(footprint);
+        put!(object);
+        put!(material);
         if !self.albedo.is_empty() {
-            put!(albedo, albedo);
+            put!(albedo);
         }
         if !self.instance.is_empty() {
-            put!(instance, instance);
+            put!(instance);
+        }
+        if !self.radiance.is_empty() {
+            self.radiance[places].copy_from_slice(&pixels.color[row]);
         }
     }
 }

@@ -37,9 +37,13 @@ pub fn configure_heap() {
 /// after the other, takes twice as long on two threads. Does nothing for a few bytes, or if the
 /// program has not called [`configure_heap`].
 pub(crate) fn grow_heap(n_bytes: usize) {
+    // Small films, as those of one tile, are made often.
+    if n_bytes < MAPPED || !IS_CONFIGURED.load(Ordering::Relaxed) {
+        return;
+    }
     let info = info();
     let n_missing = n_bytes.saturating_sub(info.fordblks);
-    if n_missing < MAPPED || !IS_CONFIGURED.load(Ordering::Relaxed) {
+    if n_missing < MAPPED {
         return;
     }
     // Otherwise the system takes back what is not allocated yet.

@@ -97,7 +97,7 @@ mod tests {
         };
         let left = |seconds| done.left(100.0, Duration::from_secs(seconds));
         assert_eq!(left(10), Some(Duration::from_secs(21)));
-        // Too early to tell.
+        // Too early to leave the first out.
         assert_eq!(left(6), Some(Duration::from_secs(14)));
     }
 

@@ -3,7 +3,7 @@
 //! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, and a worker
 //! answers it. Rank 0 compares versions and flags before it reads the scene, of which it
 //! broadcasts the text and the files. What the other messages do is in [`crate::render`]. MPI
-//! is the system's library, behind the cargo feature `mpi`; without it, nobody can join, and
+//! is the system's library, behind the cargo feature `mpi`; without it, no process can join, and
 //! several processes of one launch are refused.
 //!
 //! One thread of a process sends and receives at a time (`MPI_THREAD_SERIALIZED`): the main

@@ -1,4 +1,4 @@
-//! In place of MPI where the program was built without it: nobody can join.
+//! In place of MPI where the program was built without it: no process can join.
 
 use crate::files::Broadcast;
 use crate::text::Diagnostic;

@@ -87,10 +87,10 @@ fn measured<R: TileRenderer>(
     let n_taken = AtomicUsize::new(0);
     let measure_some = |_: rayon::BroadcastContext| {
         let mut renderer = renderer();
+        let mut film = film.of_one_tile();
+        let canvas = Canvas::of_one_tile(&mut film);
         let mut measured = Vec::new();
         while let Some(tile) = tiles.get(n_taken.fetch_add(1, Ordering::Relaxed)) {
-            let mut film = film.of_one_tile();
-            let canvas = Canvas::of_one_tile(&mut film);
             // The first tile of a thread is rendered twice: its memory is new.
             let n_renderings = if measured.is_empty() { 2 } else { 1 };
             for i in 1..=n_renderings {

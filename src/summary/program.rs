@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use sysinfo::System;
 
+use crate::provenance;
+
 /// The machine that rendered, as far as the system reports it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
@@ -59,10 +61,7 @@ impl Machine {
 impl Build {
     /// The program with its version and its commit.
     pub fn title(&self) -> String {
-        match &self.commit {
-            Some(commit) => format!("raycost {} ({commit})", self.version),
-            None => format!("raycost {}", self.version),
-        }
+        provenance::program(&self.version, self.commit.as_deref())
     }
 
     /// Describes this build.
