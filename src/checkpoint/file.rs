@@ -76,7 +76,7 @@ impl TileReader {
     }
 
     /// Reads a tile; `None` if it is not as it was written.
-    pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord>> {
+    pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord<'static>>> {
         let mut block = vec![0; PREFIX + stored.n_bytes as usize];
         {
             let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
@@ -87,7 +87,8 @@ impl TileReader {
         let max_bytes = TileRecord::max_bytes(layout);
         let kind = block::read(&mut &block[..], stored.block, max_bytes, &mut content)?;
         let tile = kind.filter(|&kind| kind == BlockKind::Tile);
-        Ok(tile.and_then(|_| TileRecord::of_bytes(&content, layout)))
+        let record = tile.and_then(|_| TileRecord::of_bytes(&content, layout));
+        Ok(record.map(TileRecord::into_owned))
     }
 
     fn n_bytes(&self) -> io::Result<u64> {
@@ -172,7 +173,7 @@ impl CheckpointFile {
     }
 
     /// Reads a tile again.
-    pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord>> {
+    pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord<'static>>> {
         self.reader.read(stored)
     }
 

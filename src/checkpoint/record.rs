@@ -1,5 +1,7 @@
 //! A finished tile ↔ bytes.
 
+use std::borrow::Cow;
+
 use super::RecordLayout;
 use super::block::PREFIX;
 use crate::cost::Cost;
@@ -8,7 +10,7 @@ use crate::schedule::{Tile, TileRun};
 
 /// A tile of one rendering of a picture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TileRecord {
+pub struct TileRecord<'a> {
     /// The rendering, from 0, of several that repeat the picture.
     pub rendering: u8,
     /// The tile's number in the grid.
@@ -19,7 +21,7 @@ pub struct TileRecord {
     /// The counters of its pixels, in parts of whole rows; empty if nothing was counted.
     pub counters: Vec<PackedCounters>,
     /// The pixels in the film's arrays, bit for bit.
-    pub pixels: Vec<u8>,
+    pub pixels: Cow<'a, [u8]>,
 }
 
 /// Bytes of a record besides its counters and its pixels.
@@ -34,7 +36,7 @@ pub(super) const MAX_THREADS: u32 = 1 << 16;
 /// The bytes of a tile in a file besides its pixels and counters, which are in one part.
 pub(crate) const BYTES_PER_TILE: u64 = (PREFIX + FIXED_BYTES + 8) as u64;
 
-impl TileRecord {
+impl<'a> TileRecord<'a> {
     /// Upper bound of the bytes of a record with this layout.
     pub(super) fn max_bytes(layout: &RecordLayout) -> usize {
         let n_pixels = layout.tile_size.pow(2) as usize;
@@ -58,12 +60,12 @@ impl TileRecord {
         for part in &self.counters {
             part.append_to(bytes);
         }
-        bytes.extend(&self.pixels);
+        bytes.extend(&*self.pixels);
     }
 
     /// Reads a record of a rendering with this layout; `None` if it is none. All of
     /// `bytes` belong to it.
-    pub fn of_bytes(bytes: &[u8], layout: &RecordLayout) -> Option<Self> {
+    pub fn of_bytes(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
         let [rendering, is_interrupted] = bytes.array()?;
         let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];
@@ -92,8 +94,16 @@ impl TileRecord {
             tile,
             run,
             counters,
-            pixels: bytes.0.to_vec(),
+            pixels: bytes.0.into(),
         })
+    }
+
+    /// The same with pixels of its own.
+    pub fn into_owned(self) -> TileRecord<'static> {
+        TileRecord {
+            pixels: self.pixels.into_owned().into(),
+            ..self
+        }
     }
 }
 

@@ -117,7 +117,7 @@ impl Checkpoint {
     }
 
     /// A tile of a rendering; `None` if it has to be rendered.
-    pub fn restore(&self, rendering: u8, tile: u32) -> Option<TileRecord> {
+    pub fn restore(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let (source, stored) = self.places.get(&(rendering, tile))?;
         let source = &self.sources[*source];
         match source.file.read(stored) {
@@ -134,7 +134,7 @@ impl Checkpoint {
 
     /// A tile of a rendering that came from a file or was kept, once all are given to the
     /// system; `None` if it is missing, or cannot be read.
-    pub(crate) fn tile(&self, rendering: u8, tile: u32) -> Option<TileRecord> {
+    pub(crate) fn tile(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let kept = self.sink.as_ref().and_then(|sink| {
             let stored = *lock(&sink.kept).get(&(rendering, tile))?;
             Some((sink, stored))

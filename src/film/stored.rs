@@ -30,6 +30,19 @@ macro_rules! arrays {
     };
 }
 
+/// The rows that a strip shares with a tile.
+#[derive(Clone, Copy)]
+struct SharedRows {
+    /// The first and the one after the last, counted from the strip's uppermost.
+    rows: [usize; 2],
+    /// The first, counted from the tile's uppermost.
+    first_in_tile: usize,
+    /// The tile's first column.
+    left: usize,
+    /// Pixels in a row of the strip, and of the tile.
+    widths: [usize; 2],
+}
+
 impl Strip {
     /// Bytes of a pixel in all arrays that a rendering writes.
     pub(crate) fn stored_bytes_per_pixel(&self) -> usize {
@@ -43,7 +56,7 @@ impl Strip {
         for array in self.arrays() {
             let stride = self.stride(array);
             let (of_array, others) = rest.split_at_mut(tile.n_pixels() * stride);
-            for (place, row) in self.rows_in(tile, stride) {
+            for (place, row) in self.rows_in(tile).bytes(stride) {
                 of_array[row].copy_from_slice(&array[place]);
             }
             rest = others;
@@ -54,11 +67,11 @@ impl Strip {
     /// [`store_pixels`](Self::store_pixels), of which there are as many.
     pub(crate) fn restore_pixels(&mut self, tile: &Tile, bytes: &[u8]) {
         let strides = self.arrays().map(|array| self.stride(array));
-        let rows = strides.map(|stride| self.rows_in(tile, stride).collect::<Vec<_>>());
+        let rows = self.rows_in(tile);
         let mut rest = bytes;
-        for ((array, stride), rows) in self.arrays_mut().into_iter().zip(strides).zip(rows) {
+        for (array, stride) in self.arrays_mut().into_iter().zip(strides) {
             let (of_array, others) = rest.split_at(tile.n_pixels() * stride);
-            for (place, row) in rows {
+            for (place, row) in rows.bytes(stride) {
                 array[place].copy_from_slice(&of_array[row]);
             }
             rest = others;
@@ -70,21 +83,15 @@ impl Strip {
         array.len() / self.rgb.len().max(1)
     }
 
-    /// The bytes of each row that the strip shares with a tile: in an array of the strip, and in
-    /// one of the tile.
-    fn rows_in(
-        &self,
-        tile: &Tile,
-        stride: usize,
-    ) -> impl Iterator<Item = (Range<usize>, Range<usize>)> + use<> {
-        let (width, n_bytes) = (self.width(), tile.width() * stride);
-        let (first_row, left) = (self.first_row as usize, tile.columns[0] as usize);
-        let [top, _] = tile.rows.map(|row| row as usize);
-        self.rows_of(tile).map(move |row| {
-            let place = (row * width + left) * stride;
-            let in_tile = (row + first_row - top) * n_bytes;
-            (place..place + n_bytes, in_tile..in_tile + n_bytes)
-        })
+    fn rows_in(&self, tile: &Tile) -> SharedRows {
+        let rows = self.rows_of(tile);
+        SharedRows {
+            first_in_tile: (rows.start + self.first_row as usize)
+                .saturating_sub(tile.rows[0] as usize),
+            rows: [rows.start, rows.end],
+            left: tile.columns[0] as usize,
+            widths: [self.width(), tile.width()],
+        }
     }
 
     /// Whether all pixels of a tile show one of so many objects and materials, or none.
@@ -118,5 +125,19 @@ impl Strip {
 
     fn arrays_mut(&mut self) -> [&mut [u8]; N_ARRAYS] {
         arrays!(cast_slice_mut, self, &mut)
+    }
+}
+
+impl SharedRows {
+    /// The bytes of each row in an array of the strip, and in one of the tile, whose pixels have
+    /// so many bytes.
+    fn bytes(self, stride: usize) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        let ([first, end], [width, in_tile]) = (self.rows, self.widths);
+        let n_bytes = in_tile * stride;
+        (first..end).map(move |row| {
+            let place = (row * width + self.left) * stride;
+            let of_tile = (self.first_in_tile + row - first) * n_bytes;
+            (place..place + n_bytes, of_tile..of_tile + n_bytes)
+        })
     }
 }

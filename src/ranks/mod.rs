@@ -10,6 +10,7 @@
 //! thread until the rendering begins and after it has ended, and a thread of its own in
 //! between.
 
+mod pauses;
 mod launch;
 mod message;
 mod hello;
@@ -19,7 +20,7 @@ mod world;
 #[cfg(not(feature = "mpi"))]
 mod no_world;
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 #[cfg(not(feature = "mpi"))]
 use no_world::NoMpiWorld as MpiWorld;
@@ -30,6 +31,7 @@ use crate::checkpoint::Header;
 use crate::files::Broadcast;
 use crate::stop;
 use crate::text::Diagnostic;
+use pauses::Pauses;
 
 pub use hello::{Hello, SceneText};
 pub use launch::n_launched;
@@ -42,9 +44,6 @@ pub use world::abort;
 
 /// Whether this program can be one of several ranks.
 pub const IS_BUILT: bool = cfg!(feature = "mpi");
-
-/// How long a thread sleeps that has nothing to send and has received nothing.
-pub const POLL_EVERY: Duration = Duration::from_micros(500);
 
 /// This process among all that were launched together.
 #[derive(Debug)]
@@ -95,18 +94,25 @@ impl Ranks {
 
     /// The next message, if one has arrived.
     pub fn receive(&self) -> Option<Message> {
-        let (from, tag, bytes) = self.world.receive()?;
+        self.receive_into(&mut Vec::new())
+    }
+
+    /// The same with its bytes in the memory of this buffer, which is empty then.
+    pub fn receive_into(&self, buffer: &mut Vec<u8>) -> Option<Message> {
+        let (from, tag) = self.world.receive(buffer)?;
         let kind = MessageKind::of_tag(tag)?;
+        let bytes = std::mem::take(buffer);
         Some(Message { from, kind, bytes })
     }
 
     /// Waits for the next message; `None` if the program is asked to end.
     pub fn wait(&self) -> Option<Message> {
+        let mut pauses = Pauses::new();
         while !stop::is_requested() {
             if let Some(message) = self.receive() {
                 return Some(message);
             }
-            std::thread::sleep(POLL_EVERY);
+            pauses.sleep();
         }
         None
     }

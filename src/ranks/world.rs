@@ -5,18 +5,15 @@ use std::time::Duration;
 
 use mpi::Threading;
 use mpi::collective::Root;
+use mpi::datatype::Equivalence;
 use mpi::environment::{self, Universe};
-use mpi::point_to_point::{Destination, MatchedReceiveVec, Source};
+use mpi::point_to_point::{Destination, Source};
 use mpi::request::{Request, Scope};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
+use super::pauses::Pauses;
 use crate::files::Broadcast;
 use crate::text::Diagnostic;
-
-/// How often a thread looks whether its message was taken without giving way to others.
-const N_LOOKS: u32 = 200;
-/// How long it then sleeps in between.
-const LOOK_EVERY: Duration = Duration::from_micros(50);
 
 /// Bytes from which on a broadcast waits within the library.
 const LONG: usize = 1 << 16;
@@ -70,12 +67,15 @@ impl MpiWorld {
         });
     }
 
-    /// The sender, the tag and the bytes of the next message, if one has arrived.
-    pub(super) fn receive(&self) -> Option<(u32, i32, Vec<u8>)> {
+    /// Receives the next message, if one has arrived, instead of other bytes; returns the
+    /// sender and the tag.
+    pub(super) fn receive(&self, bytes: &mut Vec<u8>) -> Option<(u32, i32)> {
         let world = self.universe.world();
-        let arrived = world.any_process().immediate_matched_probe()?;
-        let (bytes, status) = arrived.matched_receive_vec::<u8>();
-        Some((status.source_rank() as u32, status.tag(), bytes))
+        let (message, status) = world.any_process().immediate_matched_probe()?;
+        let n_bytes = status.count(u8::equivalent_datatype());
+        bytes.resize(n_bytes as usize, 0);
+        message.matched_receive_into(&mut bytes[..]);
+        Some((status.source_rank() as u32, status.tag()))
     }
 
     /// The way of bytes from rank 0 to all others.
@@ -89,18 +89,12 @@ impl MpiWorld {
     }
 }
 
-/// Waits until a request is done; sleeps if that takes long.
+/// Waits until a request is done, and sleeps meanwhile.
 fn finish<'a, D: ?Sized, S: Scope<'a>>(mut request: Request<'a, D, S>) {
-    for look in 0.. {
-        match request.test() {
-            Ok(_) => return,
-            Err(pending) => request = pending,
-        }
-        if look < N_LOOKS {
-            std::thread::yield_now();
-        } else {
-            std::thread::sleep(LOOK_EVERY);
-        }
+    let mut pauses = Pauses::new();
+    while let Err(pending) = request.test() {
+        request = pending;
+        pauses.sleep();
     }
 }
 

@@ -98,7 +98,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Returns a finished tile as a record of this rendering.
-    pub(super) fn record(&self, tile: &Tile, rendering: u8, run: TileRun) -> TileRecord {
+    pub(super) fn record(&self, tile: &Tile, rendering: u8, run: TileRun) -> TileRecord<'static> {
         let place = self.placed(tile);
         let mut pixels = vec![0; place.n_pixels() * self.bytes_per_pixel];
         for number in self.strips_of(&place) {
@@ -109,7 +109,7 @@ impl<'a> Canvas<'a> {
             tile: tile.number,
             run,
             counters: lock(&self.tiles[place.number as usize]).counters.clone(),
-            pixels,
+            pixels: pixels.into(),
         }
     }
 

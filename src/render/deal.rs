@@ -8,68 +8,87 @@ use super::Progress;
 use super::canvas::Canvas;
 use super::tile_queue::{TileQueue, TileRuns};
 use crate::checkpoint::TileRecord;
-use crate::ranks::{Message, MessageKind, POLL_EVERY, RankFailure, Team};
-use crate::schedule::{TileRun, WorkerShare};
+use crate::ranks::{Member, Message, MessageKind, RankFailure, Team};
+use crate::schedule::{Tile, TileRun, WorkerShare, pause};
 
 /// Deals tiles and receives them, until none is left.
-struct Dealer<'a, 'f, 'c, F> {
+struct Dealer<'a, 'f, F> {
     team: &'a Team,
     queue: &'a TileQueue<'a, 'f, F>,
-    canvas: &'a Canvas<'c>,
     shares: Vec<WorkerShare>,
     runs: TileRuns,
     /// The rank and the position of each tile that was dealt and has not been returned.
     dealt: HashMap<u32, (u32, u32)>,
+    /// Tiles that were returned before there was a canvas.
+    early: Vec<(Tile, TileRun, TileRecord<'static>)>,
+    /// Memory for messages.
+    buffer: Vec<u8>,
 }
 
 /// Deals tiles of the queue to the workers of a team until all have returned theirs and
 /// none is left; returns the tiles that they have rendered.
 pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) -> TileRuns {
-    queue.with_canvas(|canvas| deal_on(canvas, team, queue))
-}
-
-fn deal_on<'a, F: Fn(Progress) + Sync>(
-    canvas: &'a Canvas,
-    team: &'a Team,
-    queue: &'a TileQueue<'a, '_, F>,
-) -> TileRuns {
     let mut dealer = Dealer {
         team,
         queue,
-        canvas,
         shares: vec![WorkerShare::default(); team.members.len()],
         runs: TileRuns::new(),
         dealt: HashMap::new(),
+        early: Vec::new(),
+        buffer: Vec::new(),
     };
-    while dealer.is_needed() {
-        let begin = Instant::now();
-        let mut is_idle = true;
-        while let Some(message) = team.ranks.receive() {
-            dealer.take(&message);
-            is_idle = false;
-        }
-        for rank in 1..team.ranks.n() {
-            is_idle &= !dealer.deal_to(rank);
-        }
-        if is_idle {
-            std::thread::sleep(POLL_EVERY);
-        } else {
-            let spent_ns = begin.elapsed().as_nanos() as u64;
-            team.communication_ns.fetch_add(spent_ns, Ordering::Relaxed);
+    // Workers render while rank 0 makes its film, unless it takes over tiles first.
+    if queue.pass.limits.checkpoint.is_none() {
+        while dealer.is_needed() && !queue.has_target() {
+            dealer.carry(None);
         }
     }
+    queue.with_canvas(|canvas| {
+        dealer.store_early(canvas);
+        while dealer.is_needed() {
+            dealer.carry(Some(canvas));
+        }
+    });
     dealer.runs
 }
 
-impl<F: Fn(Progress) + Sync> Dealer<'_, '_, '_, F> {
+impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
+    /// Takes what has arrived and gives workers what they need; sleeps if that was nothing.
+    fn carry(&mut self, canvas: Option<&Canvas>) {
+        let begin = Instant::now();
+        let mut is_idle = true;
+        while let Some(message) = self.team.ranks.receive_into(&mut self.buffer) {
+            self.take(&message, canvas);
+            self.buffer = message.bytes;
+            is_idle = false;
+        }
+        for rank in 1..self.team.ranks.n() {
+            is_idle &= !self.deal_to(rank, canvas);
+        }
+        if is_idle {
+            std::thread::sleep(pause(self.has_tiles()));
+        } else {
+            let spent_ns = begin.elapsed().as_nanos() as u64;
+            let total = &self.team.communication_ns;
+            total.fetch_add(spent_ns, Ordering::Relaxed);
+        }
+    }
+
     /// Whether a tile is left, or has not been returned.
     fn is_needed(&self) -> bool {
         let is_dealt = self.shares.iter().any(|share| share.n_dealt > 0);
         (is_dealt || self.queue.n_left() > 0) && !self.queue.pass.is_canceled()
     }
 
+    /// Whether all threads have tiles to render, as far as rank 0 knows.
+    fn has_tiles(&self) -> bool {
+        let others = &self.team.members[1..];
+        let are_ready = |member: &Member| member.is_ready.load(Ordering::Relaxed);
+        self.queue.n_left() > 0 && others.iter().all(are_ready)
+    }
+
     /// Gives a worker as many tiles as it needs; false if it needs none.
-    fn deal_to(&mut self, rank: u32) -> bool {
+    fn deal_to(&mut self, rank: u32, canvas: Option<&Canvas>) -> bool {
         let member = &self.team.members[rank as usize];
         if !member.is_ready.load(Ordering::Relaxed) {
             return false;
@@ -79,7 +98,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, '_, F> {
         let wanted = share.n_wanted(member.n_threads.into(), n_left, n_ranks);
         let mut bytes = Vec::new();
         for _ in 0..wanted {
-            let Some((position, tile)) = self.queue.next(&mut self.runs, self.canvas) else {
+            let Some((position, tile)) = self.queue.next(&mut self.runs, canvas) else {
                 break;
             };
             self.dealt.insert(tile.number, (rank, position));
@@ -101,7 +120,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, '_, F> {
     }
 
     /// Takes a message: tiles into the film, and note of everything else.
-    fn take(&mut self, message: &Message) {
+    fn take(&mut self, message: &Message, canvas: Option<&Canvas>) {
         self.team.note(message);
         if message.kind != MessageKind::Records {
             return;
@@ -114,20 +133,16 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, '_, F> {
                 TileRecord::of_bytes(record, &self.team.layout)
             });
             if record
-                .and_then(|record| self.store(message.from, record))
+                .and_then(|record| self.accept(message.from, record, canvas))
                 .is_none()
             {
-                let failure = RankFailure {
-                    exit_code: 1,
-                    message: "it has sent a tile of another picture".to_owned(),
-                };
-                return self.team.fail(message.from, failure);
+                return self.fail(message.from);
             }
         }
     }
 
-    /// Writes a tile that a worker has rendered to the film; `None` if it does not fit.
-    fn store(&mut self, rank: u32, record: TileRecord) -> Option<()> {
+    /// Takes a tile that a worker has rendered; `None` if it does not fit.
+    fn accept(&mut self, rank: u32, record: TileRecord, canvas: Option<&Canvas>) -> Option<()> {
         let tile = self.queue.plan.grid.tile(record.tile);
         let (_, position) = self.dealt.remove(&record.tile).filter(|to| to.0 == rank)?;
         if record.run.thread >= self.team.members[rank as usize].n_threads {
@@ -140,12 +155,46 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, '_, F> {
                 ..record.run
             },
         );
-        if !self.queue.pass.store(&tile, record, self.canvas) {
+        self.shares[rank as usize].returned(run.duration_ns());
+        match canvas {
+            Some(canvas) => self.store(tile, run, record, canvas),
+            None => {
+                self.early.push((tile, run, record.into_owned()));
+                Some(())
+            }
+        }
+    }
+
+    /// Writes a tile to the film; `None` if it does not fit.
+    fn store(
+        &mut self,
+        tile: Tile,
+        run: TileRun,
+        record: TileRecord,
+        canvas: &Canvas,
+    ) -> Option<()> {
+        if !self.queue.pass.store(&tile, record, canvas) {
             return None;
         }
-        self.shares[rank as usize].returned(run.duration_ns());
-        self.queue.add(&mut self.runs, tile, run, self.canvas);
+        self.queue.add(&mut self.runs, tile, run, canvas);
         Some(())
+    }
+
+    fn store_early(&mut self, canvas: &Canvas) {
+        for (tile, run, record) in std::mem::take(&mut self.early) {
+            if self.store(tile, run, record, canvas).is_none() {
+                self.fail(run.rank);
+            }
+        }
+    }
+
+    /// Ends the rendering because of what a worker has sent.
+    fn fail(&self, rank: u32) {
+        let failure = RankFailure {
+            exit_code: 1,
+            message: "it has sent a tile of another picture".to_owned(),
+        };
+        self.team.fail(rank, failure);
     }
 
     /// A worker's run with the rank, the number of its thread among those of all ranks, and

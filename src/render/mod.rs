@@ -26,6 +26,7 @@ mod stored;
 mod overhead;
 
 use std::ops::Range;
+use std::sync::OnceLock;
 use std::thread;
 use std::time::Instant;
 
@@ -144,16 +145,22 @@ fn render_tiles<R: TileRenderer>(
     renderer: impl Fn() -> R + Sync,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let target = Target::of(&mut film);
+    let target = OnceLock::new();
+    let film_to_fill = &mut film;
     let (begin, runs) = pass.keeping(|| {
         let queue = TileQueue::new(plan, pass, &target, &report);
         let render_some =
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
+        let render = || {
+            let film = film_to_fill;
+            let _ = target.set(Target::of(film, pass.limits.is_stored));
+            rayon::broadcast(render_some)
+        };
         let runs = match pass.limits.team {
-            None => rayon::broadcast(render_some),
+            None => render(),
             Some(team) => thread::scope(|scope| {
                 let by_workers = scope.spawn(|| deal(team, &queue));
-                let mut runs = rayon::broadcast(render_some);
+                let mut runs = render();
                 runs.extend(by_workers.join());
                 runs
             }),
@@ -163,7 +170,7 @@ fn render_tiles<R: TileRenderer>(
     let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
     schedule.n_threads = pass.n_threads();
     let is_first = pass.number == 0;
-    if let Target::Film(canvas) = &target
+    if let Some(Target::Film(canvas)) = target.get()
         && is_first
     {
         clear_missing(&schedule, 0..plan.grid.n_tiles(), canvas);

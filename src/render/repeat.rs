@@ -104,13 +104,14 @@ pub fn repeat_within(
 ) -> (Film, Schedule, Vec<Repeat>) {
     let view = View::new(scene, accel, &plan.image);
     let begin = Instant::now();
-    let mut film = if limits.is_stored {
+    // Rank 0 of several makes its film while the others render.
+    let mut film = if limits.is_stored || limits.team.is_some() {
         plan.film_without_rows(scene, meter.mode())
     } else {
         plan.film(scene, meter.mode())
     };
     film.repeats = repeats;
-    let mut samples = (film.cost.has_time() && repeats.has_spread()).then(|| Samples::new(&film));
+    let mut samples: Option<Samples> = None;
     let mut done: Vec<Repeat> = Vec::new();
     let mut last: Option<Schedule> = None;
     let schedule = loop {
@@ -122,16 +123,18 @@ pub fn repeat_within(
         if let Some(before) = last.take().filter(|_| !is_whole) {
             break before;
         }
-        let wall = match limits.checkpoint {
-            // With the tiles of other runs.
-            Some(_) => schedule.span(),
-            None => started.elapsed(),
+        let is_spread = limits.checkpoint.is_some() || limits.team.is_some();
+        let wall = if is_spread {
+            schedule.span()
+        } else {
+            started.elapsed()
         };
         done.push(Repeat::of(wall, &film, &schedule));
-        if let Some(samples) = &mut samples {
-            samples.take(&film);
+        if film.cost.has_time() && repeats.has_spread() {
+            samples
+                .get_or_insert_with(|| Samples::new(&film))
+                .take(&film);
         }
-        let is_spread = limits.checkpoint.is_some() || limits.team.is_some();
         let is_once = is_spread && repeats == Repeats::Auto;
         let is_last = is_once || !needs_another(repeats, &film, &done, begin.elapsed());
         if is_last || !is_whole || pass.is_over() {

@@ -1,5 +1,6 @@
 //! The tiles of a rendering that no thread has begun.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
@@ -24,13 +25,16 @@ pub(super) enum Target<'f> {
 }
 
 impl<'f> Target<'f> {
-    /// The film, or films of one tile if it has no rows.
-    pub(super) fn of(film: &'f mut Film) -> Self {
-        if film.has_rows() {
-            Self::Film(Canvas::of(film))
-        } else {
-            Self::Tiles(film)
+    /// The film, which gets rows if it has none, or films of one tile if tiles are `stored`
+    /// elsewhere.
+    pub(super) fn of(film: &'f mut Film, stored: bool) -> Self {
+        if stored {
+            return Self::Tiles(film);
         }
+        if !film.has_rows() {
+            *film = film.clone().with_rows(0..film.grid.height);
+        }
+        Self::Film(Canvas::of(film))
     }
 
     /// Does `work` with the canvas of the calling thread.
@@ -46,7 +50,7 @@ impl<'f> Target<'f> {
 pub(super) struct TileQueue<'a, 'f, F> {
     pub(super) plan: &'a TilePlan,
     pub(super) pass: &'a Pass<'a>,
-    target: &'a Target<'f>,
+    target: &'a OnceLock<Target<'f>>,
     pub(super) report: &'a F,
     /// When the rendering begins.
     pub(super) begin: Instant,
@@ -55,11 +59,11 @@ pub(super) struct TileQueue<'a, 'f, F> {
 }
 
 impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
-    /// All tiles of the plan.
+    /// All tiles of the plan; the target may be made meanwhile.
     pub(super) fn new(
         plan: &'a TilePlan,
         pass: &'a Pass<'a>,
-        target: &'a Target<'f>,
+        target: &'a OnceLock<Target<'f>>,
         report: &'a F,
     ) -> Self {
         Self {
@@ -72,9 +76,14 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         }
     }
 
-    /// Does `work` with the canvas of the calling thread.
+    /// Whether there is a target.
+    pub(super) fn has_target(&self) -> bool {
+        self.target.get().is_some()
+    }
+
+    /// Waits for the target, and does `work` with the canvas of the calling thread.
     pub(super) fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
-        self.target.with_canvas(work)
+        self.target.wait().with_canvas(work)
     }
 
     /// Renders tiles on the calling thread, which has this number, until none is left.
@@ -85,7 +94,7 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
     fn render_on(&self, canvas: &Canvas, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
         let mut interruptions = Interruptions::of_this_thread();
         let mut runs = TileRuns::new();
-        while let Some((position, tile)) = self.next(&mut runs, canvas) {
+        while let Some((position, tile)) = self.next(&mut runs, Some(canvas)) {
             interruptions.take();
             let run = render_tile(&mut renderer, (self.plan, &tile), canvas, self.begin);
             let run = self.pass.after_restored(TileRun {
@@ -100,13 +109,14 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
     }
 
     /// The next tile that has to be rendered, and its position; takes over the tiles before
-    /// it that other runs have rendered.
-    pub(super) fn next(&self, runs: &mut TileRuns, canvas: &Canvas) -> Option<(u32, Tile)> {
+    /// it that other runs have rendered, if there is a canvas.
+    pub(super) fn next(&self, runs: &mut TileRuns, canvas: Option<&Canvas>) -> Option<(u32, Tile)> {
         loop {
             let position = self.n_taken.fetch_add(1, Ordering::Relaxed);
             let tile = self.plan.tile(position);
             let tile = tile.filter(|_| !self.pass.is_canceled())?;
-            match self.pass.restored(&tile, canvas) {
+            let restored = canvas.and_then(|canvas| self.pass.restored(&tile, canvas));
+            match restored {
                 Some(run) => self.note(runs, &tile, TileRun { position, ..run }, true),
                 None if self.pass.is_over() => {}
                 None => return Some((position, tile)),

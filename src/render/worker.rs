@@ -1,5 +1,6 @@
 //! A worker renders the tiles that rank 0 deals to it.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -12,9 +13,9 @@ use crate::accel::Accel;
 use crate::checkpoint::TileRecord;
 use crate::cost::{Counters, Interruptions, Meter, NoProbe};
 use crate::film::Film;
-use crate::ranks::{MessageKind, POLL_EVERY, RankWork, Ranks};
+use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::scene::Scene;
-use crate::schedule::TileRun;
+use crate::schedule::{TileRun, pause};
 use crate::stop;
 
 /// Most bytes of tiles in a message: more would keep rank 0 from the other workers.
@@ -25,6 +26,7 @@ const DEALT_BYTES: usize = size_of::<u8>() + size_of::<u32>();
 
 /// The number of a rendering, and that of a tile.
 type DealtTile = (u8, u32);
+
 /// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each
 /// pixel measured with the `meter`, and sends them back, until rank 0 has no more. After a
 /// request to stop ([`stop`]) it ends at once.
@@ -51,12 +53,16 @@ fn render_dealt<R: TileRenderer>(
 ) {
     let (to_threads, dealt) = mpsc::channel();
     let (to_rank_0, rendered) = mpsc::channel();
+    let dealt = DealtTiles {
+        tiles: Mutex::new(dealt),
+        n: AtomicUsize::new(0),
+    };
     let post = Post {
         ranks,
+        dealt: &dealt,
         rendered,
         work: RankWork::default(),
     };
-    let dealt = Mutex::new(dealt);
     std::thread::scope(|scope| {
         scope.spawn(|| post.carry(to_threads));
         rayon::broadcast(|context| {
@@ -79,12 +85,11 @@ fn render_some(
     thread: u32,
     mut renderer: impl TileRenderer,
     (ranks, plan, canvas): (&Ranks, &TilePlan, &Canvas),
-    dealt: &Mutex<Receiver<DealtTile>>,
-    to_rank_0: &Sender<TileRecord>,
+    dealt: &DealtTiles,
+    to_rank_0: &Sender<TileRecord<'static>>,
 ) {
     let mut interruptions = Interruptions::of_this_thread();
-    let next = || dealt.lock().unwrap_or_else(PoisonError::into_inner).recv();
-    while let Ok((rendering, number)) = next() {
+    while let Some((rendering, number)) = dealt.next() {
         interruptions.take();
         let tile = plan.grid.tile(number);
         let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch);
@@ -101,18 +106,42 @@ fn render_some(
     }
 }
 
-/// Gives the tiles of a message to the threads.
-fn give(bytes: &[u8], to_threads: &Sender<DealtTile>) {
-    for &[rendering, number @ ..] in bytes.as_chunks::<DEALT_BYTES>().0 {
-        // The threads end after the sender.
-        let _ = to_threads.send((rendering, u32::from_le_bytes(number)));
+/// The tiles that no thread of a worker has begun.
+struct DealtTiles {
+    tiles: Mutex<Receiver<DealtTile>>,
+    n: AtomicUsize,
+}
+
+impl DealtTiles {
+    /// Waits for the next tile; `None` if there will be no more.
+    fn next(&self) -> Option<DealtTile> {
+        let tiles = self.tiles.lock().unwrap_or_else(PoisonError::into_inner);
+        let next = tiles.recv().ok()?;
+        self.n.fetch_sub(1, Ordering::Relaxed);
+        Some(next)
+    }
+
+    /// Gives the tiles of a message to the threads.
+    fn add(&self, bytes: &[u8], to_threads: &Sender<DealtTile>) {
+        let (tiles, _) = bytes.as_chunks::<DEALT_BYTES>();
+        self.n.fetch_add(tiles.len(), Ordering::Relaxed);
+        for &[rendering, number @ ..] in tiles {
+            // The threads end after the sender.
+            let _ = to_threads.send((rendering, u32::from_le_bytes(number)));
+        }
+    }
+
+    /// Whether there are any.
+    fn are_some(&self) -> bool {
+        self.n.load(Ordering::Relaxed) > 0
     }
 }
 
 /// Carries tiles between rank 0 and the threads of a worker.
 struct Post<'a> {
     ranks: &'a Ranks,
-    rendered: Receiver<TileRecord>,
+    dealt: &'a DealtTiles,
+    rendered: Receiver<TileRecord<'static>>,
     work: RankWork,
 }
 
@@ -126,14 +155,14 @@ impl Post<'_> {
             while let Some(message) = self.ranks.receive() {
                 is_idle = false;
                 match message.kind {
-                    MessageKind::Tiles => give(&message.bytes, &to_threads),
+                    MessageKind::Tiles => self.dealt.add(&message.bytes, &to_threads),
                     MessageKind::End => return self.ranks.send_work(&self.work),
                     _ => {}
                 }
             }
             is_idle &= !self.send_rendered();
             if is_idle {
-                std::thread::sleep(POLL_EVERY);
+                std::thread::sleep(pause(self.dealt.are_some()));
             } else {
                 self.work.communication_ns += begin.elapsed().as_nanos() as u64;
             }
@@ -158,7 +187,7 @@ impl Post<'_> {
     }
 
     /// A rendered tile for a message that already has so many bytes.
-    fn next_rendered(&self, n_bytes: usize) -> Option<TileRecord> {
+    fn next_rendered(&self, n_bytes: usize) -> Option<TileRecord<'static>> {
         if n_bytes < MAX_BYTES {
             self.rendered.try_recv().ok()
         } else {

@@ -16,7 +16,7 @@ pub use grid::{Tile, TileGrid};
 pub use hilbert::hilbert_curve;
 pub use load::Load;
 pub use simulation::{Cluster, Makespan};
-pub use worker_share::WorkerShare;
+pub use worker_share::{WorkerShare, pause};
 
 use crate::config::TileOrder;
 use crate::cost::Cost;

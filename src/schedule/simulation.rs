@@ -1,18 +1,15 @@
 //! A rendering on many ranks, simulated from the times of its tiles.
 //!
 //! Rank 0 deals tiles in their order to its own threads and, by messages, to the other ranks,
-//! as [`crate::render`] does with MPI: both ends of a message look for the next one every
-//! half a millisecond, and workers have some milliseconds of tiles ahead. What is simulated
+//! as [`crate::render`] does with MPI: both ends of a message look for the next one from time
+//! to time ([`pause`]), and workers have some milliseconds of tiles ahead. What is simulated
 //! are the times of tiles, messages and the film of rank 0; that threads of a machine slow
 //! each other down, and that messages do, is not.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-use super::{TileRun, WorkerShare};
-
-/// How often a rank without anything to send looks for messages, in nanoseconds.
-const POLL_EVERY_NS: u64 = 500_000;
+use super::{TileRun, WorkerShare, pause};
 
 /// Ranks with equal threads, and what lies between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,7 +141,7 @@ impl<'a> Simulation<'a> {
         for (rank, number) in ranks.iter_mut().zip(0..).skip(1) {
             rank.idle.extend(0..cluster.n_threads);
             // The ranks do not look for messages at the same moments.
-            let offset = POLL_EVERY_NS * number / u64::from(cluster.n_ranks);
+            let offset = pause_ns(false) * number / u64::from(cluster.n_ranks);
             events.push(Reverse((offset, Next::Carry(number as u32))));
         }
         Self {
@@ -220,7 +217,12 @@ impl<'a> Simulation<'a> {
             end += self.deal_to(end, rank);
         }
         self.leader_ns += end - now;
-        let next = if end > now { end } else { now + POLL_EVERY_NS };
+        let has_tiles = self.next < self.runs.len();
+        let next = if end > now {
+            end
+        } else {
+            now + pause_ns(has_tiles)
+        };
         self.events.push(Reverse((next, Next::Lead)));
     }
 
@@ -269,9 +271,19 @@ impl<'a> Simulation<'a> {
             let arrival = end + self.cluster.latency_ns + way_ns as u64;
             self.returned.push(Reverse((arrival, number, tile)));
         }
-        let next = if end > now { end } else { now + POLL_EVERY_NS };
+        let has_tiles = !rank.queue.is_empty();
+        let next = if end > now {
+            end
+        } else {
+            now + pause_ns(has_tiles)
+        };
         self.events.push(Reverse((next, Next::Carry(number))));
     }
+}
+
+/// The [`pause`] in nanoseconds.
+fn pause_ns(has_tiles: bool) -> u64 {
+    pause(has_tiles).as_nanos() as u64
 }
 
 #[cfg(test)]
@@ -333,7 +345,7 @@ mod tests {
             prop_assert!(makespan.ns >= cluster.ideal_ns(&runs));
             // Rank 0 alone would end no later, but for the way of the last messages.
             let longest = runs.iter().map(TileRun::duration_ns).max().unwrap_or(0);
-            let slack = 8 * POLL_EVERY_NS + 3 * longest * (1 + u64::from(n_threads));
+            let slack = 8 * pause_ns(true) + 3 * longest * (1 + u64::from(n_threads));
             prop_assert!(makespan.ns <= sum / u64::from(n_threads) + slack);
         }
     }
