@@ -32,7 +32,7 @@ macro_rules! arrays {
 
 /// The rows that a strip shares with a tile.
 #[derive(Clone, Copy)]
-struct SharedRows {
+struct TileRows {
     /// The first and the one after the last, counted from the strip's uppermost.
     rows: [usize; 2],
     /// The first, counted from the tile's uppermost.
@@ -83,9 +83,9 @@ impl Strip {
         array.len() / self.rgb.len().max(1)
     }
 
-    fn rows_in(&self, tile: &Tile) -> SharedRows {
+    fn rows_in(&self, tile: &Tile) -> TileRows {
         let rows = self.rows_of(tile);
-        SharedRows {
+        TileRows {
             first_in_tile: (rows.start + self.first_row as usize)
                 .saturating_sub(tile.rows[0] as usize),
             rows: [rows.start, rows.end],
@@ -128,7 +128,7 @@ impl Strip {
     }
 }
 
-impl SharedRows {
+impl TileRows {
     /// The bytes of each row in an array of the strip, and in one of the tile, whose pixels have
     /// so many bytes.
     fn bytes(self, stride: usize) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
