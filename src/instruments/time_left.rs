@@ -3,6 +3,9 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+/// How many times the first work has to be done before its time can be left out early.
+const MANY: f64 = 16.0;
+
 /// Estimates the time left of a stage by the work that is done.
 #[derive(Debug)]
 pub struct TimeLeft {
@@ -56,10 +59,13 @@ impl TimeLeft {
 impl WorkDone {
     fn left(self, work: f64, elapsed: Duration) -> Option<Duration> {
         let rest = (work - self.here - self.before).max(0.0);
-        let (first, at) = match self.first {
-            Some(first) if elapsed > 2 * first.1 && self.here > first.0 => first,
-            _ => Default::default(),
+        let is_late = |(first, at): (f64, Duration)| {
+            self.here > MANY * first || elapsed > 2 * at && self.here > first
         };
+        let (first, at) = self
+            .first
+            .filter(|&first| is_late(first))
+            .unwrap_or_default();
         let left = (elapsed - at).as_secs_f64() * rest / (self.here - first);
         Duration::try_from_secs_f64(left).ok()
     }
@@ -99,6 +105,13 @@ mod tests {
         assert_eq!(left(10), Some(Duration::from_secs(21)));
         // Too early to leave the first out.
         assert_eq!(left(6), Some(Duration::from_secs(14)));
+        let soon = WorkDone {
+            here: 20.0,
+            first: Some((1.0, Duration::from_secs(4))),
+            ..done
+        };
+        let left = soon.left(39.0, Duration::from_secs(6));
+        assert_eq!(left, Some(Duration::from_secs(2)));
     }
 
     #[test]
