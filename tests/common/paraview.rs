@@ -66,7 +66,8 @@ pub fn folder(name: &str) -> PathBuf {
 }
 
 /// Runs what its arguments name on a virtual screen. Two `xvfb-run -a` that start at once may
-/// choose the same screen: each has another number to begin with.
+/// choose the same screen: each has another number to begin with. Without -noreset the X server
+/// resets whenever a program closes its last window, and refuses the next one meanwhile.
 pub fn on_virtual_screen() -> Command {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     // Others may test at the same time.
@@ -74,14 +75,14 @@ pub fn on_virtual_screen() -> Command {
     let number = first + NEXT.fetch_add(1, Ordering::Relaxed);
     let mut command = Command::new("xvfb-run");
     command.args(["-a", "-n", &number.to_string()]);
+    command.args(["-s", "-screen 0 1920x1200x24 -noreset"]);
     command
 }
 
 /// Loads the state in ParaView and checks the picture.
 pub fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
     on_virtual_screen()
-        // Without -noreset the X server resets whenever ParaView closes a window.
-        .args(["-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+        .arg("pvbatch")
         .arg(in_repository("paraview/check_state.py"))
         .args([state, out, screenshot])
         .args(flags)

@@ -72,8 +72,7 @@ fn the_plot_of_the_book_becomes_a_scene() {
 
 fn in_paraview(script: &str, out: &Path) -> Output {
     on_virtual_screen()
-        // As for states.
-        .args(["-s", "-screen 0 1600x1000x24 -noreset", "pvbatch"])
+        .arg("pvbatch")
         .arg(in_repository(script))
         .arg(out)
         .env("PYTHONDONTWRITEBYTECODE", "1")

@@ -785,7 +785,7 @@ fn paraview_steps_through_the_hopper() {
     for state in ["series_heatmap", "series_geometry", "series_overview"] {
         let picture = screenshot(&out, state);
         let output = on_virtual_screen()
-            .args(["-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+            .arg("pvbatch")
             .arg(in_repository("tests/paraview/play.py"))
             .args([&out.join(state).with_extension("pvsm"), &picture])
             .args(["20", "0", "1.14"])
@@ -795,7 +795,7 @@ fn paraview_steps_through_the_hopper() {
     }
     // A collection alone, as from File > Open.
     let output = on_virtual_screen()
-        .args(["-s", "-screen 0 1920x1200x24 -noreset", "pvbatch"])
+        .arg("pvbatch")
         .arg(in_repository("tests/paraview/play.py"))
         .args([&out.join("series.pvd"), &folder("").join("series.png")])
         .args(["20", "0", "1.14"])
