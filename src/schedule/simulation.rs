@@ -218,11 +218,7 @@ impl<'a> Simulation<'a> {
         }
         self.leader_ns += end - now;
         let has_tiles = self.next < self.runs.len();
-        let next = if end > now {
-            end
-        } else {
-            now + pause_ns(has_tiles)
-        };
+        let next = next_look(now, end, has_tiles);
         self.events.push(Reverse((next, Next::Lead)));
     }
 
@@ -272,12 +268,18 @@ impl<'a> Simulation<'a> {
             self.returned.push(Reverse((arrival, number, tile)));
         }
         let has_tiles = !rank.queue.is_empty();
-        let next = if end > now {
-            end
-        } else {
-            now + pause_ns(has_tiles)
-        };
+        let next = next_look(now, end, has_tiles);
         self.events.push(Reverse((next, Next::Carry(number))));
+    }
+}
+
+/// When a rank looks for messages again that was busy with them until `end`: at once, or after a
+/// pause if it had nothing to do.
+fn next_look(now: u64, end: u64, has_tiles: bool) -> u64 {
+    if end > now {
+        end
+    } else {
+        now + pause_ns(has_tiles)
     }
 }
 
