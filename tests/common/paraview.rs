@@ -65,17 +65,23 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs what its arguments name on a virtual screen. Two `xvfb-run -a` that start at once may
-/// choose the same screen: each has another number to begin with. Without -noreset the X server
-/// resets whenever a program closes its last window, and refuses the next one meanwhile.
+/// Runs what its arguments name on a virtual screen.
 pub fn on_virtual_screen() -> Command {
+    on_virtual_screen_of("1920x1200")
+}
+
+/// Runs what its arguments name on a virtual screen of this size in pixels. Two `xvfb-run -a`
+/// that start at once may choose the same screen: each has another number to begin with. Without
+/// -noreset the X server resets whenever a program closes its last window, and refuses the next
+/// one meanwhile.
+pub fn on_virtual_screen_of(size: &str) -> Command {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     // Others may test at the same time.
     let first = 100 * (1 + std::process::id() % 500);
     let number = first + NEXT.fetch_add(1, Ordering::Relaxed);
     let mut command = Command::new("xvfb-run");
     command.args(["-a", "-n", &number.to_string()]);
-    command.args(["-s", "-screen 0 1920x1200x24 -noreset"]);
+    command.args(["-s", &format!("-screen 0 {size}x24 -noreset")]);
     command
 }
 

@@ -7,16 +7,15 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use crate::common::paraview::{folder, on_virtual_screen, render, screenshot, trace};
+use crate::common::paraview::{folder, on_virtual_screen_of, render, screenshot, trace};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// The screen that tests/in-paraview-window expects.
-const WINDOW_SCREEN: &str = "-screen 0 1600x1000x24 -noreset";
+const SCREEN: &str = "1600x1000";
 
 /// The messages of the window for a state.
 fn open(state: &Path, out: &Path, name: &str) -> Output {
-    on_virtual_screen()
-        .args(["-s", WINDOW_SCREEN])
+    on_virtual_screen_of(SCREEN)
         .arg(in_repository("tests/in-paraview-window"))
         .args([state, &screenshot(out, name)])
         .env("RAYCOST_OUT", out)
@@ -55,8 +54,7 @@ fn every_state_opens_in_the_window_without_a_message() {
 
 /// The messages of the window after the plugin's macro has printed these words.
 fn press(picture: &Path, program: &OsStr, words: &str) -> Output {
-    on_virtual_screen()
-        .args(["-s", WINDOW_SCREEN])
+    on_virtual_screen_of(SCREEN)
         .arg(in_repository("tests/in-paraview-window"))
         .arg(in_repository("tests/paraview/ball.py"))
         .arg(picture)
