@@ -1,5 +1,7 @@
 //! What a film stores by tile.
 
+use std::ops::Range;
+
 use super::{Film, PackedCounters, Strip};
 use crate::cost::Counter;
 use crate::schedule::TileGrid;
@@ -35,12 +37,16 @@ impl Film {
 
     /// The tiles of its rows.
     pub(crate) fn tiles_of_rows(&self) -> &[RenderedTile] {
+        self.tiles_at(self.row_range())
+    }
+
+    /// The tiles that have pixels in these rows of the grid.
+    fn tiles_at(&self, rows: Range<u32>) -> &[RenderedTile] {
         let TileGrid {
             tile_size,
             n_columns,
             ..
         } = self.grid;
-        let rows = self.row_range();
         let [first, end] = [rows.start / tile_size, rows.end.div_ceil(tile_size)];
         &self.tiles[(first * n_columns) as usize..(end * n_columns) as usize]
     }
@@ -63,7 +69,8 @@ impl Film {
 
     /// Sets the numbers of a strip's pixels that were not rendered to 0.
     pub(super) fn clear_missing(&self, strip: &Strip, numbers: &mut [u32]) {
-        if !self.tiles.iter().any(|tile| tile.is_missing) {
+        let rows = strip.first_row..strip.first_row + strip.n_rows;
+        if !self.tiles_at(rows).iter().any(|tile| tile.is_missing) {
             return;
         }
         let places = (strip.first_row..).flat_map(|y| (0..self.grid.width).map(move |x| (x, y)));
