@@ -1,57 +1,58 @@
 //! Order statistics of many floats.
 
-/// Number of intervals of floats: those with the same upper 16 bits.
+/// Number of intervals of floats, those with the same upper 16 bits, and of floats in each.
 const N_INTERVALS: usize = 1 << 16;
 
 /// The values that would have these indices if all were sorted by
 /// [`f32::total_cmp`]; `None` if there are not as many values.
 ///
-/// One pass counts the values by interval, another one selects from those intervals
-/// that hold an index: faster than a selection from all values, which it leaves in
-/// their order.
+/// One pass counts the values by their upper bits, another one the values of those
+/// intervals that hold an index by their lower bits: faster than a selection, which would
+/// move all values.
 pub fn floats_at<const N: usize>(values: &[f32], indices: [usize; N]) -> Option<[f32; N]> {
     if indices.iter().any(|&index| index >= values.len()) {
         return None;
     }
-    let mut n_by_interval = vec![0_u32; N_INTERVALS];
+    let mut by_upper = vec![0; N_INTERVALS];
     for &value in values {
-        n_by_interval[interval(value)] += 1;
+        by_upper[ordered(value) >> 16] += 1;
     }
-    // The interval of each index, and the number of values in those before.
-    let places = indices.map(|index| {
-        let mut n_before = 0;
-        let counts = n_by_interval.iter().enumerate();
-        let mut is_in = |n: u32| {
-            n_before += n as usize;
-            n_before > index
-        };
-        let found = counts.map(|(i, &n)| (i, n)).find(|&(_, n)| is_in(n));
-        let (interval, n) = found.unwrap_or_default();
-        (interval, index - (n_before - n as usize))
-    });
-    let mut wanted: Vec<(usize, Vec<f32>)> = Vec::new();
+    let places = indices.map(|index| place(&by_upper, index));
+    let mut by_lower: Vec<(usize, Vec<u32>)> = Vec::new();
     for (interval, _) in places {
-        if wanted.iter().all(|(known, _)| *known != interval) {
-            wanted.push((interval, Vec::new()));
+        if by_lower.iter().all(|(known, _)| *known != interval) {
+            by_lower.push((interval, vec![0; N_INTERVALS]));
         }
     }
     for &value in values {
-        let interval = interval(value);
-        for (known, members) in &mut wanted {
-            if *known == interval {
-                members.push(value);
+        let ordered = ordered(value);
+        for (interval, counts) in &mut by_lower {
+            if *interval == ordered >> 16 {
+                counts[ordered % N_INTERVALS] += 1;
             }
         }
     }
     Some(places.map(|(interval, index)| {
-        let members = wanted.iter_mut().find(|(known, _)| *known == interval);
-        let members = members.map_or(&mut [][..], |(_, members)| &mut members[..]);
-        *members.select_nth_unstable_by(index, f32::total_cmp).1
+        let members = by_lower.iter().find(|(known, _)| *known == interval);
+        let (lower, _) = members.map_or((0, 0), |(_, counts)| place(counts, index));
+        from_ordered(interval << 16 | lower)
     }))
 }
 
-/// The interval of a value; intervals have the order of their values.
-fn interval(value: f32) -> usize {
+/// The interval that holds an index, and the index in that interval, given the number of
+/// values in each.
+fn place(counts: &[u32], mut index: usize) -> (usize, usize) {
+    for (interval, &n) in counts.iter().enumerate() {
+        if index < n as usize {
+            return (interval, index);
+        }
+        index -= n as usize;
+    }
+    (0, 0)
+}
+
+/// The bits of a value, changed so that they have the order of [`f32::total_cmp`].
+fn ordered(value: f32) -> usize {
     let bits = value.to_bits();
     // Negative floats have the opposite order of their bits.
     let ordered = if value.is_sign_negative() {
@@ -59,7 +60,18 @@ fn interval(value: f32) -> usize {
     } else {
         bits | 1 << 31
     };
-    (ordered >> 16) as usize
+    ordered as usize
+}
+
+/// The value with these bits.
+fn from_ordered(ordered: usize) -> f32 {
+    let ordered = ordered as u32;
+    let is_negative = ordered >> 31 == 0;
+    f32::from_bits(if is_negative {
+        !ordered
+    } else {
+        ordered & !(1 << 31)
+    })
 }
 
 #[cfg(test)]
