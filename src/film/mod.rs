@@ -20,6 +20,7 @@ mod tile;
 use std::ops::Range;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use column::kept_columns;
 pub use column::{Column, columns, written_columns};
@@ -39,6 +40,9 @@ use crate::schedule::TileGrid;
 /// that threads with tiles side by side wait for each other only briefly, and
 /// enough for a large write to a file.
 pub const STRIP_ROWS: u32 = 4;
+
+/// Strips that a thread makes at a time: a film of one tile has fewer.
+const STRIPS_PER_TASK: usize = 64;
 
 /// A rendered image: the color, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,9 +135,10 @@ impl Film {
         };
         let n_pixels = rows.len() * self.grid.width as usize;
         grow_heap(n_pixels * stored_bytes_per_pixel(self.cost, self.extra));
-        let strips = rows.clone().step_by(STRIP_ROWS as usize).map(strip);
+        let first_rows: Vec<u32> = rows.clone().step_by(STRIP_ROWS as usize).collect();
+        let strips = first_rows.into_par_iter().with_min_len(STRIPS_PER_TASK);
         Self {
-            strips: strips.collect(),
+            strips: strips.map(strip).collect(),
             ..self
         }
     }

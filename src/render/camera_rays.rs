@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::view::View;
+use crate::schedule::Tile;
 use crate::shade::{PathWave, SampleIds};
 use crate::simd::{
     InstructionSet, Lanes, N_LANES, Real, SimdKernel, VectorColumn, grow, lanes, lanes_mut,
@@ -10,7 +11,7 @@ use crate::simd::{
 
 /// The pixels that are rendered together, as a structure of arrays, in the order in
 /// which their camera rays are traced.
-#[derive(Debug, Default, Clone)]
+#[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Places {
     /// Number of pixels.
     n: usize,
@@ -20,11 +21,34 @@ pub(super) struct Places {
     y: Vec<u32>,
     /// The index of each pixel among those that are rendered together.
     pixels: Vec<u32>,
+    /// The tile whose pixels these are, if they are all of one.
+    tile: Option<Tile>,
 }
 
 impl Places {
+    /// Overwrites the pixels by those of a tile, by their indices in it.
+    pub(super) fn fill_tile(&mut self, tile: &Tile) {
+        match self.tile {
+            Some(before) if before.has_size_of(tile) => self.shift(&before, tile),
+            _ => self.fill(tile.pixels().map(|at| (tile.index(at), at))),
+        }
+        self.tile = Some(*tile);
+    }
+
+    /// Moves the pixels of a tile to another one of the same size.
+    fn shift(&mut self, from: &Tile, to: &Tile) {
+        let columns = to.columns[0].wrapping_sub(from.columns[0]);
+        let rows = to.rows[0].wrapping_sub(from.rows[0]);
+        for (values, by) in [(&mut self.x, columns), (&mut self.y, rows)] {
+            for value in values {
+                *value = value.wrapping_add(by);
+            }
+        }
+    }
+
     /// Overwrites the pixels: index, column and row of each.
     pub(super) fn fill(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
+        self.tile = None;
         self.x.clear();
         self.y.clear();
         self.pixels.clear();
@@ -184,6 +208,28 @@ impl SimdKernel for FinishPixels<'_> {
             let distance = set.load(lanes(self.distances, first));
             let footprint = self.view.footprints(at, distance);
             *lanes_mut(self.footprints, first) = footprint.to_array();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::TileGrid;
+
+    #[test]
+    fn places_of_a_tile_do_not_depend_on_those_before() {
+        let grid = TileGrid::new(50, 39, 16);
+        let mut reused = Places::default();
+        // There and back again: tiles at the edges are smaller.
+        let numbers = 0..grid.n_tiles();
+        for number in numbers.clone().chain(numbers.rev()) {
+            for part in grid.tile(number).parts(100) {
+                let mut new = Places::default();
+                new.fill_tile(&part);
+                reused.fill_tile(&part);
+                assert_eq!(reused, new);
+            }
         }
     }
 }

@@ -86,6 +86,11 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// number, the column and the row of each.
     pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
         self.places.fill(places);
+        self.follow_places();
+    }
+
+    /// Traces all paths of the pixels of its places.
+    fn follow_places(&mut self) {
         let n_pixels = self.places.len();
         self.pixels.resize(n_pixels);
         self.probe.reset(n_pixels, self.view.rounds.n_uniform());
@@ -297,7 +302,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
 impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
     fn render(&mut self, tile: &Tile) -> Rendered<'_> {
-        self.follow(tile.pixels().map(|at| (tile.index(at), at)));
+        self.places.fill_tile(tile);
+        self.follow_places();
         let rounds = &self.view.rounds;
         self.simd.run(FinishPixels {
             view: &self.view,

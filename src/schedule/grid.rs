@@ -122,6 +122,11 @@ impl Tile {
         self.width() * (bottom - top) as usize
     }
 
+    /// Whether both have as many columns, and as many rows.
+    pub fn has_size_of(&self, other: &Tile) -> bool {
+        self.width() == other.width() && self.n_pixels() == other.n_pixels()
+    }
+
     /// Number of columns of pixels.
     pub fn width(&self) -> usize {
         let [left, right] = self.columns;
