@@ -8,7 +8,9 @@ use super::interfaces::Interfaces;
 use super::model::{Bounce, Model};
 use super::paths::PathWave;
 use crate::scene::Scene;
-use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, set_lane};
+use crate::simd::{
+    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, bits_of, lanes, set_lane,
+};
 use crate::trace::{PointLanes, Points};
 
 /// Sets the radiance of points to the reflected ambient light.
@@ -56,7 +58,7 @@ pub(super) struct AddLight<'a, M> {
     pub(super) eyes: Eyes<'a>,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
-    /// The points that the light reaches: a bit each, a byte for eight.
+    /// Whether the light reaches each point: 0 or 1.
     pub(super) reached: &'a [u8],
     pub(super) radiance: &'a mut VectorColumn,
 }
@@ -69,7 +71,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
         for group in self.points.groups() {
             let material = self.scene.material(group.material);
             for at in group.lanes() {
-                let reached = self.reached[at.first / N_LANES];
+                let reached = bits_of(lanes(self.reached, at.first));
                 if reached == 0 {
                     continue;
                 }

@@ -10,7 +10,7 @@ use crate::cost::RayKind;
 use crate::material::Material;
 use crate::optics::Split;
 use crate::scene::{MaterialId, Scene};
-use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, VectorColumn};
+use crate::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, VectorColumn, bits_of, lanes};
 use crate::trace::{PointLanes, Points};
 
 /// Adds the radiance of points to their paths, and collects the reflected rays, unless the
@@ -20,7 +20,7 @@ pub(super) struct EndPoints<'a, M> {
     pub(super) scene: &'a Scene,
     pub(super) points: &'a Points,
     pub(super) radiance: &'a VectorColumn,
-    /// The points that some light reaches: a bit each, a byte for eight.
+    /// Whether some light reaches each point: 0 or 1.
     pub(super) lit: &'a [u8],
     pub(super) wave: &'a PathWave,
     pub(super) next: &'a mut PathWave,
@@ -41,7 +41,7 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
             for at in group.lanes() {
                 let mut ended = at.bits();
                 if M::NEEDS_LIGHT {
-                    ended &= self.lit[at.first / N_LANES];
+                    ended &= bits_of(lanes(self.lit, at.first));
                 }
                 self.add(set, at, ended);
                 ended &= self.points.scattering_sides(set, at, material);

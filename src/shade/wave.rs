@@ -14,7 +14,7 @@ use super::scatter::ScatterPaths;
 use crate::accel::Hit;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::simd::{N_LANES, Simd, VectorColumn};
+use crate::simd::{Simd, VectorColumn};
 use crate::trace::Points;
 
 /// Where the paths of a wave start.
@@ -41,9 +41,9 @@ pub struct WaveShader<'a> {
     arriving: ArrivingLight,
     /// The radiance of each point.
     radiance: VectorColumn,
-    /// The points that the current light reaches: a bit each, a byte for eight.
+    /// Whether the current light reaches each point: 0 or 1.
     reached: Vec<u8>,
-    /// The points that some light reaches.
+    /// Whether some light reaches each point: 0 or 1.
     lit: Vec<u8>,
     /// Only in scenes with media.
     split: SplitPaths,
@@ -107,7 +107,7 @@ impl<'a> WaveShader<'a> {
     pub fn begin(&mut self, wave: &PathWave, points: &Points) {
         self.radiance.grow(points.end());
         self.lit.clear();
-        self.lit.resize(points.end() / N_LANES, 0);
+        self.lit.resize(points.end(), 0);
         by_model!(self.scene, |model| self.simd.run(AddAmbient {
             model,
             scene: self.scene,
@@ -167,8 +167,7 @@ impl<'a> WaveShader<'a> {
         self.reached.clear();
         self.reached.resize(self.lit.len(), 0);
         for (&point, is_occluded) in self.shadows.points().iter().zip(occluded) {
-            let point = point as usize;
-            self.reached[point / N_LANES] |= u8::from(!is_occluded) << (point % N_LANES);
+            self.reached[point as usize] = u8::from(!is_occluded);
         }
         for (lit, reached) in self.lit.iter_mut().zip(&self.reached) {
             *lit |= reached;

@@ -181,6 +181,15 @@ pub(crate) fn lanes_mut<T>(values: &mut [T], first: usize) -> &mut [T; N_LANES] 
         .expect("columns hold whole lanes")
 }
 
+/// Eight bytes, each 0 or 1, as bits: bit `i` for byte `i`.
+#[inline(always)]
+pub(crate) fn bits_of(bytes: &[u8; N_LANES]) -> u8 {
+    // The product has the sum of the bytes, each shifted by its own number of bits, in its
+    // highest byte.
+    const SHIFTS: u64 = 0x0102_0408_1020_4080;
+    (u64::from_le_bytes(*bytes).wrapping_mul(SHIFTS) >> 56) as u8
+}
+
 /// The coordinates x, y and z, lane by lane.
 #[inline(always)]
 pub(crate) fn to_arrays<L: Lanes>(vectors: Vector<L>) -> [[f32; N_LANES]; 3] {
@@ -198,4 +207,17 @@ pub(crate) fn set_lane([x, y, z]: &mut [[f32; N_LANES]; 3], lane: usize, vector:
 #[inline(always)]
 pub(crate) fn lane_of([x, y, z]: &[[f32; N_LANES]; 3], lane: usize) -> Vec3 {
     Vec3::new(x[lane], y[lane], z[lane])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_those_of_their_bytes() {
+        for bits in 0..=u8::MAX {
+            let bytes: [u8; N_LANES] = std::array::from_fn(|lane| bits >> lane & 1);
+            assert_eq!(bits_of(&bytes), bits);
+        }
+    }
 }

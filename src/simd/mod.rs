@@ -36,7 +36,9 @@ use std::fmt;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
-pub(crate) use column::{VectorColumn, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays};
+pub(crate) use column::{
+    VectorColumn, bits_of, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays,
+};
 pub(crate) use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
 pub use real::{Double, Integer, LookupTable, Mask, Real};

@@ -13,7 +13,8 @@ use crate::scene::{
     interpolated_normal, interpolated_scalar, scalar_along, with_uv,
 };
 use crate::simd::{
-    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes_mut, set_lane, to_arrays,
+    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes, lanes_mut, set_lane,
+    to_arrays,
 };
 
 /// Computes the points of grouped hits.
@@ -50,6 +51,7 @@ impl SimdKernel for FindPoints<'_> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(mut self, set: I) {
+        self.collect_hits();
         for i in 0..self.points.groups.len() {
             let group = self.points.groups[i];
             let is_fog = self.scene.material(group.material).particles.is_some();
@@ -65,6 +67,30 @@ impl SimdKernel for FindPoints<'_> {
 }
 
 impl FindPoints<'_> {
+    /// Writes the hits of all points to their columns. Eight at a time would be loaded right
+    /// after they were stored one by one, for which the CPU has to wait.
+    #[inline(always)]
+    fn collect_hits(&mut self) {
+        let end = self.points.end();
+        let Points {
+            rays,
+            distance,
+            primitives,
+            instances,
+            ..
+        } = &mut *self.points;
+        let hits = rays[..end].iter().map(|&ray| self.hits[ray as usize]);
+        let columns = distance[..end].iter_mut().zip(&mut primitives[..end]);
+        for ((distance, primitive), hit) in columns.zip(hits.clone()) {
+            (*distance, *primitive) = hit.map_or((0.0, 0), |hit| (hit.t, hit.primitive));
+        }
+        if self.scene.instances.is_some() {
+            for (instance, hit) in instances[..end].iter_mut().zip(hits) {
+                *instance = hit.and_then(|hit| hit.instance);
+            }
+        }
+    }
+
     /// Computes eight points.
     #[inline(always)]
     fn find<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
@@ -125,12 +151,7 @@ impl FindPoints<'_> {
             _ => material.color.color_at(&at_point),
         };
         let points = &mut *self.points;
-        *lanes_mut(&mut points.distance, at.first) = hits.t;
         *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
-        *lanes_mut(&mut points.primitives, at.first) = hits.primitives;
-        if self.scene.instances.is_some() {
-            *lanes_mut(&mut points.instances, at.first) = hits.instances;
-        }
         let objects = lanes_mut(&mut points.objects, at.first);
         for (object, &primitive) in objects.iter_mut().zip(&hits.primitives) {
             *object = self.scene.primitives[primitive as usize].object;
@@ -146,19 +167,14 @@ impl FindPoints<'_> {
     /// Computes eight particles of fog: [`SurfacePoint::of_particle`](super::SurfacePoint).
     #[inline(always)]
     fn find_particles<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
-        let hits = self.hits(at);
         let [origin, direction] = self.rays.gather(set, self.points.rays(at));
         let color = self.scene.fog.map_or(Vec3::ZERO, |fog| fog.color);
         let (none, first) = (set.splat_vector(Vec3::ZERO), at.first);
+        let distances = set.load(self.points.distances(at));
         let points = &mut *self.points;
-        *lanes_mut(&mut points.distance, first) = hits.t;
         *lanes_mut(&mut points.materials, first) = [group.material; N_LANES];
-        *lanes_mut(&mut points.primitives, first) = hits.primitives;
         *lanes_mut(&mut points.objects, first) = [ObjectId(0); N_LANES];
-        if self.scene.instances.is_some() {
-            *lanes_mut(&mut points.instances, first) = hits.instances;
-        }
-        let position = origin + direction * set.load(&hits.t);
+        let position = origin + direction * distances;
         points.position.store(first, position);
         points.normal.store(first, none);
         points.geometric_normal.store(first, none);
@@ -167,26 +183,17 @@ impl FindPoints<'_> {
         *lanes_mut(&mut points.side, first) = [1.0; N_LANES];
     }
 
-    /// Collects eight hits.
+    /// The hits of eight points.
     #[inline(always)]
     fn hits(&self, at: PointLanes) -> LaneHits {
-        let has_instances = self.scene.instances.is_some();
-        let mut hits = LaneHits {
-            primitives: [0; N_LANES],
-            instances: [None; N_LANES],
-            t: [0.0; N_LANES],
-        };
-        for (lane, &ray) in self.points.rays(at).iter().enumerate() {
-            let Some(hit) = self.hits[ray as usize] else {
-                continue;
-            };
-            hits.primitives[lane] = hit.primitive;
-            hits.t[lane] = hit.t;
-            if has_instances {
-                hits.instances[lane] = hit.instance;
-            }
+        LaneHits {
+            primitives: *lanes(&self.points.primitives, at.first),
+            instances: match self.scene.instances {
+                Some(_) => *lanes(&self.points.instances, at.first),
+                None => [None; N_LANES],
+            },
+            t: *self.points.distances(at),
         }
-        hits
     }
 
     /// The lengths of the paths before eight rays.
