@@ -103,7 +103,8 @@ mod sampler {
 </svg>
 "#;
 
-    /// Removes all functions except the program's own and those that they call.
+    /// Removes all functions except the program's own and those that they call, and of
+    /// these the scheduler's.
     fn tidy(frames: &mut Frames) {
         // All threads of a pool do the same work.
         "raycost".clone_into(&mut frames.thread_name);
@@ -113,9 +114,11 @@ mod sampler {
             // that inlined calls are known for that address only.
             symbols.drain(..symbols.len().saturating_sub(1));
         }
+        // The handler of the signal, which takes the sample.
+        let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
+        stack.retain(|symbols| !is("pprof::", symbols));
         // A waiting thread steals work on top of its own stack: functions below a
         // task of rayon are not its callers.
-        let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
         let Some(own) = stack.iter().position(|symbols| is("raycost::", symbols)) else {
             return;
         };
@@ -123,6 +126,7 @@ mod sampler {
         stack.truncate(task.map_or(stack.len(), |task| own + task));
         let mut callers = stack.split_off(own);
         callers.retain(|symbols| is("raycost::", symbols));
+        stack.retain(|symbols| !is("rayon", symbols));
         stack.append(&mut callers);
     }
 
