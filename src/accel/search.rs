@@ -31,10 +31,18 @@ pub(super) trait Search {
     fn found(&mut self, t: f32, primitive: u32);
 }
 
+/// A search that has its state in lanes beside those of other rays.
+pub(super) trait LaneSearch: Search + Copy {
+    /// Its limit, negative infinity if it is done, and the primitive of the nearest hit.
+    fn state(&self) -> (f32, u32);
+    /// This search, which has found nothing yet, in such a state.
+    fn resumed(self, limit: f32, nearest: u32) -> Self;
+}
+
 /// Questions about rays.
 pub(super) trait Queries {
     /// The state of a traversal.
-    type Search<'a>: Search + Copy
+    type Search<'a>: LaneSearch
     where
         Self: 'a;
     /// An answer.
@@ -43,6 +51,8 @@ pub(super) trait Queries {
     fn rays(&self) -> &RayStream;
     /// The search for the answer about ray `i` among these primitives.
     fn search<'a>(&'a self, i: usize, primitives: &'a [Primitive]) -> Self::Search<'a>;
+    /// Whether a search may ignore hits before its limit.
+    fn ignores(&self) -> bool;
     /// The answer that a finished search has found.
     fn answer(search: &Self::Search<'_>) -> Self::Answer;
 }
@@ -60,6 +70,11 @@ impl Queries for RayStream {
     #[inline(always)]
     fn search<'a>(&'a self, _: usize, primitives: &'a [Primitive]) -> NearestHit<'a> {
         NearestHit::new(primitives)
+    }
+
+    #[inline(always)]
+    fn ignores(&self) -> bool {
+        false
     }
 
     #[inline(always)]
@@ -81,6 +96,11 @@ impl Queries for ShadowStream {
     #[inline(always)]
     fn search<'a>(&'a self, i: usize, primitives: &'a [Primitive]) -> AnyHit<'a> {
         AnyHit::new(primitives, self.t_max[i], self.ignored(i))
+    }
+
+    #[inline(always)]
+    fn ignores(&self) -> bool {
+        !self.ignored.is_empty()
     }
 
     #[inline(always)]
@@ -151,6 +171,27 @@ impl Search for NearestHit<'_> {
     }
 }
 
+impl LaneSearch for NearestHit<'_> {
+    #[inline(always)]
+    fn state(&self) -> (f32, u32) {
+        (self.limit, self.nearest.1)
+    }
+
+    #[inline(always)]
+    fn resumed(self, limit: f32, nearest: u32) -> Self {
+        // The number before, or infinity where there is no hit.
+        let has_hit = limit < f32::INFINITY;
+        Self {
+            nearest: (
+                f32::from_bits(limit.to_bits() - u32::from(has_hit)),
+                nearest,
+            ),
+            limit,
+            ..self
+        }
+    }
+}
+
 /// The search for any hit.
 #[derive(Clone, Copy)]
 pub(super) struct AnyHit<'a> {
@@ -198,5 +239,25 @@ impl Search for AnyHit<'_> {
             None => true,
             ignored => ignored != Some(self.primitives[primitive as usize].object),
         };
+    }
+}
+
+impl LaneSearch for AnyHit<'_> {
+    #[inline(always)]
+    fn state(&self) -> (f32, u32) {
+        let limit = if self.found {
+            f32::NEG_INFINITY
+        } else {
+            self.t_max
+        };
+        (limit, u32::MAX)
+    }
+
+    #[inline(always)]
+    fn resumed(self, limit: f32, _: u32) -> Self {
+        Self {
+            found: limit == f32::NEG_INFINITY,
+            ..self
+        }
     }
 }

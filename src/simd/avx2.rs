@@ -96,6 +96,11 @@ impl Registers for Avx2 {
     }
 
     #[inline(always)]
+    fn wide_mask_of(self, bits: u16) -> WideMask {
+        self.mask_of(bits as u8)
+    }
+
+    #[inline(always)]
     fn mask_of(self, bits: u8) -> WideMask {
         // SAFETY: `self` proves AVX2.
         unsafe {

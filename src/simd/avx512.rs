@@ -9,7 +9,7 @@ use super::lanes::SimdKernel;
 use super::real::Mask;
 use super::registers::Registers;
 use super::wide::Sixteen;
-use super::zmm::{WideRegisters, Zmm};
+use super::zmm::{WideMask16, WideRegisters, Zmm};
 
 /// Proof that the CPU has AVX2, AVX-512F and AVX-512VL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,6 +89,11 @@ impl Registers for Avx512 {
     #[inline(always)]
     fn wide_from(self, numbers: &Sixteen, _: usize) -> Zmm<Self> {
         Zmm::load(self, numbers)
+    }
+
+    #[inline(always)]
+    fn wide_mask_of(self, bits: u16) -> WideMask16 {
+        WideMask16(bits)
     }
 
     #[inline(always)]

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::real::{LookupTable, Mask, Real};
+use super::real::{Integer, LookupTable, Mask, Real};
 use super::vector::Vector;
-use super::wide::{Sixteen, Wide};
+use super::wide::{Arithmetic, Sixteen, Wide};
 
 /// Number of lanes.
 pub(crate) const N_LANES: usize = 8;
@@ -29,6 +29,8 @@ pub(crate) trait InstructionSet: Copy {
     fn splat_wide(self, value: f32) -> Self::Wide;
     /// This part of the numbers of a packet.
     fn load_wide(self, numbers: &Sixteen, part: usize) -> Self::Wide;
+    /// The mask of a part with bit `i` for lane `i`.
+    fn wide_mask(self, bits: u16) -> <Self::Wide as Arithmetic>::Mask;
     /// The same number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
     /// The same vector in all lanes.
@@ -123,6 +125,27 @@ impl<L: Lanes> Wide for L {
     #[inline(always)]
     fn bits(mask: L::Mask) -> u16 {
         mask.bits().into()
+    }
+
+    #[inline(always)]
+    fn select(mask: L::Mask, this: Self, other: Self) -> Self {
+        Real::select(mask, this, other)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Real::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn flip_sign_by(self, other: Self) -> Self {
+        Real::flip_sign_by(self, other)
+    }
+
+    #[inline(always)]
+    fn next_up(self) -> Self {
+        let bits = self.to_integer_bits();
+        Self::from_integer_bits(bits.plus(bits.splat(1)))
     }
 
     #[inline(always)]

@@ -40,6 +40,11 @@ impl InstructionSet for Portable {
     }
 
     #[inline(always)]
+    fn wide_mask(self, bits: u16) -> <F32x8 as Real>::Mask {
+        self.mask(bits as u8)
+    }
+
+    #[inline(always)]
     fn splat(self, value: f32) -> F32x8 {
         F32x8([value; N_LANES])
     }

@@ -3,7 +3,7 @@
 use std::arch::x86_64::__m256;
 
 use super::real::Mask;
-use super::wide::{Sixteen, Wide};
+use super::wide::{Arithmetic, Sixteen, Wide};
 
 /// A set that has AVX2 at least. A value of it proves that the CPU has the
 /// instructions: only `detect` makes one. So each method takes `self`.
@@ -16,6 +16,8 @@ pub(crate) trait Registers: Copy {
     fn wide_of(self, value: f32) -> Self::Wide;
     /// This part of the numbers of a packet.
     fn wide_from(self, numbers: &Sixteen, part: usize) -> Self::Wide;
+    /// The mask of a part with bit `i` for lane `i`.
+    fn wide_mask_of(self, bits: u16) -> <Self::Wide as Arithmetic>::Mask;
     /// `a < b`, `false` if one is NaN.
     fn lt(self, a: __m256, b: __m256) -> Self::Mask;
     /// `a <= b`, `false` if one is NaN.

@@ -36,8 +36,25 @@ pub(crate) trait Wide: Arithmetic {
     fn le(self, other: Self) -> Self::Mask;
     /// Bit `i` for lane `i`.
     fn bits(mask: Self::Mask) -> u16;
+    /// `this` where `mask` is true, else `other`.
+    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// `self` with its sign flipped where `other` is negative.
+    fn flip_sign_by(self, other: Self) -> Self;
+    /// The next greater number of each; they are finite and not negative.
+    fn next_up(self) -> Self;
     /// The numbers; eight fill the first half.
     fn to_arrays(self) -> Sixteen;
+    /// Stores this part of the numbers of a packet.
+    #[inline(always)]
+    fn store(self, numbers: &mut Sixteen, part: usize) {
+        if Self::N_PARTS == 1 {
+            *numbers = self.to_arrays();
+        } else {
+            numbers[part] = self.to_arrays()[0];
+        }
+    }
 }
 
 impl<R: Real> Arithmetic for R {

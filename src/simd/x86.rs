@@ -13,7 +13,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
 use super::real::{LookupTable, Real};
 use super::registers::Registers;
-use super::wide::Sixteen;
+use super::wide::{self, Sixteen};
 use super::x86_wide::{YmmDoubles, YmmIntegers};
 
 /// Eight numbers in a register, and the set that made them as the proof that
@@ -33,6 +33,11 @@ impl<R: Registers> InstructionSet for R {
     #[inline(always)]
     fn load_wide(self, numbers: &Sixteen, part: usize) -> R::Wide {
         self.wide_from(numbers, part)
+    }
+
+    #[inline(always)]
+    fn wide_mask(self, bits: u16) -> <R::Wide as wide::Arithmetic>::Mask {
+        self.wide_mask_of(bits)
     }
 
     #[inline(always)]

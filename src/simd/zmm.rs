@@ -36,7 +36,7 @@ impl<R: WideRegisters> Zmm<R> {
 
 /// One boolean per lane: bit `i` for lane `i`.
 #[derive(Clone, Copy)]
-pub(crate) struct WideMask16(__mmask16);
+pub(crate) struct WideMask16(pub(super) __mmask16);
 
 /// One intrinsic as a method or an operator.
 macro_rules! binary {
@@ -96,6 +96,42 @@ impl<R: WideRegisters> Wide for Zmm<R> {
     #[inline(always)]
     fn bits(mask: WideMask16) -> u16 {
         mask.0
+    }
+
+    #[inline(always)]
+    fn select(mask: WideMask16, this: Self, other: Self) -> Self {
+        // SAFETY: the set in `this` proves AVX-512.
+        Self(
+            unsafe { _mm512_mask_blend_ps(mask.0, other.0, this.0) },
+            this.1,
+        )
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: the set in `self` proves AVX-512.
+        Self(unsafe { _mm512_sqrt_ps(self.0) }, self.1)
+    }
+
+    #[inline(always)]
+    fn flip_sign_by(self, other: Self) -> Self {
+        // SAFETY: the set in `self` proves AVX-512.
+        let flipped = unsafe {
+            let sign = _mm512_and_si512(_mm512_castps_si512(other.0), _mm512_set1_epi32(i32::MIN));
+            _mm512_xor_si512(_mm512_castps_si512(self.0), sign)
+        };
+        // SAFETY: as above.
+        Self(unsafe { _mm512_castsi512_ps(flipped) }, self.1)
+    }
+
+    #[inline(always)]
+    fn next_up(self) -> Self {
+        // SAFETY: the set in `self` proves AVX-512.
+        let next = unsafe {
+            let bits = _mm512_castps_si512(self.0);
+            _mm512_castsi512_ps(_mm512_add_epi32(bits, _mm512_set1_epi32(1)))
+        };
+        Self(next, self.1)
     }
 
     #[inline(always)]

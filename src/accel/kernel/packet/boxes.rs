@@ -1,7 +1,7 @@
 //! The test of a box against all rays, with rays in the lanes.
 
 use super::rays::PacketRays;
-use super::soa::{N_RAYS, PerRay};
+use super::soa::{PerRay, rays_per_part};
 use crate::accel::layout::WideNode;
 use crate::simd::{Arithmetic, InstructionSet, Wide};
 
@@ -14,7 +14,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         for part in 0..I::Wide::N_PARTS {
             let limits = self.set.load_wide(limits, part);
             let rays = self.part_entering(node, lane, limits, part);
-            entering |= rays << (N_RAYS / I::Wide::N_PARTS * part);
+            entering |= rays << (rays_per_part::<I>() * part);
         }
         entering
     }

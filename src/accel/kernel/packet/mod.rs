@@ -6,7 +6,8 @@
 //! visit to a node tests its eight boxes, one per lane, against a beam that
 //! contains all rays (`beam`), and pushes those that the beam hits. A box that
 //! is popped is tested against the rays, one per lane (`boxes`); so are the
-//! primitives of a leaf, one after the other (`triangles`, `spheres`).
+//! primitives of a leaf, one after the other (`triangles`, `spheres`). The hits
+//! change the states of the searches, which are in lanes, too (`searches`).
 //!
 //! # Why the results of a ray are those of a single traversal
 //!
@@ -32,6 +33,7 @@ mod soa;
 mod rays;
 mod beam;
 mod boxes;
+mod searches;
 mod triangles;
 mod spheres;
 mod traversal;

@@ -3,39 +3,46 @@
 //! with rays in the lanes.
 
 use super::rays::PacketRays;
-use super::soa::{N_HALVES, PerRay};
+use super::searches::Searches;
+use super::soa::{PerRay, active_in_part};
 use crate::accel::arena::Leaf;
 use crate::accel::layout::SPHERE_ROWS;
-use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
+use crate::accel::search::Queries;
+use crate::simd::{Arithmetic, InstructionSet, N_LANES, Vector, Wide};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
-    /// Tests spheres; calls `found` as [`triangles`](Self::triangles) does.
+    /// Tests spheres and reports the hits.
     #[inline(always)]
-    pub(super) fn spheres(&self, leaf: Leaf, active: u16, mut found: impl FnMut(usize, f32, u32)) {
+    pub(super) fn spheres<Q: Queries>(
+        &self,
+        leaf: Leaf,
+        active: u16,
+        searches: &mut Searches<'_, I, Q>,
+    ) {
         let set = self.set;
-        let zero = set.splat(0.0);
+        let zero = set.splat_wide(0.0);
         for i in 0..leaf.len() {
             let lane = i % N_LANES;
             let center = Vector {
-                x: set.splat(leaf.row(0)[lane]),
-                y: set.splat(leaf.row(1)[lane]),
-                z: set.splat(leaf.row(2)[lane]),
+                x: set.splat_wide(leaf.row(0)[lane]),
+                y: set.splat_wide(leaf.row(1)[lane]),
+                z: set.splat_wide(leaf.row(2)[lane]),
             };
-            let r2 = set.splat(leaf.row(3)[lane]);
-            for (n, active) in active.to_le_bytes().into_iter().enumerate() {
+            let r2 = set.splat_wide(leaf.row(3)[lane]);
+            for part in 0..I::Wide::N_PARTS {
+                let active = active_in_part::<I>(active, part);
                 if active == 0 {
                     continue;
                 }
-                let n = n % N_HALVES;
-                let d = self.half(&self.soa.directions, n);
-                let c = center - self.half(&self.soa.origins, n);
+                let d = self.part(&self.soa.directions, part);
+                let c = center - self.part(&self.soa.origins, part);
                 let a = d.dot(d);
-                let inverse_a = set.splat(1.0) / a;
+                let inverse_a = set.splat_wide(1.0) / a;
                 let b = c.dot(d);
                 let nearest = c - d * (b * inverse_a);
                 let discriminant = r2 - nearest.dot(nearest);
                 let is_hit = zero.le(discriminant);
-                if is_hit.bits() & active == 0 {
+                if I::Wide::bits(is_hit) & active == 0 {
                     continue;
                 }
                 // A negative discriminant gives NaN, in lanes that are masked
@@ -43,15 +50,20 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 let q = b + (a * discriminant).sqrt().flip_sign_by(b);
                 let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
                 let (near, far) = (t0.min(t1), t1.max(t0));
-                let t = I::Lanes::select(zero.lt(near), near, far);
-                let mut hits = (is_hit & zero.lt(t)).bits() & active;
-                let t = t.to_array();
-                while hits != 0 {
-                    let lane = hits.trailing_zeros() as usize % N_LANES;
-                    hits &= hits - 1;
-                    found(N_LANES * n + lane, t[lane], leaf.primitive(SPHERE_ROWS, i));
-                }
+                let t = I::Wide::select(zero.lt(near), near, far);
+                let hits = I::Wide::bits(is_hit & zero.lt(t)) & active;
+                searches.found_in_part(part, hits, t, leaf.primitive(SPHERE_ROWS, i));
             }
+        }
+    }
+
+    /// The vectors of a part.
+    #[inline(always)]
+    fn part(&self, [x, y, z]: &[PerRay<f32>; 3], part: usize) -> Vector<I::Wide> {
+        Vector {
+            x: self.set.load_wide(x, part),
+            y: self.set.load_wide(y, part),
+            z: self.set.load_wide(z, part),
         }
     }
 

@@ -3,31 +3,30 @@
 //! with rays in the lanes.
 
 use super::rays::PacketRays;
-use super::soa::N_RAYS;
+use super::searches::Searches;
+use super::soa::{N_RAYS, active_in_part, rays_per_part};
 use crate::accel::arena::Leaf;
 use crate::accel::layout::TRIANGLE_ROWS;
+use crate::accel::search::Queries;
 use crate::geometry::{AreaTest, Areas};
 use crate::simd::{Arithmetic, InstructionSet, N_LANES, Vector, Wide};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
-    /// Tests triangles. Calls `found` for each hit, with the ray, the parameter and
-    /// the primitive.
+    /// Tests triangles and reports the hits.
     #[inline(always)]
-    pub(super) fn triangles(
+    pub(super) fn triangles<Q: Queries>(
         &self,
         leaf: Leaf,
         active: u16,
-        mut found: impl FnMut(usize, f32, u32),
+        searches: &mut Searches<'_, I, Q>,
     ) {
         let zero = self.set.splat_wide(0.0);
-        let n_in_part = N_RAYS / I::Wide::N_PARTS;
         let [x, y, z] = self.shear_axes;
         let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
         for i in 0..leaf.len() {
             let lane = i % N_LANES;
             for part in 0..I::Wide::N_PARTS {
-                let first = n_in_part * part;
-                let active = active >> first & (u16::MAX >> (N_RAYS - n_in_part));
+                let active = active_in_part::<I>(active, part);
                 if active == 0 {
                     continue;
                 }
@@ -43,19 +42,15 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 let scale = self.set.load_wide(&self.scale, part);
                 let AreaTest { hits, is_unsure, t } = areas.test(scale);
                 let primitive = leaf.primitive(TRIANGLE_ROWS, i);
-                let mut hits = I::Wide::bits(hits & zero.lt(t)) & active;
-                let t = t.to_arrays();
-                while hits != 0 {
-                    let ray = hits.trailing_zeros() as usize % N_RAYS;
-                    hits &= hits - 1;
-                    found(first + ray, t.as_flattened()[ray], primitive);
-                }
+                let hits = I::Wide::bits(hits & zero.lt(t)) & active;
+                searches.found_in_part(part, hits, t, primitive);
                 let mut unsure = I::Wide::bits(is_unsure) & active;
                 while unsure != 0 {
-                    let ray = first + unsure.trailing_zeros() as usize % N_RAYS;
+                    let lane = unsure.trailing_zeros() as usize % N_RAYS;
+                    let ray = rays_per_part::<I>() * part + lane;
                     unsure &= unsure - 1;
                     match self.intersect_exactly(ray, leaf, i) {
-                        Some(t) if t > 0.0 => found(ray, t, primitive),
+                        Some(t) if t > 0.0 => searches.found(ray, t, primitive),
                         _ => {}
                     }
                 }
