@@ -41,6 +41,12 @@ impl Unbounded {
         planes.chain(self.others.iter().copied())
     }
 
+    /// The planes, with their indices.
+    #[inline(always)]
+    pub(super) fn planes(&self) -> &[(u32, Plane)] {
+        &self.planes
+    }
+
     /// Number of primitives.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {

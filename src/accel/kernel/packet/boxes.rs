@@ -21,9 +21,9 @@ impl<I: InstructionSet> PacketRays<'_, I> {
 
     #[inline(always)]
     fn part_entering(&self, node: &WideNode, lane: usize, limits: I::Wide, part: usize) -> u16 {
-        let (near_x, far_x) = self.planes(node, lane, part, 0);
-        let (near_y, far_y) = self.planes(node, lane, part, 1);
-        let (near_z, far_z) = self.planes(node, lane, part, 2);
+        let (near_x, far_x) = self.slab(node, lane, part, 0);
+        let (near_y, far_y) = self.slab(node, lane, part, 1);
+        let (near_z, far_z) = self.slab(node, lane, part, 2);
         let zero = self.set.splat_wide(0.0);
         let enter = near_x.max(near_y).max(near_z.max(zero));
         let exit = far_x.min(far_y).min(far_z.min(limits));
@@ -32,7 +32,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
 
     /// Where rays hit the near and the far plane of a box on this axis.
     #[inline(always)]
-    fn planes(&self, node: &WideNode, lane: usize, part: usize, axis: usize) -> (I::Wide, I::Wide) {
+    fn slab(&self, node: &WideNode, lane: usize, part: usize, axis: usize) -> (I::Wide, I::Wide) {
         let (set, slab) = (self.set, &self.slabs[axis]);
         let near = set.splat_wide(node.row(self.near_rows[axis])[lane]);
         let far = set.splat_wide(node.row(self.far_rows[axis])[lane]);

@@ -6,8 +6,9 @@
 //! visit to a node tests its eight boxes, one per lane, against a beam that
 //! contains all rays (`beam`), and pushes those that the beam hits. A box that
 //! is popped is tested against the rays, one per lane (`boxes`); so are the
-//! primitives of a leaf, one after the other (`triangles`, `spheres`). The hits
-//! change the states of the searches, which are in lanes, too (`searches`).
+//! primitives of a leaf, one after the other (`triangles`, `spheres`), and, before
+//! the hierarchy, planes (`planes`). The hits change the states of the searches,
+//! which are in lanes, too (`searches`).
 //!
 //! # Why the results of a ray are those of a single traversal
 //!
@@ -34,6 +35,7 @@ mod rays;
 mod beam;
 mod boxes;
 mod searches;
+mod planes;
 mod triangles;
 mod spheres;
 mod traversal;

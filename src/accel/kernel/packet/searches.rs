@@ -104,6 +104,18 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
         }
     }
 
+    /// The rays that are finished.
+    #[inline(always)]
+    pub(super) fn finished(&self) -> u16 {
+        let least = self.set.splat_wide(f32::NEG_INFINITY);
+        let mut finished = 0;
+        for part in 0..I::Wide::N_PARTS {
+            let limits = self.set.load_wide(&self.limits, part);
+            finished |= I::Wide::bits(limits.le(least)) << (rays_per_part::<I>() * part);
+        }
+        finished
+    }
+
     /// Computes the largest limit anew if one has changed.
     #[inline(always)]
     pub(super) fn update_farthest(&mut self) {

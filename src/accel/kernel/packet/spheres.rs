@@ -66,14 +66,4 @@ impl<I: InstructionSet> PacketRays<'_, I> {
             z: self.set.load_wide(z, part),
         }
     }
-
-    /// The vectors of a half.
-    #[inline(always)]
-    pub(super) fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
-        Vector {
-            x: self.set.load(&x[half]),
-            y: self.set.load(&y[half]),
-            z: self.set.load(&z[half]),
-        }
-    }
 }
