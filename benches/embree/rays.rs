@@ -68,9 +68,11 @@ pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) ->
         let Some(hit) = accel.nearest(ray, &mut NoProbe) else {
             continue;
         };
-        let (position, outward) = primitives[hit.primitive as usize].project(ray.at(hit.t));
+        let primitive = &primitives[hit.primitive as usize];
+        let (position, outward) = primitive.project(ray.at(hit.t));
         let normal = outward * -outward.dot(ray.direction).signum();
-        let leaving = |direction| Ray::leaving(position, normal, direction);
+        let error = primitive.rounding(position);
+        let leaving = |direction| Ray::leaving([position, normal], error, direction);
         let random = |stream| uniform([stream, i as u64, 0]);
         diffuse.push(leaving(cosine_distributed(normal, random(0))));
         ambient.push(ShadowRay {

@@ -158,17 +158,21 @@ impl Rays {
             let Some(hit) = accel.nearest(ray, &mut NoProbe) else {
                 continue;
             };
-            let (position, outward) = primitives[hit.primitive as usize].project(ray.at(hit.t));
+            let primitive = &primitives[hit.primitive as usize];
+            let (position, outward) = primitive.project(ray.at(hit.t));
             let normal = outward * -outward.dot(ray.direction).signum();
+            let leaving = |direction| {
+                Ray::leaving([position, normal], primitive.rounding(position), direction)
+            };
             let [u, v, w, _] = uniform([7, i as u64, 0]);
             let z = 1.0 - 2.0 * v;
             let (sin, cos) = (std::f32::consts::TAU * u).sin_cos();
             let on_sphere = Vec3::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + Vec3::Z * z;
             let up = (normal + 0.999 * on_sphere).normalize();
-            diffuse.push(Ray::leaving(position, normal, up));
+            diffuse.push(leaving(up));
             let light = view.light + 0.1 * Vec3::new(u, v, w);
             let to_light = (light - position).normalize();
-            shadow.push(Ray::leaving(position, normal, to_light));
+            shadow.push(leaving(to_light));
         }
         Self {
             primary,

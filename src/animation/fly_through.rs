@@ -31,11 +31,11 @@ pub struct FlyThrough {
 /// A point of a scene.
 #[derive(Deserialize)]
 #[serde(transparent)]
-struct Point(#[serde(deserialize_with = "yaml::point")] glam::Vec3);
+struct Point(#[serde(deserialize_with = "yaml::point")] glam::DVec3);
 
 fn points<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 3]>, D::Error> {
     let points: Vec<Point> = yaml::non_empty(d, "point")?;
-    let point = |Point(point): Point| point.as_dvec3().to_array();
+    let point = |Point(point): Point| point.to_array();
     Ok(points.into_iter().map(point).collect())
 }
 

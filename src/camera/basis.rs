@@ -1,6 +1,6 @@
 //! The orientation of a camera.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The directions of a camera: orthonormal vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,10 +16,11 @@ impl Basis {
     ///
     /// # Errors
     /// What is wrong with the three.
-    pub(super) fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Result<Self, &'static str> {
+    pub(super) fn look_at(eye: DVec3, target: DVec3, up: Vec3) -> Result<Self, &'static str> {
         let forward = (target - eye)
             .try_normalize()
-            .ok_or("cannot have its eye in its target, expected two different points")?;
+            .ok_or("cannot have its eye in its target, expected two different points")?
+            .as_vec3();
         // Right-handed, as in ParaView: seen toward -z, x points to the right.
         let right = forward.cross(up);
         if right.length_squared() < 1e-12 {

@@ -10,9 +10,9 @@ use crate::simd::Real;
 /// JCGT 10(1), 2021.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayCone {
-    /// The width where the ray starts, in world units.
+    /// The width where the ray starts.
     pub width: f32,
-    /// What it grows by in a world unit.
+    /// What it grows by per length.
     pub spread: f32,
 }
 
@@ -27,7 +27,7 @@ impl ImagePlane {
         let share = (1.0 / (n_samples as f32).sqrt()).max(LEAST_SHARE);
         let side = share * self.pitch();
         let (width, spread) = match self.projection {
-            Projection::Perspective { eye } => (0.0, side / self.center().distance(eye)),
+            Projection::Perspective => (0.0, side / self.center().distance(self.eye)),
             Projection::Parallel { .. } => (side, 0.0),
             Projection::Panorama { .. } => (0.0, side),
         };
@@ -36,7 +36,7 @@ impl ImagePlane {
 }
 
 impl RayCone {
-    /// The width in world units at a distance from the camera along the path.
+    /// The width at a distance from the camera along the path.
     #[inline(always)]
     pub fn width_at<R: Real>(&self, distance: R) -> R {
         distance.splat(self.width) + distance.splat(self.spread) * distance
@@ -46,6 +46,7 @@ impl RayCone {
 #[cfg(test)]
 mod tests {
     use crate::camera::Camera;
+    use crate::geometry::RenderSpace;
 
     #[test]
     fn a_cone_is_as_wide_as_a_sample() {
@@ -55,7 +56,7 @@ mod tests {
             "panorama: { eye: [0, 0, 5], target: [0, 0, 0] }",
         ] {
             let camera: Camera = crate::yaml::from_str(camera).unwrap();
-            let plane = camera.image_plane(21, 11);
+            let plane = camera.image_plane([21, 11], &RenderSpace::default());
             let pixel = plane.footprints(plane.pitch(), [10.0, 5.0], 7.0);
             for (n_samples, share) in [(1, 1.0), (4, 0.5), (9, 1.0 / 3.0), (10_000, 0.125)] {
                 let width = plane.ray_cone(n_samples).width_at(7.0);

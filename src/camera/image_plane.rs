@@ -1,13 +1,13 @@
-//! The image as a rectangle in world space.
+//! The image as a rectangle in render space.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::lens::Lens;
 use super::sphere_axes::{SphereAxes, shrinkage};
-use crate::geometry::Ray;
+use crate::geometry::{Ray, RenderSpace};
 use crate::simd::{Real, Vector};
 
-/// The positions of the pixels in world space, and the camera rays through them.
+/// The positions of the pixels in render space, and the camera rays through them.
 ///
 /// The plane of a panorama is a map of the sphere of radius 1 around the eye, which it
 /// touches in the center: lengths along `right` and `down` are angles in radians.
@@ -17,8 +17,15 @@ pub struct ImagePlane {
     pub projection: Projection,
     /// The lens around the eye of a perspective camera; `None` for a pinhole.
     pub lens: Option<Lens>,
-    /// The center of pixel (0, 0): column 0 of the top row.
-    pub origin: Vec3,
+    /// The space of all of its vectors.
+    pub space: RenderSpace,
+    /// [`eye`](Self::eye) in world space, exactly.
+    pub eye_in_world: DVec3,
+    /// The point from which the picture is seen; of parallel rays the center of the image.
+    pub eye: Vec3,
+    /// From the eye to the center of pixel (0, 0): column 0 of the top row. Relative to the
+    /// eye, so that the directions of rays have all digits wherever it is.
+    pub to_first: Vec3,
     /// From a pixel's center to the next column's.
     pub right: Vec3,
     /// From a pixel's center to that of the row below.
@@ -30,33 +37,30 @@ pub struct ImagePlane {
 /// How rays pass through the image plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
-    /// All start in one point, or around it on a lens.
-    Perspective {
-        /// That point, in world space.
-        eye: Vec3,
-    },
+    /// All start in the eye, or around it on a lens.
+    Perspective,
     /// All start on the plane, in one direction.
     Parallel {
         /// That direction, a unit vector.
         direction: Vec3,
     },
-    /// All start in one point, in all directions.
+    /// All start in the eye, in all directions.
     Panorama {
-        /// That point, in world space.
-        eye: Vec3,
         /// The directions of the columns and rows.
         axes: SphereAxes,
     },
 }
 
 impl ImagePlane {
-    /// An image plane of square pixels around `center`.
+    /// An image plane of square pixels, whose center is at `to_center` from the eye, a point of
+    /// world space.
     ///
-    /// `right` and `up` are unit vectors, `height` is the plane's height in world
-    /// units, `size` is the number of columns and rows.
+    /// `right` and `up` are unit vectors, `height` is the plane's height, `size` is the number
+    /// of columns and rows.
     pub(super) fn centered(
         projection: Projection,
-        [center, right, up]: [Vec3; 3],
+        (space, eye): (RenderSpace, DVec3),
+        [to_center, right, up]: [Vec3; 3],
         height: f32,
         size: [u32; 2],
     ) -> Self {
@@ -65,7 +69,10 @@ impl ImagePlane {
         Self {
             projection,
             lens: None,
-            origin: center - to_first_column * right + to_first_row * up,
+            space,
+            eye_in_world: eye,
+            eye: space.point(eye),
+            to_first: to_center - to_first_column * right + to_first_row * up,
             right: pitch * right,
             down: -pitch * up,
             size,
@@ -79,20 +86,12 @@ impl ImagePlane {
 
     /// The point at which all camera rays start, if there is one.
     pub fn eye(&self) -> Option<Vec3> {
-        match self.projection {
-            Projection::Perspective { eye } if self.lens.is_none() => Some(eye),
-            Projection::Panorama { eye, .. } => Some(eye),
-            Projection::Perspective { .. } | Projection::Parallel { .. } => None,
-        }
-    }
-
-    /// The point from which the picture is seen: the eye, or without one the center of
-    /// the image.
-    pub fn viewpoint(&self) -> Vec3 {
-        match self.projection {
-            Projection::Perspective { eye } | Projection::Panorama { eye, .. } => eye,
-            Projection::Parallel { .. } => self.center(),
-        }
+        let is_point = match self.projection {
+            Projection::Perspective => self.lens.is_none(),
+            Projection::Panorama { .. } => true,
+            Projection::Parallel { .. } => false,
+        };
+        is_point.then_some(self.eye)
     }
 
     /// The ray through pixel coordinates (x, y), with a lens through its center. The
@@ -108,15 +107,13 @@ impl ImagePlane {
     /// [`ray`](Self::ray) for one pair or for lanes of them.
     #[inline(always)]
     pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
+        let eye = Vector::splat(x, self.eye);
         match self.projection {
-            Projection::Perspective { eye } => {
-                let eye = Vector::splat(x, eye);
-                [eye, (self.points(x, y) - eye).normalize()]
+            Projection::Perspective => [eye, self.from_eye(x, y).normalize()],
+            Projection::Parallel { direction } => {
+                [eye + self.from_eye(x, y), Vector::splat(x, direction)]
             }
-            Projection::Parallel { direction } => [self.points(x, y), Vector::splat(x, direction)],
-            Projection::Panorama { eye, axes } => {
-                [Vector::splat(x, eye), axes.direction([x, y], self.size)]
-            }
+            Projection::Panorama { axes } => [eye, axes.direction([x, y], self.size)],
         }
     }
 
@@ -131,42 +128,37 @@ impl ImagePlane {
         (self.right.length() * self.down.length()).sqrt()
     }
 
-    /// The world-space size of pixel (x, y), or of one per lane, at a distance along its
+    /// The size of pixel (x, y), or of one per lane, at a distance along its
     /// ray: the side of a square with the pixel's area. `pitch` is that of the plane
     /// ([`pitch`](Self::pitch)).
     #[inline(always)]
     pub fn footprints<R: Real>(&self, pitch: f32, [x, y]: [R; 2], distance: R) -> R {
         let pitch = x.splat(pitch);
         match self.projection {
-            Projection::Perspective { eye } => {
-                let to_eye = Vector::splat(x, eye) - self.points(x, y);
-                pitch * distance / to_eye.length()
-            }
+            Projection::Perspective => pitch * distance / self.from_eye(x, y).length(),
             Projection::Parallel { .. } => pitch,
             Projection::Panorama { .. } => pitch * distance * shrinkage(y, self.size[1]),
         }
     }
 
-    /// The world-space size of a pixel at a point that it sees through the lens; `None`
+    /// The size of a pixel at a point that it sees through the lens; `None`
     /// without a lens. `pitch` is that of the plane.
     pub fn footprint_behind_lens(&self, pitch: f32, point: Vec3) -> Option<f32> {
-        match (self.projection, &self.lens) {
-            // The plane of a camera with a lens is at distance 1.
-            (Projection::Perspective { eye }, Some(lens)) => Some(pitch * lens.depth(eye, point)),
-            _ => None,
-        }
+        // The plane of a camera with a lens is at distance 1.
+        let lens = self.lens.as_ref()?;
+        Some(pitch * lens.depth(self.eye, point))
     }
 
-    /// The world-space point of pixel coordinates (x, y).
+    /// The point of pixel coordinates (x, y).
     pub fn point(&self, x: f32, y: f32) -> Vec3 {
-        self.points(x, y).into()
+        self.eye + Vec3::from(self.from_eye(x, y))
     }
 
-    /// [`point`](Self::point) of one pair of coordinates or of one per lane.
+    /// From the eye to the point of a pair of coordinates, or of one per lane.
     #[inline(always)]
-    fn points<R: Real>(&self, x: R, y: R) -> Vector<R> {
-        let [origin, right, down] = [self.origin, self.right, self.down];
-        Vector::splat(x, origin) + Vector::splat(x, right) * x + Vector::splat(x, down) * y
+    fn from_eye<R: Real>(&self, x: R, y: R) -> Vector<R> {
+        let [first, right, down] = [self.to_first, self.right, self.down];
+        Vector::splat(x, first) + Vector::splat(x, right) * x + Vector::splat(x, down) * y
     }
 
     /// The center of the image.

@@ -4,10 +4,11 @@
 //! it become blur circles: a point at depth `d` fills a circle of diameter
 //! `2 radius |d - focus| / d` on the plane in focus.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::basis::Basis;
+use crate::geometry::RenderSpace;
 use crate::sampling::{Polygon, disk};
 use crate::simd::{Real, Vector};
 use crate::yaml::{self, Number};
@@ -15,12 +16,12 @@ use crate::yaml::{self, Number};
 /// Height of a photographic film frame in meters: that of the 36 x 24 mm format.
 pub(super) const FRAME_HEIGHT: f32 = 0.024;
 
-/// A thin lens in world space.
+/// A thin lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// The radius in world units, greater than 0.
+    /// The radius, greater than 0.
     pub radius: f32,
-    /// The distance from the lens to the plane in focus in world units, greater than 0.
+    /// The distance from the lens to the plane in focus, greater than 0.
     pub focus_distance: f32,
     /// `None` for a round aperture.
     blades: Option<Polygon>,
@@ -52,7 +53,7 @@ enum Focus {
     /// The plane at this distance from the lens.
     Distance(f32),
     /// The plane through this point.
-    Point(Vec3),
+    Point(DVec3),
 }
 
 #[derive(Deserialize)]
@@ -70,7 +71,7 @@ struct LensFields {
     /// In place of the distance: a point of the plane in focus; the target if neither is
     /// given.
     #[serde(default, deserialize_with = "point")]
-    focus_point: Option<Vec3>,
+    focus_point: Option<DVec3>,
     /// The corners of the aperture, 3 to 32; 0 for a circle, as if not given.
     #[serde(default, deserialize_with = "blades")]
     blades: u32,
@@ -95,7 +96,7 @@ fn distance<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Er
     yaml::positive(d).map(Some)
 }
 
-fn point<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<Vec3>, D::Error> {
+fn point<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<DVec3>, D::Error> {
     yaml::point(d).map(Some)
 }
 
@@ -150,11 +151,11 @@ impl LensKeys {
     /// The point in focus is not in front of the camera.
     pub(super) fn placed(
         &self,
-        [eye, target]: [Vec3; 2],
+        [eye, target]: [DVec3; 2],
         basis: Basis,
         half_height: f32,
     ) -> Result<Option<Lens>, &'static str> {
-        let depth = |point: Vec3| (point - eye).dot(basis.forward);
+        let depth = |point: DVec3| (point - eye).dot(basis.forward.as_dvec3()) as f32;
         let focus_distance = match self.focus {
             Focus::Target => depth(target),
             Focus::Distance(distance) => distance,
@@ -180,6 +181,15 @@ impl LensKeys {
 }
 
 impl Lens {
+    /// The lens, which is in world space, in render space.
+    pub(super) fn in_space(self, space: &RenderSpace) -> Self {
+        Self {
+            radius: space.length(self.radius),
+            focus_distance: space.length(self.focus_distance),
+            ..self
+        }
+    }
+
     /// The rays of a pinhole, moved to points of the lens which the numbers `uv` in [0, 1)
     /// choose uniformly: origins and unit directions, of one ray or of one per lane.
     #[inline(always)]

@@ -1,11 +1,12 @@
 //! The perspective camera that looks from one point to another.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
 use super::lens::{FRAME_HEIGHT, Lens, LensKeys};
+use crate::geometry::RenderSpace;
 use crate::yaml::{self, Number};
 
 /// A perspective camera, a pinhole or with a lens.
@@ -19,7 +20,9 @@ use crate::yaml::{self, Number};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "LookAtKeys")]
 pub struct LookAt {
-    eye: Vec3,
+    eye: DVec3,
+    /// The distance of the target.
+    distance: f64,
     basis: Basis,
     /// Half of the height of view at distance 1.
     half_height: f32,
@@ -31,10 +34,10 @@ pub struct LookAt {
 struct LookAtKeys {
     /// The center of projection.
     #[serde(deserialize_with = "yaml::point")]
-    eye: Vec3,
+    eye: DVec3,
     /// The point in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
-    target: Vec3,
+    target: DVec3,
     /// The direction that is up in the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
@@ -89,6 +92,7 @@ impl TryFrom<LookAtKeys> for LookAt {
         };
         Ok(Self {
             eye: keys.eye,
+            distance: keys.eye.distance(keys.target),
             basis,
             half_height,
             lens,
@@ -97,17 +101,28 @@ impl TryFrom<LookAtKeys> for LookAt {
 }
 
 impl LookAt {
-    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+    pub(super) fn focus(&self) -> [DVec3; 2] {
+        [
+            self.eye,
+            self.eye + self.distance * self.basis.forward.as_dvec3(),
+        ]
+    }
+
+    /// At distance 1 in render space.
+    pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
         let Basis { forward, right, up } = self.basis;
-        let plane = ImagePlane::centered(
-            Projection::Perspective { eye: self.eye },
-            [self.eye + forward, right, up],
-            2.0 * self.half_height,
-            [width, height],
-        );
+        let half_height = self.half_height;
+        let to_plane = [forward, right, up];
+        let eye = (*space, self.eye);
         ImagePlane {
-            lens: self.lens,
-            ..plane
+            lens: self.lens.map(|lens| lens.in_space(space)),
+            ..ImagePlane::centered(
+                Projection::Perspective,
+                eye,
+                to_plane,
+                2.0 * half_height,
+                size,
+            )
         }
     }
 }
@@ -119,14 +134,15 @@ mod tests {
     #[test]
     fn the_field_of_view_spans_the_rows_from_edge_to_edge() {
         let keys = LookAtKeys {
-            eye: Vec3::ZERO,
-            target: -Vec3::Z,
+            eye: DVec3::ZERO,
+            target: DVec3::NEG_Z,
             up: Vec3::Y,
             fov_y_deg: Some(90.0),
             focal_length_mm: None,
             lens: None,
         };
-        let plane = LookAt::try_from(keys).unwrap().image_plane(200, 100);
+        let plane = LookAt::try_from(keys).unwrap();
+        let plane = plane.image_plane([200, 100], &RenderSpace::default());
         let top = plane.point(99.5, -0.5);
         assert!((top - Vec3::new(0.0, 1.0, -1.0)).length() < 1e-5, "{top}");
         let right = plane.point(199.5, 49.5);

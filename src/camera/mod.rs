@@ -14,6 +14,7 @@ mod orthographic;
 mod panorama;
 mod window;
 
+use glam::DVec3;
 use serde::Deserialize;
 
 pub use cone::RayCone;
@@ -21,6 +22,8 @@ pub use image_plane::{ImagePlane, Projection};
 pub use lens::Lens;
 pub use sphere_axes::SphereAxes;
 pub use window::WindowSamples;
+
+use crate::geometry::RenderSpace;
 
 /// Defines [`Camera`] and its dispatch from one list. A row has the kind, whose YAML key
 /// is its name in snake case, and the type in the kind's file.
@@ -39,10 +42,17 @@ macro_rules! cameras {
         }
 
         impl Camera {
-            /// The image plane of an image of `width * height` pixels.
-            pub fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+            /// The image plane, in render space, of an image of `size[0] * size[1]` pixels.
+            pub fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
                 match self {
-                    $(Self::$kind(camera) => camera.image_plane(width, height),)*
+                    $(Self::$kind(camera) => camera.image_plane(size, space),)*
+                }
+            }
+
+            /// The eye, and a point in the middle of what it looks at, in world space.
+            pub fn focus(&self) -> [DVec3; 2] {
+                match self {
+                    $(Self::$kind(camera) => camera.focus(),)*
                 }
             }
         }

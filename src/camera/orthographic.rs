@@ -1,10 +1,11 @@
 //! The camera with parallel rays.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
+use crate::geometry::RenderSpace;
 use crate::yaml;
 
 /// An orthographic camera. It does not see what lies behind the plane through
@@ -19,7 +20,7 @@ use crate::yaml;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "OrthographicKeys")]
 pub struct Orthographic {
-    eye: Vec3,
+    eye: DVec3,
     basis: Basis,
     height: f32,
 }
@@ -29,10 +30,10 @@ pub struct Orthographic {
 struct OrthographicKeys {
     /// A point of the plane behind which it sees nothing, in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
-    eye: Vec3,
+    eye: DVec3,
     /// Another point in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
-    target: Vec3,
+    target: DVec3,
     /// The direction that is up in the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
@@ -54,13 +55,23 @@ impl TryFrom<OrthographicKeys> for Orthographic {
 }
 
 impl Orthographic {
-    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+    pub(super) fn focus(&self) -> [DVec3; 2] {
+        [
+            self.eye,
+            self.eye + f64::from(self.height) * self.basis.forward.as_dvec3(),
+        ]
+    }
+
+    pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
         let Basis { forward, right, up } = self.basis;
+        let projection = Projection::Parallel { direction: forward };
+        let height = space.length(self.height);
         ImagePlane::centered(
-            Projection::Parallel { direction: forward },
-            [self.eye, right, up],
-            self.height,
-            [width, height],
+            projection,
+            (*space, self.eye),
+            [Vec3::ZERO, right, up],
+            height,
+            size,
         )
     }
 }

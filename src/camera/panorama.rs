@@ -1,11 +1,12 @@
 //! The camera that sees all around.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
 use super::sphere_axes::SphereAxes;
+use crate::geometry::RenderSpace;
 use crate::yaml;
 
 /// A panorama of 360 x 180 degrees, an equirectangular map: columns are at equal steps of
@@ -21,7 +22,8 @@ use crate::yaml;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "PanoramaKeys")]
 pub struct Panorama {
-    eye: Vec3,
+    eye: DVec3,
+    target: DVec3,
     axes: SphereAxes,
 }
 
@@ -30,10 +32,10 @@ pub struct Panorama {
 struct PanoramaKeys {
     /// The point from which it sees.
     #[serde(deserialize_with = "yaml::point")]
-    eye: Vec3,
+    eye: DVec3,
     /// A point on the middle column of the picture.
     #[serde(deserialize_with = "yaml::point")]
-    target: Vec3,
+    target: DVec3,
     /// The direction of the top row of the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
@@ -46,6 +48,7 @@ impl TryFrom<PanoramaKeys> for Panorama {
         let Basis { right, .. } = Basis::look_at(keys.eye, keys.target, keys.up)?;
         Ok(Self {
             eye: keys.eye,
+            target: keys.target,
             axes: SphereAxes {
                 forward: keys.up.cross(right),
                 right,
@@ -56,21 +59,28 @@ impl TryFrom<PanoramaKeys> for Panorama {
 }
 
 impl Panorama {
-    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+    pub(super) fn focus(&self) -> [DVec3; 2] {
+        [self.eye, self.target]
+    }
+
+    pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
         use std::f32::consts::{PI, TAU};
-        let Self { eye, axes } = *self;
+        let (axes, [width, height]) = (self.axes, size);
         let [right, down] = [
             TAU / width as f32 * axes.right,
             -PI / height as f32 * axes.up,
         ];
         let [to_column, to_row] = [width, height].map(|n| 0.5 * (n as f32 - 1.0));
         ImagePlane {
-            projection: Projection::Panorama { eye, axes },
+            projection: Projection::Panorama { axes },
             lens: None,
-            origin: eye + axes.forward - to_column * right - to_row * down,
+            space: *space,
+            eye_in_world: self.eye,
+            eye: space.point(self.eye),
+            to_first: axes.forward - to_column * right - to_row * down,
             right,
             down,
-            size: [width, height],
+            size,
         }
     }
 }
@@ -81,7 +91,7 @@ mod tests {
 
     fn plane(text: &str) -> ImagePlane {
         let panorama: Panorama = yaml::from_str(text).unwrap();
-        panorama.image_plane(40, 20)
+        panorama.image_plane([40, 20], &RenderSpace::default())
     }
 
     #[test]

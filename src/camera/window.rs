@@ -1,9 +1,10 @@
 //! The perspective camera that looks through a window, which may be off-axis.
 
-use glam::Vec3;
+use glam::DVec3;
 use serde::Deserialize;
 
 use super::image_plane::{ImagePlane, Projection};
+use crate::geometry::RenderSpace;
 use crate::yaml;
 
 /// A perspective camera that looks through a window in a plane of constant z,
@@ -39,16 +40,16 @@ pub enum WindowSamples {
 struct WindowKeys {
     /// The center of projection.
     #[serde(deserialize_with = "yaml::point")]
-    eye: Vec3,
+    eye: DVec3,
     /// The left and the right edge of the window.
     #[serde(deserialize_with = "yaml::range")]
-    x: [f32; 2],
+    x: [f64; 2],
     /// The bottom and the top edge.
     #[serde(deserialize_with = "yaml::range")]
-    y: [f32; 2],
+    y: [f64; 2],
     /// The plane of the window.
-    #[serde(deserialize_with = "yaml::coordinate")]
-    z: f32,
+    #[serde(deserialize_with = "yaml::exact_coordinate")]
+    z: f64,
     /// Where samples are in the cells of the window.
     #[serde(default)]
     samples: WindowSamples,
@@ -67,7 +68,12 @@ impl TryFrom<WindowKeys> for Window {
 }
 
 impl Window {
-    pub(super) fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
+    pub(super) fn focus(&self) -> [DVec3; 2] {
+        let WindowKeys { eye, z, .. } = self.keys;
+        [eye, eye.with_z(z)]
+    }
+
+    pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
         let WindowKeys {
             eye,
             x,
@@ -75,26 +81,30 @@ impl Window {
             z,
             samples,
         } = self.keys;
-        let (first_x, step_x) = samples.grid(x, width);
-        let (below_top, step_y) = samples.grid([0.0, y[1] - y[0]], height);
+        let scaled = |vector: DVec3| (vector / space.unit()).as_vec3();
+        let (first_x, step_x) = samples.grid(x, size[0]);
+        let (below_top, step_y) = samples.grid([0.0, y[1] - y[0]], size[1]);
         ImagePlane {
-            projection: Projection::Perspective { eye },
+            projection: Projection::Perspective,
             lens: None,
-            origin: Vec3::new(first_x, y[1] - below_top, z),
-            right: step_x * Vec3::X,
-            down: -step_y * Vec3::Y,
-            size: [width, height],
+            space: *space,
+            eye_in_world: eye,
+            eye: space.point(eye),
+            to_first: scaled(DVec3::new(first_x, y[1] - below_top, z) - eye),
+            right: scaled(step_x * DVec3::X),
+            down: scaled(-step_y * DVec3::Y),
+            size,
         }
     }
 }
 
 impl WindowSamples {
     /// The first of `n` sample points in the interval, and the step between them.
-    fn grid(self, [from, to]: [f32; 2], n: u32) -> (f32, f32) {
+    fn grid(self, [from, to]: [f64; 2], n: u32) -> (f64, f64) {
         match self {
-            Self::Edges => (from, (to - from) / (n.max(2) - 1) as f32),
+            Self::Edges => (from, (to - from) / f64::from(n.max(2) - 1)),
             Self::Centers => {
-                let step = (to - from) / n as f32;
+                let step = (to - from) / f64::from(n);
                 (from + 0.5 * step, step)
             }
         }
@@ -103,17 +113,19 @@ impl WindowSamples {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     fn plane(samples: WindowSamples) -> ImagePlane {
         let keys = WindowKeys {
-            eye: Vec3::new(0.0, 0.35, -1.0),
+            eye: DVec3::new(0.0, 0.35, -1.0),
             x: [-1.0, 1.0],
             y: [-0.5, 1.0],
             z: 0.0,
             samples,
         };
-        Window { keys }.image_plane(5, 4)
+        Window { keys }.image_plane([5, 4], &RenderSpace::default())
     }
 
     #[test]

@@ -131,7 +131,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let small = small(&image);
     scene.image_plane = config
         .camera
-        .image_plane(small.width, small.height)
+        .image_plane([small.width, small.height], &scene.space)
         .of_pinhole();
     let (cloud, _) = pool.install(|| {
         let plan = TilePlan::new(&scene, &accel, &small, Tiling::default());

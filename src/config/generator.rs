@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use glam::{UVec3, Vec3};
+use glam::{DVec3, UVec3, Vec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, MapAccess, Unexpected};
 
-use crate::geometry::Sphere;
+use crate::geometry::{Located, Sphere, located};
 use crate::sampling::uniform;
 use crate::yaml;
 
@@ -47,12 +47,29 @@ impl Generator {
         }
     }
 
-    /// Returns sphere `i`, from 0 to [`n_spheres`](Self::n_spheres) - 1, and the
-    /// index of its material among `n_materials`.
-    pub fn sphere(&self, i: usize, n_materials: usize) -> (Sphere, usize) {
+    /// The corners of the box of the centers, around the origin of the spheres.
+    pub fn corners(&self) -> Located<[Vec3; 2]> {
+        located(match self {
+            Self::SphereCloud(cloud) => [cloud.min, cloud.max],
+            Self::SphereGrid(grid) => [grid.min, grid.max],
+        })
+    }
+
+    /// The greatest radius.
+    pub fn max_radius(&self) -> f32 {
         match self {
-            Self::SphereCloud(cloud) => cloud.sphere(i, n_materials),
-            Self::SphereGrid(grid) => (grid.sphere(i), i % n_materials),
+            Self::SphereCloud(cloud) => cloud.radius[1],
+            Self::SphereGrid(grid) => grid.radius,
+        }
+    }
+
+    /// Returns sphere `i`, from 0 to [`n_spheres`](Self::n_spheres) - 1, and the
+    /// index of its material among `n_materials`. `corners` are those of its
+    /// [`corners`](Self::corners).
+    pub fn sphere(&self, corners: [Vec3; 2], i: usize, n_materials: usize) -> (Sphere, usize) {
+        match self {
+            Self::SphereCloud(cloud) => cloud.sphere(corners, i, n_materials),
+            Self::SphereGrid(grid) => (grid.sphere(corners, i), i % n_materials),
         }
     }
 }
@@ -84,10 +101,10 @@ pub struct SphereCloud {
     pub count: u32,
     /// One corner of the box of the centers.
     #[serde(deserialize_with = "yaml::point")]
-    pub min: Vec3,
+    pub min: DVec3,
     /// The opposite corner.
     #[serde(deserialize_with = "yaml::point")]
-    pub max: Vec3,
+    pub max: DVec3,
     /// Least and greatest radius, or one for all.
     #[serde(deserialize_with = "yaml::positive_range")]
     pub radius: [f32; 2],
@@ -105,12 +122,12 @@ impl SphereCloud {
         self.count = count;
     }
 
-    fn sphere(&self, i: usize, n_materials: usize) -> (Sphere, usize) {
+    fn sphere(&self, [min, max]: [Vec3; 2], i: usize, n_materials: usize) -> (Sphere, usize) {
         let [x, y, z, r] = uniform([self.seed, i as u64, 0]);
         let [m, ..] = uniform([self.seed, i as u64, 1]);
         let [least, greatest] = self.radius;
         let sphere = Sphere {
-            center: self.min + (self.max - self.min) * Vec3::new(x, y, z),
+            center: min + (max - min) * Vec3::new(x, y, z),
             radius: least + (greatest - least) * r,
         };
         (sphere, (m * n_materials as f32) as usize)
@@ -133,21 +150,21 @@ pub struct SphereGrid {
     pub counts: UVec3,
     /// The center of the first sphere.
     #[serde(deserialize_with = "yaml::point")]
-    pub min: Vec3,
+    pub min: DVec3,
     /// The center of the last sphere.
     #[serde(deserialize_with = "yaml::point")]
-    pub max: Vec3,
+    pub max: DVec3,
     /// The radius of all spheres, greater than 0.
     #[serde(deserialize_with = "yaml::positive")]
     pub radius: f32,
 }
 
 impl SphereGrid {
-    fn sphere(&self, i: usize) -> Sphere {
+    fn sphere(&self, [min, max]: [Vec3; 2], i: usize) -> Sphere {
         let [nx, ny, _] = self.counts.to_array().map(|n| n as usize);
         let cell = [i % nx, i / nx % ny, i / (nx * ny)].map(|n| n as f32);
         let steps = self.counts.saturating_sub(UVec3::ONE).max(UVec3::ONE);
-        let center = self.min + (self.max - self.min) * Vec3::from(cell) / steps.as_vec3();
+        let center = min + (max - min) * Vec3::from(cell) / steps.as_vec3();
         Sphere {
             center,
             radius: self.radius,
@@ -181,15 +198,16 @@ mod tests {
     fn a_cloud_stays_in_its_box_and_uses_all_materials_equally() {
         let cloud = SphereCloud {
             count: 1000,
-            min: Vec3::new(-1.0, 2.0, 5.0),
-            max: Vec3::new(1.0, 3.0, 9.0),
+            min: DVec3::new(-1.0, 2.0, 5.0),
+            max: DVec3::new(1.0, 3.0, 9.0),
             radius: [0.1, 0.2],
             seed: 4,
         };
         let mut n_of_material = [0; 3];
         for i in 0..1000 {
-            let (sphere, material) = cloud.sphere(i, 3);
-            assert!(sphere.center.cmpge(cloud.min).all() && sphere.center.cmple(cloud.max).all());
+            let [min, max] = [cloud.min, cloud.max].map(|corner| corner.as_vec3());
+            let (sphere, material) = cloud.sphere([min, max], i, 3);
+            assert!(sphere.center.cmpge(min).all() && sphere.center.cmple(max).all());
             assert!((0.1..=0.2).contains(&sphere.radius));
             n_of_material[material] += 1;
         }
@@ -201,12 +219,12 @@ mod tests {
     fn a_grid_reaches_from_corner_to_corner() {
         let grid = Generator::SphereGrid(SphereGrid {
             counts: UVec3::new(3, 1, 2),
-            min: Vec3::ZERO,
-            max: Vec3::new(4.0, 7.0, 1.0),
+            min: DVec3::ZERO,
+            max: DVec3::new(4.0, 7.0, 1.0),
             radius: 0.5,
         });
         let centers: Vec<Vec3> = (0..grid.n_spheres())
-            .map(|i| grid.sphere(i, 1).0.center)
+            .map(|i| grid.sphere(grid.corners().geometry, i, 1).0.center)
             .collect();
         assert_eq!(centers.len(), 6);
         assert_eq!(centers[1], Vec3::new(2.0, 0.0, 0.0));

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 use serde::Deserialize;
 use serde::de::Deserializer;
 
@@ -168,10 +168,10 @@ pub struct PlaceCloud {
     pub count: u32,
     /// One corner of the box of the positions.
     #[serde(deserialize_with = "yaml::point")]
-    pub min: Vec3,
+    pub min: DVec3,
     /// The opposite corner.
     #[serde(deserialize_with = "yaml::point")]
-    pub max: Vec3,
+    pub max: DVec3,
     /// Least and greatest scale, or one for all; 1 if not given.
     #[serde(default = "same_size", deserialize_with = "yaml::positive_range")]
     pub scale: [f32; 2],
@@ -193,15 +193,16 @@ fn axis<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec3>, D::Error> {
 
 impl PlaceCloud {
     /// The place of instance `i`.
-    pub fn place(&self, i: usize) -> Affine3A {
+    pub fn place(&self, i: usize) -> DAffine3 {
         let [x, y, z, s] = uniform([self.seed, i as u64, 0]);
         let [angle, ..] = uniform([self.seed, i as u64, 1]);
         let [least, greatest] = self.scale;
-        let turn = self.turn.map_or(Quat::IDENTITY, |axis| {
-            Quat::from_axis_angle(axis, std::f32::consts::TAU * angle)
+        let turn = self.turn.map_or(DQuat::IDENTITY, |axis| {
+            let angle = std::f64::consts::TAU * f64::from(angle);
+            DQuat::from_axis_angle(axis.as_dvec3().normalize(), angle)
         });
-        let position = self.min + (self.max - self.min) * Vec3::new(x, y, z);
-        let scale = Vec3::splat(least + (greatest - least) * s);
-        Affine3A::from_scale_rotation_translation(scale, turn, position)
+        let position = self.min + (self.max - self.min) * DVec3::new(x.into(), y.into(), z.into());
+        let scale = DVec3::splat((least + (greatest - least) * s).into());
+        DAffine3::from_scale_rotation_translation(scale, turn, position)
     }
 }

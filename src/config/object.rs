@@ -10,7 +10,7 @@ use super::file::GeometryFile;
 use super::generator::Generator;
 use super::instances::InstancedMesh;
 use super::tube::Tube;
-use crate::geometry::{Shape, TransformStep};
+use crate::geometry::{Located, Shape, TransformStep};
 use crate::yaml;
 
 /// One of the scene file's `objects`: a geometry under its own key, a material,
@@ -45,7 +45,7 @@ pub struct Object {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
     /// One shape.
-    Shape(Shape),
+    Shape(Located<Shape>),
     /// Many shapes from a generator.
     Generator(Generator),
     /// A tube through points.
@@ -64,7 +64,7 @@ pub struct MaterialNames(pub Vec<String>);
 impl fmt::Display for Geometry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Shape(shape) => shape.fmt(f),
+            Self::Shape(shape) => shape.geometry.fmt(f),
             Self::Generator(generator) => generator.fmt(f),
             Self::Tube(_) => f.write_str(Tube::KEY),
             Self::File(file) => file.fmt(f),

@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Deserializer};
 
 use crate::color::Transfer;
+use crate::geometry::RenderSpace;
 use crate::text;
 use crate::yaml;
 
@@ -174,6 +175,16 @@ fn default_depth() -> u8 {
 
 fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
     yaml::whole(d, 0..=u8::MAX)
+}
+
+impl Shading {
+    /// The settings, whose lengths are those of world space, in render space.
+    pub(crate) fn in_space(self, space: &RenderSpace) -> Self {
+        Self {
+            occlusion_distance: space.length(self.occlusion_distance),
+            ..self
+        }
+    }
 }
 
 impl Default for Shading {

@@ -1,10 +1,10 @@
 //! A tube through points that the scene file gives.
 
-use glam::Vec3;
+use glam::DVec3;
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use crate::geometry::Sphere;
+use crate::geometry::{Sphere, origin_near};
 use crate::import::Tubes;
 use crate::yaml::{self, OneOrList};
 
@@ -34,7 +34,7 @@ struct TubeKeys {
 }
 
 #[derive(Deserialize)]
-struct LinePoint(#[serde(deserialize_with = "yaml::point")] Vec3);
+struct LinePoint(#[serde(deserialize_with = "yaml::point")] DVec3);
 
 impl TryFrom<TubeKeys> for Tube {
     type Error = String;
@@ -51,10 +51,14 @@ impl TryFrom<TubeKeys> for Tube {
                 ));
             }
         };
+        let origin = origin_near(points.iter().map(|LinePoint(point)| *point));
         let spheres = points.into_iter().zip(radii);
-        let spheres = spheres.map(|(LinePoint(center), radius)| Sphere { center, radius });
+        let spheres = spheres.map(|(LinePoint(center), radius)| Sphere {
+            center: (center - origin).as_vec3(),
+            radius,
+        });
         Tubes::of_line(spheres)
-            .map(Self)
+            .map(|tubes| Self(tubes.at(origin)))
             .map_err(|_| "cannot be without a length, expected two different points".to_owned())
     }
 }

@@ -26,6 +26,8 @@ pub struct Column {
 enum Origin {
     /// A field of [`Strip`].
     Stored(fn(&Strip) -> &[u8]),
+    /// The positions in world space.
+    Position,
     /// The counters of the tiles.
     Counted(Metric),
     /// The tiles of the image.
@@ -149,7 +151,23 @@ fn all_columns(
 
 impl Column {
     /// The hit points in world space: three numbers per pixel; NaN without a hit.
-    pub const POSITION: Self = column!("Points", position, F32 x 3 in LENGTH_UNIT);
+    pub const POSITION: Self = Self {
+        n_components: 3,
+        unit: Some(LENGTH_UNIT),
+        ..computed("Points", ScalarType::F32, Origin::Position)
+    };
+
+    /// The hit points in a file of points: numbers of 64 bits where the scene is so far from
+    /// the origin of world space that 32 have too few digits.
+    pub fn points(film: &Film) -> Self {
+        if film.space.is_centered() {
+            return Self::POSITION;
+        }
+        Self {
+            scalar: ScalarType::F64,
+            ..Self::POSITION
+        }
+    }
 
     /// The linear light of the pixel, with the primaries of sRGB; on request.
     pub const RADIANCE: Self = column!("radiance", radiance, F32 x 3);
@@ -169,6 +187,7 @@ impl Column {
     pub fn stride(&self) -> usize {
         let scalar = match self.scalar {
             ScalarType::U8 => 1,
+            ScalarType::F64 => 8,
             _ => 4,
         };
         scalar * self.n_components
@@ -179,7 +198,7 @@ impl Column {
         match self.origin {
             Origin::Stored(_) => true,
             Origin::Counted(metric) => metric.source != MetricSource::AllRays,
-            Origin::Tile | Origin::Thread => false,
+            Origin::Position | Origin::Tile | Origin::Thread => false,
         }
     }
 
@@ -193,6 +212,7 @@ impl Column {
     pub fn bytes<'a>(&self, film: &Film, strip: &'a Strip, buffer: &'a mut Vec<u32>) -> &'a [u8] {
         match self.origin {
             Origin::Stored(bytes) => return bytes(strip),
+            Origin::Position => film.world_positions(strip, self.scalar, buffer),
             Origin::Counted(metric) => film.counts(strip, metric, buffer),
             Origin::Tile => film.tile_numbers(strip, buffer),
             Origin::Thread => film.threads(strip, buffer),

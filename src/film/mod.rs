@@ -21,6 +21,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 use rayon::prelude::*;
+use vtkio::model::ScalarType;
 
 use column::kept_columns;
 pub use column::{Column, columns, written_columns};
@@ -33,6 +34,7 @@ pub use tile::RenderedTile;
 use crate::color::Development;
 use crate::config::{CostMode, ExtraArrays, Repeats};
 use crate::cost::{Cost, RaysByBounce};
+use crate::geometry::RenderSpace;
 use crate::host::grow_heap;
 use crate::schedule::TileGrid;
 
@@ -52,6 +54,8 @@ pub struct Film {
     /// Samples of every pixel, each with its own camera ray; 0 if they are counted by
     /// pixel, as [`Counter::Samples`](crate::cost::Counter::Samples).
     pub n_samples: u32,
+    /// The space of the positions of its hits.
+    pub space: RenderSpace,
     /// How the colors of its pixels become those of the picture.
     pub development: Development,
     /// What it keeps besides what every film keeps.
@@ -116,6 +120,7 @@ impl Film {
         Self {
             grid,
             n_samples,
+            space: RenderSpace::default(),
             development: Development::default(),
             extra,
             cost,
@@ -180,6 +185,21 @@ impl Film {
     /// The same, with the arrays that its VTK files leave out.
     pub fn kept_columns(&self) -> impl Iterator<Item = Column> + use<> {
         kept_columns(self.cost, self.repeats, self.counts_samples(), self.extra)
+    }
+
+    /// Overwrites `words` by the positions of a strip's hits in world space, as numbers of 64
+    /// bits or of 32.
+    fn world_positions(&self, strip: &Strip, scalar: ScalarType, words: &mut Vec<u32>) {
+        words.clear();
+        for position in &strip.position {
+            let in_world = self.space.world_point(*position);
+            match scalar {
+                ScalarType::F64 => {
+                    words.extend_from_slice(bytemuck::cast_slice(&in_world.to_array()))
+                }
+                _ => words.extend_from_slice(bytemuck::cast_slice(&in_world.as_vec3().to_array())),
+            }
+        }
     }
 
     /// Number of pixels with a hit.

@@ -26,13 +26,14 @@ pub struct Rendered<'a> {
 pub struct Pixel {
     /// The mean radiance of the samples: linear, and as bright as it may be.
     pub color: Vec3,
-    /// The point that the camera ray of the center sample hit; NaN without a hit.
+    /// The point that the camera ray of the center sample hit, in render space; NaN without a
+    /// hit.
     pub position: Vec3,
     /// The shading normal there; NaN without a hit.
     pub normal: Vec3,
     /// The color of the surface there; black without a hit.
     pub albedo: Vec3,
-    /// Distance along that ray; NaN without a hit.
+    /// Distance along that ray, in world units; NaN without a hit.
     pub distance: f32,
     /// The size of the pixel there, in world units; NaN without a hit.
     pub footprint: f32,

@@ -3,32 +3,39 @@
 //! The formulas of cones in the coordinates of such a ray: the point is `y` along the axis
 //! from its center and `across` it, the direction likewise.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use super::located::{Located, located};
 use super::surface::{parameters_of, vector};
 use super::{N_PARAMETERS, Transform};
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
-/// Two different points: `[[x, y, z], [x, y, z]]`.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "TwoPoints")]
+/// Two different points.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ends(pub(super) [Vec3; 2]);
+
+/// Two different points: `[[x, y, z], [x, y, z]]`.
+#[derive(Deserialize)]
+#[serde(try_from = "TwoPoints")]
+pub(super) struct EndKeys(pub(super) Located<Ends>);
 
 #[derive(Deserialize)]
 #[serde(expecting = "two ends: [[x, y, z], [x, y, z]]")]
 struct TwoPoints(
-    #[serde(deserialize_with = "yaml::point")] Vec3,
-    #[serde(deserialize_with = "yaml::point")] Vec3,
+    #[serde(deserialize_with = "yaml::point")] DVec3,
+    #[serde(deserialize_with = "yaml::point")] DVec3,
 );
 
-impl TryFrom<TwoPoints> for Ends {
+impl TryFrom<TwoPoints> for EndKeys {
     type Error = &'static str;
 
     fn try_from(TwoPoints(from, to): TwoPoints) -> Result<Self, Self::Error> {
-        if (to - from).length() > 0.0 {
-            Ok(Self([from, to]))
+        let ends = located([from, to]);
+        let [first, second] = ends.geometry;
+        if (second - first).length() > 0.0 {
+            Ok(Self(ends.map(Ends)))
         } else {
             Err("cannot be without a length, expected two different ends")
         }

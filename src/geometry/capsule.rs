@@ -5,7 +5,8 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::axis::{AxisRay, ChosenPart, Ends, ShapeAxis};
+use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
+use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Real, Vector};
@@ -15,22 +16,40 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Capsule;
-/// let pill: Capsule = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let pill: Located<Capsule> = raycost::yaml::from_str("
 /// { ends: [[-1, 0, 2], [1, 0, 2]], radius: 0.5 }
 /// ").unwrap();
-/// let thorn: Capsule = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let thorn: Located<Capsule> = raycost::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 3, 2]], radius: [0.5, 0.1] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capsule {
     /// The centers of the two ends, which differ.
     ends: Ends,
+    /// The radii at the ends.
+    radius: [f32; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CapsuleKeys {
+    /// The centers of the two ends, which differ.
+    ends: EndKeys,
     /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
     /// which one may be 0; of a capsule one number, or one for each end.
     #[serde(deserialize_with = "yaml::radii")]
     radius: [f32; 2],
+}
+
+impl Described for Capsule {
+    type Keys = CapsuleKeys;
+
+    fn described(CapsuleKeys { ends, radius }: CapsuleKeys) -> Result<Located<Self>, &'static str> {
+        Ok(ends.0.map(|ends| Self { ends, radius }))
+    }
 }
 
 impl Capsule {

@@ -5,7 +5,8 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::axis::{AxisRay, ChosenPart, Ends, ShapeAxis};
+use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
+use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::sampling::disk;
@@ -17,19 +18,36 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Cone;
-/// let tip: Cone = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let tip: Located<Cone> = raycost::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 1, 2]], radius: [0.5, 0] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
     /// The centers of the two ends, which differ.
     ends: Ends,
+    /// The radii at the ends.
+    radius: [f32; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConeKeys {
+    /// The centers of the two ends, which differ.
+    ends: EndKeys,
     /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
     /// which one may be 0; of a capsule one number, or one for each end.
     #[serde(deserialize_with = "yaml::cone_radii")]
     radius: [f32; 2],
+}
+
+impl Described for Cone {
+    type Keys = ConeKeys;
+
+    fn described(ConeKeys { ends, radius }: ConeKeys) -> Result<Located<Self>, &'static str> {
+        Ok(ends.0.map(|ends| Self { ends, radius }))
+    }
 }
 
 impl Cone {

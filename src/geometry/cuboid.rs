@@ -1,8 +1,9 @@
 //! Axis-aligned boxes as shapes.
 
-use glam::Vec3;
+use glam::DVec3;
 use serde::Deserialize;
 
+use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
@@ -13,31 +14,33 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Cuboid;
-/// let cuboid: Cuboid = raycost::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
+/// # use raycost::geometry::Located;
+/// let cuboid: Located<Cuboid> = raycost::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "CuboidKeys")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid {
     bounds: Aabb,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CuboidKeys {
+pub struct CuboidKeys {
     /// The corner with the least coordinates.
     #[serde(deserialize_with = "yaml::point")]
-    min: Vec3,
+    min: DVec3,
     /// The corner with the greatest coordinates.
     #[serde(deserialize_with = "yaml::point")]
-    max: Vec3,
+    max: DVec3,
 }
 
-impl TryFrom<CuboidKeys> for Cuboid {
-    type Error = &'static str;
+impl Described for Cuboid {
+    type Keys = CuboidKeys;
 
-    fn try_from(CuboidKeys { min, max }: CuboidKeys) -> Result<Self, Self::Error> {
-        if min.cmplt(max).all() {
-            Ok(Self::new(Aabb { min, max }))
+    fn described(CuboidKeys { min, max }: CuboidKeys) -> Result<Located<Self>, &'static str> {
+        let corners = located([min, max]);
+        let [least, greatest] = corners.geometry;
+        if least.cmplt(greatest).all() {
+            Ok(corners.map(|[min, max]| Self::new(Aabb { min, max })))
         } else {
             Err("cannot be without volume, expected min < max on every axis")
         }
@@ -206,6 +209,8 @@ impl<R: Real> FaceAxis<R> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]

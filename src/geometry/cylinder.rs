@@ -3,7 +3,8 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::axis::Ends;
+use super::axis::EndKeys;
+use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::{Aabb, Cone, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Real, Vector};
@@ -14,28 +15,32 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Cylinder;
-/// let pillar: Cylinder = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let pillar: Located<Cylinder> = raycost::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 3, 2]], radius: 0.2 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(from = "CylinderKeys")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder(Cone);
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CylinderKeys {
+pub struct CylinderKeys {
     /// The centers of the two ends, which differ.
-    ends: Ends,
+    ends: EndKeys,
     /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
     /// which one may be 0; of a capsule one number, or one for each end.
     #[serde(deserialize_with = "yaml::positive")]
     radius: f32,
 }
 
-impl From<CylinderKeys> for Cylinder {
-    fn from(CylinderKeys { ends, radius }: CylinderKeys) -> Self {
-        Self::new(ends.0, radius)
+impl Described for Cylinder {
+    type Keys = CylinderKeys;
+
+    fn described(
+        CylinderKeys { ends, radius }: CylinderKeys,
+    ) -> Result<Located<Self>, &'static str> {
+        Ok(ends.0.map(|ends| Self::new(ends.0, radius)))
     }
 }
 

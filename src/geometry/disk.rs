@@ -2,11 +2,12 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
-use super::surface::{parameters_of, vector};
+use super::surface::{parameters_of, rounding_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
 use crate::sampling::disk;
 use crate::simd::{Real, Vector};
@@ -16,23 +17,51 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Disk;
-/// let disk: Disk = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let disk: Located<Disk> = raycost::yaml::from_str("
 /// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
 /// ").unwrap();
 /// # assert_eq!(disk.radius, 0.5);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {
     /// The center.
-    #[serde(deserialize_with = "yaml::point")]
     pub center: Vec3,
-    /// The unit normal; the file may give any length but zero.
-    #[serde(deserialize_with = "yaml::direction")]
+    /// The unit normal.
     pub normal: Vec3,
     /// The radius, greater than 0.
-    #[serde(deserialize_with = "yaml::positive")]
     pub radius: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DiskKeys {
+    /// The center.
+    #[serde(deserialize_with = "yaml::point")]
+    center: DVec3,
+    /// The unit normal; the file may give any length but zero.
+    #[serde(deserialize_with = "yaml::direction")]
+    normal: Vec3,
+    /// The radius, greater than 0.
+    #[serde(deserialize_with = "yaml::positive")]
+    radius: f32,
+}
+
+impl Described for Disk {
+    type Keys = DiskKeys;
+
+    fn described(keys: DiskKeys) -> Result<Located<Self>, &'static str> {
+        let DiskKeys {
+            center,
+            normal,
+            radius,
+        } = keys;
+        Ok(located([center]).map(|[center]| Self {
+            center,
+            normal,
+            radius,
+        }))
+    }
 }
 
 impl Disk {
@@ -92,6 +121,12 @@ impl Project for Disk {
         near: Vector<R>,
     ) -> (Vector<R>, Vector<R>) {
         Plane::project_onto(parameters, near)
+    }
+
+    #[inline(always)]
+    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
+        let [x, y, z, ..] = *parameters;
+        rounding_of(&[x, y, z, point.x, point.y, point.z])
     }
 }
 

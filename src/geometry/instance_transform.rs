@@ -1,6 +1,6 @@
 //! The placement of one instance of a mesh.
 
-use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 
 use super::aabb::Aabb;
 use super::ray::Ray;
@@ -26,22 +26,17 @@ pub struct InstanceTransform {
 }
 
 impl InstanceTransform {
-    /// The transform of a mesh whose center was moved to the origin; `None` if it has no
-    /// inverse, or if one of its scales is not between 1e-9 and 1e9.
-    pub fn new(world_from_mesh: &Affine3A, center: Vec3) -> Option<Self> {
-        let linear = Mat3::from(world_from_mesh.matrix3);
-        let place = DAffine3 {
-            matrix3: linear.as_dmat3(),
-            translation: Vec3::from(world_from_mesh.translation).as_dvec3(),
-        };
-        let inverse = place.matrix3.inverse();
+    /// The transform of a mesh whose center is the origin; `None` if it has no inverse, or if one of its scales is not between 1e-9 and 1e9.
+    pub fn new(place: &DAffine3) -> Option<Self> {
+        let linear = place.matrix3.as_mat3();
+        let inverse = linear.as_dmat3().inverse();
         let is_usable = |matrix: &DMat3| {
             let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
             let mut lengths = axes.iter().map(|axis: &DVec3| axis.length());
             lengths.all(|length| (1.0 / MAX_SCALE..=MAX_SCALE).contains(&length))
         };
-        let position = place.transform_point3(center.as_dvec3()).as_vec3();
-        let usable = is_usable(&place.matrix3) && is_usable(&inverse) && position.is_finite();
+        let position = place.translation.as_vec3();
+        let usable = is_usable(&linear.as_dmat3()) && is_usable(&inverse) && position.is_finite();
         usable.then(|| Self {
             world_from_mesh: linear,
             mesh_from_world: inverse.as_mat3(),
@@ -131,17 +126,16 @@ impl InstanceTransform {
 
 #[cfg(test)]
 mod tests {
-    use glam::Quat;
+    use glam::DQuat;
 
     use super::*;
 
     /// A rotation, a scale that differs by axis and mirrors, and a translation.
     fn skewed() -> InstanceTransform {
-        let turn = Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 0.7);
-        let scale = Vec3::new(2.0, -0.5, 1.25);
-        let place =
-            Affine3A::from_scale_rotation_translation(scale, turn, Vec3::new(3.0, -8.0, 5.0));
-        InstanceTransform::new(&place, Vec3::new(0.5, 1.0, -2.0)).unwrap()
+        let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.7);
+        let (scale, to) = (DVec3::new(2.0, -0.5, 1.25), DVec3::new(3.0, -8.0, 5.0));
+        let place = DAffine3::from_scale_rotation_translation(scale, turn, to);
+        InstanceTransform::new(&place).unwrap()
     }
 
     #[test]
@@ -187,14 +181,11 @@ mod tests {
     #[test]
     fn what_has_no_inverse_is_refused() {
         for scale in [
-            Vec3::new(1.0, 0.0, 1.0),
-            Vec3::splat(1e-10),
-            Vec3::splat(1e10),
+            DVec3::new(1.0, 0.0, 1.0),
+            DVec3::splat(1e-10),
+            DVec3::splat(1e10),
         ] {
-            assert_eq!(
-                InstanceTransform::new(&Affine3A::from_scale(scale), Vec3::ZERO),
-                None
-            );
+            assert_eq!(InstanceTransform::new(&DAffine3::from_scale(scale)), None);
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Infinite planes.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
-use super::surface::{parameters_of, vector};
+use super::surface::{parameters_of, rounding_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::simd::{Real, Vector};
 use crate::yaml;
@@ -17,18 +18,35 @@ pub(super) const MIN_COS: f32 = 1e-6;
 ///
 /// ```
 /// # use raycost::geometry::Plane;
-/// let floor: Plane = raycost::yaml::from_str("{ point: [0, -0.5, 0], normal: [0, 1, 0] }").unwrap();
+/// # use raycost::geometry::Located;
+/// let floor: Located<Plane> = raycost::yaml::from_str("{ point: [0, -0.5, 0], normal: [0, 1, 0] }").unwrap();
 /// # assert_eq!(floor.normal.y, 1.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
     /// One of its points.
-    #[serde(deserialize_with = "yaml::point")]
     pub point: Vec3,
+    /// The unit normal.
+    pub normal: Vec3,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneKeys {
+    /// One of its points.
+    #[serde(deserialize_with = "yaml::point")]
+    point: DVec3,
     /// The unit normal; the file may give any length but zero.
     #[serde(deserialize_with = "yaml::direction")]
-    pub normal: Vec3,
+    normal: Vec3,
+}
+
+impl Described for Plane {
+    type Keys = PlaneKeys;
+
+    fn described(PlaneKeys { point, normal }: PlaneKeys) -> Result<Located<Self>, &'static str> {
+        Ok(located([point]).map(|[point]| Self { point, normal }))
+    }
 }
 
 impl Plane {
@@ -84,6 +102,12 @@ impl Project for Plane {
         let (point, normal) = (vector(parameters, 0), vector(parameters, 3));
         let above = (near - point).dot(normal);
         (near - normal * above, normal)
+    }
+
+    #[inline(always)]
+    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
+        let [x, y, z, ..] = *parameters;
+        rounding_of(&[x, y, z, point.x, point.y, point.z])
     }
 }
 

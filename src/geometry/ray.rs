@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::simd::{Integer, Real, Vector};
+use crate::simd::{Real, Vector};
 
 /// A half-line: the points `origin + t * direction` with `t > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,15 +20,13 @@ impl Ray {
         self.origin + t * self.direction
     }
 
-    /// The ray in `direction` from the surface point `position` with unit
-    /// normal `normal`. Its origin is offset from the surface toward the side of
-    /// the direction, so that it does not hit the surface again.
+    /// The ray in `direction` from a surface point with a unit normal. `error` bounds the
+    /// distance of the computed point from the surface: the ray starts as far off the surface,
+    /// on the side of its direction, so that it does not hit it again.
     ///
-    /// The offset is 256 units in the last place of each coordinate, or 1/65536
-    /// near the origin of space: Wächter and Binder, "A Fast and Robust Method
-    /// for Avoiding Self-Intersection", Ray Tracing Gems (2019), chapter 6.
-    pub fn leaving(position: Vec3, normal: Vec3, direction: Vec3) -> Self {
-        let origin = leaving(position.into(), normal.into(), direction.into());
+    /// Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 6.8.6.
+    pub fn leaving([position, normal]: [Vec3; 2], error: f32, direction: Vec3) -> Self {
+        let origin = leaving([position.into(), normal.into()], error, direction.into());
         Self {
             origin: origin.into(),
             direction,
@@ -38,22 +36,12 @@ impl Ray {
 
 /// The origin of [`Ray::leaving`], for one ray or for lanes of rays.
 #[inline(always)]
-pub fn leaving<R: Real>(position: Vector<R>, normal: Vector<R>, direction: Vector<R>) -> Vector<R> {
-    let side = normal.flip_sign_by(direction.dot(normal));
-    Vector {
-        x: offset(position.x, side.x),
-        y: offset(position.y, side.y),
-        z: offset(position.z, side.z),
-    }
-}
-
-/// A coordinate `p`, offset along the normal's coordinate `n`.
-#[inline(always)]
-fn offset<R: Real>(p: R, n: R) -> R {
-    let near_zero = p + n * p.splat(1.0 / 65536.0);
-    let ulps = (p.splat(256.0) * n).flip_sign_by(p).to_integer();
-    let far = R::from_integer_bits(p.to_integer_bits().plus(ulps));
-    R::select(p.abs().lt(p.splat(1.0 / 32.0)), near_zero, far)
+pub fn leaving<R: Real>(
+    [position, normal]: [Vector<R>; 2],
+    error: R,
+    direction: Vector<R>,
+) -> Vector<R> {
+    position + normal.flip_sign_by(direction.dot(normal)) * error
 }
 
 #[cfg(test)]
@@ -66,9 +54,10 @@ mod tests {
             for sign in [-1.0, 1.0] {
                 let position = Vec3::new(0.3, -0.7, 0.2) * scale;
                 let normal = Vec3::new(1.0, 2.0, -3.0).normalize();
-                let ray = Ray::leaving(position, normal, sign * normal);
-                assert!((ray.origin - position).dot(normal) * sign > 0.0);
-                assert!((ray.origin - position).length() < 1e-4 * scale.max(1.0));
+                let error = 1e-5 * scale;
+                let ray = Ray::leaving([position, normal], error, sign * normal);
+                let height = (ray.origin - position).dot(normal) * sign;
+                assert!((0.9 * error..1.1 * error).contains(&height));
             }
         }
     }

@@ -1,8 +1,9 @@
 //! Flat rectangles and parallelograms.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use super::located::{Described, Located, located};
 use super::plane::MIN_COS;
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::spherical_rectangle::SphericalRectangle;
@@ -16,12 +17,12 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Rectangle;
-/// let wall: Rectangle = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let wall: Located<Rectangle> = raycost::yaml::from_str("
 /// { corner: [-1, 0, 2], edges: [[2, 0, 0], [0, 1, 0]] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "RectangleKeys")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     corner: Vec3,
     /// Not parallel. The outward normal is along their cross product.
@@ -30,10 +31,10 @@ pub struct Rectangle {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RectangleKeys {
+pub struct RectangleKeys {
     /// A corner.
     #[serde(deserialize_with = "yaml::point")]
-    corner: Vec3,
+    corner: DVec3,
     /// The two edges at the corner, which are not parallel.
     edges: Edges,
 }
@@ -41,20 +42,22 @@ struct RectangleKeys {
 #[derive(Deserialize)]
 #[serde(expecting = "two edges: [[x, y, z], [x, y, z]]")]
 struct Edges(
-    #[serde(deserialize_with = "yaml::point")] Vec3,
-    #[serde(deserialize_with = "yaml::point")] Vec3,
+    #[serde(deserialize_with = "yaml::point")] DVec3,
+    #[serde(deserialize_with = "yaml::point")] DVec3,
 );
 
-impl TryFrom<RectangleKeys> for Rectangle {
-    type Error = &'static str;
+impl Described for Rectangle {
+    type Keys = RectangleKeys;
 
-    fn try_from(RectangleKeys { corner, edges }: RectangleKeys) -> Result<Self, Self::Error> {
-        let Edges(u, v) = edges;
+    fn described(
+        RectangleKeys { corner, edges }: RectangleKeys,
+    ) -> Result<Located<Self>, &'static str> {
+        let [u, v] = [edges.0, edges.1].map(|edge| edge.as_vec3());
         let sine = u.normalize_or_zero().cross(v.normalize_or_zero()).length();
         if sine < 1e-6 {
             return Err("cannot be without area, expected two edges that are not parallel");
         }
-        Ok(Self::new(corner, u, v))
+        Ok(located([corner]).map(|[corner]| Self::new(corner, u, v)))
     }
 }
 
@@ -104,10 +107,8 @@ impl Intersectable for Rectangle {
     }
 
     fn transformed(&self, transform: &Transform) -> Option<Self> {
-        let corner = transform.world_point(self.corner);
-        let edge = |edge: Vec3| transform.world_point(self.corner + edge) - corner;
-        let [u, v] = self.edges;
-        Some(Self::new(corner, edge(u), edge(v)))
+        let [u, v] = self.edges.map(|edge| transform.world_vector(edge));
+        Some(Self::new(transform.world_point(self.corner), u, v))
     }
 
     fn patch(&self) -> Option<Patch> {
@@ -271,7 +272,7 @@ mod tests {
 
     #[test]
     fn parallel_edges_are_refused() {
-        let read = |text: &str| yaml::from_str::<Rectangle>(text).is_ok();
+        let read = |text: &str| yaml::from_str::<Located<Rectangle>>(text).is_ok();
         assert!(read("{ corner: [0, 0, 0], edges: [[1, 0, 0], [1, 1, 0]] }"));
         assert!(!read(
             "{ corner: [0, 0, 0], edges: [[1, 0, 0], [-2, 0, 0]] }"

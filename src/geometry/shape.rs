@@ -6,7 +6,8 @@ use glam::Vec3;
 use serde::de::MapAccess;
 
 use super::{
-    Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Sampled, Seen, SurfaceSample, Transform,
+    Aabb, Intersectable, Located, N_PARAMETERS, Patch, Project, Ray, Sampled, Seen, SurfaceSample,
+    Transform,
 };
 use crate::simd::{Real, Vector};
 
@@ -31,9 +32,12 @@ macro_rules! shapes {
             pub fn next_value<'de, A: MapAccess<'de>>(
                 key: &str,
                 map: &mut A,
-            ) -> Result<Option<Self>, A::Error> {
+            ) -> Result<Option<Located<Self>>, A::Error> {
                 match key {
-                    $($key => map.next_value().map(|shape| Some(Self::$shape(shape))),)*
+                    $($key => {
+                        let shape: Located<$shape> = map.next_value()?;
+                        Ok(Some(shape.map(Self::$shape)))
+                    })*
                     _ => Ok(None),
                 }
             }
@@ -57,6 +61,16 @@ macro_rules! shapes {
                 near: Vector<R>,
             ) -> (Vector<R>, Vector<R>) {
                 match self { $(Self::$shape => $shape::project_onto(parameters, near),)* }
+            }
+
+            /// [`Project::rounding`] of shapes of this kind.
+            #[inline(always)]
+            pub fn rounding<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                point: Vector<R>,
+            ) -> R {
+                match self { $(Self::$shape => $shape::rounding(parameters, point),)* }
             }
 
             /// [`Sampled::area`] of a shape of this kind.

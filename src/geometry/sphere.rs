@@ -2,9 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_unit_sphere};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
@@ -15,18 +16,35 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Sphere;
-/// let sphere: Sphere = raycost::yaml::from_str("{ center: [0, 1, 3], radius: 1 }").unwrap();
-/// # assert_eq!(sphere.radius, 1.0);
+/// # use raycost::geometry::Located;
+/// let sphere: Located<Sphere> = raycost::yaml::from_str("{ center: [0, 1, 3], radius: 1 }").unwrap();
+/// # assert_eq!(sphere.geometry.radius, 1.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     /// The center.
-    #[serde(deserialize_with = "yaml::point")]
     pub center: Vec3,
     /// The radius, greater than 0.
-    #[serde(deserialize_with = "yaml::positive")]
     pub radius: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereKeys {
+    /// The center.
+    #[serde(deserialize_with = "yaml::point")]
+    center: DVec3,
+    /// The radius, greater than 0.
+    #[serde(deserialize_with = "yaml::positive")]
+    radius: f32,
+}
+
+impl Described for Sphere {
+    type Keys = SphereKeys;
+
+    fn described(SphereKeys { center, radius }: SphereKeys) -> Result<Located<Self>, &'static str> {
+        Ok(located([center]).map(|[center]| Self { center, radius }))
+    }
 }
 
 impl Intersectable for Sphere {
@@ -165,7 +183,7 @@ impl<R: Real> DirectionCone<R> {
             distance,
             // Without cancellation for small spheres.
             height: sine * sine / (one + cos),
-            is_outside: sine.lt(radius.splat(0.9999)),
+            is_outside: sine.lt(radius.splat(0.999_999)),
         }
     }
 

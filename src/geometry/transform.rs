@@ -1,6 +1,6 @@
 //! Affine transforms, and the steps that define them in a scene file.
 
-use glam::{Affine3A, Mat3A, Quat, Vec3};
+use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3A, Vec3};
 use serde::Deserialize;
 
 use super::aabb::Aabb;
@@ -23,7 +23,7 @@ use crate::yaml;
 #[serde(rename_all = "snake_case", expecting = "a step such as { scale: 2 }")]
 pub enum TransformStep {
     /// Translates by a vector.
-    Translate(#[serde(deserialize_with = "yaml::vector")] Vec3),
+    Translate(#[serde(deserialize_with = "yaml::vector")] DVec3),
     /// Rotates about an axis through the origin.
     Rotate(Rotation),
     /// Scales each coordinate; negative factors mirror.
@@ -52,24 +52,30 @@ pub struct Transform {
     object_from_world: Affine3A,
 }
 
+/// The map from object space to world space that these steps make in their order.
+pub fn world_from_object(steps: &[TransformStep]) -> DAffine3 {
+    steps.iter().fold(DAffine3::IDENTITY, |before, step| {
+        let this = match *step {
+            TransformStep::Translate(by) => DAffine3::from_translation(by),
+            TransformStep::Rotate(Rotation { axis, angle_deg }) => {
+                let axis = axis.as_dvec3().normalize();
+                DAffine3::from_quat(DQuat::from_axis_angle(
+                    axis,
+                    f64::from(angle_deg).to_radians(),
+                ))
+            }
+            TransformStep::Scale(factors) => DAffine3::from_scale(factors.as_dvec3()),
+        };
+        this * before
+    })
+}
+
 impl Transform {
-    /// The steps applied in their order; `None` if the result has no finite inverse
-    /// or no volume.
-    pub fn of_steps(steps: &[TransformStep]) -> Option<Self> {
-        let world_from_object = steps.iter().fold(Affine3A::IDENTITY, |before, step| {
-            let this = match *step {
-                TransformStep::Translate(by) => Affine3A::from_translation(by),
-                TransformStep::Rotate(turn) => Affine3A::from_quat(Quat::from_axis_angle(
-                    turn.axis,
-                    turn.angle_deg.to_radians(),
-                )),
-                TransformStep::Scale(factors) => Affine3A::from_scale(factors),
-            };
-            this * before
-        });
-        let determinant = world_from_object.matrix3.determinant();
-        let object_from_world = world_from_object.inverse();
-        let usable = determinant.abs() > f32::MIN_POSITIVE
+    /// A map from object space to the space in which rays are traced; `None` if it has no
+    /// finite inverse in 32 bits, or no volume.
+    pub fn new(map: &DAffine3) -> Option<Self> {
+        let [world_from_object, object_from_world] = [*map, map.inverse()].map(rounded);
+        let usable = map.matrix3.determinant().is_normal()
             && world_from_object.is_finite()
             && object_from_world.is_finite();
         usable.then_some(Self {
@@ -78,9 +84,9 @@ impl Transform {
         })
     }
 
-    /// The map from object space to world space.
-    pub fn matrix(&self) -> Affine3A {
-        self.world_from_object
+    /// A vector of object space in world space.
+    pub fn world_vector(&self, vector: Vec3) -> Vec3 {
+        self.world_from_object.transform_vector3(vector)
     }
 
     /// A point of object space in world space.
@@ -134,6 +140,13 @@ impl Transform {
 
     /// The images of the unit vectors.
     fn axes(&self) -> [Vec3; 3] {
-        Vec3::AXES.map(|axis| self.world_from_object.transform_vector3(axis))
+        Vec3::AXES.map(|axis| self.world_vector(axis))
     }
+}
+
+/// A map in 32 bits.
+fn rounded(map: DAffine3) -> Affine3A {
+    let [x, y, z] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
+    let [x, y, z, to] = [x, y, z, map.translation].map(|column| column.as_vec3());
+    Affine3A::from_cols(x.into(), y.into(), z.into(), to.into())
 }

@@ -1,9 +1,10 @@
 //! Triangles.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
 
+use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Shear, Transform};
@@ -14,17 +15,32 @@ use crate::yaml;
 ///
 /// ```
 /// # use raycost::geometry::Triangle;
-/// let triangle: Triangle = raycost::yaml::from_str("
+/// # use raycost::geometry::Located;
+/// let triangle: Located<Triangle> = raycost::yaml::from_str("
 /// { vertices: [[-1, 0, 2], [1, 0, 2], [0, 1, 2]] }
 /// ").unwrap();
 /// # assert_eq!(triangle.vertices[2].y, 1.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triangle {
     /// The vertices, counter-clockwise as seen from outside; not on one line.
-    #[serde(deserialize_with = "vertices")]
     pub vertices: [Vec3; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TriangleKeys {
+    /// The vertices, counter-clockwise as seen from outside; not on one line.
+    #[serde(deserialize_with = "vertices")]
+    vertices: Located<Triangle>,
+}
+
+impl Described for Triangle {
+    type Keys = TriangleKeys;
+
+    fn described(keys: TriangleKeys) -> Result<Located<Self>, &'static str> {
+        Ok(keys.vertices)
+    }
 }
 
 impl Triangle {
@@ -158,19 +174,20 @@ fn normal_and_area<R: Real>(parameters: &[R; N_PARAMETERS]) -> (Vector<R>, R) {
 }
 
 /// Reads three points that are not on one line.
-fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<[Vec3; 3], D::Error> {
-    let vertices = <[YamlPoint; 3]>::deserialize(d)?.map(|YamlPoint(point)| point);
-    if (Triangle { vertices }).normal().is_none() {
+fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<Located<Triangle>, D::Error> {
+    let vertices = located(<[YamlPoint; 3]>::deserialize(d)?.map(|YamlPoint(point)| point));
+    let triangle = vertices.map(|vertices| Triangle { vertices });
+    if triangle.geometry.normal().is_none() {
         return Err(D::Error::invalid_value(
             Unexpected::Other("three points on one line"),
             &"three corners that span an area",
         ));
     }
-    Ok(vertices)
+    Ok(triangle)
 }
 
 #[derive(Deserialize)]
-struct YamlPoint(#[serde(deserialize_with = "yaml::point")] Vec3);
+struct YamlPoint(#[serde(deserialize_with = "yaml::point")] DVec3);
 
 #[cfg(test)]
 mod tests {

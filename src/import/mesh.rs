@@ -1,15 +1,17 @@
 //! Triangle meshes.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::materials::{MeshMaterial, picture_bytes};
 use super::{FileFault, Result};
 use crate::color::Transfer;
-use crate::geometry::Triangle;
+use crate::geometry::{Aabb, Triangle};
 
 /// The triangle mesh of a file. Its triangles may be degenerate.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
+    /// The point of the object's space that is the origin of all coordinates.
+    pub origin: DVec3,
     /// Positions, finite.
     pub vertices: Vec<Vec3>,
     /// Three indices of `vertices` each, counter-clockwise as seen from
@@ -71,6 +73,11 @@ impl Mesh {
         Triangle {
             vertices: indices.map(|vertex| self.vertices[vertex as usize]),
         }
+    }
+
+    /// The smallest box around all vertices, relative to its origin.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::of_points(self.vertices.iter().copied())
     }
 
     /// Its memory in bytes.

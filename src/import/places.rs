@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::fault::cut;
 use super::mesh::finite;
@@ -16,7 +16,7 @@ use crate::text::did_you_mean;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstancePlace {
     /// Where the origin of the mesh is.
-    pub position: Vec3,
+    pub position: DVec3,
     /// The factors along the axes of the mesh.
     pub scale: Vec3,
     /// Where the x axis of the mesh points to, of any length; 0 for a mesh that is not turned.
@@ -54,12 +54,10 @@ impl PlaceArrays<'_> {
 impl InstancePlace {
     /// The map from the space of the mesh: it scales, turns the x axis to the direction by the
     /// smallest angle, and moves the origin to the position.
-    pub fn matrix(&self) -> Affine3A {
-        let turn = self
-            .direction
-            .try_normalize()
-            .map_or(Quat::IDENTITY, |to| Quat::from_rotation_arc(Vec3::X, to));
-        Affine3A::from_scale_rotation_translation(self.scale, turn, self.position)
+    pub fn matrix(&self) -> DAffine3 {
+        let turn = self.direction.as_dvec3().try_normalize();
+        let turn = turn.map_or(DQuat::IDENTITY, |to| DQuat::from_rotation_arc(DVec3::X, to));
+        DAffine3::from_scale_rotation_translation(self.scale.as_dvec3(), turn, self.position)
     }
 }
 
@@ -143,7 +141,7 @@ impl PlaceColumns {
             return Err(FileFault::new(problem, "numbers other than 0"));
         }
         Ok(InstancePlace {
-            position: numbers(0, 0.0)?,
+            position: numbers(0, 0.0)?.as_dvec3(),
             scale,
             direction: numbers(7, 0.0)?,
             scalar: f32::NAN,
@@ -190,29 +188,29 @@ mod tests {
     #[test]
     fn the_x_axis_turns_to_the_direction() {
         let place = |direction| InstancePlace {
-            position: Vec3::ONE,
+            position: DVec3::ONE,
             scale: Vec3::new(2.0, 3.0, 4.0),
             direction,
             scalar: 0.0,
         };
         for direction in [Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::new(3.0, -4.0, 12.0)] {
             let matrix = place(direction).matrix();
-            let turned = matrix.transform_vector3(Vec3::X);
+            let turned = matrix.transform_vector3(DVec3::X);
             assert!(
-                turned.abs_diff_eq(2.0 * direction.normalize(), 1e-5),
+                turned.abs_diff_eq(2.0 * direction.as_dvec3().normalize(), 1e-5),
                 "{turned}"
             );
-            assert_eq!(matrix.transform_point3(Vec3::ZERO), Vec3::ONE);
+            assert_eq!(matrix.transform_point3(DVec3::ZERO), DVec3::ONE);
             assert!((matrix.matrix3.determinant() - 24.0).abs() < 1e-4);
         }
         let unturned = place(Vec3::ZERO).matrix();
-        assert_eq!(unturned.transform_vector3(Vec3::Y), 3.0 * Vec3::Y);
+        assert_eq!(unturned.transform_vector3(DVec3::Y), 3.0 * DVec3::Y);
         // A turn within a plane keeps what is upright.
         let upright = place(Vec3::new(-1.0, 0.0, 0.5)).matrix();
         assert!(
             upright
-                .transform_vector3(Vec3::Y)
-                .abs_diff_eq(3.0 * Vec3::Y, 1e-6)
+                .transform_vector3(DVec3::Y)
+                .abs_diff_eq(3.0 * DVec3::Y, 1e-6)
         );
     }
 }

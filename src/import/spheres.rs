@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 
@@ -18,6 +18,8 @@ use crate::yaml::hex_color;
 /// The spheres of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spheres {
+    /// The point of the object's space that is the origin of all coordinates.
+    pub origin: DVec3,
     /// The spheres, at least one.
     pub spheres: Vec<Sphere>,
     /// The color of each sphere: linear light, from 0 to 1; `None` if the file has no colors.
@@ -55,6 +57,7 @@ pub(super) fn read(
     // The colors of an array take the place of those of the table.
     let color_column = columns.extra.filter(|_| array.is_none());
     let mut found = Spheres {
+        origin: DVec3::ZERO,
         spheres: Vec::new(),
         colors: color_column.map(|_| Vec::new()),
         scalars: array.map(|_| Vec::new()),

@@ -1,6 +1,7 @@
 //! Tubes: lines through points with a radius at each.
 
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+use glam::DVec3;
 
 use super::choice::{ArrayChoice, RadiusChoice};
 use super::mesh::count;
@@ -12,6 +13,8 @@ use crate::geometry::{Aabb, Capsule, Sphere};
 /// The tubes of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tubes {
+    /// The point of the object's space that is the origin of all coordinates.
+    pub origin: DVec3,
     /// The points of all lines, each as the sphere that the tube touches there.
     points: Vec<Sphere>,
     /// The segments between points that differ: indices of `points`.
@@ -64,12 +67,22 @@ impl Tubes {
         Ok(())
     }
 
+    /// The same tubes around another origin.
+    pub fn at(self, origin: DVec3) -> Self {
+        Self { origin, ..self }
+    }
+
+    /// Whether it has no segment.
+    pub(super) fn is_empty(&self) -> bool {
+        self.segments.is_empty()
+    }
+
     /// Checks that there is a segment.
     ///
     /// # Errors
     /// There is none.
     pub(super) fn at_least_one(self) -> Result<Self> {
-        if self.segments.is_empty() {
+        if self.is_empty() {
             let expected = "lines through at least two different points";
             return Err(FileFault::new("no line in the file", expected));
         }

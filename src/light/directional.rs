@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::illumination::Illumination;
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -36,6 +37,10 @@ pub struct DirectionalLight {
 impl DirectionalLight {
     pub(super) fn position(&self) -> Option<Vec3> {
         None
+    }
+
+    pub(super) fn in_space(&self, _: &RenderSpace) -> Self {
+        *self
     }
 
     #[inline(always)]

@@ -21,7 +21,16 @@ pub enum Falloff {
 }
 
 impl Falloff {
-    /// The factor at `distance` world units, greater than 0.
+    /// The power of a length by which it divides an intensity.
+    pub(super) fn power(self) -> i32 {
+        match self {
+            Self::None => 0,
+            Self::Inverse => 1,
+            Self::InverseSquare => 2,
+        }
+    }
+
+    /// The factor at a distance, greater than 0.
     #[inline(always)]
     pub fn factor<R: Real>(self, distance: R) -> R {
         let (one, least) = (distance.splat(1.0), distance.splat(f32::MIN_POSITIVE));

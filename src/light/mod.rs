@@ -10,11 +10,13 @@ mod illumination;
 mod point;
 mod spot;
 
+use glam::Vec3;
 use serde::Deserialize;
 
 pub use falloff::Falloff;
 pub use illumination::Illumination;
 
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 
 /// Defines [`Light`] and its dispatch from one list. A row has the kind, whose YAML key
@@ -35,9 +37,16 @@ macro_rules! lights {
 
         impl Light {
             /// Its position, if it has one.
-            pub fn position(&self) -> Option<glam::Vec3> {
+            pub fn position(&self) -> Option<Vec3> {
                 match self {
                     $(Self::$kind(light) => light.position(),)*
+                }
+            }
+
+            /// The light, which is in world space, in render space.
+            pub fn in_space(&self, space: &RenderSpace) -> Self {
+                match self {
+                    $(Self::$kind(light) => Self::$kind(light.in_space(space)),)*
                 }
             }
 

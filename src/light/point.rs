@@ -1,10 +1,11 @@
 //! The point light.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::falloff::Falloff;
 use super::illumination::Illumination;
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -19,9 +20,9 @@ use crate::yaml;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
-    /// Its position in world space.
+    /// Its position.
     #[serde(deserialize_with = "yaml::point")]
-    pub position: Vec3,
+    pub position: DVec3,
     /// Its color, each channel at least 0; white by default.
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     pub color: Vec3,
@@ -38,12 +39,20 @@ pub struct PointLight {
 
 impl PointLight {
     pub(super) fn position(&self) -> Option<Vec3> {
-        Some(self.position)
+        Some(self.position.as_vec3())
+    }
+
+    pub(super) fn in_space(&self, space: &RenderSpace) -> Self {
+        Self {
+            position: space.point(self.position).as_dvec3(),
+            intensity: space.times_length(self.falloff.power(), self.intensity),
+            ..*self
+        }
     }
 
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
-        let to_light = Vector::splat(point.x, self.position) - point;
+        let to_light = Vector::splat(point.x, self.position.as_vec3()) - point;
         let distance = to_light.length();
         let intensity = distance.splat(self.intensity) * self.falloff.factor(distance);
         Illumination {
@@ -63,7 +72,7 @@ mod tests {
     fn the_falloffs_halve_and_quarter_at_twice_the_distance() {
         let at = |falloff, distance| {
             let light = PointLight {
-                position: Vec3::Y * distance,
+                position: DVec3::Y * distance,
                 color: Vec3::ONE,
                 intensity: 3.0,
                 falloff,

@@ -1,12 +1,13 @@
 //! The spot light.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::de::DeserializeSeed;
 use serde::{Deserialize, Deserializer};
 
 use super::falloff::Falloff;
 use super::illumination::Illumination;
 use super::point::PointLight;
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml::{self, Number};
 
@@ -32,12 +33,12 @@ pub struct SpotLight {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpotKeys {
-    /// Its position in world space.
+    /// Its position.
     #[serde(deserialize_with = "yaml::point")]
-    position: Vec3,
+    position: DVec3,
     /// A point in the middle of the cone.
     #[serde(deserialize_with = "yaml::point")]
-    target: Vec3,
+    target: DVec3,
     /// The angle of the cone in degrees, from edge to edge.
     #[serde(deserialize_with = "angle")]
     angle_deg: f32,
@@ -77,7 +78,8 @@ impl TryFrom<SpotKeys> for SpotLight {
     fn try_from(keys: SpotKeys) -> Result<Self, Self::Error> {
         let axis = (keys.target - keys.position)
             .try_normalize()
-            .ok_or("cannot shine at its own position, expected another `target`")?;
+            .ok_or("cannot shine at its own position, expected another `target`")?
+            .as_vec3();
         let half_angle = 0.5 * f64::from(keys.angle_deg).to_radians();
         let full_light = half_angle * (1.0 - f64::from(keys.soft_edge));
         Ok(Self {
@@ -95,7 +97,14 @@ impl TryFrom<SpotKeys> for SpotLight {
 
 impl SpotLight {
     pub(super) fn position(&self) -> Option<Vec3> {
-        Some(self.light.position)
+        self.light.position()
+    }
+
+    pub(super) fn in_space(&self, space: &RenderSpace) -> Self {
+        Self {
+            light: self.light.in_space(space),
+            ..*self
+        }
     }
 
     /// At the edge the light fades along the cubic that is smooth at both ends, in the

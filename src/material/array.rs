@@ -337,7 +337,7 @@ impl<'de> Visitor<'de> for RangeVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ArrayRange, A::Error> {
         let [low, high] = yaml::range(SeqAccessDeserializer::new(list))?;
-        Ok(ArrayRange::Given([low, high]))
+        Ok(ArrayRange::Given([low as f32, high as f32]))
     }
 }
 

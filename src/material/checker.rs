@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::texture_point::TexturePoint;
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -35,6 +36,9 @@ pub struct Checker {
     /// How coordinates are rounded to the indices of cells.
     #[serde(default)]
     pub rounding: Rounding,
+    /// A corner of a cell of the first color.
+    #[serde(skip)]
+    pub origin: Vec3,
 }
 
 /// A set of axes of world space.
@@ -65,9 +69,19 @@ pub enum Rounding {
 }
 
 impl Checker {
+    /// The pattern, which is in world space, in render space.
+    pub(super) fn in_space(&mut self, space: &RenderSpace) {
+        let period = match self.rounding {
+            Rounding::Floor => Some(2.0 * f64::from(self.size)),
+            Rounding::Truncate => None,
+        };
+        self.origin = space.world_origin(period);
+        self.size = space.length(self.size);
+    }
+
     #[inline(always)]
     pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
-        let point = point.position;
+        let point = point.position - Vector::splat(point.position.x, self.origin);
         let zero = point.x.splat(0.0);
         let [on_x, on_y, on_z] = self.axes.alternating();
         let x = if on_x { self.cell(point.x) } else { zero };
@@ -117,6 +131,7 @@ mod tests {
             size: 0.5,
             axes,
             rounding,
+            origin: Vec3::ZERO,
         };
         let point = TexturePoint::new(point.into(), Vec3::Y.into());
         checker.color_at(&point) == Vec3::ONE.into()

@@ -26,7 +26,7 @@ pub use color_table::ColorTable;
 pub use conductor::Conductor;
 pub use cutout::Cutout;
 pub use dielectric::Dielectric;
-pub use image::{Mapping, Planar, Spherical};
+pub use image::{Mapping, Planar, Spherical, Triplanar};
 pub use normal_map::NormalMap;
 pub use of_mesh::MaterialDetail;
 pub use principled::Principled;
@@ -35,6 +35,7 @@ pub use texture::*;
 pub use texture_point::TexturePoint;
 
 use crate::fog::HenyeyGreenstein;
+use crate::geometry::RenderSpace;
 use crate::optics::Ggx;
 use crate::simd::{Real, Vector};
 use crate::yaml;
@@ -134,6 +135,19 @@ impl Material {
             cutout: None,
             particles: None,
         }
+    }
+
+    /// The material, whose lengths are those of world space, in render space.
+    pub fn in_space(mut self, space: &RenderSpace) -> Self {
+        if let Texture::Checker(checker) = &mut self.color {
+            checker.in_space(space);
+        }
+        self.images_mut().for_each(|image| image.in_space(space));
+        if let Some(medium) = &mut self.dielectric {
+            let absorption = medium.absorption.to_array();
+            medium.absorption = absorption.map(|per| space.times_length(-1, per)).into();
+        }
+        self
     }
 
     /// Whether it emits light.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::attribution::TracedRay;
-use crate::camera::ImagePlane;
+use crate::camera::{ImagePlane, Projection};
 use crate::geometry::{Aabb, Ray};
 use crate::scene::Scene;
 
@@ -12,21 +12,25 @@ const FAR_LIGHT: f32 = 10.0;
 /// Least length, in radii, of a ray that leaves the scene.
 const SHORTEST: f32 = 0.25;
 
-/// A bounding sphere of the bounded primitives and the camera.
+/// A bounding sphere of the bounded primitives and the camera, in render space.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingSphere {
     pub(super) center: Vec3,
-    /// In world units, greater than 0.
+    /// Greater than 0.
     pub(super) radius: f32,
 }
 
 impl BoundingSphere {
     /// Creates the bounding sphere of a scene and the camera of this image plane.
     pub(super) fn of(scene: &Scene, plane: &ImagePlane) -> Self {
-        let [right, bottom] = plane.size.map(|n| n as f32);
-        let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
-        let camera = corners.map(|(x, y)| plane.point(x, y));
-        let camera = Aabb::of_points(camera.into_iter().chain([plane.viewpoint()]));
+        let camera = match plane.projection {
+            Projection::Perspective | Projection::Panorama { .. } => [plane.eye; 2],
+            Projection::Parallel { .. } => {
+                let [right, bottom] = plane.size.map(|n| n as f32);
+                [plane.point(0.0, 0.0), plane.point(right, bottom)]
+            }
+        };
+        let camera = Aabb::of_points(camera);
         let bounded = scene
             .world()
             .upper_level()

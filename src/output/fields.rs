@@ -26,7 +26,7 @@ pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
     let [_, up, forward] = camera.axes();
     let vector = |name, v: glam::Vec3| Field::floats(name, v.to_array());
     let extent = match plane.projection {
-        Projection::Perspective { .. } => {
+        Projection::Perspective => {
             let degrees = camera.half().map(|half| 2.0 * half.atan().to_degrees());
             Field::floats("camera_fov_deg", degrees)
         }
@@ -36,7 +36,7 @@ pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
         Projection::Panorama { .. } => Field::floats("camera_fov_deg", [360.0, 180.0]),
     };
     [
-        vector("camera_position", camera.position()),
+        Field::floats("camera_position", camera.position().to_array()),
         vector("camera_direction", forward),
         vector("camera_up", up),
         extent,

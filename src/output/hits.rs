@@ -20,7 +20,7 @@ pub(crate) const FILE: OutputFile = OutputFile {
     is_wanted: |request| !request.is_stored,
     content: FileContent::Written(|job, out| {
         let film = job.rendering.film;
-        let per_hit = bytes_per_point(film) + Column::POSITION.stride() as u64;
+        let per_hit = bytes_per_point(film) + Column::points(film).stride() as u64;
         let survey = job.rendering.survey;
         job.reserve(survey.n_hits * per_hit, out);
         let rows = film.row_range();
@@ -83,7 +83,7 @@ pub(super) fn with_cloud(
     point_data.extend(of_cloud.into_iter().filter(is_written));
     write(&DataSet::Grid(vertices(
         n,
-        array(Column::POSITION),
+        array(Column::points(film)),
         point_data,
     )))
 }

@@ -16,6 +16,7 @@ mod layers;
 mod nodes;
 mod objects;
 mod picture;
+mod points;
 mod profile;
 mod rays;
 mod run;

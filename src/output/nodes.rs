@@ -2,14 +2,16 @@
 
 use std::io::{self, Seek, Write};
 
+use glam::Vec3;
 use vtkio::model::CellType;
 
 use super::file::{FileContent, OutputFile};
+use super::points::points;
 use crate::accel::BvhNode;
 use crate::attribution::{Hierarchy, Visits};
 use crate::config::{BvhLimits, CostMode, OptionalOutput};
 use crate::cost::Metric;
-use crate::geometry::LENGTH_UNIT;
+use crate::geometry::RenderSpace;
 use crate::scene::Instances;
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, separate_cells};
@@ -26,7 +28,14 @@ pub(super) const FILE: OutputFile = OutputFile {
         let (limits, cost) = (rendering.config.output.bvh, rendering.film.cost);
         hierarchy.map_or(Ok(()), |hierarchy| {
             let instances = rendering.scene.instances.as_ref();
-            write((hierarchy, instances), limits, cost, job.encoding(), out)
+            let space = rendering.scene.space;
+            write(
+                (hierarchy, instances, space),
+                limits,
+                cost,
+                job.encoding(),
+                out,
+            )
         })
     }),
 };
@@ -44,7 +53,7 @@ struct Shown<'a> {
 /// Those of a mesh that is placed many times are at the place of its first instance: a
 /// VTK_HEXAHEDRON each, since they may be turned there.
 pub fn write(
-    (hierarchy, instances): (&Hierarchy, Option<&Instances>),
+    (hierarchy, instances, space): (&Hierarchy, Option<&Instances>, RenderSpace),
     limits: BvhLimits,
     cost: CostMode,
     encoding: impl Into<Encoding>,
@@ -58,10 +67,9 @@ pub fn write(
         n_cells: n,
         point_data: Vec::new(),
         cell_data: cell_data(&shown, instances.is_some(), cost),
-        points: Array::of("Points", 8 * n, || {
+        points: points(&space, 8 * n, || {
             shown.iter().flat_map(|shown| corners(shown, instances))
-        })
-        .in_unit(LENGTH_UNIT),
+        }),
         cells: vec![connectivity, offsets, types(&shown)],
     };
     appended::write(&DataSet::Grid(boxes), encoding.into(), out)
@@ -117,7 +125,7 @@ fn types<'a>(shown: &'a [Shown]) -> Array<'a> {
 
 /// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest; those of a mesh
 /// in that of VTK_HEXAHEDRON, around one face and then around the opposite one.
-fn corners(shown: &Shown, instances: Option<&Instances>) -> [[f32; 3]; 8] {
+fn corners(shown: &Shown, instances: Option<&Instances>) -> [Vec3; 8] {
     let corners = shown.node.bounds.corners();
     let placed = shown.node.mesh.zip(instances).map(|(mesh, instances)| {
         let first = instances.meshes()[mesh as usize].first;
@@ -125,5 +133,5 @@ fn corners(shown: &Shown, instances: Option<&Instances>) -> [[f32; 3]; 8] {
         let [a, b, c, d, e, f, g, h] = corners.map(place);
         [a, b, d, c, e, f, h, g]
     });
-    placed.unwrap_or(corners).map(|corner| corner.to_array())
+    placed.unwrap_or(corners)
 }

@@ -2,9 +2,10 @@
 
 use std::io::{self, Seek, Write};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::bounding_sphere::BoundingSphere;
+use super::points::points;
 use crate::attribution::{ObservedPixel, TracedRay};
 use crate::camera::ImagePlane;
 use crate::cost::Metric;
@@ -64,6 +65,12 @@ impl<'a> Rays<'a> {
         self.traced.plane
     }
 
+    /// The center and the radius of the bounding sphere in world space.
+    pub(super) fn sphere_in_world(&self) -> (DVec3, f32) {
+        let (space, BoundingSphere { center, radius }) = (self.plane().space, self.bounding_sphere);
+        (space.world_point(center), space.world_length(radius))
+    }
+
     /// The film whose hits form the cloud.
     pub(super) fn cloud(&self) -> &'a Film {
         self.traced.cloud
@@ -81,7 +88,9 @@ impl<'a> Rays<'a> {
             n_cells: self.n,
             point_data: Vec::new(),
             cell_data: self.cell_data(),
-            points: Array::of("Points", 2 * self.n, || self.points()).in_unit(LENGTH_UNIT),
+            points: points(&self.traced.scene.space, 2 * self.n, || {
+                self.iter().flat_map(|ray| self.line(ray))
+            }),
             cells: vec![connectivity, offsets],
         };
         appended::write(&DataSet::Lines(lines), encoding, out)
@@ -100,10 +109,8 @@ impl<'a> Rays<'a> {
             self.array("primitive", |ray| {
                 ray.surface().map_or(-1, |hit| hit.primitive as i32)
             }),
-            self.array("distance", |ray| ray.end().unwrap_or(f32::NAN))
-                .in_unit(LENGTH_UNIT),
-            self.array("length", |ray| self.bounding_sphere.length(ray))
-                .in_unit(LENGTH_UNIT),
+            self.lengths("distance", |ray| ray.end().unwrap_or(f32::NAN)),
+            self.lengths("length", |ray| self.bounding_sphere.length(ray)),
             self.cost(Metric::NODE_VISITS, |ray| ray.node_visits),
             self.cost(Metric::PRIMITIVE_TESTS, |ray| ray.primitive_tests),
         ];
@@ -126,9 +133,20 @@ impl<'a> Rays<'a> {
         self.traced.pixels.iter().flat_map(|pixel| &pixel.tree.rays)
     }
 
-    /// Returns the line that shows a ray.
+    /// Returns the line that shows a ray, in render space.
     pub(super) fn line(&self, ray: &TracedRay) -> [Vec3; 2] {
         [ray.ray.origin, ray.ray.at(self.bounding_sphere.length(ray))]
+    }
+
+    /// An array of lengths in world space; of lengths in render space.
+    fn lengths<'s>(
+        &'s self,
+        name: &'static str,
+        length: impl Fn(&TracedRay) -> f32 + Copy + 's,
+    ) -> Array<'s> {
+        let space = self.traced.scene.space;
+        self.array(name, move |ray| space.world_length(length(ray)))
+            .in_unit(LENGTH_UNIT)
     }
 
     fn array<'s, E: Entry>(
@@ -145,10 +163,6 @@ impl<'a> Rays<'a> {
         value: impl Fn(&TracedRay) -> E + Copy + 's,
     ) -> Array<'s> {
         self.array(metric.name, value).in_unit(metric.unit_label())
-    }
-
-    fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
-        self.iter().flat_map(|ray| self.line(ray).map(Vec3::into))
     }
 
     /// The index of each ray's parent in the file; -1 for none.

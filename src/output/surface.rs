@@ -2,13 +2,14 @@
 
 use std::io::{self, Seek, Write};
 
-use vtkio::model::{CellType, ScalarType};
+use vtkio::model::CellType;
 
 use super::file::{FileContent, OutputFile};
+use super::points::points;
 use crate::attribution::Visits;
 use crate::config::{CostMode, OptionalOutput};
 use crate::cost::Metric;
-use crate::geometry::{InstanceTransform, LENGTH_UNIT, Patch};
+use crate::geometry::{InstanceTransform, LENGTH_UNIT, Patch, RenderSpace};
 use crate::scene::{Instances, Primitive, Scene};
 use crate::vtk::appended;
 use crate::vtk::array::{Array, Entry, Integers};
@@ -35,6 +36,7 @@ struct Surface<'a> {
     primitives: &'a [Primitive],
     instances: Option<&'a Instances>,
     visits: &'a [Visits],
+    space: RenderSpace,
     n_cells: usize,
 }
 
@@ -59,6 +61,7 @@ pub fn write(
         primitives,
         instances: scene.instances.as_ref(),
         visits,
+        space: scene.space,
         n_cells: primitives.iter().filter(is_shown).count(),
     };
     let n_points = surface.ends().last().unwrap_or(0);
@@ -140,17 +143,9 @@ impl<'a> Surface<'a> {
     }
 
     fn points(self, n: usize) -> Array<'a> {
-        Array {
-            name: "Points",
-            scalar: ScalarType::F32,
-            n_components: 3,
-            n_bytes: (n * size_of::<glam::Vec3>()) as u64,
-            unit: Some(LENGTH_UNIT),
-            write: Box::new(move |out| {
-                self.patches()
-                    .try_for_each(|patch| out.write_all(bytemuck::cast_slice(patch.corners())))
-            }),
-        }
+        points(&self.space, n, move || {
+            self.patches().flat_map(|patch| patch.corners().to_vec())
+        })
     }
 
     fn offsets(self, ids: Integers) -> Array<'a> {
@@ -162,7 +157,8 @@ impl<'a> Surface<'a> {
     }
 
     fn cell_data(self, cost: CostMode) -> Vec<Array<'a>> {
-        let radii = move || self.patches().map(|patch| radius(&patch));
+        let radius = move |patch| self.space.world_length(radius(&patch));
+        let radii = move || self.patches().map(radius);
         let mut arrays = vec![
             self.array("primitive", |index, _, _| index as u32),
             self.array("object", |_, primitive, _| primitive.object.0 as i32),

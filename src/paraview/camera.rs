@@ -1,6 +1,6 @@
 //! Cameras of ParaView's render views.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::panels::{Panel, Panels};
@@ -11,8 +11,8 @@ use crate::camera::{ImagePlane, Projection};
 /// are in world space.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ViewCamera {
-    position: Vec3,
-    focal_point: Vec3,
+    position: DVec3,
+    focal_point: DVec3,
     /// A unit vector.
     right: Vec3,
     /// A unit vector.
@@ -29,12 +29,9 @@ impl ViewCamera {
     /// Converts the camera of an image plane. The focal point is at `median_distance` from the
     /// position; without one, at the distance of the picture's middle, at least 1.
     pub(crate) fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
-        let center = plane.center();
-        let position = plane.viewpoint();
+        let position = plane.eye_in_world;
         let (forward, is_parallel) = match plane.projection {
-            Projection::Perspective { eye } | Projection::Panorama { eye, .. } => {
-                (direction(plane, eye), false)
-            }
+            Projection::Perspective | Projection::Panorama { .. } => (direction(plane), false),
             Projection::Parallel { direction } => (direction, true),
         };
         let right = plane.right.reject_from(forward).normalize();
@@ -49,9 +46,9 @@ impl ViewCamera {
             let [w, h] = plane.size.map(|n| n as f32 - 0.5);
             let corners = [(-0.5, -0.5), (w, -0.5), (-0.5, h), (w, h)];
             let extent = |(x, y)| {
-                let corner = plane.point(x, y) - position;
+                let corner = plane.point(x, y) - plane.eye;
                 let depth = if is_parallel {
-                    1.0
+                    plane.space.length(1.0)
                 } else {
                     corner.dot(forward)
                 };
@@ -62,12 +59,16 @@ impl ViewCamera {
         let half = match plane.projection {
             // ParaView has no panorama: 90 degrees from top to bottom.
             Projection::Panorama { .. } => [2.0, 1.0],
-            Projection::Perspective { .. } | Projection::Parallel { .. } => [half(right), half(up)],
+            Projection::Perspective | Projection::Parallel { .. } => [half(right), half(up)],
         };
-        let distance = median_distance.unwrap_or_else(|| center.distance(position).max(1.0));
+        let to_center = plane.center().distance(plane.eye);
+        let distance = median_distance.unwrap_or_else(|| match to_center {
+            0.0 => plane.space.world_length(1.0),
+            _ => plane.space.world_length(to_center),
+        });
         Self {
             position,
-            focal_point: position + distance * forward,
+            focal_point: position + (distance * forward).as_dvec3(),
             right,
             up,
             half,
@@ -77,7 +78,7 @@ impl ViewCamera {
     }
 
     /// Returns the position of the eye; the middle of the image plane if parallel.
-    pub(crate) fn position(&self) -> Vec3 {
+    pub(crate) fn position(&self) -> DVec3 {
         self.position
     }
 
@@ -89,14 +90,15 @@ impl ViewCamera {
 
     /// Returns the unit vectors to the right, up and forward in ParaView's view.
     pub(crate) fn axes(&self) -> [Vec3; 3] {
-        let forward = (self.focal_point - self.position).normalize();
+        let forward = (self.focal_point - self.position).normalize().as_vec3();
         [forward.cross(self.up), self.up, forward]
     }
 
     /// Mirrors a point in world space if the view shows the scene mirrored.
-    pub(crate) fn mirrored(&self, point: Vec3) -> Vec3 {
+    pub(crate) fn mirrored(&self, point: DVec3) -> DVec3 {
         if self.is_mirrored {
-            point - 2.0 * self.right.dot(point - self.position) * self.right
+            let right = self.right.as_dvec3();
+            point - 2.0 * right.dot(point - self.position) * right
         } else {
             point
         }
@@ -117,18 +119,18 @@ impl ViewCamera {
             Some((name, index)) => (name, index.parse().ok()?),
             None => (key, 0),
         };
-        let distance = self.focal_point.distance(self.position);
+        let distance = self.focal_point.distance(self.position) as f32;
         let half_height = panel.half_height(self.half.map(|half| 2.0 * f64::from(half))) as f32;
         let number = match name {
-            "position" => *self.position.as_ref().get(index)?,
-            "focal_point" => *self.focal_point.as_ref().get(index)?,
+            "position" => return self.position.as_ref().get(index).copied(),
+            "focal_point" => return self.focal_point.as_ref().get(index).copied(),
+            "mirror" => return Some(self.mirror(index)),
             "view_up" => *self.up.as_ref().get(index)?,
             "view_angle" if self.is_parallel => 30.0,
             "view_angle" => 2.0 * half_height.atan().to_degrees(),
             "parallel_projection" => f32::from(self.is_parallel),
             "parallel_scale" if self.is_parallel => half_height,
             "parallel_scale" => half_height * distance,
-            "mirror" => self.mirror(index),
             _ => return None,
         };
         Some(number.into())
@@ -136,24 +138,25 @@ impl ViewCamera {
 
     /// Returns entry `i` of a 4 x 4 matrix, row-major: if the camera is left-handed, the reflection in
     /// the plane through the eye perpendicular to `right`, else the identity.
-    fn mirror(&self, i: usize) -> f32 {
+    fn mirror(&self, i: usize) -> f64 {
         let (row, column) = (i / 4, i % 4);
         let identity = if row == column { 1.0 } else { 0.0 };
         if !self.is_mirrored || row == 3 {
             return identity;
         }
-        let along_row = 2.0 * self.right[row];
+        let right = self.right.as_dvec3();
+        let along_row = 2.0 * right[row];
         match column {
-            3 => along_row * self.right.dot(self.position),
-            _ => identity - along_row * self.right[column],
+            3 => along_row * right.dot(self.position),
+            _ => identity - along_row * right[column],
         }
     }
 }
 
-/// Returns the unit direction of view from `eye`: perpendicular to the plane, which does not distort the
+/// Returns the unit direction of view: perpendicular to the plane, which does not distort the
 /// picture, if that ray meets the picture; else toward the middle of the picture.
-fn direction(plane: &ImagePlane, eye: Vec3) -> Vec3 {
-    let to_center = plane.center() - eye;
+fn direction(plane: &ImagePlane) -> Vec3 {
+    let to_center = plane.center() - plane.eye;
     let normal = plane.right.normalize().cross(plane.down.normalize());
     let straight = to_center.project_onto_normalized(normal);
     let steps = |axis: Vec3| (to_center - straight).dot(axis).abs() / axis.length_squared();
@@ -165,15 +168,16 @@ fn direction(plane: &ImagePlane, eye: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::RenderSpace;
 
     #[test]
     fn a_left_handed_plane_is_mirrored_about_the_eye() {
         let camera: crate::camera::Camera =
             crate::yaml::from_str("window: { eye: [3, 0, -1], x: [2, 4], y: [-1, 1], z: 0 }")
                 .unwrap();
-        let camera = ViewCamera::of(&camera.image_plane(10, 10), None);
+        let camera = ViewCamera::of(&camera.image_plane([10, 10], &RenderSpace::default()), None);
         assert!(camera.is_mirrored);
-        let row: Vec<f32> = (0..4).map(|i| camera.mirror(i)).collect();
+        let row: Vec<f64> = (0..4).map(|i| camera.mirror(i)).collect();
         assert_eq!(row, [-1.0, 0.0, 0.0, 6.0]);
         assert!((camera.up - Vec3::Y).length() < 1e-6);
     }
@@ -183,11 +187,15 @@ mod tests {
         let focal_point = |eye: &str| {
             let text = format!("window: {{ eye: {eye}, x: [-1, 1], y: [-1, 1], z: 0 }}");
             let camera: crate::camera::Camera = crate::yaml::from_str(&text).unwrap();
-            ViewCamera::of(&camera.image_plane(10, 10), Some(1.0)).focal_point
+            ViewCamera::of(
+                &camera.image_plane([10, 10], &RenderSpace::default()),
+                Some(1.0),
+            )
+            .focal_point
         };
-        assert_eq!(focal_point("[0.9, -0.5, -1]"), Vec3::new(0.9, -0.5, 0.0));
+        assert_eq!(focal_point("[0.9, -0.5, -1]"), DVec3::new(0.9, -0.5, 0.0));
         let beside = focal_point("[4, 0, -3]");
-        let to_middle = Vec3::new(3.2, 0.0, -2.4);
+        let to_middle = DVec3::new(3.2, 0.0, -2.4);
         assert!(beside.abs_diff_eq(to_middle, 1e-6), "{beside}");
     }
 
@@ -196,9 +204,12 @@ mod tests {
         let camera: crate::camera::Camera =
             crate::yaml::from_str("look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 90 }")
                 .unwrap();
-        let camera = ViewCamera::of(&camera.image_plane(100, 100), Some(4.0));
+        let camera = ViewCamera::of(
+            &camera.image_plane([100, 100], &RenderSpace::default()),
+            Some(4.0),
+        );
         assert!(!camera.is_mirrored);
-        assert!((camera.focal_point - Vec3::Z).length() < 1e-6);
+        assert!((camera.focal_point - DVec3::Z).length() < 1e-6);
         let panel = Panels::of(2, [1.0, 1.0]).panel();
         let angle = camera.number("view_angle", panel).unwrap();
         assert!(angle > 90.0 && angle < 120.0, "{angle}");

@@ -136,7 +136,8 @@ fn of_attribution(config: &Config, scene: &Scene, nodes: Vec<BvhNode>) -> Vec<Ar
     }
     if has(OptionalOutput::Bvh) {
         let visits = vec![Visits::default(); nodes.len()];
-        let hierarchy = (&Hierarchy { nodes, visits }, scene.instances.as_ref());
+        let instances = scene.instances.as_ref();
+        let hierarchy = (&Hierarchy { nodes, visits }, instances, scene.space);
         let limits = config.output.bvh;
         let write =
             |out: &mut Length| output::write_nodes(hierarchy, limits, cost, Codec::None, out);

@@ -56,7 +56,9 @@ impl Prediction {
         };
         let accel = Accel::build(world, config.acceleration, |_| {})?;
         let small = preview::image(&config.image);
-        scene.image_plane = config.camera.image_plane(small.width, small.height);
+        scene.image_plane = config
+            .camera
+            .image_plane([small.width, small.height], &scene.space);
         let preview = Preview::of(config, small, scene, &accel);
         let has_nodes = config.output.has(OptionalOutput::Bvh);
         // Before the list of nodes takes memory itself.
@@ -76,7 +78,7 @@ impl Prediction {
         let n_pieces = band_rows.map_or(1, |n_rows| config.image.height.div_ceil(n_rows));
         let is_repeated = n_repeats(config, &preview) > 1;
         let Image { width, height, .. } = config.image;
-        scene.image_plane = config.camera.image_plane(width, height);
+        scene.image_plane = config.camera.image_plane([width, height], &scene.space);
         let sample = RowSample::of(config, scene, &accel, is_repeated);
         Ok(Self {
             peak_memory,

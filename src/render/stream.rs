@@ -247,8 +247,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                 (pixel.object, pixel.material) = (object as i32, material as i32);
                 pixel.set_instance(self.points.instance(point));
                 pixel.albedo = self.points.color(point);
-                pixel.distance = self.points.distance(point);
-                self.distances[i] = pixel.distance;
+                self.distances[i] = self.points.distance(point);
+                pixel.distance = self.view.unit * self.distances[i];
             }
             self.pixels.set(number, &pixel);
         }

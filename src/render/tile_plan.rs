@@ -178,6 +178,7 @@ impl TilePlan {
     /// Creates a film of the picture that has none of its pixels.
     pub(super) fn film_without_rows(&self, scene: &Scene, cost: CostMode) -> Film {
         Film {
+            space: scene.space,
             development: scene.development,
             ..Film::without_rows(
                 scene.extra_arrays,

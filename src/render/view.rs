@@ -27,8 +27,10 @@ pub(crate) struct View<'a> {
     sample_limit: f32,
     /// Whether rays are counted by bounce.
     pub(super) counts_bounces: bool,
-    /// The positions of the pixels in world space.
+    /// The positions of the pixels.
     plane: ImagePlane,
+    /// World units in a unit of render space.
+    pub(super) unit: f32,
     sampler: Sampler,
     filter: FilterSampler,
     width: u32,
@@ -47,6 +49,7 @@ impl<'a> View<'a> {
             sample_limit: scene.sample_limit,
             counts_bounces: scene.extra_arrays.bounces,
             plane: scene.image_plane,
+            unit: scene.space.world_length(1.0),
             sampler,
             filter: FilterSampler::new(image.filter, image.filter_radius()),
             width: image.width,
@@ -107,11 +110,12 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Returns the footprints of pixels at these distances, without a lens; NaN at NaN.
+    /// Returns the footprints of pixels at these distances, without a lens, in world units; NaN
+    /// at NaN.
     #[inline(always)]
     pub(super) fn footprints<R: Real>(&self, at: [R; 2], distance: R) -> R {
         let footprint = self.plane.footprints(self.pitch, at, distance);
-        R::select(distance.le(distance), footprint, distance)
+        R::select(distance.le(distance), footprint, distance) * distance.splat(self.unit)
     }
 
     /// Returns the point at which all camera rays start, if there is one.
@@ -135,6 +139,7 @@ impl<'a> View<'a> {
         pixel.color /= n_samples as f32;
         let footprint = self.footprints([x as f32, y as f32], pixel.distance);
         pixel.footprint = self.footprint(pixel.position, footprint);
+        pixel.distance *= self.unit;
     }
 
     /// Returns the footprint of a pixel that sees a position; `of_pinhole` is that of
@@ -142,6 +147,6 @@ impl<'a> View<'a> {
     #[inline]
     pub(super) fn footprint(&self, position: Vec3, of_pinhole: f32) -> f32 {
         let behind_lens = self.plane.footprint_behind_lens(self.pitch, position);
-        behind_lens.unwrap_or(of_pinhole)
+        behind_lens.map_or(of_pinhole, |footprint| self.unit * footprint)
     }
 }

@@ -72,11 +72,13 @@ impl Emitter {
     }
 
     /// The light that arrives at `point` from a point of a shape, unless it is occluded;
-    /// a number in [0, 1) chooses the shape, two more its point.
+    /// a number in [0, 1) chooses the shape, two more its point. `error` is that of the
+    /// position of `point`.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,
         point: Vector<R>,
+        error: R,
         which: R,
         numbers: [R; 2],
     ) -> Illumination<R> {
@@ -85,6 +87,11 @@ impl Emitter {
         let density = sample.density * self.share(&shape);
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
         let weight = density.splat(FRAC_1_PI) / density.max(least);
+        // A ray that ended at the surface itself would often hit it: it ends as far off its plane
+        // as both ends may be off their surfaces.
+        let at_light = point + sample.seen.direction * sample.seen.distance;
+        let errors = error + self.kind.rounding(&shape, at_light);
+        let gap = errors / sample.seen.cos.abs().max(least);
         let is_front = zero.lt(sample.seen.cos);
         let weight = if self.is_two_sided {
             weight
@@ -93,8 +100,7 @@ impl Emitter {
         };
         Illumination {
             direction: sample.seen.direction,
-            // A ray that ended at the surface itself would often hit it.
-            distance: sample.seen.distance * zero.splat(1.0 - 1e-4),
+            distance: (sample.seen.distance - gap).max(zero),
             radiance: Vector::splat(zero, self.radiance) * weight,
             density,
         }

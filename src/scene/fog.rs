@@ -43,15 +43,17 @@ impl Scene {
         let bounds = bounds(self.world().upper_level());
         let center = bounds.center();
         let to_corner = 0.5 * (bounds.max - bounds.min).length();
-        let to_camera = self.image_plane.viewpoint().distance(center);
+        let to_camera = self.image_plane.eye.distance(center);
         let around_all = to_corner.max(to_camera).max(f32::MIN_POSITIVE);
         let phase = HenyeyGreenstein {
             anisotropy: fog.anisotropy,
         };
         self.fog = Some(FogSphere {
             center,
-            radius: fog.radius.unwrap_or(around_all),
-            extinction: 1.0 / fog.mean_free_path,
+            radius: fog
+                .radius
+                .map_or(around_all, |radius| self.space.length(radius)),
+            extinction: 1.0 / self.space.length(fog.mean_free_path),
             color: fog.color,
             phase,
         });

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::DAffine3;
 
 use super::arrays;
 use super::own_materials;
@@ -13,7 +13,7 @@ use crate::config::{
     Config, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
     MeshNormals, Object,
 };
-use crate::geometry::{Shape, Transform};
+use crate::geometry::{Located, Shape, Transform, world_from_object};
 use crate::import::{
     self, ArrayChoice, CornerValues, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes,
 };
@@ -33,7 +33,7 @@ pub struct Geometries {
 /// The geometry of one object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ObjectGeometry {
-    Shape(Shape),
+    Shape(Located<Shape>),
     Generator(Generator),
     Mesh(Box<Mesh>),
     Spheres(Spheres),
@@ -47,7 +47,7 @@ pub(super) struct MeshInstances {
     pub(super) mesh: Mesh,
     /// The map of each instance from the coordinates of the mesh to those of the object: at
     /// least one.
-    pub(super) places: Arc<[Affine3A]>,
+    pub(super) places: Arc<[DAffine3]>,
     /// The number of an array for each instance, if one was read; NaN for missing ones.
     pub(super) scalars: Option<Arc<[f32]>>,
 }
@@ -320,7 +320,7 @@ fn read_instances<F: Folders + ?Sized>(
 }
 
 /// The places of instances, and the numbers of an array for them, if they have one.
-type PlacesAndScalars = (Arc<[Affine3A]>, Option<Arc<[f32]>>);
+type PlacesAndScalars = (Arc<[DAffine3]>, Option<Arc<[f32]>>);
 
 /// Reads the places of instances; `path` is that of the instances.
 fn read_places<F: Folders + ?Sized>(
@@ -333,19 +333,19 @@ fn read_places<F: Folders + ?Sized>(
     match &instances.places {
         InstancePlaces::Listed(all) => {
             let of_place = |(i, steps): (usize, &Vec<_>)| {
-                let transform = Transform::of_steps(steps).ok_or_else(|| {
+                let place = world_from_object(steps);
+                Transform::new(&place).map(|_| place).ok_or_else(|| {
                     let path = path.clone().key("places").index(i);
                     let message = "the place of this instance has no inverse";
                     Fault::new(path, message, "expected `scale` factors other than 0")
-                })?;
-                Ok(transform.matrix())
+                })
             };
             let places: Result<Vec<_>, Fault> = all.iter().enumerate().map(of_place).collect();
             Ok((places?.into(), None))
         }
         InstancePlaces::Cloud(cloud) => {
             let n = cloud.count as usize;
-            check_room(n as u64 * size_of::<Affine3A>() as u64, available, path)?;
+            check_room(n as u64 * size_of::<DAffine3>() as u64, available, path)?;
             Ok(((0..n).map(|i| cloud.place(i)).collect(), None))
         }
         InstancePlaces::Points(points) => {

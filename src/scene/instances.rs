@@ -250,6 +250,17 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// A bound of the distance between a primitive's surface and a point of it that
+    /// [`project`](Self::project) found.
+    pub fn rounding(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
+        match self.transform(placed) {
+            None => self.primitives[placed.primitive as usize].rounding(point),
+            Some(_) => Triangle::rounding(&self.parameters(placed), point.into()),
+        }
+    }
+}
+
 /// Everything in a scene that rays can hit.
 impl<'a> From<&'a Scene> for World<'a> {
     fn from(scene: &'a Scene) -> Self {

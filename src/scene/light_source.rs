@@ -42,13 +42,15 @@ impl LightSource {
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,
-        [point, normal]: [Vector<R>; 2],
+        ([point, normal], error): ([Vector<R>; 2], R),
         numbers: &LightNumbers<R>,
     ) -> Illumination<R> {
         match self {
             Self::Surroundings(distance) => surroundings(normal, *distance, numbers.point),
             Self::Light(light) => light.illuminate(point),
-            Self::Emitter(emitter) => emitter.illuminate(point, numbers.shape, numbers.point),
+            Self::Emitter(emitter) => {
+                emitter.illuminate(point, error, numbers.shape, numbers.point)
+            }
             Self::Environment(environment) => environment.illuminate(numbers.point),
             Self::Sun(sun) => sun.illuminate(numbers.point),
         }

@@ -60,7 +60,7 @@ impl Lights {
     }
 
     pub(super) fn new(
-        lights: &[Light],
+        lights: impl Iterator<Item = Light>,
         materials: &[Material],
         world: World,
         background: Option<&Background>,
@@ -68,8 +68,7 @@ impl Lights {
         fog: Option<FogSphere>,
         has_media: bool,
     ) -> Self {
-        let mut sources: Vec<LightSource> =
-            lights.iter().copied().map(LightSource::Light).collect();
+        let mut sources: Vec<LightSource> = lights.map(LightSource::Light).collect();
         let n_kinds = ShapeKind::ALL.len();
         let mut emitters = vec![None; materials.len() * n_kinds];
         for (key, (shapes, bounds)) in emitting_shapes(materials, world) {
@@ -149,12 +148,12 @@ impl Lights {
     }
 
     /// The light of sample `i` that arrives at a point with a normal, unless it is
-    /// occluded, and the index of the light.
+    /// occluded, and the index of the light; `error` is that of the point's position.
     #[inline(always)]
     pub fn illuminate<R: Real>(
         &self,
         i: usize,
-        at: [Vector<R>; 2],
+        (at, error): ([Vector<R>; 2], R),
         numbers: &LightNumbers<R>,
     ) -> (Illumination<R>, R) {
         let [number, v] = numbers.point;
@@ -169,7 +168,7 @@ impl Lights {
             point: [number, v],
             ..*numbers
         };
-        let light = self.of_sources(index, at, &numbers);
+        let light = self.of_sources(index, (at, error), &numbers);
         let mut light = Illumination {
             radiance: light.radiance / probability,
             density: light.density * probability,
@@ -187,10 +186,10 @@ impl Lights {
     fn of_sources<R: Real>(
         &self,
         sources: R,
-        at: [Vector<R>; 2],
+        at: ([Vector<R>; 2], R),
         numbers: &LightNumbers<R>,
     ) -> Illumination<R> {
-        let (zero, [point, _]) = (sources.splat(0.0), at);
+        let (zero, ([point, _], _)) = (sources.splat(0.0), at);
         let mut light = Illumination {
             direction: point,
             distance: zero,

@@ -1,7 +1,7 @@
 //! Meshes at many places → the lower level of the scene: boxes of instances, and the triangles
 //! of meshes.
 
-use glam::Vec3;
+use glam::{DAffine3, DVec3};
 
 use super::geometries::MeshInstances;
 use super::instances::{Instance, InstanceId, InstancedTriangles, Instances};
@@ -10,7 +10,7 @@ use super::primitive::{MaterialId, ObjectId, Primitive};
 use super::surface_class::SurfaceClass;
 use super::{ObjectAttributes, Scene};
 use crate::config::Config;
-use crate::geometry::{Aabb, Cuboid, InstanceTransform, Shape};
+use crate::geometry::{Aabb, Cuboid, InstanceTransform, RenderSpace, Shape};
 use crate::import::Mesh;
 use crate::yaml::{Fault, FieldPath};
 
@@ -45,9 +45,9 @@ impl LowerLevel {
             places,
             scalars,
         } = placed;
-        let center = move_to_origin(&mut mesh);
+        let mesh_from_unit = to_unit_size(&mut mesh);
         let first = self.triangles.len() as u32;
-        let (in_mesh, of_object) = placement.in_object_space();
+        let (in_mesh, render_from_object) = placement.in_object_space();
         let attributes = in_mesh.add_mesh(mesh, &mut self.triangles, n_degenerate)?;
         let triangles = &self.triangles[first as usize..];
         let bounds = triangles.iter().map(Primitive::bounds);
@@ -56,9 +56,9 @@ impl LowerLevel {
         let mesh = self.instances.meshes.len() as u32;
         let first_instance = InstanceId(self.instances.all.len() as u32);
         for (i, place) in places.iter().enumerate() {
-            let place = of_object.map_or(*place, |of_object| of_object.matrix() * *place);
+            let place = render_from_object * *place * mesh_from_unit;
             let out_of_range = || placement.place_out_of_range(i);
-            let transform = InstanceTransform::new(&place, center).ok_or_else(out_of_range)?;
+            let transform = InstanceTransform::new(&place).ok_or_else(out_of_range)?;
             let shape = Shape::Cuboid(Cuboid::new(transform.world_bounds(&bounds)));
             let shape = Primitive::new(shape, None, placement.id(), material);
             if !shape.is_in_range() || !shape.has_extent() {
@@ -145,12 +145,16 @@ impl LowerLevel {
     }
 }
 
-/// Moves the center of a mesh to the origin, where numbers have most digits; returns where it
-/// was.
-fn move_to_origin(mesh: &mut Mesh) -> Vec3 {
-    let center = Aabb::of_points(mesh.vertices.iter().copied()).center();
+/// Moves the center of a mesh to the origin, where numbers have most digits, and scales it by a
+/// power of two to size one; returns the map from there to where it was.
+fn to_unit_size(mesh: &mut Mesh) -> DAffine3 {
+    let bounds = mesh.bounds();
+    let size = (bounds.max - bounds.min).max_element().into();
+    let center = bounds.center();
+    let unit = RenderSpace::new(size, DVec3::ZERO, size).unit();
     for vertex in &mut mesh.vertices {
-        *vertex -= center;
+        *vertex = ((vertex.as_dvec3() - center.as_dvec3()) / unit).as_vec3();
     }
-    center
+    let origin = std::mem::take(&mut mesh.origin) + center.as_dvec3();
+    DAffine3::from_translation(origin) * DAffine3::from_scale(DVec3::splat(unit))
 }

@@ -1,4 +1,4 @@
-//! Config → [`Scene`]: everything placed in world space, ids instead of names.
+//! Config → [`Scene`]: everything placed in render space, ids instead of names.
 //!
 //! Takes a checked [`Config`] and its [`Geometries`]; returns what the tracer
 //! reads, or a [`Fault`] where two parts of the file contradict each other: an
@@ -13,6 +13,7 @@ mod geometries;
 mod vertex_colors;
 mod attributes;
 mod surface_class;
+mod space;
 mod placement;
 mod lower_level;
 mod emitter;
@@ -30,6 +31,7 @@ use crate::camera::{ImagePlane, RayCone};
 use crate::color::Development;
 use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
 use crate::fog::FogSphere;
+use crate::geometry::RenderSpace;
 use crate::material::{Material, TexturePoint};
 use crate::simd::Vector;
 use crate::text::{did_you_mean, keyword_name};
@@ -54,9 +56,11 @@ pub use primitive::{MaterialId, ObjectId, Primitive};
 pub use surface_class::SurfaceClass;
 pub use timeline::{SceneFrame, Timeline};
 
-/// A scene in world space.
+/// A scene in render space.
 #[derive(Debug, Clone)]
 pub struct Scene {
+    /// The space of all coordinates and lengths, and the way back to world space.
+    pub space: RenderSpace,
     /// The positions of the pixels.
     pub image_plane: ImagePlane,
     /// The part of the scene that a camera ray stands for, if a material has a picture.
@@ -117,21 +121,25 @@ impl Scene {
         check_materials(config)?;
         fog::check(config)?;
         config.image.check_sampling()?;
-        let plane = config
-            .camera
-            .image_plane(config.image.width, config.image.height);
+        let space = space::render_space(config, &geometries);
+        let size = [config.image.width, config.image.height];
+        let plane = config.camera.image_plane(size, &space);
         let has_images = config.materials.values().any(Material::has_images);
+        let materials = config.materials.values().cloned();
         let mut scene = Self {
+            space,
             image_plane: plane,
             cone: has_images.then(|| plane.ray_cone(config.image.samples_per_pixel)),
             background: geometries.pictures.background(config),
-            shading: config.shading,
+            shading: config.shading.in_space(&space),
             development: config.film.development(config.shading.model),
             sample_limit: config.film.sample_limit(config.shading.model),
             extra_arrays: config.extra_arrays(),
             fog: None,
             lights: Lights::default(),
-            materials: config.materials.values().cloned().collect(),
+            materials: materials
+                .map(|material| material.in_space(&space))
+                .collect(),
             has_media: config
                 .materials
                 .values()
@@ -167,7 +175,7 @@ impl Scene {
             };
             let first = scene.primitives.len() as u32;
             let id = ObjectId(index as u32);
-            let placement = Placement::new(object, id, &materials, needs, &path)?;
+            let placement = Placement::new(object, id, &materials, needs, &path, &space);
             if let ObjectGeometry::Instances(placed) = geometry {
                 let added = lower_level.add(&placement, *placed, &mut scene.n_degenerate)?;
                 scene.attributes.push(added);
@@ -190,10 +198,10 @@ impl Scene {
         scene.add_fog(config);
         scene.lights = match config.shading.model {
             ShadingModel::AmbientOcclusion => {
-                Lights::surroundings(config.shading.occlusion_distance)
+                Lights::surroundings(scene.shading.occlusion_distance)
             }
             _ => Lights::new(
-                &config.lights,
+                config.lights.iter().map(|light| light.in_space(&space)),
                 &scene.materials,
                 scene.world(),
                 scene.scatters_paths().then_some(&scene.background),

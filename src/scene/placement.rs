@@ -1,12 +1,12 @@
-//! An object's geometry → primitives in world space.
+//! An object's geometry → primitives in render space.
 
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 
 use super::attributes::{Attributes, CornerAttributes};
 use super::geometries::ObjectGeometry;
 use super::primitive::{MaterialId, ObjectId, Primitive};
 use crate::config::{Geometry, InstancePlaces, InstancedMesh, Object};
-use crate::geometry::{Shape, Transform};
+use crate::geometry::{Located, RenderSpace, Shape, Transform, world_from_object};
 use crate::import::{CornerValues, Mesh, Spheres};
 use crate::stop;
 use crate::yaml::{Fault, FieldPath};
@@ -19,7 +19,8 @@ pub(super) struct Placement<'a> {
     /// At least one.
     materials: &'a [MaterialId],
     needs: Needs,
-    transform: Option<Transform>,
+    /// The map from the object to the space of its primitives.
+    render_from_object: DAffine3,
     path: &'a FieldPath,
 }
 
@@ -33,29 +34,23 @@ pub(super) struct Needs {
 }
 
 impl<'a> Placement<'a> {
-    /// The placement of the object at `path`.
-    ///
-    /// # Errors
-    /// A transform without an inverse.
+    /// The placement in a space of the object at `path`.
     pub(super) fn new(
         object: &'a Object,
         id: ObjectId,
         materials: &'a [MaterialId],
         needs: Needs,
         path: &'a FieldPath,
-    ) -> Result<Self, Fault> {
-        let transform = match object.transform.as_slice() {
-            [] => None,
-            steps => Some(Transform::of_steps(steps).ok_or_else(|| out_of_range(object, path))?),
-        };
-        Ok(Self {
+        space: &RenderSpace,
+    ) -> Self {
+        Self {
             object,
             id,
             materials,
             needs,
-            transform,
+            render_from_object: space.render_from_world() * world_from_object(&object.transform),
             path,
-        })
+        }
     }
 
     /// The object.
@@ -63,13 +58,23 @@ impl<'a> Placement<'a> {
         self.id
     }
 
-    /// The same without a transform, and the transform.
-    pub(super) fn in_object_space(&self) -> (Self, Option<Transform>) {
+    /// The same in the object's space, and the map from it.
+    pub(super) fn in_object_space(&self) -> (Self, DAffine3) {
         let in_object_space = Self {
-            transform: None,
+            render_from_object: DAffine3::IDENTITY,
             ..*self
         };
-        (in_object_space, self.transform)
+        (in_object_space, self.render_from_object)
+    }
+
+    /// The transform of a geometry whose coordinates are relative to `origin`.
+    ///
+    /// # Errors
+    /// It has no inverse.
+    fn transform(&self, origin: DVec3) -> Result<Transform, Fault> {
+        let from_origin = DAffine3::from_translation(origin);
+        Transform::new(&(self.render_from_object * from_origin))
+            .ok_or_else(|| out_of_range(self.object, self.path))
     }
 
     /// The fault of an instance that is too small, too large or too far away.
@@ -100,24 +105,31 @@ impl<'a> Placement<'a> {
         n_degenerate: &mut u64,
     ) -> Result<Attributes, Fault> {
         match geometry {
-            ObjectGeometry::Shape(shape) => self.add(shape, 0, primitives)?,
+            ObjectGeometry::Shape(Located { origin, geometry }) => {
+                self.add(geometry, 0, &self.transform(origin)?, primitives)?;
+            }
             ObjectGeometry::Generator(generator) => {
+                let Located { origin, geometry } = generator.corners();
+                let transform = self.transform(origin)?;
                 for i in 0..generator.n_spheres() {
                     // The caller discards what is half done.
                     if stop::is_requested() {
                         break;
                     }
-                    let (sphere, material) = generator.sphere(i, self.materials.len());
-                    self.add(Shape::Sphere(sphere), material, primitives)?;
+                    let (sphere, material) = generator.sphere(geometry, i, self.materials.len());
+                    self.add(Shape::Sphere(sphere), material, &transform, primitives)?;
                 }
             }
             ObjectGeometry::Spheres(Spheres {
+                origin,
                 spheres,
                 colors,
                 scalars,
             }) => {
+                let transform = self.transform(origin)?;
                 for (i, sphere) in spheres.into_iter().enumerate() {
-                    self.add(Shape::Sphere(sphere), i % self.materials.len(), primitives)?;
+                    let material = i % self.materials.len();
+                    self.add(Shape::Sphere(sphere), material, &transform, primitives)?;
                 }
                 let colors = colors.map(Attributes::Colors);
                 return Ok(colors
@@ -125,8 +137,9 @@ impl<'a> Placement<'a> {
                     .unwrap_or_default());
             }
             ObjectGeometry::Tubes(tubes) => {
+                let transform = self.transform(tubes.origin)?;
                 for capsule in tubes.capsules() {
-                    self.add(Shape::Capsule(capsule), 0, primitives)?;
+                    self.add(Shape::Capsule(capsule), 0, &transform, primitives)?;
                 }
                 return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
             }
@@ -145,11 +158,12 @@ impl<'a> Placement<'a> {
         n_degenerate: &mut u64,
     ) -> Result<Attributes, Fault> {
         let n_before = primitives.len();
+        let transform = self.transform(mesh.origin)?;
         let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
         let (scalars, colors) = (mesh.scalars.take(), mesh.colors.take());
         let mut kept = Vec::with_capacity(mesh.triangles.len());
         for &indices in &mesh.triangles {
-            let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0);
+            let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0, &transform);
             if !primitive.is_in_range() {
                 return Err(out_of_range(self.object, self.path));
             }
@@ -173,7 +187,7 @@ impl<'a> Placement<'a> {
         }
         Ok(Attributes::Corners(CornerAttributes {
             normals: normals.map(|normals| CornerValues {
-                values: self.world_normals(normals.values),
+                values: world_normals(normals.values, &transform),
                 triangles: only(normals.triangles, &kept),
             }),
             uvs: uvs.filter(|_| self.needs.uvs).map(|uvs| CornerValues {
@@ -193,25 +207,15 @@ impl<'a> Placement<'a> {
         }))
     }
 
-    /// The mesh's normals as unit vectors in world space; NaN for a zero vector.
-    fn world_normals(&self, mut vectors: Vec<Vec3>) -> Vec<Vec3> {
-        for vector in &mut vectors {
-            *vector = match &self.transform {
-                None => vector.normalize(),
-                Some(transform) => transform.world_normal(*vector),
-            };
-        }
-        vectors
-    }
-
     /// Adds one primitive.
     fn add(
         &self,
         shape: Shape,
         material: usize,
+        transform: &Transform,
         primitives: &mut Vec<Primitive>,
     ) -> Result<(), Fault> {
-        let primitive = self.primitive(shape, material);
+        let primitive = self.primitive(shape, material, transform);
         if !primitive.is_in_range() || !primitive.has_extent() {
             return Err(out_of_range(self.object, self.path));
         }
@@ -219,10 +223,18 @@ impl<'a> Placement<'a> {
         Ok(())
     }
 
-    fn primitive(&self, shape: Shape, material: usize) -> Primitive {
+    fn primitive(&self, shape: Shape, material: usize, transform: &Transform) -> Primitive {
         let material = self.materials[material];
-        Primitive::new(shape, self.transform.as_ref(), self.id, material)
+        Primitive::new(shape, Some(transform), self.id, material)
     }
+}
+
+/// A mesh's normals as unit vectors in render space; NaN for a zero vector.
+fn world_normals(mut vectors: Vec<Vec3>, transform: &Transform) -> Vec<Vec3> {
+    for vector in &mut vectors {
+        *vector = transform.world_normal(*vector);
+    }
+    vectors
 }
 
 /// Those of the triangles that are kept.

@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Aabb, Intersectable, N_PARAMETERS, Patch, Ray, Shape, ShapeKind, Transform};
+use crate::geometry::{
+    Aabb, Intersectable, N_PARAMETERS, Patch, Ray, Shape, ShapeKind, Transform, rounding_of,
+};
 
 /// The index of an object in the file's `objects`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -85,6 +87,18 @@ impl Primitive {
                 (placement.world_point(point), placement.world_normal(normal))
             }
         }
+    }
+
+    /// A bound of the distance between its surface and a point of it that
+    /// [`project`](Self::project) found.
+    pub fn rounding(&self, point: Vec3) -> f32 {
+        let Some(placement) = &self.placement else {
+            let parameters = self.shape.parameters();
+            return self.shape.kind().rounding(&parameters, point.into());
+        };
+        let bounds = placement.world_bounds(&self.shape.bounds());
+        let (min, max) = (bounds.min, bounds.max);
+        rounding_of(&[min.x, min.y, min.z, max.x, max.y, max.z])
     }
 
     /// A point of world space in the space of its [`parameters`](Self::parameters).

@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::bsdf::Boundary;
-use crate::geometry::leaving;
 use crate::light::Illumination;
 use crate::material::Material;
 use crate::scene::Lights;
@@ -53,7 +52,7 @@ pub(super) trait Model: Copy {
     /// The origin of a ray that leaves the point in this direction.
     #[inline(always)]
     fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
-        leaving(point.position, point.geometric_normal, direction)
+        point.origin(direction)
     }
 
     /// The parameter at which a shadow ray ends: at its light.

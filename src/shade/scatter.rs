@@ -8,7 +8,6 @@ use super::numbers::WaveNumbers;
 use super::path_tracing::survival;
 use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
-use crate::geometry::leaving;
 use crate::scene::Scene;
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, SimdKernel};
 use crate::trace::{PointGroup, PointLanes, Points};
@@ -75,7 +74,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         let alive = roulette.lt(probability).bits();
         let direction = scattered.direction;
         let continued = Continued {
-            origin: leaving(point.position, point.geometric_normal, direction),
+            origin: point.origin(direction),
             direction,
             weight: before.times(scattered.factor * (set.splat(1.0) / probability)),
             rays,

@@ -1,5 +1,6 @@
 //! The sections on the scene.
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::accel::BvhStatistics;
@@ -79,11 +80,11 @@ pub struct FilmSection {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CameraSection {
     /// The origin of all camera rays, of a perspective camera, or the center of its lens.
-    pub eye: Option<[f32; 3]>,
+    pub eye: Option<[f64; 3]>,
     /// The direction of all camera rays, a unit vector, of an orthographic camera.
     pub direction: Option<[f32; 3]>,
     /// The sample point of the top left pixel.
-    pub origin: [f32; 3],
+    pub origin: [f64; 3],
     /// The step from one column to the next.
     pub right: [f32; 3],
     /// The step from one row to the row below.
@@ -161,22 +162,25 @@ impl FilmSection {
 
 impl From<&ImagePlane> for CameraSection {
     fn from(plane: &ImagePlane) -> Self {
+        let space = &plane.space;
+        let legible = |point| space.legible(point);
         let (eye, direction) = match plane.projection {
-            Projection::Perspective { eye } | Projection::Panorama { eye, .. } => {
-                (Some(eye.to_array()), None)
+            Projection::Perspective | Projection::Panorama { .. } => {
+                (Some(legible(plane.eye_in_world)), None)
             }
             Projection::Parallel { direction } => (None, Some(direction.to_array())),
         };
+        let steps = |vector: Vec3| vector.to_array().map(|step| space.world_length(step));
         Self {
             eye,
             direction,
-            origin: plane.origin.to_array(),
-            right: plane.right.to_array(),
-            down: plane.down.to_array(),
+            origin: legible(plane.eye_in_world + space.unit() * plane.to_first.as_dvec3()),
+            right: steps(plane.right),
+            down: steps(plane.down),
             panorama: matches!(plane.projection, Projection::Panorama { .. }),
             lens: plane.lens.map(|lens| LensSection {
-                radius: lens.radius,
-                focus_distance: lens.focus_distance,
+                radius: space.world_length(lens.radius),
+                focus_distance: space.world_length(lens.focus_distance),
             }),
         }
     }

@@ -102,6 +102,10 @@ impl FindPoints<'_> {
             Some(shape) => shape.project_onto(&parameters, near),
             None => self.project_placed(set, &hits.primitives, near),
         };
+        let error = match group.shape {
+            Some(shape) => shape.rounding(&parameters, position),
+            None => self.placed_rounding(set, &hits.primitives),
+        };
         let outward = match &self.scene.instances {
             None => outward,
             Some(_) => outward.flip_sign_by(self.mirror_signs(set, &hits)),
@@ -161,6 +165,7 @@ impl FindPoints<'_> {
         points.geometric_normal.store(at.first, geometric_normal);
         points.color.store(at.first, color);
         points.direction.store(at.first, direction);
+        *lanes_mut(&mut points.error, at.first) = error.to_array();
         *lanes_mut(&mut points.side, at.first) = side.to_array();
     }
 
@@ -180,6 +185,7 @@ impl FindPoints<'_> {
         points.geometric_normal.store(first, none);
         points.color.store(first, set.splat_vector(color));
         points.direction.store(first, direction);
+        *lanes_mut(&mut points.error, first) = [0.0; N_LANES];
         *lanes_mut(&mut points.side, first) = [1.0; N_LANES];
     }
 
@@ -223,6 +229,16 @@ impl FindPoints<'_> {
             set_lane(&mut normals, lane, normal);
         }
         (set.load_vector(&positions), set.load_vector(&normals))
+    }
+
+    /// The bounds of rounding errors of primitives under a transform, one by one.
+    #[inline(always)]
+    fn placed_rounding<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
+        let rounding = |&primitive: &u32| {
+            let primitive = &self.scene.primitives[primitive as usize];
+            primitive.rounding(Vec3::ZERO)
+        };
+        set.load(&primitives.each_ref().map(rounding))
     }
 
     /// Numbers whose signs are those by which the normals of triangles have to be flipped:

@@ -119,7 +119,8 @@ impl Tracer<'_> {
         if !cutout.is_hole(&at) {
             return None;
         }
-        let behind = Ray::leaving(position, normal, ray.direction);
+        let error = self.scene.rounding(hit.placed(), position);
+        let behind = Ray::leaving([position, normal], error, ray.direction);
         let next = length + (behind.origin - ray.origin).dot(ray.direction);
         // A ray along the surface may not get on by rounding errors: it ends there.
         (next > *length).then_some(Passage {

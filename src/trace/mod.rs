@@ -172,6 +172,7 @@ impl<'a> Tracer<'a> {
             geometric_normal: geometric_normal.into(),
             color: self.scene.color(hit.primitive, &at),
             distance: hit.t,
+            error: self.scene.rounding(placed, position),
             object: primitive.object,
             material: primitive.material,
             primitive: hit.primitive,

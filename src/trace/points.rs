@@ -31,6 +31,8 @@ pub struct Points {
     pub(super) direction: VectorColumn,
     pub(super) side: Vec<f32>,
     pub(super) distance: Vec<f32>,
+    /// A bound of the distance of each position from the surface.
+    pub(super) error: Vec<f32>,
     pub(super) materials: Vec<MaterialId>,
     /// The primitive of each point.
     pub(super) primitives: Vec<u32>,
@@ -98,6 +100,7 @@ impl Points {
         grow(&mut self.primitives, n_points);
         grow(&mut self.materials, n_points);
         grow(&mut self.distance, n_points);
+        grow(&mut self.error, n_points);
         grow(&mut self.side, n_points);
         self.position.grow(n_points);
         self.normal.grow(n_points);
@@ -164,6 +167,7 @@ impl Points {
             normal: self.normal.load(set, at.first),
             geometric_normal: self.geometric_normal.load(set, at.first),
             color: self.color.load(set, at.first),
+            error: set.load(lanes(&self.error, at.first)),
             side: set.load(lanes(&self.side, at.first)),
         }
     }

@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use crate::camera::RayCone;
-use crate::geometry::Ray;
+use crate::geometry::{Ray, leaving};
 use crate::scene::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
 use crate::simd::{Mask, Real, Vector};
 
-/// A point of a surface that a ray has hit, in world space.
+/// A point of a surface that a ray has hit, in render space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     /// The point, projected onto the surface to remove the rounding error.
@@ -21,6 +21,8 @@ pub struct SurfacePoint {
     pub color: Vec3,
     /// Distance along the ray, greater than 0.
     pub distance: f32,
+    /// A bound of the distance of `position` from the surface.
+    pub error: f32,
     /// The object that was hit.
     pub object: ObjectId,
     /// Its material.
@@ -45,6 +47,8 @@ pub struct ShadingPoint<R> {
     pub geometric_normal: Vector<R>,
     /// The color of the surface.
     pub color: Vector<R>,
+    /// A bound of the distance of the position from the surface.
+    pub error: R,
     /// -1 where both normals are opposite to the surface's own, else 1.
     pub side: R,
 }
@@ -59,6 +63,7 @@ impl SurfacePoint {
             geometric_normal: Vec3::ZERO,
             color,
             distance,
+            error: 0.0,
             object: ObjectId(0),
             material: scene.class(scene.particles()).material(),
             primitive: scene.particles(),
@@ -83,6 +88,7 @@ impl SurfacePoint {
             normal: self.normal.into(),
             geometric_normal: self.geometric_normal.into(),
             color: self.color.into(),
+            error: self.error,
             side: if self.is_flipped { -1.0 } else { 1.0 },
         }
     }
@@ -99,6 +105,16 @@ impl SurfacePoint {
 }
 
 impl<R: Real> ShadingPoint<R> {
+    /// The origin of a ray in a direction that does not hit the surface again.
+    #[inline(always)]
+    pub fn origin(&self, direction: Vector<R>) -> Vector<R> {
+        leaving(
+            [self.position, self.geometric_normal],
+            self.error,
+            direction,
+        )
+    }
+
     /// The surface's own normal for one of the point's normals, whichever side the
     /// ray came from.
     #[inline(always)]

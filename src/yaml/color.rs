@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use super::number::{NON_NEGATIVE, Number, NumberList, Splat};
+use super::number::{NON_NEGATIVE, Number, NumberList, Splat, rounded};
 
 const EXPECTED: &str = "a color: [r, g, b], \"#rrggbb\" or one number for a gray";
 
@@ -68,6 +68,10 @@ impl<'de, T: Deserialize<'de> + ColorPattern> Deserialize<'de> for RadianceOr<T>
     }
 }
 
+fn vector_of(numbers: [f64; 3]) -> Vec3 {
+    Vec3::from(rounded(numbers))
+}
+
 struct Color(Number);
 
 impl Color {
@@ -84,19 +88,19 @@ impl<'de> Visitor<'de> for Color {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Vec3, A::Error> {
-        self.numbers().visit_seq(list).map(Vec3::from_array)
+        self.numbers().visit_seq(list).map(vector_of)
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<Vec3, E> {
-        self.numbers().visit_f64(found).map(Vec3::from_array)
+        self.numbers().visit_f64(found).map(vector_of)
     }
 
     fn visit_i64<E: Error>(self, found: i64) -> Result<Vec3, E> {
-        self.numbers().visit_i64(found).map(Vec3::from_array)
+        self.numbers().visit_i64(found).map(vector_of)
     }
 
     fn visit_u64<E: Error>(self, found: u64) -> Result<Vec3, E> {
-        self.numbers().visit_u64(found).map(Vec3::from_array)
+        self.numbers().visit_u64(found).map(vector_of)
     }
 
     fn visit_str<E: Error>(self, found: &str) -> Result<Vec3, E> {

@@ -7,7 +7,7 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
@@ -67,6 +67,11 @@ pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
 /// Reads a coordinate, or an angle in degrees, of any sign.
 pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     COORDINATE.deserialize(d)
+}
+
+/// Reads a coordinate of a point, in its 64 bits.
+pub fn exact_coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
+    Exactly(COORDINATE).deserialize(d)
 }
 
 /// Reads a count, at least 1 and at most `MAX`.
@@ -137,18 +142,20 @@ where
 pub fn size<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     let expected = "a size [width, height], or one number for both";
     d.deserialize_any(Splat(NumberList(POSITIVE, expected)))
+        .map(rounded)
 }
 
 /// Reads the radii at two ends: `[from, to]`, or one number for both.
 pub fn radii<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     let expected = "a radius, or one for each end [from, to]";
     d.deserialize_any(Splat(NumberList(POSITIVE, expected)))
+        .map(rounded)
 }
 
 /// Reads the radii at two ends, one of which may be 0: `[from, to]`.
 pub fn cone_radii<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
     let expected = "a radius for each end [from, to]";
-    let radii = d.deserialize_seq(NumberList(NON_NEGATIVE, expected))?;
+    let radii = rounded(d.deserialize_seq(NumberList(NON_NEGATIVE, expected))?);
     if radii == [0.0; 2] {
         let message = "cannot be 0 at both ends, expected [from, to] with one greater than 0";
         return Err(D::Error::custom(message));
@@ -156,22 +163,28 @@ pub fn cone_radii<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error>
     Ok(radii)
 }
 
+/// The numbers in 32 bits.
+pub(super) fn rounded<const N: usize>(numbers: [f64; N]) -> [f32; N] {
+    numbers.map(|number| number as f32)
+}
+
 /// Reads a point: `[x, y, z]`.
-pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<DVec3, D::Error> {
     d.deserialize_seq(NumberList(COORDINATE, "a point [x, y, z]"))
-        .map(Vec3::from_array)
+        .map(DVec3::from_array)
 }
 
 /// Reads a displacement, which may be zero: `[x, y, z]`.
-pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<DVec3, D::Error> {
     d.deserialize_seq(NumberList(COORDINATE, "a vector [x, y, z]"))
-        .map(Vec3::from_array)
+        .map(DVec3::from_array)
 }
 
 /// Reads a direction, `[x, y, z]` of any length but zero; returns the unit
 /// vector.
 pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    let found = Vec3::from(d.deserialize_seq(NumberList(COORDINATE, "a direction [x, y, z]"))?);
+    let found = d.deserialize_seq(NumberList(COORDINATE, "a direction [x, y, z]"))?;
+    let found = Vec3::from(rounded(found));
     // Scaled first, so that no square overflows or underflows f32.
     let largest = found.abs().max_element();
     (found / largest).try_normalize().ok_or_else(|| {
@@ -185,11 +198,11 @@ pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
 /// Reads factors along x, y and z: `[x, y, z]`, or one number for all three.
 pub fn scale<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Splat(NumberList(SCALE, "a factor, or three [x, y, z]")))
-        .map(Vec3::from_array)
+        .map(|factors| Vec3::from(rounded(factors)))
 }
 
 /// Reads an interval `[from, to]` of coordinates with `from < to`.
-pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
+pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f64; 2], D::Error> {
     let [from, to] = d.deserialize_seq(NumberList(COORDINATE, "a range [from, to]"))?;
     if from < to {
         Ok([from, to])
@@ -203,10 +216,8 @@ pub fn range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
 /// Reads the least and the greatest length: `[from, to]` with `from <= to`, or
 /// one number for both.
 pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error> {
-    let [from, to] = d.deserialize_any(Splat(NumberList(
-        POSITIVE,
-        "a length, or a range [from, to]",
-    )))?;
+    let range = NumberList(POSITIVE, "a length, or a range [from, to]");
+    let [from, to] = rounded(d.deserialize_any(Splat(range))?);
     if from <= to {
         Ok([from, to])
     } else {
@@ -216,27 +227,38 @@ pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Er
     }
 }
 
-impl<'de> Visitor<'de> for Number {
-    type Value = f32;
+/// A number in its 64 bits.
+struct Exactly(Number);
+
+impl<'de> Visitor<'de> for Exactly {
+    type Value = f64;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(self.expected)
+        f.write_str(self.0.expected)
     }
 
-    fn visit_f64<E: Error>(self, found: f64) -> Result<f32, E> {
-        if found.is_finite() && (self.accepts)(found) {
-            Ok(found as f32)
+    fn visit_f64<E: Error>(self, found: f64) -> Result<f64, E> {
+        if found.is_finite() && (self.0.accepts)(found) {
+            Ok(found)
         } else {
             Err(E::invalid_value(Unexpected::Float(found), &self))
         }
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<f32, E> {
+    fn visit_i64<E: Error>(self, found: i64) -> Result<f64, E> {
         self.visit_f64(found as f64)
     }
 
-    fn visit_u64<E: Error>(self, found: u64) -> Result<f32, E> {
+    fn visit_u64<E: Error>(self, found: u64) -> Result<f64, E> {
         self.visit_f64(found as f64)
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Exactly {
+    type Value = f64;
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<f64, D::Error> {
+        d.deserialize_any(self)
     }
 }
 
@@ -244,7 +266,7 @@ impl<'de> DeserializeSeed<'de> for Number {
     type Value = f32;
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<f32, D::Error> {
-        d.deserialize_any(self)
+        d.deserialize_any(Exactly(self)).map(|found| found as f32)
     }
 }
 
@@ -252,17 +274,17 @@ impl<'de> DeserializeSeed<'de> for Number {
 pub(super) struct NumberList<const N: usize>(pub Number, pub &'static str);
 
 impl<'de, const N: usize> Visitor<'de> for NumberList<N> {
-    type Value = [f32; N];
+    type Value = [f64; N];
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.1)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<[f32; N], A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<[f64; N], A::Error> {
         let mut values = [0.0; N];
         for (i, value) in values.iter_mut().enumerate() {
             *value = list
-                .next_element_seed(self.0)?
+                .next_element_seed(Exactly(self.0))?
                 .ok_or_else(|| A::Error::invalid_length(i, &self.1))?;
         }
         match list.next_element::<serde::de::IgnoredAny>()? {
@@ -276,25 +298,25 @@ impl<'de, const N: usize> Visitor<'de> for NumberList<N> {
 pub(super) struct Splat<const N: usize>(pub NumberList<N>);
 
 impl<'de, const N: usize> Visitor<'de> for Splat<N> {
-    type Value = [f32; N];
+    type Value = [f64; N];
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.0.1)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<[f32; N], A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<[f64; N], A::Error> {
         self.0.visit_seq(list)
     }
 
-    fn visit_f64<E: Error>(self, found: f64) -> Result<[f32; N], E> {
-        self.0.0.visit_f64(found).map(|number| [number; N])
+    fn visit_f64<E: Error>(self, found: f64) -> Result<[f64; N], E> {
+        Exactly(self.0.0).visit_f64(found).map(|number| [number; N])
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<[f32; N], E> {
+    fn visit_i64<E: Error>(self, found: i64) -> Result<[f64; N], E> {
         self.visit_f64(found as f64)
     }
 
-    fn visit_u64<E: Error>(self, found: u64) -> Result<[f32; N], E> {
+    fn visit_u64<E: Error>(self, found: u64) -> Result<[f64; N], E> {
         self.visit_f64(found as f64)
     }
 }
@@ -321,7 +343,8 @@ impl<'de> Visitor<'de> for OneOrListVisitor {
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<OneOrList, E> {
-        self.0.visit_f64(found).map(OneOrList::One)
+        let found = Exactly(self.0).visit_f64(found)?;
+        Ok(OneOrList::One(found as f32))
     }
 
     fn visit_i64<E: Error>(self, found: i64) -> Result<OneOrList, E> {

@@ -5,6 +5,7 @@ pub mod chromium;
 pub mod data_set;
 pub mod generators;
 pub mod kept;
+pub mod moved;
 pub mod noise;
 pub mod paraview;
 pub mod same_output;

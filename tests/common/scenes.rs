@@ -47,6 +47,11 @@ pub struct RandomScene {
 impl RandomScene {
     /// The config of its YAML text.
     pub fn config(&self) -> Config {
+        parse(&self.text())
+    }
+
+    /// Its YAML text.
+    pub fn text(&self) -> String {
         let Self {
             model,
             size: [width, height],
@@ -182,7 +187,7 @@ lights:"
         if lights.is_empty() {
             text.push_str(" []");
         }
-        parse(&text)
+        text
     }
 }
 

@@ -3,12 +3,12 @@
 use crate::common::generators::{self, bundle, ray, triple};
 use crate::common::twins::{QUALITIES, compare};
 use crate::common::{parse, scene_of};
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 use proptest::prelude::*;
 use raycost::accel::Accel;
 use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, NoProbe};
-use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
 
@@ -112,7 +112,7 @@ proptest! {
         exponent in -12_i32..13,
     ) {
         let scale = 10_f32.powi(exponent);
-        let transform = Transform::of_steps(&[TransformStep::Scale(Vec3::splat(scale))]);
+        let transform = Transform::new(&DAffine3::from_scale(DVec3::splat(scale.into())));
         let scaled = |shape| Primitive::new(shape, transform.as_ref(), ObjectId(0), MaterialId(0));
         let primitives: Vec<Primitive> = shapes.into_iter().map(scaled).collect();
         let scaled = |ray: Ray| Ray { origin: scale * ray.origin, ..ray };
@@ -263,7 +263,7 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
 /// Ellipsoids, which the kernel tests one by one.
 fn ellipsoids(n: u64) -> Vec<Primitive> {
     let stretch = TransformStep::Scale(Vec3::new(1.0, 2.0, 3.0));
-    let transform = Transform::of_steps(&[stretch]);
+    let transform = Transform::new(&world_from_object(&[stretch]));
     let ellipsoid = |i| {
         let [x, y, z, size] = uniform([8, i, 0]);
         let sphere = Sphere {

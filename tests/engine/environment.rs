@@ -69,7 +69,7 @@ fn by_light_samples(scene: &Scene) -> Vec3 {
             shape: 0.0,
             point: [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32),
         };
-        let (light, _) = scene.lights.illuminate(0, at, &numbers);
+        let (light, _) = scene.lights.illuminate(0, (at, 0.0), &numbers);
         let cos = light.direction.z.max(0.0);
         sum += (Vec3::from(light.radiance) * cos).as_dvec3();
     }

@@ -15,6 +15,7 @@ mod fog;
 mod gltf;
 mod import;
 mod instances;
+mod invariance;
 mod media;
 mod attribution;
 mod meshes;

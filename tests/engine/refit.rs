@@ -6,7 +6,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use raycost::accel::Accel;
 use raycost::config::{Acceleration, Quality};
-use raycost::geometry::{Shape, Sphere, Transform, TransformStep, Triangle};
+use raycost::geometry::{Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
 use raycost::scene::{MaterialId, ObjectId, Primitive};
 
 /// A shape, where it moves in a unit of time, and the factor by which it grows.
@@ -26,9 +26,9 @@ fn at(moving: &[Moving], time: f32) -> Vec<Primitive> {
         let factor = 1.0 + time.min(1.0) * (growth - 1.0);
         let steps = [
             TransformStep::Scale(Vec3::splat(factor)),
-            TransformStep::Translate(time * *velocity),
+            TransformStep::Translate((time * *velocity).as_dvec3()),
         ];
-        primitive(shape.clone(), Transform::of_steps(&steps).as_ref())
+        primitive(shape.clone(), Transform::new(&world_from_object(&steps)).as_ref())
     };
     moving.iter().map(moved).collect()
 }

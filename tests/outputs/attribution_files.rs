@@ -13,6 +13,7 @@ use crate::common::{assert_success, config, in_repository, parse, raycost, with_
 use raycost::attribution::{Hierarchy, Visits};
 use raycost::config::{BvhLimits, Config, CostMode};
 use raycost::cost::RayKind;
+use raycost::geometry::RenderSpace;
 use raycost::geometry::Shape;
 use raycost::output::{write_nodes, write_surface};
 use raycost::scene::Scene;
@@ -59,7 +60,7 @@ fn check(config: &Config, read: fn(&Path) -> DataSet) {
     };
     for limits in [all, some] {
         write_nodes(
-            (&hierarchy, None),
+            (&hierarchy, None, RenderSpace::default()),
             limits,
             config.cost,
             Codec::None,

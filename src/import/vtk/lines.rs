@@ -27,6 +27,9 @@ pub(super) fn add(
     }
     budget.take_of::<f32>(piece.n_points())?;
     let radii = Radii::of(piece, radius)?;
+    if tubes.is_empty() {
+        tubes.origin = piece.origin();
+    }
     let scalars = array.map(|array| piece.scalars(array)).transpose()?;
     let ghosts = piece.cell_data.get(GHOSTS);
     for cell in 0..cells.len() {
@@ -48,6 +51,7 @@ pub(super) fn add(
             let center = piece
                 .position(point)
                 .map_err(|fault| fault.at(at_point(point)))?;
+            let center = (center - tubes.origin).as_vec3();
             let radius = radii.at(point)?;
             line.push((Sphere { center, radius }, number(point)));
         }

@@ -73,6 +73,9 @@ impl<'a> Pieces<'a> {
                 add_values(&mut self.scalars, n_before, of, &values, surface);
             }
         }
+        if self.mesh.vertices.is_empty() {
+            self.mesh.origin = piece.origin();
+        }
         for &point in &used {
             let position = piece.position(point as usize);
             let at_point = |fault: FileFault| {
@@ -81,7 +84,8 @@ impl<'a> Pieces<'a> {
                     point.into(),
                 ))
             };
-            self.mesh.vertices.push(position.map_err(at_point)?);
+            let from_origin = position.map_err(at_point)? - self.mesh.origin;
+            self.mesh.vertices.push(from_origin.as_vec3());
         }
         self.add_normals(piece.point_data.normals(), &used)?;
         self.add_uvs(piece.point_data.uvs(), &used)?;

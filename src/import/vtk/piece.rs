@@ -1,6 +1,6 @@
 //! A part of a data set: points, cells and their arrays.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::super::fault::cut;
 use super::super::mesh::{finite, light};
@@ -8,6 +8,7 @@ use super::super::{FileFault, Result, listed};
 use super::cells::Cells;
 use super::numbers::Numbers;
 use super::{ArrayChoice, ArrayOf};
+use crate::geometry::origin_near;
 use crate::text::did_you_mean;
 
 /// A part of a data set.
@@ -144,7 +145,7 @@ impl Piece {
     ///
     /// # Errors
     /// A coordinate that is not finite.
-    pub(super) fn position(&self, point: usize) -> Result<Vec3> {
+    pub(super) fn position(&self, point: usize) -> Result<DVec3> {
         let position = match &self.points {
             PointPositions::Explicit(points) => points.triple(point),
             PointPositions::Axes(axes) => {
@@ -153,7 +154,13 @@ impl Piece {
             }
             PointPositions::Lattice(lattice) => lattice.position(point),
         };
-        finite(position.map(|coordinate| coordinate as f32))
+        let _: Vec3 = finite(position.map(|coordinate| coordinate as f32))?;
+        Ok(position.into())
+    }
+
+    /// The origin for the coordinates of its points.
+    pub(super) fn origin(&self) -> DVec3 {
+        origin_near((0..self.n_points()).filter_map(|point| self.position(point).ok()))
     }
 
     /// The numbers of an array, one for each point or cell: a component, or by default the

@@ -29,6 +29,9 @@ pub(super) fn add(
         .map(|array| colors_of_points(piece, array))
         .transpose()?;
     let ghosts = piece.point_data.get(GHOSTS);
+    if spheres.spheres.is_empty() {
+        spheres.origin = piece.origin();
+    }
     for point in 0..n {
         if ghosts.is_some_and(|ghosts| ghosts.at(point) != 0.0) {
             continue;
@@ -36,6 +39,7 @@ pub(super) fn add(
         let radius = radii.at(point)?;
         let center = piece.position(point);
         let center = center.map_err(|fault| fault.at(at_point(point)))?;
+        let center = (center - spheres.origin).as_vec3();
         spheres.spheres.push(Sphere { center, radius });
         if let (Some(scalars), Some(found)) = (&scalars, &mut spheres.scalars) {
             found.push(scalars[point]);

@@ -7,6 +7,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 
 use super::planar::Planar;
 use super::spherical::Spherical;
+use super::triplanar::Triplanar;
 
 /// Where on a surface a picture is.
 ///
@@ -28,7 +29,7 @@ pub enum Mapping {
     Spherical(Spherical),
     /// Projected along all three axes of world space; the nearer the normal is to an axis,
     /// the more does its projection count.
-    Triplanar,
+    Triplanar(Triplanar),
 }
 
 /// The mappings with keys.
@@ -64,7 +65,7 @@ impl<'de> Visitor<'de> for MappingVisitor {
             "uv" => Ok(Mapping::Uv),
             "planar" => Ok(Mapping::Planar(Planar::default())),
             "spherical" => Ok(Mapping::Spherical(Spherical::default())),
-            "triplanar" => Ok(Mapping::Triplanar),
+            "triplanar" => Ok(Mapping::Triplanar(Triplanar::default())),
             _ => {
                 let message = format!("unknown variant `{word}`, expected {EXPECTED}");
                 Err(E::custom(message))

@@ -15,9 +15,11 @@ pub use mapping::Mapping;
 pub use planar::Planar;
 pub use spherical::Spherical;
 use triplanar::AxisProjection;
+pub use triplanar::Triplanar;
 
 use super::texture_point::TexturePoint;
 use crate::color::Transfer;
+use crate::geometry::RenderSpace;
 use crate::picture::{Picture, Sampling, TexelFilter, Wrap};
 use crate::simd::{LookupTable, Real, Vector};
 use crate::yaml;
@@ -69,6 +71,17 @@ fn unit_size() -> [f32; 2] {
 }
 
 impl ImageTexture {
+    /// The picture, which lies in world space, in render space.
+    pub(super) fn in_space(&mut self, space: &RenderSpace) {
+        match &mut self.mapping {
+            Mapping::Uv => return,
+            Mapping::Spherical(sphere) => return sphere.in_space(space),
+            Mapping::Planar(plane) => plane.in_space(space),
+            Mapping::Triplanar(axes) => axes.in_space(space, self.size, self.wrap),
+        }
+        self.size = self.size.map(|length| space.length(length));
+    }
+
     #[inline(always)]
     pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
         let [x, y, z, _] = self.values_at(point);
@@ -88,7 +101,7 @@ impl ImageTexture {
                 let footprint = point.width * sphere.density(point.position);
                 self.look_up(sphere.uv(point.position), footprint)
             }
-            Mapping::Triplanar => self.blend(triplanar::projections(point)),
+            Mapping::Triplanar(axes) => self.blend(axes.projections(point)),
         }
     }
 
@@ -98,9 +111,9 @@ impl ImageTexture {
     pub(super) fn tilted<R: Real>(&self, point: &TexturePoint<R>, strength: f32) -> Vector<R> {
         let normal = point.normal;
         match &self.mapping {
-            Mapping::Triplanar => {
+            Mapping::Triplanar(axes) => {
                 let mut sum = Vector::splat(normal.x, Vec3::ZERO);
-                for projection in triplanar::projections(point) {
+                for projection in axes.projections(point) {
                     let values = self.look_up(projection.uv, projection.footprint);
                     let tilted = from_tangent_space(values, projection.axes, normal, strength);
                     sum = sum + tilted * projection.weight;

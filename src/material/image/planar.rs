@@ -1,17 +1,18 @@
 //! Pictures that are projected onto a plane.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
-/// A plane in world space, onto which points are projected at a right angle.
+/// A plane onto which points are projected at a right angle.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "PlanarKeys")]
 pub struct Planar {
     /// The lower left corner of the picture.
-    origin: Vec3,
+    origin: DVec3,
     /// To the right in the picture, a unit vector.
     right: Vec3,
     /// Upward in the picture, a unit vector.
@@ -26,7 +27,7 @@ pub struct Planar {
 )]
 struct PlanarKeys {
     #[serde(deserialize_with = "yaml::point")]
-    origin: Vec3,
+    origin: DVec3,
     #[serde(deserialize_with = "yaml::direction")]
     right: Vec3,
     #[serde(deserialize_with = "yaml::direction")]
@@ -37,7 +38,7 @@ struct PlanarKeys {
 impl Default for PlanarKeys {
     fn default() -> Self {
         Self {
-            origin: Vec3::ZERO,
+            origin: DVec3::ZERO,
             right: Vec3::X,
             up: Vec3::NEG_Z,
         }
@@ -65,6 +66,11 @@ impl TryFrom<PlanarKeys> for Planar {
 }
 
 impl Planar {
+    /// The plane, which is in world space, in render space.
+    pub(super) fn in_space(&mut self, space: &RenderSpace) {
+        self.origin = space.point(self.origin).as_dvec3();
+    }
+
     /// The directions to the right and up in the picture.
     #[inline(always)]
     pub(super) fn axes<R: Real>(&self, like: R) -> [Vector<R>; 2] {
@@ -85,7 +91,7 @@ impl Planar {
     #[inline(always)]
     pub(super) fn uv<R: Real>(&self, position: Vector<R>) -> [R; 2] {
         let like = position.x;
-        let from_origin = position - Vector::splat(like, self.origin);
+        let from_origin = position - Vector::splat(like, self.origin.as_vec3());
         [
             from_origin.dot(Vector::splat(like, self.right)),
             from_origin.dot(Vector::splat(like, self.up)),

@@ -2,18 +2,19 @@
 
 use std::f32::consts::{PI, SQRT_2};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector, turns_of};
 use crate::yaml;
 
-/// A sphere of directions from a center in world space. The picture is a map of the whole
+/// A sphere of directions from a center. The picture is a map of the whole
 /// sphere as seen from outside, with equal steps of longitude and latitude.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "SphericalKeys")]
 pub struct Spherical {
-    center: Vec3,
+    center: DVec3,
     /// The direction of the middle of the picture; with the others, orthonormal.
     front: Vec3,
     /// A quarter of a turn to the right in the picture.
@@ -31,7 +32,7 @@ pub struct Spherical {
 struct SphericalKeys {
     /// The center in world space.
     #[serde(deserialize_with = "yaml::point")]
-    center: Vec3,
+    center: DVec3,
     /// The direction to the top of the picture.
     #[serde(deserialize_with = "yaml::direction")]
     up: Vec3,
@@ -43,7 +44,7 @@ struct SphericalKeys {
 impl Default for SphericalKeys {
     fn default() -> Self {
         Self {
-            center: Vec3::ZERO,
+            center: DVec3::ZERO,
             up: Vec3::Y,
             front: Vec3::Z,
         }
@@ -54,7 +55,7 @@ impl Default for SphericalKeys {
 impl Default for Spherical {
     fn default() -> Self {
         Self {
-            center: Vec3::ZERO,
+            center: DVec3::ZERO,
             front: Vec3::Z,
             right: Vec3::X,
             up: Vec3::Y,
@@ -83,13 +84,21 @@ impl TryFrom<SphericalKeys> for Spherical {
 }
 
 impl Spherical {
+    /// The sphere, which is in world space, in render space.
+    pub(super) fn in_space(&mut self, space: &RenderSpace) {
+        self.center = space.point(self.center).as_dvec3();
+    }
+
     /// The directions to the right and up in the picture at a point, of any length: to the
     /// east and to the north pole.
     #[inline(always)]
     pub(super) fn axes<R: Real>(&self, position: Vector<R>) -> [Vector<R>; 2] {
         let like = position.x;
         let up = Vector::splat(like, self.up);
-        [up.cross(position - Vector::splat(like, self.center)), up]
+        [
+            up.cross(position - Vector::splat(like, self.center.as_vec3())),
+            up,
+        ]
     }
 
     /// The side of a square of one world unit of area of a sphere at the equator, in
@@ -98,7 +107,7 @@ impl Spherical {
     #[inline(always)]
     pub(super) fn density<R: Real>(&self, position: Vector<R>) -> R {
         let like = position.x;
-        let radius = (position - Vector::splat(like, self.center)).length();
+        let radius = (position - Vector::splat(like, self.center.as_vec3())).length();
         like.splat(1.0 / (PI * SQRT_2)) / radius
     }
 
@@ -107,7 +116,7 @@ impl Spherical {
     #[inline(always)]
     pub(super) fn uv<R: Real>(&self, position: Vector<R>) -> [R; 2] {
         let like = position.x;
-        let from_center = position - Vector::splat(like, self.center);
+        let from_center = position - Vector::splat(like, self.center.as_vec3());
         let front = from_center.dot(Vector::splat(like, self.front));
         let right = from_center.dot(Vector::splat(like, self.right));
         let up = from_center.dot(Vector::splat(like, self.up));

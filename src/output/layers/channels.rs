@@ -36,7 +36,12 @@ enum ChannelOrigin {
         miss: f32,
     },
     /// The distance of the hit from the camera, along the axis of the view if it has one.
-    Depth { eye: Vec3, axis: Option<Vec3> },
+    Depth {
+        eye: Vec3,
+        axis: Option<Vec3>,
+        /// World units in a unit of render space.
+        unit: f32,
+    },
 }
 
 /// The names of three components.
@@ -115,18 +120,22 @@ fn number(column: Column, component: usize) -> Channel {
 
 fn depth(plane: ImagePlane) -> Channel {
     let ahead = plane.right.cross(plane.down).normalize_or_zero();
-    let (eye, axis) = match plane.projection {
-        Projection::Perspective { eye } => {
-            let is_behind = ahead.dot(plane.origin - eye) < 0.0;
-            (eye, Some(if is_behind { -ahead } else { ahead }))
+    let axis = match plane.projection {
+        Projection::Perspective => {
+            let is_behind = ahead.dot(plane.to_first) < 0.0;
+            Some(if is_behind { -ahead } else { ahead })
         }
-        Projection::Parallel { direction } => (plane.origin, Some(direction)),
-        Projection::Panorama { eye, .. } => (eye, None),
+        Projection::Parallel { direction } => Some(direction),
+        Projection::Panorama { .. } => None,
     };
     Channel {
         name: "Z".to_owned(),
         kind: SampleType::F32,
-        origin: ChannelOrigin::Depth { eye, axis },
+        origin: ChannelOrigin::Depth {
+            eye: plane.eye,
+            axis,
+            unit: plane.space.world_length(1.0),
+        },
     }
 }
 
@@ -160,13 +169,11 @@ impl Channel {
                     _ => word(pixel, *component),
                 }));
             }
-            ChannelOrigin::Depth { eye, axis } => {
+            ChannelOrigin::Depth { eye, axis, unit } => {
                 let depth = |position: &Vec3| {
                     let from_eye = *position - *eye;
-                    finite(
-                        axis.map_or(from_eye.length(), |axis| axis.dot(from_eye)),
-                        FAR,
-                    )
+                    let depth = axis.map_or(from_eye.length(), |axis| axis.dot(from_eye));
+                    finite(unit * depth, FAR)
                 };
                 words.extend(strip.position.iter().map(depth));
             }

@@ -1,11 +1,10 @@
 //! `rays.pvsm`: rays in the cloud of the scene, by kind and by cost.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::attribution::TracedRay;
 use crate::cost::Metric;
 use crate::folder::OutputFolder;
-use crate::output::bounding_sphere::BoundingSphere;
 use crate::output::distances::Distances;
 use crate::output::rays::{CLOUD, FILE, Rays};
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill};
@@ -41,8 +40,8 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     let size = rays.plane().size.map(f64::from);
     let camera = ViewCamera::of(rays.plane(), None);
     // A plane's hits beyond the scene would make the rest small.
-    let BoundingSphere { center, radius } = rays.bounding_sphere;
-    let beyond = f64::from(camera.position().distance(center) + radius);
+    let (center, radius) = rays.sphere_in_world();
+    let beyond = camera.position().distance(center) + f64::from(radius);
     let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
     let view = SideView::of(rays, &camera, max_distance as f32);
     let cost = cost_axis(rays);
@@ -53,7 +52,7 @@ pub(in crate::output) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
         match key {
             "hits.max_distance" => Some(max_distance),
             "rays.line_width" => Some(if rays.n <= FEW { 3.0 } else { 1.0 }),
-            "rays.max_length" => Some((LONGEST * rays.bounding_sphere.radius).into()),
+            "rays.max_length" => Some((LONGEST * radius).into()),
             "rays.head" => Some(head.into()),
             _ => view.number(key.strip_prefix("rays.")?),
         }
@@ -119,8 +118,8 @@ fn high(mut values: Vec<f32>) -> Option<f32> {
 /// where they start they are points. In the world as ParaView shows it, mirrored
 /// for some scenes.
 struct SideView {
-    position: Vec3,
-    focal_point: Vec3,
+    position: DVec3,
+    focal_point: DVec3,
     up: Vec3,
     /// World units from the lower to the upper edge, in the middle.
     height: f32,
@@ -134,14 +133,15 @@ impl SideView {
         let to_right = up.cross(back).normalize();
         let axes = [to_right, back.cross(to_right), back];
         // Each point's coordinates from the ball's middle along these axes.
-        let BoundingSphere { center, radius } = rays.bounding_sphere;
+        let (center, radius) = rays.sphere_in_world();
         let center = camera.mirrored(center);
+        let space = rays.plane().space;
         let ends = rays.iter().flat_map(|ray| rays.line(ray));
-        let ends = ends.map(|point| (point, FRAMED[0]));
+        let ends = ends.map(|point| (space.world_point(point), FRAMED[0]));
         let hits = hits(rays, max_distance).map(|point| (point, FRAMED[1]));
         let seen: Vec<Vec3> = ends
             .chain(hits)
-            .map(|(point, within)| (camera.mirrored(point) - center, within))
+            .map(|(point, within)| ((camera.mirrored(point) - center).as_vec3(), within))
             .filter(|(point, within)| point.length() <= within * radius)
             .map(|(point, _)| Vec3::from(axes.map(|axis| axis.dot(point))))
             .collect();
@@ -158,9 +158,9 @@ impl SideView {
         };
         let distance = seen.iter().map(needed).fold(0.1 * radius, f32::max);
         let in_world = |v: Vec3| v.x * axes[0] + v.y * axes[1] + v.z * axes[2];
-        let focal_point = center + in_world(middle);
+        let focal_point = center + in_world(middle).as_dvec3();
         Self {
-            position: focal_point + distance * back,
+            position: focal_point + (distance * back).as_dvec3(),
             focal_point,
             up,
             height: 2.0 * distance * tangent,
@@ -174,16 +174,15 @@ impl SideView {
         let vector = match name {
             "position" => self.position,
             "focal_point" => self.focal_point,
-            "view_up" => self.up,
+            "view_up" => self.up.as_dvec3(),
             _ => return None,
         };
-        let number = *vector.as_ref().get(index.parse::<usize>().ok()?)?;
-        Some(number.into())
+        vector.as_ref().get(index.parse::<usize>().ok()?).copied()
     }
 }
 
 /// The points of the cloud that are shown.
-fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = Vec3> + use<'a> {
+fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = DVec3> + use<'a> {
     let (plane, film) = (rays.plane(), rays.cloud());
     let [columns, rows] = plane.size.map(|n| n as f32);
     let scale = [
@@ -198,9 +197,10 @@ fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = Vec3> + 
             .zip(0_u16..)
             .filter(move |(distance, _)| **distance <= max_distance);
         hits.map(move |(distance, x)| {
+            let ray = plane.ray((f32::from(x) + 0.5) * scale[0] - 0.5, y);
             plane
-                .ray((f32::from(x) + 0.5) * scale[0] - 0.5, y)
-                .at(*distance)
+                .space
+                .world_point(ray.at(plane.space.length(*distance)))
         })
     })
 }

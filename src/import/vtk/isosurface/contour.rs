@@ -191,7 +191,8 @@ impl Contour<'_, '_> {
         };
         let all = &mut *self.of_all;
         let vertex = count(all.mesh.vertices.len() + 1)? - 1;
-        all.mesh.vertices.push(from.lerp(to, t).as_vec3());
+        let from_origin = from.lerp(to, t) - all.mesh.origin;
+        all.mesh.vertices.push(from_origin.as_vec3());
         all.normals.push(normal);
         if let Some((ArrayOf::Points, colors)) = self.colors {
             let [at_a, at_b] = [a, b].map(|point| f64::from(colors[point]));
@@ -209,8 +210,7 @@ impl Contour<'_, '_> {
 
     fn position(&self, point: u32) -> Result<DVec3> {
         let position = self.piece.position(point as usize);
-        let position = position.map_err(|fault| fault.at(at_point(point as usize)))?;
-        Ok(position.as_dvec3())
+        position.map_err(|fault| fault.at(at_point(point as usize)))
     }
 }
 

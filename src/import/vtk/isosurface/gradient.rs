@@ -21,7 +21,7 @@ pub(super) fn gradient(piece: &Piece, values: &[f32], size: [usize; 3], point: u
         } else {
             point + strides[axis]
         };
-        let place = |point| piece.position(point).map_or(DVec3::NAN, |p| p.as_dvec3());
+        let place = |point| piece.position(point).unwrap_or(DVec3::NAN);
         ways[axis] = place(behind) - place(before);
         let [low, high] = [before, behind].map(|point| f64::from(values[point]));
         steps[axis] = high - low;

@@ -63,6 +63,9 @@ impl<'a> Isosurfaces<'a> {
         for value in values.iter().filter(|value| value.is_finite()) {
             self.range = [self.range[0].min(*value), self.range[1].max(*value)];
         }
+        if self.mesh.vertices.is_empty() {
+            self.mesh.origin = piece.origin();
+        }
         for &level in &self.choice.values {
             let mut contour = Contour {
                 piece,

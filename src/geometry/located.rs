@@ -1,0 +1,92 @@
+//! Geometry near its own origin: coordinates of 32 bits around a point of 64.
+
+use glam::{DAffine3, DVec3, Vec3};
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
+
+/// The distance from the origin, in sizes, up to which 32 bits have digits enough.
+const NEAR: f64 = 16.0;
+
+/// A geometry whose coordinates are relative to an origin, so that they keep their digits
+/// however far away it is.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Located<G> {
+    /// The origin of its coordinates; zero where these have digits enough without.
+    pub origin: DVec3,
+    /// The geometry.
+    pub geometry: G,
+}
+
+impl<G> Located<G> {
+    /// The geometry that has coordinates relative to `origin`.
+    pub fn new(origin: DVec3, geometry: G) -> Self {
+        Self { origin, geometry }
+    }
+
+    /// Another geometry around the same origin.
+    pub fn map<H>(self, change: impl FnOnce(G) -> H) -> Located<H> {
+        Located::new(self.origin, change(self.geometry))
+    }
+
+    /// The map to world space, for an object that is placed so.
+    pub fn world_from_geometry(&self, world_from_object: &DAffine3) -> DAffine3 {
+        *world_from_object * DAffine3::from_translation(self.origin)
+    }
+}
+
+/// The points relative to an origin near them: zero if they are not far from it.
+pub fn located<const N: usize>(points: [DVec3; N]) -> Located<[Vec3; N]> {
+    let origin = origin_near(points.iter().copied());
+    Located::new(origin, points.map(|point| (point - origin).as_vec3()))
+}
+
+/// The origin of [`located`] for any number of points.
+pub fn origin_near(points: impl Iterator<Item = DVec3>) -> DVec3 {
+    let bounds = points.fold(None, |bounds: Option<[DVec3; 2]>, point| {
+        let [min, max] = bounds.unwrap_or([point; 2]);
+        Some([min.min(point), max.max(point)])
+    });
+    let Some([min, max]) = bounds else {
+        return DVec3::ZERO;
+    };
+    let is_near = min.abs().max(max.abs()).max_element() <= NEAR * (max - min).max_element();
+    if is_near {
+        DVec3::ZERO
+    } else {
+        0.5 * (min + max)
+    }
+}
+
+/// A shape that scene files describe.
+pub trait Described: Sized {
+    /// Its YAML keys, with points of 64 bits.
+    type Keys: DeserializeOwned;
+
+    /// The shape with these keys.
+    ///
+    /// # Errors
+    /// Keys that contradict each other.
+    fn described(keys: Self::Keys) -> Result<Located<Self>, &'static str>;
+}
+
+impl<'de, S: Described> Deserialize<'de> for Located<S> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        S::described(S::Keys::deserialize(d)?).map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_far_away_keep_their_digits() {
+        let far = DVec3::new(3e5, 4e6, 0.0);
+        let [a, b] = [DVec3::new(0.25, 0.1, 0.0), DVec3::new(0.5, 0.75, 1.0)];
+        let Located { origin, geometry } = located([far + a, far + b]);
+        for (exact, found) in [a, b].into_iter().zip(geometry) {
+            assert!((origin + found.as_dvec3()).distance(far + exact) < 1e-7);
+        }
+        assert_eq!(located([a, b]).origin, DVec3::ZERO);
+        assert_eq!(located([far]).geometry, [Vec3::ZERO]);
+    }
+}

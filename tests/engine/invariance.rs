@@ -1,0 +1,210 @@
+//! A scene of any size, at any place, has the same picture.
+
+use proptest::prelude::*;
+use raycost::config::{Config, CostMode, ShadingModel};
+use raycost::film::{Film, Strip};
+
+use crate::common::moved::Similarity;
+use crate::common::scenes::{RandomScene, scenes as random_scenes};
+use crate::common::{film, in_repository, mean, parse, radiance};
+
+const SIZE: [u32; 2] = [40, 30];
+
+/// The film of a small picture of a scene.
+fn small(mut config: Config) -> Film {
+    [config.image.width, config.image.height] = SIZE;
+    config.image.samples_per_pixel = config.image.samples_per_pixel.min(4);
+    config.image.adaptive = None;
+    config.cost = CostMode::Counters;
+    film(&config, 2)
+}
+
+/// The scenes of `configs/`, without those of the course's model, whose rays start at a
+/// distance in world units.
+fn scenes() -> Vec<(String, String)> {
+    let folder = std::fs::read_dir(in_repository("configs")).unwrap();
+    let files = folder.map(|entry| entry.unwrap().path());
+    let mut scenes: Vec<_> = files
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "yaml")
+        })
+        .map(|path| {
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            (name, std::fs::read_to_string(&path).unwrap())
+        })
+        .filter(|(name, text)| {
+            // A million spheres take their time.
+            name != "million_spheres" && parse(text).shading.model != ShadingModel::Seed
+        })
+        .collect();
+    scenes.sort();
+    assert!(scenes.len() > 15);
+    scenes
+}
+
+fn colors(film: &Film) -> Vec<u8> {
+    film.values(|strip: &Strip| &strip.rgb).flatten().collect()
+}
+
+/// Makes sure that the scene, scaled by a power of two, has the same film.
+fn check_scaled(name: &str, text: &str, original: &Film, exponent: i32) {
+    let scale = f64::from(exponent).exp2();
+    let similarity = Similarity {
+        scale,
+        shift: [0.0; 3],
+    };
+    let scaled = small(parse(&similarity.of_text(text)));
+    assert!(
+        colors(&scaled) == colors(original),
+        "{name} times 2^{exponent}"
+    );
+    assert_eq!(scaled.totals, original.totals, "{name} times 2^{exponent}");
+    let [a, b] = [original, &scaled].map(|film| film.values(|strip| &strip.distance));
+    for (a, b) in a.zip(b) {
+        let scaled = (f64::from(a) * scale) as f32;
+        assert!(b == scaled || (a.is_nan() && b.is_nan()), "{name}: {a} {b}");
+    }
+}
+
+/// The share of the pixels that differ by more than eight levels, and the difference of the
+/// means in levels.
+fn difference(a: &Film, b: &Film) -> [f64; 2] {
+    let [a, b] = [a, b].map(colors);
+    let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
+    let n = a
+        .chunks(3)
+        .zip(b.chunks(3))
+        .filter(|pixels| differs(*pixels))
+        .count();
+    let mean = |levels: &[u8]| levels.iter().map(|level| f64::from(*level)).sum::<f64>();
+    let n_levels = a.len() as f64;
+    [
+        3.0 * n as f64 / n_levels,
+        (mean(&a) - mean(&b)).abs() / n_levels,
+    ]
+}
+
+#[test]
+fn powers_of_two_change_no_byte() {
+    for (name, text) in scenes() {
+        let original = small(parse(&text));
+        for exponent in [-30, -11, 7, 30] {
+            check_scaled(&name, &text, &original, exponent);
+        }
+    }
+}
+
+#[test]
+fn any_size_and_place_has_the_same_picture() {
+    for (name, text) in scenes() {
+        let original = small(parse(&text));
+        // Whole periods of all patterns.
+        for (scale, sizes) in [(1e-6, 240.0), (1e9, -1.2e7), (1.0, 2.4e5), (3e5, 7.2e6)] {
+            let similarity = Similarity {
+                scale,
+                shift: [2.0, -1.0, 3.0].map(|along| along * sizes * scale),
+            };
+            let moved = small(parse(&similarity.of_text(&text)));
+            let [share, mean] = difference(&original, &moved);
+            assert!(
+                share < 0.02 && mean < 0.5,
+                "{name} at {similarity:?}: {share} {mean}"
+            );
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn powers_of_two_change_no_byte_of_random_scenes(
+        scene in random_scenes(),
+        exponent in -30..=30,
+    ) {
+        if scene.model != "seed" {
+            let scene = RandomScene { size: SIZE, ..scene };
+            let text = scene.text();
+            check_scaled("random", &text, &small(parse(&text)), exponent);
+        }
+    }
+}
+
+/// The light that a floor reflects below the middle of a lamp: the mean over a small picture,
+/// and the analytic value.
+fn below_lamp(lamp: &str, [size, height]: [f64; 2], model: &str, place: f64) -> f64 {
+    // The part of the floor that is seen is small against the lamp and its distance.
+    let seen = 1e-3 * size.min(height);
+    let half = 0.5 * size;
+    let (top, eye) = (place + height, place + 0.5 * height);
+    let shape = match lamp {
+        "disk" => format!("disk: {{ center: [0, {top}, 0], normal: [0, -1, 0], radius: {half} }}"),
+        "sphere" => {
+            let center = top + half;
+            format!("sphere: {{ center: [0, {center}, 0], radius: {half} }}")
+        }
+        _ => format!(
+            "rectangle: {{ corner: [-{half}, {top}, -{half}], edges: [[{size}, 0, 0], [0, 0, {size}]] }}"
+        ),
+    };
+    let target = place;
+    let width = 10.0 * (size + height);
+    mean(&radiance(&format!(
+        "image: {{ width: 16, height: 16, samples_per_pixel: 256 }}
+camera: {{ orthographic: {{ eye: [0, {eye}, 0], target: [0, {target}, 0], up: [0, 0, 1], height: {seen} }} }}
+shading: {{ model: {model}, ambient: 0 }}
+materials:
+  floor: {{ color: 0.5 }}
+  lamp: {{ color: 0, emission: 1 }}
+objects:
+  - rectangle: {{ corner: [-{width}, {place}, -{width}], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
+    material: floor
+  - rectangle: {{ corner: [-{width}, {place}, 0], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
+    material: floor
+  - rectangle: {{ corner: [0, {place}, -{width}], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
+    material: floor
+  - rectangle: {{ corner: [0, {place}, 0], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
+    material: floor
+  - {shape}
+    material: lamp
+"
+    )))
+    .x
+    .into()
+}
+
+/// The irradiance of a lamp of radiance 1, over pi.
+fn form_factor(lamp: &str, [size, height]: [f64; 2]) -> f64 {
+    let half = 0.5 * size;
+    match lamp {
+        "disk" => half * half / (half * half + height * height),
+        "sphere" => (half / (half + height)).powi(2),
+        _ => {
+            // Four rectangles with a corner above the point: Howell's catalog, B-4.
+            let (a, root) = (half / height, (1.0 + (half / height).powi(2)).sqrt());
+            4.0 * (a / root) * (a / root).atan() / std::f64::consts::PI
+        }
+    }
+}
+
+#[test]
+fn lamps_light_what_is_near_and_what_is_far() {
+    for lamp in ["disk", "sphere", "rectangle"] {
+        for model in ["blinn_phong", "path"] {
+            for distance in [1e-4, 1e-2, 0.3, 1.0, 30.0, 1e4] {
+                for (size, place) in [(1.0, 0.0), (0.1, 0.0), (1e-5, 0.0), (2.0, 10.0), (3e4, 1e6)]
+                {
+                    let shape = [size, size * distance];
+                    let found = below_lamp(lamp, shape, model, place);
+                    let expected = 0.5 * form_factor(lamp, shape);
+                    let error = found / expected - 1.0;
+                    assert!(
+                        error.abs() < 5e-3,
+                        "{lamp}, {model}, size {size} at {place}, distance {distance}: {found}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
