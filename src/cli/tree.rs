@@ -113,6 +113,7 @@ impl<'a> Trees<'a> {
     fn ray(&self, ray: &TracedRay, branches: String, tree: &RayTree) -> TreeRow {
         let is_shadow = ray.kind == RayKind::Shadow;
         let distance = ray.end().unwrap_or(ray.t_max);
+        let distance = self.traced.scene.space.world_length(distance);
         let mut cells = vec![self.meets(ray), significant(distance)];
         cells.extend(self.costs([ray.node_visits, ray.primitive_tests], ray.time_ns));
         cells.extend(match (is_shadow, ray.contribution) {

@@ -27,10 +27,7 @@ pub struct PointLight {
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(
-        deserialize_with = "yaml::non_negative",
-        default = "super::default::one"
-    )]
+    #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
     pub intensity: f32,
     /// Its falloff with the distance; none by default.
     #[serde(default)]

@@ -49,10 +49,7 @@ struct SpotKeys {
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(
-        deserialize_with = "yaml::non_negative",
-        default = "super::default::one"
-    )]
+    #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
     intensity: f32,
     /// Its falloff with the distance; none by default.
     #[serde(default)]

@@ -27,8 +27,8 @@ pub struct Checker {
     #[serde(deserialize_with = "yaml::color")]
     pub odd: Vec3,
     /// Side length of a cell in world units.
-    #[serde(deserialize_with = "yaml::positive")]
-    pub size: f32,
+    #[serde(deserialize_with = "yaml::exact_positive")]
+    pub size: f64,
     /// The axes along which the colors alternate; all by default. A floor at the
     /// boundary of two cells in y needs `xz`: rounding would mix their colors.
     #[serde(default)]
@@ -72,11 +72,11 @@ impl Checker {
     /// The pattern, which is in world space, in render space.
     pub(super) fn in_space(&mut self, space: &RenderSpace) {
         let period = match self.rounding {
-            Rounding::Floor => Some(2.0 * f64::from(self.size)),
+            Rounding::Floor => Some(2.0 * self.size),
             Rounding::Truncate => None,
         };
         self.origin = space.world_origin(period);
-        self.size = space.length(self.size);
+        self.size /= space.unit();
     }
 
     #[inline(always)]
@@ -97,7 +97,7 @@ impl Checker {
     /// The index of the cell that contains a coordinate.
     #[inline(always)]
     fn cell<R: Real>(&self, coordinate: R) -> R {
-        let cells = coordinate / coordinate.splat(self.size);
+        let cells = coordinate / coordinate.splat(self.size as f32);
         match self.rounding {
             Rounding::Floor => cells.floor(),
             Rounding::Truncate => cells.trunc(),

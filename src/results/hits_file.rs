@@ -5,7 +5,8 @@ use std::path::Path;
 use super::arrays::{ArrayInfo, Arrays, LoadedArray};
 use super::pieces::PieceList;
 use crate::text::Diagnostic;
-use crate::vtk::read::{ArrayLocation, DataArrayElement, Scalar, VtkReader};
+use crate::vtk::ArrayValues;
+use crate::vtk::read::{ArrayLocation, DataArrayElement, VtkReader};
 
 /// The open file, or its pieces.
 #[derive(Debug)]
@@ -95,8 +96,8 @@ impl HitsFile {
     /// Reads the points in world space, in the order of the pixels.
     ///
     /// # Errors
-    /// The points are damaged, or are not `Float32`.
-    pub fn read_points(&mut self) -> Result<Vec<[f32; 3]>, Diagnostic> {
+    /// The points are damaged, or are neither `Float32` nor `Float64`.
+    pub fn read_points(&mut self) -> Result<Vec<[f64; 3]>, Diagnostic> {
         let of_pieces = self.pieces.iter_mut().map(HitsPiece::read_points);
         Ok(of_pieces.collect::<Result<Vec<_>, _>>()?.concat())
     }
@@ -143,11 +144,15 @@ impl HitsPiece {
     ///
     /// # Errors
     /// As [`HitsFile::read_points`].
-    pub fn read_points(&mut self) -> Result<Vec<[f32; 3]>, Diagnostic> {
-        let values = self.arrays.file.read(&self.points, 1)?;
-        match f32::of(&values) {
-            Some(numbers) => Ok(bytemuck::cast_slice(numbers).to_vec()),
-            None => Err(self.arrays.file.foreign("its points are not Float32")),
-        }
+    pub fn read_points(&mut self) -> Result<Vec<[f64; 3]>, Diagnostic> {
+        let numbers: Vec<f64> = match self.arrays.file.read(&self.points, 1)? {
+            ArrayValues::F32(numbers) => numbers.into_iter().map(f64::from).collect(),
+            ArrayValues::F64(numbers) => numbers,
+            _ => {
+                let problem = "its points are neither Float32 nor Float64";
+                return Err(self.arrays.file.foreign(problem));
+            }
+        };
+        Ok(numbers.as_chunks().0.to_vec())
     }
 }

@@ -88,9 +88,11 @@ impl Emitter {
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
         let weight = density.splat(FRAC_1_PI) / density.max(least);
         // A ray that ended at the surface itself would often hit it: it ends as far off its plane
-        // as both ends may be off their surfaces.
-        let at_light = point + sample.seen.direction * sample.seen.distance;
-        let errors = error + self.kind.rounding(&shape, at_light);
+        // as both ends may be off their surfaces, and the ray off its way.
+        let distance = sample.seen.distance;
+        let at_light = point + sample.seen.direction * distance;
+        let on_way = distance * distance.splat(16.0 / 16_777_216.0);
+        let errors = error + self.kind.rounding(&shape, at_light) + on_way;
         let gap = errors / sample.seen.cos.abs().max(least);
         let is_front = zero.lt(sample.seen.cos);
         let weight = if self.is_two_sided {
@@ -100,7 +102,7 @@ impl Emitter {
         };
         Illumination {
             direction: sample.seen.direction,
-            distance: (sample.seen.distance - gap).max(zero),
+            distance: (distance - gap).max(zero),
             radiance: Vector::splat(zero, self.radiance) * weight,
             density,
         }

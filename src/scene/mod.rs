@@ -110,6 +110,19 @@ impl Scene {
     /// # Errors
     /// The first value of the file that contradicts others.
     pub fn new(config: &Config, geometries: Geometries) -> Result<Self, Fault> {
+        let space = space::render_space(config, &geometries);
+        Self::in_space(config, geometries, space)
+    }
+
+    /// The same in another render space.
+    ///
+    /// # Errors
+    /// The first value of the file that contradicts others.
+    pub fn in_space(
+        config: &Config,
+        geometries: Geometries,
+        space: RenderSpace,
+    ) -> Result<Self, Fault> {
         if config.objects.is_empty() {
             return Err(Fault::new(
                 FieldPath::default().key("objects"),
@@ -121,7 +134,6 @@ impl Scene {
         check_materials(config)?;
         fog::check(config)?;
         config.image.check_sampling()?;
-        let space = space::render_space(config, &geometries);
         let size = [config.image.width, config.image.height];
         let plane = config.camera.image_plane(size, &space);
         let has_images = config.materials.values().any(Material::has_images);

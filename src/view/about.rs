@@ -11,6 +11,7 @@ use super::payload::type_name;
 use crate::config::{Adaptive, CostMode};
 use crate::cost::Metric;
 use crate::results::LoadedArray;
+use crate::summary::CameraSection;
 use crate::summary::{ObjectEntry, Summary};
 use crate::text::numbers::{capitalized, counted};
 
@@ -44,7 +45,7 @@ pub(super) fn json(
         "objects": objects(summary),
         "materials": summary.materials,
         "cloud": { "n": cloud.len(), "n_all": cloud.n_all() },
-        "camera": summary.camera,
+        "camera": summary.camera.as_ref().map(CameraSection::from_its_origin),
         "color_maps": {
             "Inferno": color_map(colorous::INFERNO),
             "Viridis": color_map(colorous::VIRIDIS),

@@ -10,7 +10,7 @@ use crate::vtk::ArrayValues;
 /// Hit points and their pixels.
 #[derive(Debug, Default)]
 pub(super) struct Cloud {
-    /// Three coordinates per point, in world space.
+    /// Three coordinates per point, in world space, relative to the origin of the page.
     positions: Vec<f32>,
     /// Indices into the shown pixels, ascending.
     pixels: Vec<u32>,
@@ -21,22 +21,32 @@ pub(super) struct Cloud {
 impl Cloud {
     /// Reads the points of all shown pixels, so that each pixel that is marked or
     /// probed in the picture has its point.
-    pub(super) fn read(hits: &mut HitsFile, pixels: &ShownPixels) -> Result<Self, Diagnostic> {
+    pub(super) fn read(
+        hits: &mut HitsFile,
+        pixels: &ShownPixels,
+        origin: [f64; 3],
+    ) -> Result<Self, Diagnostic> {
         let mut cloud = Self::default();
         for piece in hits.pieces() {
             let points = piece.read_points()?;
             let of_points = piece.read("pixel")?.values;
             let of_points = of_points.iter().map(|pixel| pixels.index(pixel as u64));
-            cloud.add(&points, of_points);
+            cloud.add(&points, of_points, origin);
         }
         Ok(cloud)
     }
 
     /// Adds the points of shown pixels.
-    fn add(&mut self, points: &[[f32; 3]], pixels: impl Iterator<Item = Option<u32>>) {
+    fn add(
+        &mut self,
+        points: &[[f64; 3]],
+        pixels: impl Iterator<Item = Option<u32>>,
+        origin: [f64; 3],
+    ) {
         for (point, pixel) in points.iter().zip(pixels) {
             if let Some(pixel) = pixel {
-                self.positions.extend(point);
+                let from_origin = |axis: usize| (point[axis] - origin[axis]) as f32;
+                self.positions.extend([0, 1, 2].map(from_origin));
                 self.pixels.push(pixel);
             }
         }
@@ -76,11 +86,11 @@ mod tests {
 
     #[test]
     fn each_shown_pixel_has_its_point() {
-        let points: Vec<[f32; 3]> = (0..100_u8).map(|i| [i.into(); 3]).collect();
+        let points: Vec<[f64; 3]> = (0..100_u8).map(|i| [i.into(); 3]).collect();
         let pixels = (0..100).map(|i: u32| i.is_multiple_of(2).then_some(i));
-        let of = |points: &[[f32; 3]], pixels: &mut dyn Iterator<Item = Option<u32>>| {
+        let of = |points: &[[f64; 3]], pixels: &mut dyn Iterator<Item = Option<u32>>| {
             let mut cloud = Cloud::default();
-            cloud.add(points, pixels);
+            cloud.add(points, pixels, [0.0; 3]);
             cloud
         };
         let cloud = of(&points, &mut { pixels });

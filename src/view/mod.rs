@@ -61,7 +61,10 @@ impl Page {
         // The page cannot be drawn without these arrays: report the missing ones.
         frame.require(&["RGB", "footprint"])?;
         let arrays = pixels.read(&mut frame)?;
-        let cloud = Cloud::read(&mut results.hits()?, &pixels)?;
+        // Relative to the camera, points have digits enough in 32 bits, wherever they are.
+        let camera = results.summary.camera.as_ref();
+        let origin = camera.map_or([0.0; 3], |camera| camera.origin);
+        let cloud = Cloud::read(&mut results.hits()?, &pixels, origin)?;
         let table = results.objects()?;
         let notes = [
             results

@@ -30,8 +30,8 @@ pub use field_path::{FieldPath, Step};
 pub use name::{MAX_NAME, name};
 pub use number::{
     Number, OneOrList, cone_radii, coordinate, coordinate_or_list, count, direction,
-    exact_coordinate, fraction, non_empty, non_negative, point, positive, positive_or_list,
-    positive_range, radii, range, scale, seed, size, vector, whole,
+    exact_coordinate, exact_positive, fraction, intensity, non_empty, non_negative, point,
+    positive, positive_or_list, positive_range, radii, range, scale, seed, size, vector, whole,
 };
 pub use origins::Merging;
 pub(crate) use source::refusal;

@@ -39,6 +39,11 @@ pub(super) const NON_NEGATIVE: Number = Number {
     expected: "a number of at least 0 (at most 1e15)",
     accepts: |x| (0.0..=MAX_MAGNITUDE).contains(&x),
 };
+/// The intensity of a light, which grows with the square of all lengths.
+const INTENSITY: Number = Number {
+    expected: "a number of at least 0 (at most 1e20)",
+    accepts: |x| (0.0..=1e20).contains(&x),
+};
 /// A fraction.
 const FRACTION: Number = Number {
     expected: "a number from 0 to 1",
@@ -54,7 +59,12 @@ pub fn positive<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     POSITIVE.deserialize(d)
 }
 
-/// Reads an intensity, at least 0.
+/// Reads the intensity of a light, at least 0.
+pub fn intensity<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    INTENSITY.deserialize(d)
+}
+
+/// Reads a number, at least 0.
 pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     NON_NEGATIVE.deserialize(d)
 }
@@ -67,6 +77,11 @@ pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
 /// Reads a coordinate, or an angle in degrees, of any sign.
 pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     COORDINATE.deserialize(d)
+}
+
+/// Reads a length, greater than 0, in its 64 bits.
+pub fn exact_positive<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
+    Exactly(POSITIVE).deserialize(d)
 }
 
 /// Reads a coordinate of a point, in its 64 bits.

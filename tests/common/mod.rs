@@ -22,6 +22,7 @@ use raycost::accel::Accel;
 use raycost::config::{Config, CostMode, OptionalOutput};
 use raycost::cost::{self, Counter, Meter, Metric};
 use raycost::film::{Film, Strip};
+use raycost::geometry::RenderSpace;
 use raycost::render::{TilePlan, render};
 use raycost::scene::{Geometries, Scene};
 use raycost::schedule::Schedule;
@@ -105,10 +106,21 @@ pub fn parse(text: &str) -> Config {
 
 /// Builds the scene of a config whose files are relative to `configs/`.
 pub fn scene_of(config: &Config) -> Scene {
+    let (config, geometries) = with_geometries(config);
+    Scene::new(&config, geometries).unwrap()
+}
+
+/// The same scene in world space, for rays that are given there.
+pub fn scene_in_world(config: &Config) -> Scene {
+    let (config, geometries) = with_geometries(config);
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+}
+
+fn with_geometries(config: &Config) -> (Config, Geometries) {
     let folder = in_repository("configs");
     let mut config = config.clone();
     let geometries = Geometries::read(&mut config, folder.as_path(), u64::MAX);
-    Scene::new(&config, geometries.unwrap()).unwrap()
+    (config, geometries.unwrap())
 }
 
 /// Renders the film of a config on `n_threads` threads.

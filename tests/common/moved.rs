@@ -49,9 +49,18 @@ impl Similarity {
         }
         self.points(camera, &["eye", "target"]);
         self.lengths(camera, &["height"], 1);
+        let fov_y_deg = camera
+            .get("fov_y_deg")
+            .and_then(Value::as_f64)
+            .unwrap_or(40.0);
         if let Some(lens) = camera.get_mut("lens") {
+            if let Some(n) = lens.get("f_number").and_then(Value::as_f64) {
+                // A frame of 24 mm, of world units that are meters.
+                let radius = 0.012 / (0.5 * fov_y_deg.to_radians()).tan() / (2.0 * n);
+                lens.as_mapping_mut().unwrap().remove("f_number");
+                lens["radius"] = radius.into();
+            }
             self.lengths(lens, &["radius", "focus_distance"], 1);
-            self.lengths(lens, &["f_number"], -1);
             self.points(lens, &["focus_point"]);
         }
     }

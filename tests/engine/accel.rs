@@ -2,13 +2,15 @@
 
 use crate::common::generators::{self, bundle, ray, triple};
 use crate::common::twins::{QUALITIES, compare};
-use crate::common::{parse, scene_of};
+use crate::common::{parse, scene_in_world};
 use glam::{DAffine3, DVec3, Vec3};
 use proptest::prelude::*;
 use raycost::accel::Accel;
 use raycost::config::{Acceleration, Quality};
 use raycost::cost::{Cost, NoProbe};
-use raycost::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
+use raycost::geometry::{
+    Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object,
+};
 use raycost::sampling::uniform;
 use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
 
@@ -84,7 +86,7 @@ fn scene() -> impl Strategy<Value = Scene> {
              camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
              materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{objects}"
         );
-        scene_of(&parse(&text))
+        scene_in_world(&parse(&text))
     })
 }
 
@@ -141,7 +143,7 @@ fn spheres(text: &str) -> Scene {
          camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n{text}"
     );
-    scene_of(&parse(&text))
+    scene_in_world(&parse(&text))
 }
 
 /// Thousands of spheres at one point: no plane separates their centers, so that

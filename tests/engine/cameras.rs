@@ -101,8 +101,9 @@ objects: [{ plane: { point: [0, 0, -7], normal: [0, 0, 1] }, material: white }]
     for footprint in film.values(|strip| &strip.footprint) {
         assert!((footprint / expected - 1.0).abs() < 1e-5, "{footprint}");
     }
-    let depths = film.values(|strip| &strip.position).map(|point| point.z);
-    assert!(depths.into_iter().all(|z| z == -7.0));
+    let depths = film.values(|strip| &strip.position);
+    let mut depths = depths.map(|point| film.space.world_point(point).z);
+    assert!(depths.all(|z| z == -7.0));
 }
 
 /// Across an edge the light is the integral of the filter.

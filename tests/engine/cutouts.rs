@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use raycost::accel::{Accel, ShadowRay};
 use raycost::config::Acceleration;
 use raycost::cost::{Cost, NoProbe, RayKind};
-use raycost::geometry::Ray;
+use raycost::geometry::{Ray, RenderSpace};
 use raycost::scene::{Geometries, Scene};
 use raycost::trace::Tracer;
 
@@ -41,7 +41,8 @@ lights: []
 "
     ));
     let geometries = Geometries::read(&mut config, folder.path(), u64::MAX).unwrap();
-    Scene::new(&config, geometries).unwrap()
+    // Rays are given in world space.
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// Rectangles from x = -2 to `right`, one behind the other.

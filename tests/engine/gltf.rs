@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::Vec3;
 use raycost::accel::Accel;
 use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::Ray;
+use raycost::geometry::{Ray, RenderSpace};
 use raycost::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
 use raycost::scene::{Geometries, Scene};
 use raycost::trace::Tracer;
@@ -167,7 +167,8 @@ fn scene_of(folder: &Path, rest: &str) -> Scene {
          lights: []\nmaterials: {{ red: {{ color: [1, 0, 0] }} }}\n{rest}"
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
-    Scene::new(&config, geometries).unwrap()
+    // Rays are given in world space.
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 fn assert_color(scene: &Scene, [x, y]: [f32; 2], expected: [f32; 3]) {

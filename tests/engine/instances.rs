@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::common::generators::{ray, triple};
 use crate::common::twins::{compare, compare_built};
-use crate::common::{film, mean, parse, radiance, scene_of, with_cost};
+use crate::common::{film, mean, parse, radiance, scene_in_world, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
 use raycost::accel::{Accel, TraversalStep};
@@ -87,7 +87,7 @@ fn config(objects: &str) -> Config {
 }
 
 fn placed(groups: &[Group]) -> Scene {
-    scene_of(&config(
+    scene_in_world(&config(
         &groups.iter().map(Group::placed).collect::<String>(),
     ))
 }
@@ -143,7 +143,7 @@ proptest! {
     #[test]
     fn instances_are_hit_as_meshes_at_their_places(groups in groups(), seed in 0_u64..1000) {
         let (scene, texts) = (placed(&groups), groups.iter().map(Group::written_out));
-        let written_out = scene_of(&config(&texts.collect::<String>()));
+        let written_out = scene_in_world(&config(&texts.collect::<String>()));
         let n_placed = written_out.n_objects() - 2;
         let (accel, other) = (Accel::new(&scene, Default::default()), Accel::new(&written_out, Default::default()));
         let mut n_different = 0;
@@ -316,7 +316,7 @@ fn placed_by(places: &str, material: &str) -> Scene {
          lights: []\nobjects:\n",
     );
     text.push_str(&object);
-    scene_of(&parse(&text))
+    scene_in_world(&parse(&text))
 }
 
 /// The transforms of all instances.
@@ -373,17 +373,25 @@ fn points_of_a_vtk_file_scale_turn_and_color() {
     let found = transforms(&scene);
     assert_eq!(found.len(), kept.len());
     let instances = scene.instances.as_ref().unwrap();
+    let mut units = Vec::new();
     for (i, (transform, &point)) in found.iter().zip(&kept).enumerate() {
         let along = transform.world_point(Vec3::X) - transform.world_point(Vec3::ZERO);
         let expected = Vec3::new(x[point], y[point], z[point]).normalize_or(Vec3::X);
         let expected = 0.5 * heights[point] * expected;
-        assert!(along.abs_diff_eq(expected, 1e-4), "{i}: {along} {expected}");
+        // The mesh was scaled to size one by a power of two.
+        let unit = (along.length() / expected.length()).log2().round().exp2();
+        assert!(
+            along.abs_diff_eq(unit * expected, 1e-4),
+            "{i}: {along} {expected}"
+        );
+        units.push(unit);
         let placed = PlacedPrimitive {
             primitive: instances.meshes()[0].triangles.start,
             instance: Some(InstanceId(i as u32)),
         };
         assert_eq!(scene.vertex_scalars(placed), Some([z[point]; 3]));
     }
+    assert!(units.iter().all(|unit| *unit == units[0]));
 }
 
 #[test]
@@ -392,13 +400,16 @@ fn a_cloud_of_instances_stays_in_its_box() {
     let found = transforms(&placed_by(text, "m"));
     assert_eq!(found.len(), 500);
     assert_eq!(found, transforms(&placed_by(text, "m")));
-    let mut n_backward = 0;
+    let (mut n_backward, mut sizes) = (0, Vec::new());
     for transform in &found {
         let [origin, x, y] = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|at| transform.world_point(at));
         let size = (x - origin).length();
-        assert!((0.499..2.001).contains(&size));
+        sizes.push(size);
         assert!((y - origin).abs_diff_eq(size * Vec3::Y, 1e-4));
         n_backward += usize::from(x.x < origin.x);
     }
     assert!((150..350).contains(&n_backward), "{n_backward}");
+    // In units of the size of the mesh.
+    let [least, most] = [f32::min, f32::max].map(|of| sizes.iter().copied().reduce(of).unwrap());
+    assert!((3.9..4.01).contains(&(most / least)), "{least} {most}");
 }

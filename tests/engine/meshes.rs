@@ -7,7 +7,7 @@ use crate::common::parse;
 use glam::Vec3;
 use raycost::accel::Accel;
 use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::Ray;
+use raycost::geometry::{Ray, RenderSpace};
 use raycost::scene::{Geometries, Scene};
 use raycost::trace::{SurfacePoint, Tracer};
 
@@ -57,7 +57,8 @@ fn scene(folder: &Path, object: &str) -> Scene {
          objects:\n  - {object}\n    material: red\n"
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
-    Scene::new(&config, geometries).unwrap()
+    // Rays are given in world space.
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// The surface points that rays from all directions toward the center hit.

@@ -111,10 +111,11 @@ fn trees_of_the_example_scenes_match_their_pixels() {
 #[test]
 fn shadow_rays_point_to_their_lights() {
     let config = small("hall_of_mirrors");
-    observed(&config, |tree, _, _| {
+    observed(&config, |tree, _, film| {
         for ray in &tree.rays {
             if let Some(light) = ray.light {
-                let light = config.lights[light as usize].illuminate(ray.ray.origin.into());
+                let light = config.lights[light as usize].in_space(&film.space);
+                let light = light.illuminate(ray.ray.origin.into());
                 assert!(Vec3::from(light.direction).abs_diff_eq(ray.ray.direction, 1e-3));
             }
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use raycost::accel::Accel;
 use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::Ray;
+use raycost::geometry::{Ray, RenderSpace};
 use raycost::scene::{Geometries, Scene};
 use raycost::trace::Tracer;
 
@@ -19,7 +19,8 @@ fn scene(folder: &Path, rest: &str) -> Scene {
          lights: []\n{rest}"
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
-    Scene::new(&config, geometries).unwrap()
+    // Rays are given in world space.
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// The color of the surface that a ray along -z meets.

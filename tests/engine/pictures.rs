@@ -10,7 +10,7 @@ use raycost::accel::Accel;
 use raycost::color::Transfer;
 use raycost::config::CostMode;
 use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::Ray;
+use raycost::geometry::{Ray, RenderSpace};
 use raycost::import::{FileFault, Mesh, read_mesh, read_picture};
 use raycost::picture::{Picture, Sampling, TexelFilter, Wrap};
 use raycost::scene::{Geometries, Scene};
@@ -212,7 +212,8 @@ fn scene_of(folder: &Path, material: &str, object: &str) -> Scene {
          objects: [{{ {object}, material: picture }}]\n"
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
-    Scene::new(&config, geometries).unwrap()
+    // Rays are given in world space.
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// The surface points that rays from all directions toward the center hit.

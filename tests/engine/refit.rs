@@ -28,7 +28,10 @@ fn at(moving: &[Moving], time: f32) -> Vec<Primitive> {
             TransformStep::Scale(Vec3::splat(factor)),
             TransformStep::Translate((time * *velocity).as_dvec3()),
         ];
-        primitive(shape.clone(), Transform::new(&world_from_object(&steps)).as_ref())
+        primitive(
+            shape.clone(),
+            Transform::new(&world_from_object(&steps)).as_ref(),
+        )
     };
     moving.iter().map(moved).collect()
 }

@@ -122,8 +122,8 @@ fn depth_is_along_the_view_and_positions_are_those_of_the_cloud() {
     for (point, pixel) in points.iter().zip(pixels) {
         let pixel = pixel as usize;
         let found = SPACE.map(|name| floats(&channels[&format!("P.{name}")])[pixel]);
-        assert_eq!(found, *point);
-        let depth = (0..3).map(|i| ahead[i] / length * (f64::from(point[i]) - eye[i]));
+        assert_eq!(found.map(f64::from), *point);
+        let depth = (0..3).map(|i| ahead[i] / length * (point[i] - eye[i]));
         let found = f64::from(floats(&channels["Z"])[pixel]);
         let depth = depth.sum::<f64>();
         assert!((found - depth).abs() < 1e-5 * depth, "{found} {depth}");

@@ -114,8 +114,8 @@ fn check(film: &Film, codec: Codec) {
     let points = film.strips.iter().flat_map(|strip| &strip.position);
     let points = points
         .zip(&is_hit)
-        .filter_map(|(point, hit)| hit.then_some(point.to_array()));
-    let points: Vec<[f32; 3]> = points.collect();
+        .filter_map(|(point, hit)| hit.then_some(point.as_dvec3().to_array()));
+    let points: Vec<[f64; 3]> = points.collect();
     let found = hits.read_points().unwrap();
     assert_eq!(
         bytemuck::cast_slice::<_, u8>(&found),
