@@ -8,6 +8,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde_json::Value;
 use twox_hash::XxHash3_128;
 
 /// The key, attribute or keyword of a run's ID.
@@ -93,15 +94,34 @@ pub(crate) fn stamped(xml: &str, run: RunId) -> String {
     format!("{}{}{}", &xml[..begin], run.comment(), &xml[begin..])
 }
 
-/// The first key of an object whose value differs between two provenances, such as
-/// `machine`; `None` if `before` has all values of `now`.
-pub(crate) fn differing_key<'a>(
-    before: &'a serde_json::Value,
-    now: &'a serde_json::Value,
-) -> Option<&'a str> {
-    let mut now = now.as_object()?.iter();
-    let differing = now.find(|(key, value)| before.get(key.as_str()) != Some(*value));
-    differing.map(|(key, _)| key.as_str())
+/// The first difference between two provenances, such as "another machine"; `None` if `before`
+/// has all values of `now`.
+pub(crate) fn difference(before: &Value, now: &Value) -> Option<String> {
+    let (key, before, now) = first_different(before, now)?;
+    Some(match key {
+        "flags" => "other flags".to_owned(),
+        "n_threads" => "another number of threads".to_owned(),
+        "no_hardware_counters" => "other hardware counters".to_owned(),
+        "scenes" => match first_different(before, now) {
+            Some((name, Value::Null, _)) => format!("other scenes, without `{name}`"),
+            Some((name, ..)) => {
+                format!("another content of the scene `{name}` or of a file that it names")
+            }
+            None => "other scenes".to_owned(),
+        },
+        key => format!("another {key}"),
+    })
+}
+
+/// The first key of `now` whose value differs, with that before and now.
+fn first_different<'a>(
+    before: &'a Value,
+    now: &'a Value,
+) -> Option<(&'a str, &'a Value, &'a Value)> {
+    now.as_object()?.iter().find_map(|(key, now)| {
+        let before = &before[key.as_str()];
+        (before != now).then_some((key.as_str(), before, now))
+    })
 }
 
 /// Makes a type print as 32 hexadecimal digits, and be read from them.

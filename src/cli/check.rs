@@ -1,6 +1,6 @@
 //! `raycost check`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::open_scene::OpenScene;
 use super::run_summary::primitives;
@@ -43,18 +43,20 @@ pub(super) struct CheckArguments {
 }
 
 impl CheckArguments {
-    /// Checks a scene that a study measures, without printing a report.
+    /// Checks a scene that a study measures, without printing a report; returns the files
+    /// that determine its picture.
     ///
     /// # Errors
     /// The first fault of the scene; or it has many frames.
-    pub(super) fn find_fault(&self) -> Result<(), Diagnostic> {
+    pub(super) fn checked_files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
         let scene = OpenScene::read(&self.scene)?;
         if scene.frames.is_some() {
             let message = format!("the scene {} is animated", shown(&self.scene.scene));
             return Err(Diagnostic::new(message)
                 .with_help("a study measures stills: leave out `animation` and data series"));
         }
-        placed(&scene, None).map(drop)
+        placed(&scene, None)?;
+        scene.files()
     }
 }
 

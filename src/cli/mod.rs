@@ -25,7 +25,7 @@ mod version;
 mod view;
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Parser, Subcommand};
 
@@ -136,11 +136,12 @@ impl Cli {
 }
 
 impl Cli {
-    /// Checks the scene of a `check` without printing a report; other subcommands pass.
-    fn find_fault(&self) -> Result<(), Diagnostic> {
+    /// Checks the scene of a `check` without printing a report; returns the files that
+    /// determine its picture. Other subcommands have none.
+    fn checked_files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
         match &self.command {
-            Command::Check(arguments) => arguments.find_fault(),
-            _ => Ok(()),
+            Command::Check(arguments) => arguments.checked_files(),
+            _ => Ok(Vec::new()),
         }
     }
 }

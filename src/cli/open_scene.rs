@@ -1,10 +1,12 @@
 //! A scene of the command line and its frames.
 
+use std::path::PathBuf;
+
 use super::scene::SceneArguments;
 use crate::config::Config;
 use crate::memory::Memory;
 use crate::scene::Geometries;
-use crate::session::{Frames, Input};
+use crate::session::{Frames, Input, scene_files};
 use crate::text::Diagnostic;
 use crate::yaml::{Document, Fault, Source};
 
@@ -85,6 +87,15 @@ impl<'a> OpenScene<'a> {
             n => format!("the scene has {n} frames, 0 to {}", n - 1),
         };
         Err(Diagnostic::new(message).with_help(help))
+    }
+
+    /// The files that determine the picture of a still.
+    ///
+    /// # Errors
+    /// A setting that the scene does not allow.
+    pub(super) fn files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
+        let (document, config) = self.at(0)?;
+        Ok(scene_files(&document, &config).collect())
     }
 
     /// Converts the fault to a diagnostic that shows its line.

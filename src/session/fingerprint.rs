@@ -107,9 +107,8 @@ pub(super) fn section_of(
     let program = (version, commit, flags);
     let mut hasher = Hasher::new();
     hasher.add(format!("{program:?}{scene:?}{:?}", (number, time)).as_bytes());
-    for file in files(document, config) {
-        hasher.add(format!("{:?}", state_of(&file)).as_bytes());
-    }
+    let states = states_of(files(document, config));
+    hasher.add(&states.bits().to_le_bytes());
     FrameSection {
         number,
         n_frames,
@@ -132,10 +131,23 @@ fn of_pixels(
 ) -> Result<Checksum, Diagnostic> {
     let mut hasher = Hasher::new();
     hasher.add(format!("{config:?}{frame:?}{base:?}").as_bytes());
+    hasher.add(&contents_of(files)?.bits().to_le_bytes());
+    Ok(hasher.checksum())
+}
+
+/// A hash of the contents of files.
+///
+/// # Errors
+/// A file cannot be read.
+pub(crate) fn contents_of(
+    files: impl Iterator<Item = impl AsRef<Path>>,
+) -> Result<Checksum, Diagnostic> {
+    let mut hasher = Hasher::new();
     for file in files {
+        let file = file.as_ref();
         // What is no file cannot be one of the scene: it was read before.
         if file.is_file() {
-            let sum = checksum_of(&file).map_err(|error| {
+            let sum = checksum_of(file).map_err(|error| {
                 let shown = file.display();
                 Diagnostic::new(format!("cannot read `{shown}`: {error}"))
             })?;
@@ -143,6 +155,22 @@ fn of_pixels(
         }
     }
     Ok(hasher.checksum())
+}
+
+/// A hash of the lengths of files and of when they were changed.
+pub(crate) fn states_of(files: impl Iterator<Item = impl AsRef<Path>>) -> Checksum {
+    let mut hasher = Hasher::new();
+    for file in files {
+        hasher.add(format!("{:?}", state_of(file.as_ref())).as_bytes());
+    }
+    hasher.checksum()
+}
+
+/// All files that determine the picture of a scene: its text, those that it includes, and
+/// those that the config names.
+pub(crate) fn scene_files(document: &Document, config: &Config) -> impl Iterator<Item = PathBuf> {
+    let texts: Vec<PathBuf> = document.files().map(PathBuf::from).collect();
+    texts.into_iter().chain(files(document, config))
 }
 
 /// The path of a file, its length, and when it was changed.
@@ -161,9 +189,8 @@ pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
     let materials: Vec<&String> = config.materials.keys().collect();
     let mut hasher = Hasher::new();
     hasher.add(format!("{:?}", (&config.objects, materials, config.acceleration)).as_bytes());
-    for file in geometry_files(document, config) {
-        hasher.add(format!("{:?}", state_of(&file)).as_bytes());
-    }
+    let states = states_of(geometry_files(document, config).into_iter());
+    hasher.add(&states.bits().to_le_bytes());
     hasher.checksum()
 }
 

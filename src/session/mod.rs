@@ -42,6 +42,7 @@ pub use crate::stop::{Cancellation, Stopped};
 #[doc(inline)]
 pub use crate::text::Diagnostic;
 pub use error::RenderError;
+pub(crate) use fingerprint::{contents_of, scene_files, states_of};
 pub(crate) use frames::Frames;
 pub(crate) use input::Input;
 pub use options::{Event, Options};

@@ -1,6 +1,6 @@
 //! The command that starts the ranks of a run.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::yaml::{Fault, FieldPath};
 
@@ -9,7 +9,7 @@ const RANKS: &str = "{ranks}";
 
 /// A command such as `mpirun -n {ranks}`, which starts the command behind it on so many ranks.
 /// Its words are separated by blanks.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Launcher(String);
 

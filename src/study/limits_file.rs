@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::instruments::MachineLimits;
-use crate::provenance::differing_key;
+use crate::provenance::difference;
 use crate::text::Diagnostic;
 
 /// Version of the format; files of other versions are refused.
@@ -55,9 +55,9 @@ impl LimitsFile {
                 "`{name}` has format {found} of limits, this raycost has {FORMAT}"
             ));
         }
-        if let Some(key) = differing_key(&file.made_by, made_by) {
+        if let Some(difference) = difference(&file.made_by, made_by) {
             return refused(format!(
-                "the limits in `{name}` were measured with another {key}"
+                "the limits in `{name}` were measured with {difference}"
             ));
         }
         if file.limits.blocks.is_empty() {

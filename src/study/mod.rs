@@ -14,6 +14,7 @@ mod launcher;
 mod point;
 mod plot_spec;
 mod plan;
+mod plan_check;
 mod run_metrics;
 mod run_log;
 mod table;

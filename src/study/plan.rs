@@ -7,9 +7,10 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
 use super::factor_level::FactorForm;
-use super::{Factor, FactorLevel, FlagFactor, Launcher, PlotSpec, StudyPoint};
+use super::point::scene_names;
+use super::{Factor, FactorLevel, Launcher, PlotSpec, StudyPoint};
 use crate::sampling::uniform;
-use crate::yaml::{self, Fault, FieldPath};
+use crate::yaml;
 
 /// A study file.
 ///
@@ -118,33 +119,6 @@ impl StudyPlan {
         self
     }
 
-    /// Checks that there is a launcher where ranks are varied, and nowhere else.
-    ///
-    /// # Errors
-    /// The key that lacks the other.
-    pub fn check_launcher(&self) -> Result<(), Fault> {
-        let is_ranks = |factor: &Factor| *factor == Factor::Flag(FlagFactor::Ranks);
-        let in_cases = self.cases.iter().flat_map(|case| &case.0);
-        let ranks_in_cases = in_cases.map(|(factor, _)| factor).any(is_ranks);
-        let ranks_in_vary = self.vary.0.iter().any(|(factor, _)| is_ranks(factor));
-        let key = |key| FieldPath::default().key(key);
-        let (path, message, help) = match (&self.launcher, ranks_in_vary || ranks_in_cases) {
-            (None, true) => (
-                key(if ranks_in_vary { "vary" } else { "cases" }),
-                "`ranks` need a `launcher`",
-                "add `launcher: \"mpirun -n {ranks}\"`",
-            ),
-            (Some(_), false) => (
-                key("launcher"),
-                "a `launcher` needs the factor `ranks`",
-                "add `ranks: [1, 2, 4]` to `vary`, or leave the launcher out",
-            ),
-            (Some(launcher), true) => return launcher.check(key("launcher")),
-            (None, false) => return Ok(()),
-        };
-        Err(Fault::new(path, message, "one is there without the other").with_help(help))
-    }
-
     /// The total number of runs, warm-up included, saturating.
     pub fn n_runs(&self) -> u64 {
         let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
@@ -157,7 +131,8 @@ impl StudyPlan {
 
     /// All points: scene by scene, then case by case, then level by level.
     pub fn points(&self) -> Vec<StudyPoint> {
-        let scenes = self.scenes.iter().map(|scene| StudyPoint::of_scene(scene));
+        let scenes = self.scenes.iter().zip(scene_names(&self.scenes));
+        let scenes = scenes.map(|(scene, name)| StudyPoint::of_scene(scene, name));
         let cases = scenes.flat_map(|point| {
             if self.cases.is_empty() {
                 vec![point]

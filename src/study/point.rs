@@ -19,9 +19,8 @@ pub struct StudyPoint {
 
 impl StudyPoint {
     /// The scene as its file states it.
-    pub(super) fn of_scene(scene: &Path) -> Self {
-        let name = scene.file_stem().unwrap_or_default().to_string_lossy();
-        let values = [("scene".to_owned(), Value::from(name.into_owned()))];
+    pub(super) fn of_scene(scene: &Path, name: String) -> Self {
+        let values = [("scene".to_owned(), Value::from(name))];
         Self {
             scene: scene.to_owned(),
             flags: Vec::new(),
@@ -48,6 +47,29 @@ impl StudyPoint {
     pub fn label(&self) -> String {
         label_of(&self.values)
     }
+}
+
+/// The names of scenes: the stems of their files, with as many folders before them as tell
+/// them apart.
+pub(super) fn scene_names(scenes: &[PathBuf]) -> impl Iterator<Item = String> {
+    let name = |scene: &Path, n_parts: usize| {
+        let bare = scene.with_extension("");
+        let parts: Vec<_> = bare.iter().map(|part| part.to_string_lossy()).collect();
+        parts[parts.len().saturating_sub(n_parts)..].join("/")
+    };
+    let most = scenes.iter().map(|scene| scene.iter().count()).max();
+    scenes.iter().map(move |scene| {
+        let is_own = |n_parts: &usize| {
+            let own = name(scene, *n_parts);
+            let mut others = scenes.iter().filter(|other| *other != scene);
+            others.all(|other| name(other, *n_parts) != own)
+        };
+        let n_parts = (1..=most.unwrap_or(1)).find(is_own);
+        n_parts.map_or_else(
+            || scene.to_string_lossy().into_owned(),
+            |n_parts| name(scene, n_parts),
+        )
+    })
 }
 
 /// The values of a point as text: "scene seed_extended, threads 2".

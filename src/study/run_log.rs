@@ -1,6 +1,7 @@
 //! The log of runs, `runs.jsonl`.
 //!
-//! JSON Lines: a header with the provenance of the runs, then one line per run. An
+//! JSON Lines: a header with the provenance of the runs, which is all that determines them
+//! besides their points, then one line per run. An
 //! incomplete last line, of an interrupted write, is cut off when the study continues.
 
 use std::fs::{File, OpenOptions};
@@ -11,11 +12,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{RunMetrics, StudyPoint};
-use crate::provenance::differing_key;
+use crate::provenance::difference;
 use crate::text::Diagnostic;
 
 /// Version of the format; files of other versions are refused.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Maximum length of a line in bytes; a run has a few thousand.
 const MAX_LINE: u64 = 1 << 20;
 
@@ -49,7 +50,8 @@ impl Run {
 #[derive(Serialize, Deserialize)]
 struct RunLogHeader {
     raycost_study: u32,
-    /// Provenance of the runs: machine, compiler and version, by key.
+    /// Provenance of the runs by key: machine and program; flags, launcher and a hash of the
+    /// contents of each scene.
     made_by: Value,
 }
 
@@ -58,7 +60,7 @@ impl RunLog {
     ///
     /// # Errors
     /// If the file cannot be read or written, is not a log of runs, has a run twice, or if
-    /// another program or machine made its runs. The file stays unchanged.
+    /// its runs have another provenance. The file stays unchanged.
     pub fn open(path: &Path, made_by: &Value) -> Result<Self, Diagnostic> {
         let failed = |error| cannot_open(path, &error);
         let mut options = OpenOptions::new();
@@ -151,8 +153,8 @@ fn append(file: &mut File, value: &impl Serialize) -> io::Result<()> {
 
 /// Checks that the first line is a header of runs with the same provenance.
 fn check_header(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagnostic> {
-    let remedy = "give another folder by `--out`, or move the file away to measure anew";
-    let name = path.display();
+    let (name, folder) = (path.display(), path.parent().unwrap_or(path).display());
+    let remedy = format!("give another folder by `--out`, or delete `{folder}` to measure anew");
     let Some(header) = header.and_then(|line| serde_json::from_str::<RunLogHeader>(line).ok())
     else {
         let message = format!("`{name}` holds no results of a study");
@@ -160,13 +162,16 @@ fn check_header(path: &Path, header: Option<&str>, made_by: &Value) -> Result<()
     };
     if header.raycost_study != FORMAT {
         let found = header.raycost_study;
-        let message = format!("`{name}` has format {found} of results, this raycost has {FORMAT}");
+        let message = format!(
+            "`{name}` has format {found} of results, which this raycost does not continue: it has \
+             {FORMAT}"
+        );
         return Err(Diagnostic::new(message).with_help(remedy));
     }
-    match differing_key(&header.made_by, made_by) {
+    match difference(&header.made_by, made_by) {
         None => Ok(()),
-        Some(key) => {
-            let message = format!("the runs in `{name}` were made with another {key}");
+        Some(difference) => {
+            let message = format!("the runs in `{name}` were made with {difference}");
             Err(Diagnostic::new(message).with_help(remedy))
         }
     }

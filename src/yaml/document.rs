@@ -150,6 +150,13 @@ impl Document {
         settings.map(Source::text)
     }
 
+    /// The names of the scene file and of those that it includes.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        let sources = self.sources.iter();
+        let files = sources.filter(|source| source.as_setting().is_none());
+        files.map(Source::name)
+    }
+
     /// Deserializes a `T`, as [`Source::parse`] does.
     ///
     /// # Errors

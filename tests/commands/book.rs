@@ -107,7 +107,9 @@ fn every_scene_and_study_parses_and_its_files_are_read() {
                 let file = folder.join("of_the_book.yaml");
                 let source = Source::new(file.display().to_string(), block.as_str());
                 let plan: Result<StudyPlan, _> = source.parse();
-                plan.unwrap_or_else(|error| panic!("{path}: {error}"));
+                let plan = plan.unwrap_or_else(|error| panic!("{path}: {error}"));
+                let checked = plan.check().map_err(|fault| source.point_at(fault));
+                checked.unwrap_or_else(|error| panic!("{path}: {error}"));
                 continue;
             }
             let mut config = in_configs(&with_sections(&sections));

@@ -2,8 +2,10 @@
 
 mod files;
 mod launcher;
+mod made_by;
 mod process;
 mod report;
+mod scene_files;
 
 use std::fs::{self, File};
 use std::io;
@@ -13,16 +15,17 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use serde_json::{Value, json};
 
+use scene_files::SceneFiles;
+
 use super::progress::StudyBar;
-use super::{Cli, Failure};
+use super::{Cli, Failure, thread_pool};
 use crate::folder::{Replace, lock_folder, refuse_file, write_file};
-use crate::instruments::{HardwareCounters, MachineLimits};
+use crate::instruments::MachineLimits;
 use crate::stop;
 use crate::study::{
     Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
     StudyPoint, roofline_points, scaling_rows, statistics_rows,
 };
-use crate::summary::{Build, Machine};
 use crate::text::{self, Diagnostic, numbers};
 use crate::yaml::{self, Fault, Source};
 
@@ -60,6 +63,7 @@ const RUN_LOG: &str = "runs.jsonl";
 struct Study {
     plan: StudyPlan,
     points: Vec<StudyPoint>,
+    scenes: SceneFiles,
     /// The study file's folder, to which the paths of scenes are relative.
     folder: PathBuf,
     /// The output folder.
@@ -73,13 +77,17 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         arguments.quick,
     );
     let files = files::find(named, out, quick)?.into_iter();
-    let read = files.map(|(file, out)| Study::read(&file, out, quick));
+    let read = files.map(|(file, out)| {
+        let source = Source::read(&file)?;
+        Study::of(&source, out, quick)
+    });
     let studies = read.collect::<Result<Vec<_>, Failure>>()?;
-    let made_by = made_by();
+    let made_by = made_by::of_tables();
+    let measured_by = made_by::of_measurements(&made_by)?;
     // Open all studies before the first run: a foreign file in one of them stops all.
     let locks = studies.iter().map(|study| study.lock());
     let _locks = locks.collect::<Result<Vec<File>, Failure>>()?;
-    let opened = studies.iter().map(|study| study.open(&made_by));
+    let opened = studies.iter().map(|study| study.open(&measured_by));
     let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
     let mut n_left = 0;
     for (study, mut log) in studies.iter().zip(opened) {
@@ -88,10 +96,11 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         let n_processors = made_by["machine"]["logical_cpus"].as_u64();
         let mut rows = statistics_rows(&study.plan, &log, n_processors);
         rows.extend(scaling_rows(&rows));
-        let points = study.roofline(&rows, &made_by)?;
-        report::write_tables(&study.out, &study.plan, &rows, points.as_deref(), &made_by)?;
+        let points = study.roofline(&rows, &measured_by)?;
+        let (plan, points) = (&study.plan, points.as_deref());
+        report::write_tables(&study.out, plan, &rows, points, &made_by)?;
         if !arguments.quiet {
-            let lines = report::lines_of(&study.plan, &rows, points.as_deref(), &study.out);
+            let lines = report::lines_of(plan, &rows, points, &study.out);
             text::print(&lines)?;
         }
     }
@@ -102,37 +111,37 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
 }
 
 impl Study {
-    /// Reads a study file and checks that each of its points can be rendered.
-    fn read(file: &Path, out: PathBuf, quick: bool) -> Result<Self, Failure> {
-        let source = Source::read(file)?;
+    /// Checks a study, and that each of its points can be rendered.
+    fn of(source: &Source, out: PathBuf, quick: bool) -> Result<Self, Failure> {
         let mut plan: StudyPlan = source.parse()?;
+        let point_at = |fault| source.point_at(fault);
+        plan.check().map_err(point_at)?;
         if quick {
             plan = plan.into_quick();
+            plan.check().map_err(point_at)?;
         }
         if plan.n_runs() > StudyPlan::MAX_RUNS {
             let message = format!("the study has {} runs", numbers::count(plan.n_runs()));
             let expected = format!("expected at most {}", numbers::count(StudyPlan::MAX_RUNS));
             let fault = Fault::new(yaml::FieldPath::default(), message, expected)
                 .with_help("vary less at once, or lower `repeats`");
-            return Err(source.point_at(fault).into());
+            return Err(point_at(fault).into());
         }
-        plan.check_launcher()
-            .and_then(|()| launcher::check(&plan))
-            .map_err(|fault| source.point_at(fault))?;
-        let study = Self {
-            points: plan.points(),
-            plan,
-            // A scene is never that of standard input, whose name is `-`.
-            folder: match source.folder() {
-                none if none == Path::new("") => PathBuf::from("."),
-                folder => folder.to_owned(),
-            },
-            out,
+        launcher::check(&plan).map_err(point_at)?;
+        // A scene is never that of standard input, whose name is `-`.
+        let folder = match source.folder() {
+            none if none == Path::new("") => PathBuf::from("."),
+            folder => folder.to_owned(),
         };
-        for point in &study.points {
-            check(&study.plan, point, &study.folder)?;
-        }
-        Ok(study)
+        let points = plan.points();
+        let files_of = |point: &StudyPoint| checked_files(&plan, point, &folder);
+        Ok(Self {
+            scenes: SceneFiles::read(&points, files_of)?,
+            points,
+            plan,
+            folder,
+            out,
+        })
     }
 
     /// Locks the output folder and checks that it has no foreign table or plot. A folder
@@ -157,11 +166,16 @@ impl Study {
     }
 
     /// Opens the log of runs; checks the file of limits, too.
-    fn open(&self, made_by: &Value) -> Result<RunLog, Failure> {
+    fn open(&self, measured_by: &Value) -> Result<RunLog, Failure> {
         if self.plan.roofline {
-            LimitsFile::read(&self.limits_path(), made_by)?;
+            LimitsFile::read(&self.limits_path(), measured_by)?;
         }
-        Ok(RunLog::open(&self.out.join(RUN_LOG), made_by)?)
+        let mut made_by = measured_by.clone();
+        made_by["n_threads"] = json!(thread_pool(None)?.current_num_threads());
+        made_by["flags"] = json!(self.plan.flags);
+        made_by["launcher"] = json!(self.plan.launcher);
+        made_by["scenes"] = self.scenes.hashes();
+        Ok(RunLog::open(&self.out.join(RUN_LOG), &made_by)?)
     }
 
     /// Makes the missing runs until the time budget ends; returns the number of runs that
@@ -182,6 +196,7 @@ impl Study {
             bar.begin(&point.label());
             stop::check()?;
             let metrics = process::render(&self.plan, point, &self.folder, &self.out)?;
+            self.scenes.check(point, &self.out)?;
             let run = Run {
                 point: point.values.clone(),
                 round: planned.round,
@@ -200,17 +215,17 @@ impl Study {
     fn roofline(
         &self,
         rows: &[StatisticsRow],
-        made_by: &Value,
+        measured_by: &Value,
     ) -> Result<Option<Vec<RooflinePoint>>, Failure> {
         if !self.plan.roofline {
             return Ok(None);
         }
         let path = self.limits_path();
-        let limits = match LimitsFile::read(&path, made_by)? {
+        let limits = match LimitsFile::read(&path, measured_by)? {
             Some(limits) => limits,
             None => {
                 let limits = MachineLimits::measure();
-                let content = LimitsFile::new(limits.clone(), made_by);
+                let content = LimitsFile::new(limits.clone(), measured_by);
                 write_file(&path, Replace::Known, |file| {
                     Ok(serde_json::to_writer_pretty(file, &content)?)
                 })?;
@@ -229,9 +244,15 @@ impl Study {
     }
 }
 
-/// Checks that a point can be rendered, before the first run.
-fn check(plan: &StudyPlan, point: &StudyPoint, folder: &Path) -> Result<(), Failure> {
-    let words = ["raycost", "check"].map(str::to_owned).into_iter();
+/// Checks that a point can be rendered, before the first run; returns the files of its scene.
+fn checked_files(
+    plan: &StudyPlan,
+    point: &StudyPoint,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, Failure> {
+    // With the folder of the run, so that flags may not name another one.
+    let words = ["raycost", "check", "--out=out"].map(str::to_owned);
+    let words = words.into_iter();
     let scene = folder.join(&point.scene).display().to_string();
     let flags = point.flags.iter().chain(&plan.flags).cloned();
     let words: Vec<String> = words.chain([scene]).chain(flags.clone()).collect();
@@ -245,16 +266,7 @@ fn check(plan: &StudyPlan, point: &StudyPoint, folder: &Path) -> Result<(), Fail
             .with_help("see `raycost render --help` for the flags")
     };
     let cli = Cli::try_parse_from(words).map_err(refused)?;
-    Ok(cli.find_fault()?)
-}
-
-/// The provenance of the runs: logs with another one cannot be continued.
-fn made_by() -> Value {
-    json!({
-        "machine": Machine::current(),
-        "build": Build::current(),
-        "no_hardware_counters": HardwareCounters::start().why_not(),
-    })
+    Ok(cli.checked_files()?)
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> Failure {

@@ -1,5 +1,6 @@
 //! The results of a study: tables, plots and the report on the terminal.
 
+use std::fs;
 use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
@@ -26,7 +27,7 @@ pub(super) fn write_tables(
     write_file(&out.join("statistics.csv"), Replace::Known, |file| {
         write_csv(rows, file)
     })?;
-    let mut fits = Vec::new();
+    let (mut fits, mut drawn) = (Vec::new(), Vec::new());
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
             continue;
@@ -35,7 +36,9 @@ pub(super) fn write_tables(
         let x = plot.x.replace(['/', '\\', ':', '"'], "-");
         let name = format!("plot-{}-{}-over-{x}", number + 1, plot.y.join("-"));
         write_figure(&figure, out, &name)?;
+        drawn.push(name);
     }
+    remove_other_plots(out, &drawn)?;
     let mut all = json!({ "title": plan.title, "made_by": made_by, "fits": fits, "rows": rows });
     if let Some(points) = points {
         all["roofline"] = json!(points);
@@ -43,6 +46,21 @@ pub(super) fn write_tables(
     write_file(&out.join("statistics.json"), Replace::Known, |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
+    Ok(())
+}
+
+/// Removes the plots that an earlier version of the study drew, of fewer runs than there are.
+fn remove_other_plots(out: &Path, drawn: &[String]) -> Result<(), Failure> {
+    let failed = |error| super::cannot_write(out, &error);
+    for entry in fs::read_dir(out).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let [stem, ending] = [path.file_stem(), path.extension()]
+            .map(|part| part.unwrap_or_default().to_string_lossy().into_owned());
+        let is_plot = stem.starts_with("plot-") && ["svg", "png"].contains(&&*ending);
+        if is_plot && !drawn.contains(&stem) {
+            fs::remove_file(&path).map_err(failed)?;
+        }
+    }
     Ok(())
 }
 

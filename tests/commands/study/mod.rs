@@ -1,5 +1,6 @@
 //! Studies run each point once a round, and continue after an interruption.
 
+mod changed;
 mod refused;
 mod several;
 mod statistics;

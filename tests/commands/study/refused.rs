@@ -11,8 +11,13 @@ fn foreign_results_stay_unchanged() {
     fs::create_dir(folder.path().join("out")).unwrap();
     for (held, expected) in [
         ("{\"raycost_study\":99,\"made_by\":{}}\n", "has format 99"),
+        // Of a raycost that did not keep of which flags and scenes its runs are.
         (
             "{\"raycost_study\":1,\"made_by\":{}}\n",
+            "has format 1 of results, which this raycost does not continue",
+        ),
+        (
+            "{\"raycost_study\":2,\"made_by\":{}}\n",
             "were made with another machine",
         ),
         ("the notes of somebody\n", "holds no results"),
@@ -53,12 +58,36 @@ fn mistakes_are_reported_before_the_first_run() {
             "title: x\nscenes: [scene.yaml]\nvary: { camera.look_at.fov_y_deg: [20, 200] }",
             "`camera.look_at.fov_y_deg` cannot be `200`",
         ),
+        (
+            "title: x\nscenes: [scene.yaml, scene.yaml]",
+            "`scenes` has an item twice\n --> study.yaml:2:",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { threads: [1, 2, 1] }",
+            "`vary.threads` has an item twice\n --> study.yaml:3:",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\ncases: [{ threads: 1 }, { threads: 1 }]",
+            "`cases` has an item twice\n --> study.yaml:3:",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nquick: { vary: { threads: [1, 1] } }",
+            "`quick.vary.threads` has an item twice\n --> study.yaml:3:",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\ncases: [{ threads: 1 }]\nvary: { threads: [2] }",
+            "`threads` is in `cases`, too\n --> study.yaml:4:",
+        ),
         ("title: x\nscenes: ['-']", "cannot read the scene `./-`"),
         ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
         ("title: x\nscenes: [none.yaml]", "cannot read the scene"),
         (
             "title: x\nscenes: [scene.yaml]\nflags: [--with=3]",
             "--with",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nflags: [--out=elsewhere]",
+            "--out",
         ),
         (
             "title: x\nscenes: [scene.yaml]\nvary: { objects: [5] }",

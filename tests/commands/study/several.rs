@@ -103,7 +103,8 @@ fn the_studies_of_the_repository_are_valid() {
         let source = Source::read(&path).unwrap();
         let plan: StudyPlan = source.parse().unwrap_or_else(|error| panic!("{error}"));
         assert!(!plan.plots.is_empty() && plan.quick.is_some(), "{path:?}");
-        plan.check_launcher().unwrap();
+        plan.check()
+            .unwrap_or_else(|fault| panic!("{path:?}: {fault:?}"));
         for point in plan.points().iter().chain(&plan.into_quick().points()) {
             let scene = path.with_file_name("").join(&point.scene);
             assert!(scene.exists(), "{scene:?}");

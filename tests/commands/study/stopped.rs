@@ -75,6 +75,7 @@ fn a_stopped_study_ends_its_run() {
         }
         // The next study removes the files that a killed one left.
         fs::write(path.join("study.yaml"), ENDLESS.replace("60000", "1")).unwrap();
+        fs::remove_file(path.join("out/runs.jsonl")).unwrap();
         assert_success(&run(&path, &["--quiet"]));
         let hidden = fs::read_dir(path.join("out")).unwrap();
         let mut hidden = hidden.map(|entry| entry.unwrap().file_name());

@@ -1,0 +1,35 @@
+//! The provenance of a study's results.
+
+use serde_json::{Value, json};
+
+use crate::cli::Failure;
+use crate::folder::checksum_of;
+use crate::instruments::HardwareCounters;
+use crate::summary::{Build, Machine};
+use crate::text::Diagnostic;
+
+/// The provenance of tables: machine and build.
+pub(super) fn of_tables() -> Value {
+    json!({
+        "machine": Machine::current(),
+        "build": Build::current(),
+        "no_hardware_counters": HardwareCounters::start().why_not(),
+    })
+}
+
+/// The provenance of measurements: that of tables and, because builds of different sources may
+/// have one description, a checksum of this program.
+///
+/// # Errors
+/// The program's file cannot be read.
+pub(super) fn of_measurements(of_tables: &Value) -> Result<Value, Failure> {
+    let program = std::env::current_exe().and_then(|program| checksum_of(&program));
+    let program = program.map_err(|error| {
+        Failure::Machine(Diagnostic::new(format!(
+            "cannot read this program: {error}"
+        )))
+    })?;
+    let mut made_by = of_tables.clone();
+    made_by["program"] = json!(program);
+    Ok(made_by)
+}
