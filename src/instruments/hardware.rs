@@ -11,6 +11,16 @@ pub struct HardwareCounters {
     counters: Result<Vec<Open>, String>,
 }
 
+/// The names of all counters.
+pub const EVENTS: [&str; 6] = [
+    "cycles",
+    "instructions",
+    "cache_references",
+    "cache_misses",
+    "branches",
+    "branch_misses",
+];
+
 /// Counts by the counters' names.
 pub type Counts = IndexMap<&'static str, u64>;
 
@@ -46,17 +56,16 @@ mod open {
 
     /// Opens all counters.
     pub(super) fn all() -> io::Result<Vec<Open>> {
-        [
-            ("cycles", Hardware::CPU_CYCLES),
-            ("instructions", Hardware::INSTRUCTIONS),
-            ("cache_references", Hardware::CACHE_REFERENCES),
-            ("cache_misses", Hardware::CACHE_MISSES),
-            ("branches", Hardware::BRANCH_INSTRUCTIONS),
-            ("branch_misses", Hardware::BRANCH_MISSES),
-        ]
-        .into_iter()
-        .map(|(name, event)| Open::new(name, event))
-        .collect()
+        let events = [
+            Hardware::CPU_CYCLES,
+            Hardware::INSTRUCTIONS,
+            Hardware::CACHE_REFERENCES,
+            Hardware::CACHE_MISSES,
+            Hardware::BRANCH_INSTRUCTIONS,
+            Hardware::BRANCH_MISSES,
+        ];
+        let named = super::EVENTS.into_iter().zip(events);
+        named.map(|(name, event)| Open::new(name, event)).collect()
     }
 }
 

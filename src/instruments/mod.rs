@@ -10,10 +10,10 @@ mod profile;
 mod stages;
 mod time_left;
 
-pub use hardware::{Counts, HardwareCounters};
+pub use hardware::{Counts, EVENTS, HardwareCounters};
 pub use machine_limits::{DataCache, MachineLimits, MemoryBlock, MemoryLevel};
 pub use profile::{NoProfiler, Profiler};
 pub use resources::SystemWork;
 pub(crate) use resources::peak_memory_bytes;
-pub use stages::{Stage, Stages};
+pub use stages::{STAGES, Stage, Stages};
 pub use time_left::TimeLeft;

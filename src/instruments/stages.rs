@@ -9,6 +9,22 @@ use super::hardware::{Counts, HardwareCounters};
 use super::resources::SystemWork;
 use crate::text::numbers::milliseconds;
 
+/// The names of the stages that a rendering of a still may have, in their order, with the work
+/// of each.
+pub const STAGES: [(&str, &str); 11] = [
+    ("start", "loading the program"),
+    ("read", "reading the scene and its files"),
+    ("build", "building the BVH"),
+    ("calibrate", "measuring the clock"),
+    ("order", "estimating the cost of tiles"),
+    ("overhead", "measuring what measuring costs"),
+    ("render", "rendering"),
+    ("observe", "attributing costs to objects and nodes"),
+    ("survey", "reading the pixels of a picture in pieces"),
+    ("write", "writing the files"),
+    ("profile", "writing the profile"),
+];
+
 /// A stage of a run.
 #[derive(Debug, Clone)]
 pub struct Stage {

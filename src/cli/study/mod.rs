@@ -23,8 +23,8 @@ use crate::folder::{Replace, lock_folder, refuse_file, write_file};
 use crate::instruments::MachineLimits;
 use crate::stop;
 use crate::study::{
-    Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyPlan,
-    StudyPoint, roofline_points, scaling_rows, statistics_rows,
+    Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyMetric,
+    StudyPlan, StudyPoint, roofline_points, scaling_rows, statistics_rows,
 };
 use crate::text::{self, Diagnostic, numbers};
 use crate::yaml::{self, Fault, Source};
@@ -35,6 +35,7 @@ use crate::yaml::{self, Fault, Source};
   raycost study configs/studies/tiles.yaml
   raycost study configs/studies/image_size.yaml --quick --out /tmp/sizes
   raycost study --quick
+  raycost study --list-metrics
 
 The same command continues an interrupted study and repeats no finished run.")]
 pub(super) struct StudyArguments {
@@ -50,6 +51,10 @@ pub(super) struct StudyArguments {
     /// Run the smaller matrix of each study, to test it
     #[arg(long)]
     quick: bool,
+
+    /// List the metrics for plots, with their units, and end
+    #[arg(long, exclusive = true)]
+    list_metrics: bool,
 
     /// Print nothing but errors
     #[arg(long, short)]
@@ -71,6 +76,9 @@ struct Study {
 }
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
+    if arguments.list_metrics {
+        return Ok(text::print(&StudyMetric::table())?);
+    }
     let (named, out, quick) = (
         &arguments.studies,
         arguments.out.as_deref(),
@@ -98,9 +106,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         rows.extend(scaling_rows(&rows));
         let points = study.roofline(&rows, &measured_by)?;
         let (plan, points) = (&study.plan, points.as_deref());
-        report::write_tables(&study.out, plan, &rows, points, &made_by)?;
+        let empty = report::write_tables(&study.out, plan, &rows, points, &made_by)?;
         if !arguments.quiet {
-            let lines = report::lines_of(plan, &rows, points, &study.out);
+            let lines = report::lines_of(plan, &rows, &empty, points, &study.out);
             text::print(&lines)?;
         }
     }

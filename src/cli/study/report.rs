@@ -13,23 +13,25 @@ use crate::study::{
     Figure, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan, bottleneck_report, label_of,
     write_csv,
 };
-use crate::text::numbers::{counted, duration};
+use crate::text::numbers::duration;
 use crate::text::one_line;
 
-/// Writes the tables and plots of a study; `points` if it requests a roofline.
+/// Writes the tables and plots of a study; `points` if it requests a roofline. Returns the
+/// numbers of the plots that have no values.
 pub(super) fn write_tables(
     out: &Path,
     plan: &StudyPlan,
     rows: &[StatisticsRow],
     points: Option<&[RooflinePoint]>,
     made_by: &Value,
-) -> Result<(), Failure> {
+) -> Result<Vec<usize>, Failure> {
     write_file(&out.join("statistics.csv"), Replace::Known, |file| {
         write_csv(rows, file)
     })?;
-    let (mut fits, mut drawn) = (Vec::new(), Vec::new());
+    let (mut fits, mut empty, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::of(plot, &plan.title, rows) else {
+            empty.push(number + 1);
             continue;
         };
         fits.extend(fits_of(plot, &figure));
@@ -46,7 +48,7 @@ pub(super) fn write_tables(
     write_file(&out.join("statistics.json"), Replace::Known, |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
-    Ok(())
+    Ok(empty)
 }
 
 /// Removes the plots that an earlier version of the study drew, of fewer runs than there are.
@@ -85,10 +87,12 @@ pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<()
     Ok(())
 }
 
-/// The report on a study: title, render time of each point, notes, and the folder.
+/// The report on a study: title, render time of each point, notes, and the folder. `empty` are
+/// the numbers of the plots without values.
 pub(super) fn lines_of(
     plan: &StudyPlan,
     rows: &[StatisticsRow],
+    empty: &[usize],
     points: Option<&[RooflinePoint]>,
     out: &Path,
 ) -> String {
@@ -99,19 +103,30 @@ pub(super) fn lines_of(
         .map(|row| label(row).chars().count())
         .max()
         .unwrap_or(0);
+    let width = width.max("point".len());
+    let heading = ["point", "render time", "95 % interval", "runs"];
+    let [point, time, interval, runs] = heading;
+    text += &format!("{point:<width$}  {time:>11}  {interval:<20}  {runs:>4}\n");
     for row in walls() {
         let statistics = &row.statistics;
         let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
         text += &format!(
-            "{:<width$} {:>9}  95 % [{}, {}], {}\n",
+            "{:<width$}  {:>11}  {:<20}  {:>4}\n",
             label(row),
             ms(statistics.median),
-            ms(statistics.low_95),
-            ms(statistics.high_95),
-            counted(statistics.n as u64, "run"),
+            format!("[{}, {}]", ms(statistics.low_95), ms(statistics.high_95)),
+            statistics.n,
         );
     }
     text += &notes(walls());
+    for number in empty {
+        let PlotSpec { x, y, .. } = &plan.plots[number - 1];
+        let y = y.join("` or `");
+        text += &format!(
+            "\nnote    plot {number} has no values: no run has `{y}` over `{x}`\n",
+            x = one_line(x),
+        );
+    }
     if let Some(points) = points {
         let unknown = || "unknown: no run had both counters and a BVH".to_owned();
         let report = bottleneck_report(points).unwrap_or_else(unknown);

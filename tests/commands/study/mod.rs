@@ -1,6 +1,7 @@
 //! Studies run each point once a round, and continue after an interruption.
 
 mod changed;
+mod metrics;
 mod refused;
 mod several;
 mod statistics;
