@@ -7,6 +7,34 @@ use crate::yaml::{Fault, FieldPath};
 /// What stands for the number of ranks.
 const RANKS: &str = "{ranks}";
 
+/// The programs that start ranks, by their names in `PATH`.
+const STARTERS: [&str; 3] = ["mpirun", "mpiexec", "srun"];
+
+/// Their options with a value that can neither name a program nor change what is started.
+const WITH_VALUE: [&str; 13] = [
+    "-n",
+    "-np",
+    "--np",
+    "--ntasks",
+    "-N",
+    "--nodes",
+    "--ntasks-per-node",
+    "-c",
+    "--cpus-per-task",
+    "--mpi",
+    "--bind-to",
+    "--map-by",
+    "--cpu-bind",
+];
+
+/// Those without a value.
+const WITHOUT_VALUE: [&str; 4] = [
+    "--oversubscribe",
+    "--use-hwthread-cpus",
+    "--allow-run-as-root",
+    "--exclusive",
+];
+
 /// A command such as `mpirun -n {ranks}`, which starts the command behind it on so many ranks.
 /// Its words are separated by blanks.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +56,25 @@ impl Launcher {
         Err(Fault::new(path, message, expected))
     }
 
+    /// The first word by which the command may start another program than this one on ranks:
+    /// one that is neither a known starter of ranks by its name alone nor one of its harmless
+    /// options. `mpirun`, too, starts any program that stands among its words.
+    pub fn suspect(&self) -> Option<&str> {
+        let mut words = self.0.split_whitespace();
+        if let Some(program) = words.next().filter(|program| !STARTERS.contains(program)) {
+            return Some(program);
+        }
+        while let Some(word) = words.next() {
+            match word.split_once('=') {
+                Some((option, _)) if WITH_VALUE.contains(&option) => {}
+                None if WITH_VALUE.contains(&word) => drop(words.next()),
+                None if WITHOUT_VALUE.contains(&word) => {}
+                _ => return Some(word),
+            }
+        }
+        None
+    }
+
     /// The program that starts the ranks.
     pub fn program(&self) -> &str {
         self.0.split_whitespace().next().unwrap_or_default()
@@ -45,6 +92,32 @@ impl Launcher {
 mod tests {
     use super::*;
     use crate::yaml;
+
+    #[test]
+    fn only_ranks_of_this_program_are_above_suspicion() {
+        for (command, suspect) in [
+            ("mpirun -n {ranks}", None),
+            ("mpiexec --oversubscribe -np {ranks} --bind-to core", None),
+            ("srun --ntasks={ranks} --ntasks-per-node=1 --mpi=pmix", None),
+            ("curl {ranks}", Some("curl")),
+            ("./mpirun -n {ranks}", Some("./mpirun")),
+            ("/usr/bin/mpirun -n {ranks}", Some("/usr/bin/mpirun")),
+            ("mpirun -n {ranks} sh -c", Some("sh")),
+            ("mpirun -n {ranks} -x LD_PRELOAD=./a.so", Some("-x")),
+            ("mpirun -n {ranks} --mca plm_rsh_agent ./a", Some("--mca")),
+            (
+                "srun -n {ranks} --task-prolog=./a",
+                Some("--task-prolog=./a"),
+            ),
+            (
+                "mpirun --oversubscribe=1 {ranks}",
+                Some("--oversubscribe=1"),
+            ),
+            ("MPIRUN -n {ranks}", Some("MPIRUN")),
+        ] {
+            assert_eq!(Launcher(command.to_owned()).suspect(), suspect, "{command}");
+        }
+    }
 
     #[test]
     fn every_place_of_the_ranks_is_filled_in() {

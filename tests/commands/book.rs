@@ -110,6 +110,8 @@ fn every_scene_and_study_parses_and_its_files_are_read() {
                 let plan = plan.unwrap_or_else(|error| panic!("{path}: {error}"));
                 let checked = plan.check().map_err(|fault| source.point_at(fault));
                 checked.unwrap_or_else(|error| panic!("{path}: {error}"));
+                let suspect = plan.launcher.as_ref().and_then(|one| one.suspect());
+                assert_eq!(suspect, None, "{path}");
                 continue;
             }
             let mut config = in_configs(&with_sections(&sections));

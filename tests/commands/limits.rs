@@ -194,3 +194,34 @@ fn advice_fits_a_lack_of_files() {
     }
     panic!("no limit was felt");
 }
+
+/// The promise of `docs/security.md`: `study` starts raycost or a launcher that was checked, and
+/// an animation `ffmpeg`.
+#[test]
+fn no_other_program_is_started() {
+    let mut folders = vec![in_repository("src")];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = fs::read_to_string(&path).unwrap_or_default();
+            let starts = text.lines().map(str::trim).filter(|line| {
+                let ways = ["Command::new(", ".exec()", "posix_spawn", "execv"];
+                !line.starts_with("//") && ways.iter().any(|way| line.contains(way))
+            });
+            let name = path.strip_prefix(in_repository("src")).unwrap();
+            found.extend(starts.map(|line| format!("{}: {line}", name.display())));
+        }
+    }
+    found.sort();
+    let expected = [
+        "cli/study/process.rs: None => Command::new(program),",
+        "cli/study/process.rs: let mut command = Command::new(&words[0]);",
+        "series/video.rs: let mut command = Command::new(FFMPEG);",
+    ];
+    assert_eq!(found, expected);
+}

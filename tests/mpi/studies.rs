@@ -112,7 +112,7 @@ fn a_launcher_that_is_no_program_is_shown_at_its_line() {
         );
         fs::write(folder.path().join("study.yaml"), study).unwrap();
         let mut command = raycost();
-        command.args(["study", "study.yaml", "--out", "out"]);
+        command.args(["study", "study.yaml", "--out", "out", "--allow-commands"]);
         let command = command
             .current_dir(folder.path())
             .env("PATH", folder.path());

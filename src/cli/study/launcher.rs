@@ -1,16 +1,35 @@
-//! Whether the ranks of a study can be started.
+//! Checks that the ranks of a study can and may be started.
 
 use std::path::Path;
 
 use crate::ranks;
-use crate::study::StudyPlan;
+use crate::study::{Launcher, StudyPlan};
 use crate::yaml::{Fault, FieldPath};
 
+/// Checks that the launcher starts nothing but ranks of this program.
+///
+/// # Errors
+/// It may start another program.
+fn check_harmless(launcher: &Launcher) -> Result<(), Fault> {
+    let Some(word) = launcher.suspect() else {
+        return Ok(());
+    };
+    let path = FieldPath::default().key("launcher");
+    let message = format!("`{word}` in the `launcher` may start any program");
+    let expected = "expected `mpirun`, `mpiexec` or `srun` without a path, and plain options";
+    Err(Fault::new(path, message, expected)
+        .with_help("if you trust this command, let the study start it: `--allow-commands`"))
+}
+
 /// Checks that the program that starts ranks can be run, and that this one can be a rank.
-pub(super) fn check(plan: &StudyPlan) -> Result<(), Fault> {
+/// Unless `any_command`, the launcher has to be harmless.
+pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     let Some(launcher) = &plan.launcher else {
         return Ok(());
     };
+    if !any_command {
+        check_harmless(launcher)?;
+    }
     let fault = |message: String, expected: &str, help: &str| {
         let path = FieldPath::default().key("launcher");
         Err(Fault::new(path, message, expected).with_help(help))

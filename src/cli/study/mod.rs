@@ -52,6 +52,11 @@ pub(super) struct StudyArguments {
     #[arg(long)]
     quick: bool,
 
+    /// Let a study's `launcher` start any command, not only `mpirun`, `mpiexec` and
+    /// `srun` with plain options
+    #[arg(long)]
+    allow_commands: bool,
+
     /// List the metrics for plots, with their units, and end
     #[arg(long, exclusive = true)]
     list_metrics: bool,
@@ -87,7 +92,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
     let files = files::find(named, out, quick)?.into_iter();
     let read = files.map(|(file, out)| {
         let source = Source::read(&file)?;
-        Study::of(&source, out, quick)
+        Study::of(&source, out, quick, arguments.allow_commands)
     });
     let studies = read.collect::<Result<Vec<_>, Failure>>()?;
     let made_by = made_by::of_tables();
@@ -119,8 +124,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
 }
 
 impl Study {
-    /// Checks a study, and that each of its points can be rendered.
-    fn of(source: &Source, out: PathBuf, quick: bool) -> Result<Self, Failure> {
+    /// Checks a study, and that each of its points can be rendered. Unless `any_command`, its
+    /// launcher has to be harmless.
+    fn of(source: &Source, out: PathBuf, quick: bool, any_command: bool) -> Result<Self, Failure> {
         let mut plan: StudyPlan = source.parse()?;
         let point_at = |fault| source.point_at(fault);
         plan.check().map_err(point_at)?;
@@ -135,7 +141,7 @@ impl Study {
                 .with_help("vary less at once, or lower `repeats`");
             return Err(point_at(fault).into());
         }
-        launcher::check(&plan).map_err(point_at)?;
+        launcher::check(&plan, any_command).map_err(point_at)?;
         // A scene is never that of standard input, whose name is `-`.
         let folder = match source.folder() {
             none if none == Path::new("") => PathBuf::from("."),

@@ -160,6 +160,28 @@ fn mistakes_about_the_launcher_are_shown_at_their_lines() {
   |           ^^^^^^^^^^^^^^^^^^^^^^^ expected a text
 ",
         ),
+        (
+            "vary: { ranks: [1] }\nlauncher: ./mpirun -n {ranks}",
+            "error: `./mpirun` in the `launcher` may start any program
+ --> study.yaml:4:11
+  |
+4 | launcher: ./mpirun -n {ranks}
+  |           ^^^^^^^^^^^^^^^^^^^ expected `mpirun`, `mpiexec` or `srun` without a path, and plain options
+  |
+  = help: if you trust this command, let the study start it: `--allow-commands`
+",
+        ),
+        (
+            "vary: { ranks: [1] }\nlauncher: mpirun -n {ranks} rm",
+            "error: `rm` in the `launcher` may start any program
+ --> study.yaml:4:11
+  |
+4 | launcher: mpirun -n {ranks} rm
+  |           ^^^^^^^^^^^^^^^^^^^^ expected `mpirun`, `mpiexec` or `srun` without a path, and plain options
+  |
+  = help: if you trust this command, let the study start it: `--allow-commands`
+",
+        ),
         #[cfg(not(feature = "mpi"))]
         (
             "vary: { ranks: [1] }\nlauncher: mpirun -n {ranks}",
