@@ -6,7 +6,7 @@ use super::open_scene::OpenScene;
 use super::run_summary::primitives;
 use super::scene::SceneArguments;
 use super::verify_output::{outputs_in, verified};
-use super::{Failure, on_threads, shown};
+use super::{Failure, on_threads, shown, study};
 use crate::color::{ToneCurve, Transfer};
 use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
 use crate::memory::{self, Memory};
@@ -20,17 +20,24 @@ use crate::stop;
 use crate::text::numbers::{bytes, count, counted, parse_bytes};
 use crate::text::{self, Diagnostic};
 
-/// Check a scene without rendering it, or verify an output folder
+/// Check scenes and studies without rendering them, or verify output folders
 ///
-/// For a scene, prints what `raycost render` would do, and predicts its memory and disk. For a folder that `raycost
-/// render` wrote, compares every file with its length and checksum in summary.json.
-#[derive(Debug, clap::Args)]
+/// For a scene, prints what `raycost render` would do, and predicts its memory and disk. For a study, checks it and
+/// its scenes, and prints how many runs it makes. For a folder that `raycost render` wrote, compares every file with
+/// its length and checksum in summary.json. Of several, all are checked, and the exit code is the greatest.
+#[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Examples:
   raycost check configs/seed_extended.yaml --width 3840 --height 2160
+  raycost check configs/studies/tiles.yaml
+  raycost check configs/*.yaml
   raycost check out/seed_extended")]
 pub(super) struct CheckArguments {
     #[command(flatten)]
     scene: SceneArguments,
+
+    /// Further scenes, studies or folders
+    #[arg(value_name = "SCENE")]
+    others: Vec<PathBuf>,
 
     /// Frame of an animated scene [default: the first]
     #[arg(long, value_name = "N")]
@@ -49,6 +56,10 @@ impl CheckArguments {
     /// # Errors
     /// The first fault of the scene; or it has many frames.
     pub(super) fn checked_files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
+        if let Some(word) = self.others.first() {
+            let message = format!("`{}` in `flags` is not a flag", shown(word));
+            return Err(Diagnostic::new(message).with_help("name further scenes in `scenes`"));
+        }
         let scene = OpenScene::read(&self.scene)?;
         if scene.frames.is_some() {
             let message = format!("the scene {} is animated", shown(&self.scene.scene));
@@ -61,7 +72,24 @@ impl CheckArguments {
 }
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
-    on_threads(|| check(arguments))
+    let mut failures = Vec::new();
+    for scene in [&arguments.scene.scene]
+        .into_iter()
+        .chain(&arguments.others)
+    {
+        let mut one = arguments.clone();
+        one.scene.scene = scene.clone();
+        failures.extend(on_threads(|| check(&one)).err());
+        stop::check()?;
+    }
+    match failures.pop() {
+        None => Ok(()),
+        Some(only) if failures.is_empty() => Err(only),
+        Some(last) => {
+            failures.push(last);
+            Err(Failure::Several(failures))
+        }
+    }
 }
 
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
@@ -71,7 +99,14 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if let Some(limit) = arguments.memory {
         memory::set_limit(limit);
     }
-    let scene = OpenScene::read(&arguments.scene)?;
+    let source = arguments.scene.source()?;
+    if study::is_study(&source) {
+        if arguments.scene.changes_scene() {
+            return Err(study::refuse_flags().into());
+        }
+        return Ok(text::print(&study::checked(&source)?)?);
+    }
+    let scene = OpenScene::of(&arguments.scene, source)?;
     let n_frames = scene.frames.as_ref().map_or(1, Frames::n_frames);
     for number in 0..n_frames {
         scene.at(number)?;

@@ -18,6 +18,8 @@ pub enum Failure {
     Machine(Diagnostic),
     /// The command line is wrong; clap's message with its styles: exit code 2.
     Usage(String),
+    /// Several inputs failed: the greatest exit code.
+    Several(Vec<Failure>),
     /// A signal stopped the program: exit code 128 plus its number.
     Stopped(Stopped),
     /// The reader of the output has closed its pipe, as `| head` does: exit code 0,
@@ -73,6 +75,7 @@ impl Failure {
             Self::Gate(_) => 3,
             Self::Input(_) | Self::Usage(_) => 2,
             Self::Machine(_) => 1,
+            Self::Several(all) => all.iter().map(Self::exit_code).max().unwrap_or(1),
             Self::Stopped(stopped) => stopped.exit_code(),
             Self::ClosedOutput => 0,
         }
@@ -91,6 +94,10 @@ impl Failure {
         match self {
             Self::Input(diagnostic) | Self::Gate(diagnostic) | Self::Machine(diagnostic) => {
                 Some(diagnostic.render(true))
+            }
+            Self::Several(all) => {
+                let messages: Vec<String> = all.iter().filter_map(Self::message).collect();
+                Some(messages.join("\n"))
             }
             Self::Usage(text) => Some(text.trim_end().to_owned()),
             Self::Stopped(_) | Self::ClosedOutput | Self::Partial => None,

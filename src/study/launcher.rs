@@ -75,6 +75,11 @@ impl Launcher {
         None
     }
 
+    /// The command as the study states it.
+    pub fn command(&self) -> &str {
+        &self.0
+    }
+
     /// The program that starts the ranks.
     pub fn program(&self) -> &str {
         self.0.split_whitespace().next().unwrap_or_default()

@@ -11,6 +11,7 @@ use super::field_path::FieldPath;
 use super::position::{self, Location};
 use super::setting::{LocatedText, SettingText};
 use super::translate;
+use super::tree::Tree;
 use crate::files::InputFile;
 use crate::host::{advice, available_memory};
 use crate::text::Diagnostic;
@@ -143,6 +144,12 @@ impl Source {
         self.check()?;
         deserialize(&self.text)
             .map_err(|(path, error)| self.point_at(translate::fault(&self.located(), path, &error)))
+    }
+
+    /// Whether the text has a key at its top; not if it has a mistake in its syntax.
+    pub fn has_key(&self, key: &str) -> bool {
+        let may_have = self.text.contains(key) && self.check().is_ok();
+        may_have && Tree::of(&self.text).get(key).is_some()
     }
 
     /// Checks what the deserializer does not check.

@@ -169,7 +169,7 @@ fn a_wrong_command_line_ends_with_2() {
     let lines: [&[&str]; 15] = [
         &["render"],
         &["paint", "scene.yaml"],
-        &["check", "scene.yaml", "scene.yaml"],
+        &["render", "scene.yaml", "scene.yaml"],
         &["render", "scene.yaml", "--width", "0"],
         &["render", "scene.yaml", "--width", "65536"],
         &["render", "scene.yaml", "--tile-size", "1"],

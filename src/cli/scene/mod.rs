@@ -20,7 +20,7 @@ use crate::yaml::{self, Document, Fault, Source};
 const STANDARD_INPUT: &str = "-";
 
 /// The scene file and the settings that override the file's.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub(in crate::cli) struct SceneArguments {
     /// The scene's YAML file; `-` for standard input; or a mesh, for a scene around it
     pub(in crate::cli) scene: PathBuf,
@@ -146,6 +146,11 @@ impl SceneArguments {
         config
             .check_arrays()
             .map_err(|fault| document.point_at(fault))
+    }
+
+    /// Whether a setting of the command line changes the scene or its folder.
+    pub(in crate::cli) fn changes_scene(&self) -> bool {
+        self.out.is_some() || !self.all_flags().is_empty()
     }
 
     /// Whether the scene is read from standard input.

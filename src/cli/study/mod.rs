@@ -1,5 +1,6 @@
 //! `raycost study`.
 
+mod check;
 mod files;
 mod launcher;
 mod made_by;
@@ -15,6 +16,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use serde_json::{Value, json};
 
+pub(super) use check::{checked, is_study, refuse_flags};
 use scene_files::SceneFiles;
 
 use super::progress::StudyBar;
@@ -37,7 +39,8 @@ use crate::yaml::{self, Fault, Source};
   raycost study --quick
   raycost study --list-metrics
 
-The same command continues an interrupted study and repeats no finished run.")]
+The same command continues an interrupted study and repeats no finished run.
+`raycost check STUDY` checks a study and its scenes without a run.")]
 pub(super) struct StudyArguments {
     /// Study files, or folders of them [default: configs/studies]
     #[arg(value_name = "STUDY")]

@@ -48,6 +48,11 @@ impl SceneFiles {
         ))
     }
 
+    /// The names of the scenes.
+    pub(super) fn names(&self) -> Vec<&str> {
+        self.0.keys().map(String::as_str).collect()
+    }
+
     /// A hash of the contents of each scene's files, by the name of the scene.
     pub(super) fn hashes(&self) -> Value {
         let hashes = self.0.iter();

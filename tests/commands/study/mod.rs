@@ -1,6 +1,7 @@
 //! Studies run each point once a round, and continue after an interruption.
 
 mod changed;
+mod checked;
 mod metrics;
 mod refused;
 mod several;

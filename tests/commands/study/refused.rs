@@ -90,6 +90,10 @@ fn mistakes_are_reported_before_the_first_run() {
             "--out",
         ),
         (
+            "title: x\nscenes: [scene.yaml]\nflags: [scene.yaml]",
+            "`scene.yaml` in `flags` is not a flag",
+        ),
+        (
             "title: x\nscenes: [scene.yaml]\nvary: { objects: [5] }",
             "no `sphere_cloud`",
         ),

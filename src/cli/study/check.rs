@@ -1,0 +1,82 @@
+//! The report of `raycost check` on a study.
+
+use std::path::{Path, PathBuf};
+
+use super::{Failure, Study};
+use crate::study::StudyPlan;
+use crate::text::numbers::{count, counted};
+use crate::text::{Diagnostic, one_line};
+use crate::yaml::Source;
+
+/// The key that every study has, and no scene.
+const SCENES: &str = "scenes";
+
+/// Whether a text is a study's, not a scene's.
+pub(in crate::cli) fn is_study(source: &Source) -> bool {
+    source.has_key(SCENES)
+}
+
+/// Checks a study with its small matrix, and every scene that it names; returns the report.
+///
+/// # Errors
+/// The first fault of the study or of a scene; or it cannot run here.
+pub(in crate::cli) fn checked(source: &Source) -> Result<String, Failure> {
+    let shown = one_line(source.name()).into_owned();
+    let stem = Path::new(source.name()).file_stem().unwrap_or_default();
+    let out = Path::new("out/studies").join(stem);
+    let quick = Study::of(source, PathBuf::new(), true, true)?;
+    let study = Study::of(source, out, false, true)?;
+    let plan = &study.plan;
+    let scenes = study.scenes.names().into_iter();
+    let scenes: Vec<_> = scenes.map(|name| one_line(name).into_owned()).collect();
+    let mut lines = vec![
+        (
+            "study",
+            format!("{shown} is fine: {}", one_line(&plan.title)),
+        ),
+        ("scenes", scenes.join(", ")),
+        ("points", points(plan, study.points.len())),
+        (
+            "runs",
+            format!(
+                "{}: {} and {} of each point; {} with `raycost study --quick`",
+                count(plan.n_runs()),
+                counted(u64::from(plan.warm_up), "warm-up run"),
+                counted(u64::from(plan.repeats), "measured run"),
+                count(quick.plan.n_runs()),
+            ),
+        ),
+        ("plots", count(plan.plots.len() as u64)),
+    ];
+    if let Some(launcher) = &plan.launcher {
+        let note = match launcher.suspect() {
+            None => "",
+            Some(_) => ", which only runs with `raycost study --allow-commands`",
+        };
+        lines.push(("starts", format!("{}{note}", one_line(launcher.command()))));
+    }
+    lines.push(("files", format!("in {}", study.out.display())));
+    let line = |(name, text): (&str, String)| format!("{name:<8}{text}\n");
+    Ok(lines.into_iter().map(line).collect())
+}
+
+/// The number of points and of the levels that are crossed.
+fn points(plan: &StudyPlan, n_points: usize) -> String {
+    let cases = Some(plan.cases.len()).filter(|&n| n > 0);
+    let cases = cases.map(|n| counted(n as u64, "case"));
+    let levels = plan.vary.0.iter();
+    let levels = levels.map(|(factor, levels)| format!("{} of {}", levels.len(), factor.name()));
+    let scenes = counted(plan.scenes.len() as u64, "scene");
+    let crossed: Vec<String> = [scenes].into_iter().chain(cases).chain(levels).collect();
+    format!(
+        "{}: {}",
+        count(n_points as u64),
+        one_line(&crossed.join(", "))
+    )
+}
+
+/// The fault of flags of a scene that are given for a study.
+pub(in crate::cli) fn refuse_flags() -> Diagnostic {
+    Diagnostic::new("the flags of a scene do not change a study")
+        .with_help("leave them out, or add them to `flags` in the study")
+}
