@@ -11,7 +11,7 @@ use super::record::{Bytes, MAX_THREADS, TileRecord};
 use super::{Header, RecordLayout};
 
 /// The first bytes of a file; the number is that of the format.
-pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 3\n";
+pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 4\n";
 /// The part of them that is the same for every format.
 const N_OF_ALL_FORMATS: usize = 14;
 /// Most bytes of a header.

@@ -25,7 +25,7 @@ pub struct TileRecord<'a> {
 }
 
 /// Bytes of a record besides its counters and its pixels.
-const FIXED_BYTES: usize = 1 + 1 + 4 + 4 + 4 + 4 * 8 + N_COUNTS * 8 + 4;
+const FIXED_BYTES: usize = 1 + 4 + 4 + 4 + 5 * 8 + N_COUNTS * 8 + 4;
 /// Numbers of a [`Cost`].
 const N_COUNTS: usize = 8;
 /// Latest time in nanoseconds: sums of many stay below 2^64.
@@ -48,12 +48,13 @@ impl<'a> TileRecord<'a> {
     /// memory.
     pub fn append_to(&self, bytes: &mut Vec<u8>) {
         let run = &self.run;
-        bytes.extend([self.rendering, run.is_interrupted.into()]);
+        bytes.push(self.rendering);
         bytes.extend(self.tile.to_le_bytes());
         bytes.extend(run.rank.to_le_bytes());
         bytes.extend(run.thread.to_le_bytes());
-        let times = [run.start_ns, run.end_ns, run.film_ns, run.warm_up_ns];
-        for number in times.into_iter().chain(counts(&run.counted)) {
+        let parts = [run.film_ns, run.warm_up_ns, run.waiting_ns];
+        let times = [run.start_ns, run.end_ns].into_iter().chain(parts);
+        for number in times.chain(counts(&run.counted)) {
             bytes.extend(number.to_le_bytes());
         }
         bytes.extend((self.counters.len() as u32).to_le_bytes());
@@ -67,10 +68,10 @@ impl<'a> TileRecord<'a> {
     /// `bytes` belong to it.
     pub fn of_bytes(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
-        let [rendering, is_interrupted] = bytes.array()?;
+        let [rendering] = bytes.array()?;
         let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];
         let grid = layout.grid();
-        if rendering >= layout.n_renderings || is_interrupted > 1 || tile >= grid.n_tiles() {
+        if rendering >= layout.n_renderings || tile >= grid.n_tiles() {
             return None;
         }
         let run = TileRun {
@@ -82,7 +83,7 @@ impl<'a> TileRecord<'a> {
             end_ns: bytes.time()?,
             film_ns: bytes.time()?,
             warm_up_ns: bytes.time()?,
-            is_interrupted: is_interrupted == 1,
+            waiting_ns: bytes.time()?,
             counted: bytes.cost()?,
         };
         let place = grid.tile(tile);

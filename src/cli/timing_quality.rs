@@ -7,11 +7,15 @@ use crate::render::{N_ROUNDS, Overhead};
 use crate::summary::ThreadTime;
 use crate::text::numbers;
 
+/// Least time without a CPU, in percent of the time at work, that has a line.
+const LEAST_WAITING_PERCENT: f64 = 0.1;
+
 /// Returns the lines that apply, each with a line feed.
 pub(super) fn lines(rendering: &RenderingView) -> String {
     let time = thread_time(rendering);
     let lines = [
         time.as_ref().map(threads),
+        time.as_ref().and_then(waiting),
         time.and_then(|_| repeats(rendering)),
         rendering.overhead.as_ref().map(overhead),
     ];
@@ -33,6 +37,18 @@ fn threads(time: &ThreadTime) -> String {
     )
 }
 
+/// The time without a CPU, unless it is short.
+fn waiting(time: &ThreadTime) -> Option<String> {
+    let is_short = time.percent(time.waiting_ns) < LEAST_WAITING_PERCENT;
+    let waiting = || Duration::from_nanos(time.waiting_ns as u64);
+    (!is_short).then(|| {
+        format!(
+            "waiting {} more, for a CPU that other work had; no pixel's time includes it\n",
+            numbers::duration(waiting())
+        )
+    })
+}
+
 /// The number of repeats, the spread of the times, and the rejected ones.
 fn repeats(rendering: &RenderingView) -> Option<String> {
     let film = rendering.film;
@@ -41,16 +57,16 @@ fn repeats(rendering: &RenderingView) -> Option<String> {
         .iter()
         .map(|repeat| repeat.n_rejected)
         .sum();
-    let rejected = format!(
-        "{} of a thread that lost its CPU",
-        numbers::counted(n_rejected, "time")
-    );
+    let rejected = numbers::counted(n_rejected, "interrupted time");
+    let mad_percent = 100.0 * rendering.survey.time_mad_ns / rendering.survey.time_ns;
     match (film.n_repeats, n_rejected) {
         (0 | 1, 0) => None,
-        (0 | 1, _) => Some(format!("repeats none; {rejected}, kept: see `--repeats`\n")),
+        (0 | 1, _) => Some(format!(
+            "repeats none; {rejected}, less the wait for a CPU\n"
+        )),
+        (n, 0) => Some(format!("repeats {n}; MAD {mad_percent:.1} % of the time\n")),
         (n, _) => Some(format!(
-            "repeats {n}; MAD {:.1} % of the time; {rejected}, dropped\n",
-            100.0 * rendering.survey.time_mad_ns / rendering.survey.time_ns,
+            "repeats {n}; MAD {mad_percent:.1} % of the time; {rejected}, left out\n"
         )),
     }
 }

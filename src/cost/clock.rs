@@ -52,6 +52,19 @@ impl Instant {
     }
 }
 
+#[cfg(test)]
+impl Instant {
+    /// A reading of a simulated clock.
+    pub(crate) fn of_ticks(ticks: u64) -> Self {
+        Self { ticks, cpu: 0 }
+    }
+
+    /// The ticks since the clock's start.
+    pub(crate) fn ticks(self) -> u64 {
+        self.ticks
+    }
+}
+
 impl Clock {
     /// Chooses and calibrates the clock; takes about 0.5 ms.
     pub fn calibrated() -> Self {

@@ -88,7 +88,7 @@ const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1 in Metric::TIME
 const REPEATED: [Column; 2] = [
     // Median absolute deviation of the accepted times.
     column!("time_mad_ns", time_mad_ns, F32 x 1 in Metric::TIME.unit_label()),
-    // Times during which the thread lost its CPU, or right after that.
+    // Times of a pixel that was interrupted whenever it was timed.
     column!("n_rejected", n_rejected, U8 x 1),
 ];
 

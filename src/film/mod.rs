@@ -219,8 +219,8 @@ impl Film {
         deviations.map(|&ns| f64::from(ns)).sum()
     }
 
-    /// Number of rejected times of all pixels: those during which the thread lost
-    /// its CPU, or right after that.
+    /// Number of rejected times of all pixels, which were interrupted whenever they were
+    /// measured.
     pub fn n_rejected(&self) -> u64 {
         self.values(|strip| &strip.n_rejected).map(u64::from).sum()
     }

@@ -138,9 +138,9 @@ impl PixelColumns {
 /// One measured time of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PixelTime {
-    /// The time in nanoseconds.
+    /// The time in nanoseconds, without those in which the thread waited for a CPU.
     pub ns: f32,
     /// Whether the thread lost its CPU meanwhile or in the pixel before, as far as
-    /// the system reports it: then the time is not that of the pixel alone.
+    /// the system reports it: then the time includes cold caches.
     pub is_rejected: bool,
 }

@@ -14,12 +14,17 @@ pub fn thread_time(rendering: &RenderingView) -> Option<ThreadTime> {
     };
     let busy_ns = repeats.iter().map(|repeat| repeat.busy_ns).sum::<u64>();
     let film_ns = repeats.iter().map(|repeat| repeat.film_ns).sum::<u64>();
+    let waiting_ns = repeats.iter().map(|repeat| repeat.waiting_ns).sum::<u64>();
     let warm_up_ns = repeats.iter().map(|repeat| repeat.warm_up_ns).sum::<u64>();
-    Some(ThreadTime::new(
+    let time = ThreadTime::new(
         busy_ns as f64,
         repeats.iter().filter_map(|repeat| repeat.pixels_ns).sum(),
         n_readings as f64 * clock.overhead_ns(),
         film_ns as f64,
         warm_up_ns as f64,
-    ))
+    );
+    Some(ThreadTime {
+        waiting_ns: waiting_ns as f64,
+        ..time
+    })
 }

@@ -65,6 +65,7 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
         time("duration_ns", TileRun::duration_ns),
         time("film_ns", |run| run.film_ns),
         time("warm_up_ns", |run| run.warm_up_ns),
+        time("waiting_ns", |run| run.waiting_ns),
         array("thread", schedule, |_, run| unless_missing(run, run.thread)),
         array("position", schedule, |_, run| {
             unless_missing(run, run.position)

@@ -128,6 +128,7 @@ fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
         "n_pixels": tile.n_pixels(),
         "film_ns": run.film_ns,
         "warm_up_ns": run.warm_up_ns,
+        "waiting_ns": run.waiting_ns,
     });
     if has_counters {
         for metric in Metric::counted(false) {

@@ -47,7 +47,7 @@ pub(super) fn attribute_time(film: &mut Film, schedule: &Schedule) {
                 let run = &schedule.runs[tile];
                 let least = if run.is_missing { 0.0 } else { 1.0 };
                 strip.time_ns[i] = (times[i] * scales[tile]).max(least) as f32;
-                strip.n_rejected[i] = run.is_interrupted.into();
+                strip.n_rejected[i] = run.is_interrupted().into();
             }
         },
     );
@@ -59,7 +59,7 @@ pub(super) fn attribute_time(film: &mut Film, schedule: &Schedule) {
 fn fitted(runs: &[TileRun]) -> Weights {
     let rows = |with_interrupted: bool| {
         let is_used =
-            move |run: &&TileRun| !run.is_missing && (with_interrupted || !run.is_interrupted);
+            move |run: &&TileRun| !run.is_missing && (with_interrupted || !run.is_interrupted());
         runs.iter().filter(is_used).map(|run| {
             let ns = run.rendering_ns().max(1) as f64;
             (terms(&run.counted).map(|count| count / ns), 1.0)
@@ -189,7 +189,7 @@ mod tests {
     fn the_pixels_of_a_tile_share_its_time() {
         // No linear model explains these.
         let (mut film, mut schedule) = rendered(50, |cost| 1000 + model(cost) % 719);
-        schedule.runs[7].is_interrupted = true;
+        schedule.runs[7].waiting_ns = 30;
         attribute_time(&mut film, &schedule);
         for (tile, run) in (0..).zip(&schedule.runs) {
             let sum: f32 = (4 * tile..4 * tile + 4).map(|i| time_ns(&film, i)).sum();
@@ -204,7 +204,7 @@ mod tests {
         let (mut film, mut schedule) = rendered(2, model);
         schedule.runs.iter_mut().for_each(|run| {
             *run = TileRun {
-                is_interrupted: true,
+                waiting_ns: 1,
                 ..TileRun::default()
             };
         });

@@ -15,6 +15,7 @@ mod view;
 mod camera_rays;
 mod noisy_pixels;
 mod stream;
+mod stopwatch;
 mod timed;
 mod attribute_time;
 mod prepass;
@@ -33,7 +34,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::accel::Accel;
-use crate::cost::{Counters, Meter, NoProbe};
+use crate::cost::{Counters, CpuWait, Meter, NoProbe};
 use crate::film::{Film, Rendered};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, Tile, TileRun};
@@ -132,8 +133,9 @@ fn render_onto(
 
 /// Renders tiles, with buffers for one tile. Each thread has its own.
 trait TileRenderer {
-    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row.
-    fn render(&mut self, tile: &Tile) -> Rendered<'_>;
+    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row. `wait` is that of the
+    /// calling thread.
+    fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
 }
 
 /// Renders the tiles of the plan, but for those that the pass takes over. Each thread
@@ -200,14 +202,16 @@ fn note_runs(film: &mut Film, schedule: &Schedule) {
 }
 
 /// Renders a tile into the film; returns its times since `begin` and its
-/// counters.
+/// counters. `wait` is that of the calling thread.
 fn render_tile(
     renderer: &mut impl TileRenderer,
     (plan, tile): (&TilePlan, &Tile),
     canvas: &Canvas,
     begin: Instant,
+    wait: &mut CpuWait,
 ) -> TileRun {
     let now_ns = || begin.elapsed().as_nanos() as u64;
+    wait.begin();
     let start_ns = now_ns();
     let mut run = TileRun {
         start_ns,
@@ -215,7 +219,7 @@ fn render_tile(
         ..TileRun::default()
     };
     for part in tile.parts(MAX_PIXELS) {
-        let rendered = renderer.render(&plan.in_picture(&part));
+        let rendered = renderer.render(&plan.in_picture(&part), wait);
         run.warm_up_ns += rendered.warm_up_ns as u64;
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
@@ -223,9 +227,16 @@ fn render_tile(
         // The film is written per tile and outside of any pixel's time: page
         // faults at the first write would show in the heatmap.
         let rendered_ns = now_ns();
+        wait.is_interrupted();
+        let waited_ns = wait.waited_ns();
         canvas.store(&part, &rendered);
         run.end_ns = now_ns();
-        run.film_ns += run.end_ns - rendered_ns;
+        wait.is_interrupted();
+        run.waiting_ns = wait.waited_ns();
+        let busy_ns = run
+            .end_ns
+            .saturating_sub(rendered_ns + run.waiting_ns - waited_ns);
+        run.film_ns += busy_ns;
     }
     run
 }

@@ -27,15 +27,17 @@ const TIME_OF_AUTO: Duration = Duration::from_millis(500);
 pub struct Repeat {
     /// Wall time.
     pub wall: Duration,
-    /// Time from the start to the end of each tile, in nanoseconds summed over all
-    /// threads.
+    /// Time from the start to the end of each tile in which its thread had a CPU, in
+    /// nanoseconds summed over all threads.
     pub busy_ns: u64,
+    /// The rest of the time from the start to the end of each tile.
+    pub waiting_ns: u64,
     /// The part of it that wrote pixels to the film.
     pub film_ns: u64,
-    /// The part of it that rendered warm-up pixels.
+    /// The part of it that rendered pixels that count for nothing: warm-up, and those that
+    /// were timed again.
     pub warm_up_ns: u64,
-    /// The sum of the pixels' times in nanoseconds, including rejected ones, if
-    /// they were measured.
+    /// The sum of the pixels' times in nanoseconds, if they were measured.
     pub pixels_ns: Option<f64>,
     /// The number of rejected pixel times.
     pub n_rejected: u64,
@@ -70,9 +72,9 @@ pub(crate) fn repeat_bytes_per_pixel(config: &Config) -> usize {
 /// would end within half a second.
 ///
 /// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns`
-/// their median absolute deviation. `n_rejected` counts the rejected samples,
-/// during which, or right after which, the thread was interrupted. If all samples
-/// were rejected, both are those of all samples. `thread` and the schedule are
+/// their median absolute deviation. `n_rejected` counts the rejected samples, of pixels
+/// that were interrupted whenever they were timed. If all samples were rejected, both are
+/// those of all samples. `thread` and the schedule are
 /// those of the last rendering. All other values are the same in each rendering.
 /// With [`Repeats::ONCE`], or without times, the film equals that of
 /// [`render`](super::render).
@@ -166,7 +168,8 @@ impl Repeat {
     fn of(wall: Duration, film: &Film, schedule: &Schedule) -> Self {
         Self {
             wall,
-            busy_ns: schedule.runs.iter().map(TileRun::duration_ns).sum(),
+            busy_ns: schedule.runs.iter().map(TileRun::busy_ns).sum(),
+            waiting_ns: schedule.runs.iter().map(|run| run.waiting_ns).sum(),
             film_ns: schedule.runs.iter().map(|run| run.film_ns).sum(),
             warm_up_ns: schedule.runs.iter().map(|run| run.warm_up_ns).sum(),
             pixels_ns: film.cost.has_time().then(|| film.total_time_ns()),

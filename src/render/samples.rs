@@ -93,13 +93,21 @@ fn summary(samples: &[Sample], kept: &mut Vec<f64>) -> SampleSummary {
         // Without accepted samples, use the rejected ones.
         kept.extend(samples.iter().map(ns));
     }
-    let median_ns = median(kept).unwrap_or_default();
-    kept.iter_mut().for_each(|ns| *ns = (*ns - median_ns).abs());
+    let [median_ns, mad_ns] = median_and_deviation(kept);
     SampleSummary {
-        median_ns: median_ns as f32,
-        mad_ns: median(kept).unwrap_or_default() as f32,
+        median_ns,
+        mad_ns,
         n_rejected: n_rejected as u8,
     }
+}
+
+/// The median of times, and their median absolute deviation; the times are changed.
+pub(super) fn median_and_deviation(times_ns: &mut [f64]) -> [f32; 2] {
+    let median_ns = median(times_ns).unwrap_or_default();
+    times_ns
+        .iter_mut()
+        .for_each(|ns| *ns = (*ns - median_ns).abs());
+    [median_ns, median(times_ns).unwrap_or_default()].map(|ns| ns as f32)
 }
 
 #[cfg(test)]

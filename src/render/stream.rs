@@ -14,7 +14,7 @@ use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
 use super::noisy_pixels::NoisyPixels;
 use super::view::View;
 use crate::accel::Hit;
-use crate::cost::{BounceCounts, ByPixel, PixelProbe, RayKind};
+use crate::cost::{BounceCounts, ByPixel, CpuWait, PixelProbe, RayKind};
 use crate::film::{Pixel, PixelColumns, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
@@ -301,7 +301,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 }
 
 impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
-    fn render(&mut self, tile: &Tile) -> Rendered<'_> {
+    fn render(&mut self, tile: &Tile, _: &mut CpuWait) -> Rendered<'_> {
         self.places.fill_tile(tile);
         self.follow_places();
         let rounds = &self.view.rounds;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::canvas::Canvas;
 use super::pass::Pass;
 use super::{Progress, TilePlan, TileRenderer, render_tile};
-use crate::cost::Interruptions;
+use crate::cost::CpuWait;
 use crate::film::Film;
 use crate::schedule::{Tile, TileRun};
 use crate::stop;
@@ -92,15 +92,14 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
     }
 
     fn render_on(&self, canvas: &Canvas, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
-        let mut interruptions = Interruptions::of_this_thread();
+        let mut wait = CpuWait::of_this_thread();
         let mut runs = TileRuns::new();
         while let Some((position, tile)) = self.next(&mut runs, Some(canvas)) {
-            interruptions.take();
-            let run = render_tile(&mut renderer, (self.plan, &tile), canvas, self.begin);
+            let tile_of_plan = (self.plan, &tile);
+            let run = render_tile(&mut renderer, tile_of_plan, canvas, self.begin, &mut wait);
             let run = self.pass.after_restored(TileRun {
                 thread,
                 position,
-                is_interrupted: interruptions.take(),
                 ..run
             });
             self.add(&mut runs, tile, run, canvas);

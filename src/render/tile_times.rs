@@ -23,7 +23,7 @@ use super::timed::SingleRayRenderer;
 use super::view::View;
 use super::{TilePlan, TileRenderer, render_tile};
 use crate::accel::Accel;
-use crate::cost::{Counters, Meter};
+use crate::cost::{Counters, CpuWait, Meter};
 use crate::film::Film;
 use crate::scene::Scene;
 use crate::schedule::Tile;
@@ -156,6 +156,7 @@ fn measured<R: TileRenderer>(
     let n_taken = AtomicUsize::new(0);
     let measure_some = |_: rayon::BroadcastContext| {
         let mut renderer = renderer();
+        let mut wait = CpuWait::of_this_thread();
         let mut film = film.of_one_tile();
         let canvas = Canvas::of_one_tile(&mut film);
         let mut measured = Vec::new();
@@ -164,7 +165,8 @@ fn measured<R: TileRenderer>(
             let n_renderings = if measured.is_empty() { 2 } else { 1 };
             for i in 1..=n_renderings {
                 let begin = ThreadClock::now();
-                let run = render_tile(&mut renderer, (plan, tile), &canvas, Instant::now());
+                let begun = Instant::now();
+                let run = render_tile(&mut renderer, (plan, tile), &canvas, begun, &mut wait);
                 if i == n_renderings && !stop::is_requested() {
                     let ns = begin.elapsed().as_nanos() as f64;
                     measured.push(MeasuredTile {

@@ -4,10 +4,11 @@
 
 use glam::Vec3;
 
+use super::stopwatch::{Stopwatch, ThreadTimer};
 use super::view::View;
 use super::{SampleSums, TileRenderer};
 use crate::config::Image;
-use crate::cost::{BounceCounts, Clock, Cost, Counters, Instant, Interruptions, Probe, RayKind};
+use crate::cost::{BounceCounts, Clock, Cost, Counters, CpuWait, Probe, RayKind};
 use crate::film::{Pixel, PixelColumns, PixelTime, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{LightSample, PathRay};
@@ -29,18 +30,38 @@ const PATHS: usize = 256;
 
 /// Renders tiles pixel by pixel, counts each and optionally times it.
 pub(super) struct SingleRayRenderer<'a> {
-    view: View<'a>,
     /// `None` to measure the overhead of timing.
-    stopwatch: Option<Stopwatch<'a>>,
-    pixels: Vec<Pixel>,
-    /// The same as a structure of arrays.
-    columns: PixelColumns,
-    /// The counters of each pixel. [`Counters`] allocates at the first ray of a
-    /// kind, which would be part of that pixel's time.
-    costs: Vec<Cost>,
-    counters: Counters,
-    bounces: BounceCounts,
+    clock: Option<&'a Clock>,
+    /// The pixels of the tile in the order in which they are rendered, which is listed before
+    /// any is timed: to find the next one takes longer where a row of a block ends.
+    places: Vec<PixelPlace>,
+    renderer: PixelRenderer<'a>,
+    /// The times in this order.
     times: Vec<PixelTime>,
+    // The same row by row, as the film has them.
+    columns: PixelColumns,
+    counters: Counters,
+    times_by_row: Vec<PixelTime>,
+}
+
+/// A pixel of a tile.
+#[derive(Debug, Clone, Copy)]
+struct PixelPlace {
+    /// Column and row.
+    at: (u32, u32),
+    /// Its number in the tile, row by row.
+    index: usize,
+}
+
+/// Renders single pixels.
+struct PixelRenderer<'a> {
+    view: View<'a>,
+    /// The pixels in the order in which they are rendered.
+    pixels: Vec<Pixel>,
+    /// The counters of each. [`Counters`] allocates at the first ray of a kind, which would
+    /// be part of that pixel's time.
+    costs: Vec<Cost>,
+    bounces: BounceCounts,
     /// The rays that continue a camera ray's path.
     paths: Vec<PathRay>,
 }
@@ -64,17 +85,20 @@ impl<'a> SingleRayRenderer<'a> {
             ..PixelTime::default()
         };
         let mut renderer = Self {
-            view,
-            stopwatch: clock.map(Stopwatch::new),
-            pixels: vec![Pixel::default(); n_pixels],
-            columns: PixelColumns::none(n_pixels),
-            costs: vec![written_cost; n_pixels],
-            counters: Counters::default(),
-            bounces: BounceCounts::new(view.counts_bounces),
+            clock,
+            places: Vec::with_capacity(n_pixels),
+            renderer: PixelRenderer {
+                view,
+                pixels: vec![Pixel::default(); n_pixels],
+                costs: vec![written_cost; n_pixels],
+                bounces: BounceCounts::new(view.counts_bounces),
+                paths: Vec::with_capacity(PATHS),
+            },
             times: vec![written_time; n_pixels],
-            paths: Vec::with_capacity(PATHS),
+            columns: PixelColumns::none(n_pixels),
+            counters: Counters::default(),
+            times_by_row: vec![written_time; n_pixels],
         };
-        renderer.bounces.reset(n_pixels);
         renderer.warm_up_thread(image);
         renderer
     }
@@ -83,52 +107,70 @@ impl<'a> SingleRayRenderer<'a> {
     /// the first pixel of a thread that hits something took up to 12 microseconds
     /// more, and it was the same pixel in each rendering.
     fn warm_up_thread(&mut self, image: &Image) {
-        if self.stopwatch.is_none() {
+        if self.clock.is_none() {
             return;
         }
+        self.renderer.bounces.reset(1);
         let spread = |i: u32, side: u32| (2 * i + 1) * side / (2 * SPREAD);
         for i in 0..SPREAD * SPREAD {
             if stop::is_requested() {
                 return;
             }
-            let place = (
+            let at = (
                 spread(i % SPREAD, image.width),
                 spread(i / SPREAD, image.height),
             );
-            self.render_pixel(place, 0);
+            self.renderer.render_pixel(PixelPlace { at, index: 0 }, 0);
         }
     }
 
-    /// Renders the first pixels to fill the caches; returns the time in
-    /// nanoseconds. This is a separate loop, as jumping to other pixels in the
-    /// loop of the timed ones causes branch mispredictions.
-    fn warm_up(&mut self, tile: &Tile) -> f64 {
-        let Some(clock) = self.stopwatch.as_ref().map(|stopwatch| stopwatch.clock) else {
-            return 0.0;
-        };
-        let begin = clock.now();
-        let n_pixels = N_WARM_UP.min(tile.n_pixels() / 4).max(1);
-        for place in tile.pixels().take(n_pixels) {
+    /// Renders the pixels and times them; returns how many, and the nanoseconds in which
+    /// pixels were rendered that count for nothing.
+    ///
+    /// The first pixels are rendered in a separate loop to fill the caches, as jumping to other
+    /// pixels in the loop of the timed ones causes branch mispredictions.
+    fn render_timed(&mut self, mut stopwatch: Stopwatch<ThreadTimer>) -> (usize, f64) {
+        let (places, renderer) = (&self.places, &mut self.renderer);
+        let times = &mut self.times[..places.len()];
+        let mut render = |i: usize| renderer.render_pixel(places[i], i);
+        let n_warm_up = N_WARM_UP.min(places.len() / 4).max(1);
+        let warm_up_ns = stopwatch.time(|_| {
+            let is_going_on = |_: &usize| !stop::is_requested();
+            (0..n_warm_up).take_while(is_going_on).for_each(&mut render);
+        });
+        let n_done = stopwatch.time_each(times, &mut render);
+        let times = &mut times[..n_done];
+        let again_ns = stopwatch.time(|stopwatch| stopwatch.time_again(times, &mut render));
+        (n_done, warm_up_ns + again_ns)
+    }
+
+    /// Renders the pixels; returns how many.
+    fn render_untimed(&mut self) -> usize {
+        for (i, &place) in self.places.iter().enumerate() {
             if stop::is_requested() {
-                break;
+                return i;
             }
-            let i = tile.index(place) as usize;
-            self.render_pixel(place, i);
+            self.renderer.render_pixel(place, i);
         }
-        clock.elapsed_ns(begin, clock.now()).into()
+        self.places.len()
     }
+}
 
-    /// Renders pixel `i` of a tile in place: a copy would take as long as a ray.
-    pub(super) fn render_pixel(&mut self, place: (u32, u32), i: usize) {
+impl PixelRenderer<'_> {
+    /// Renders a pixel, the `i`-th, in place: a copy would take as long as a ray.
+    ///
+    /// Never inlined, so that the same code is timed the first time and again.
+    #[inline(never)]
+    fn render_pixel(&mut self, place: PixelPlace, i: usize) {
         let Self {
             view,
             pixels,
             costs,
             bounces,
             paths,
-            ..
         } = self;
-        bounces.reset_pixel(i);
+        let PixelPlace { at, index } = place;
+        bounces.reset_pixel(index);
         let pixel = &mut pixels[i];
         *pixel = Pixel::default();
         // A local variable, which stays in registers.
@@ -138,110 +180,58 @@ impl<'a> SingleRayRenderer<'a> {
         let mut round = view.rounds.first();
         while !round.is_empty() {
             for sample in round.clone() {
-                let path = view.camera_path(place, sample);
+                let path = view.camera_path(at, sample);
                 let met = view.tracer.trace(&path.ray, RayKind::Camera, probe);
                 if let Some(point) = met
                     && sample == view.middle
                 {
                     pixel.set_surface(&point);
                 }
-                let mut counted = |bounce| bounces.add(i, bounce, 1);
+                let mut counted = |bounce| bounces.add(index, bounce, 1);
                 let color = radiance(view, path, met, paths, probe, &mut counted);
                 sums.add(view.limited(Vector::from(color)));
             }
             round = view.rounds.next(&sums, round.end);
         }
         pixel.color = sums.colors.into();
-        view.finish(pixel, round.end, place);
+        view.finish(pixel, round.end, at);
         costs[i] = cost;
     }
 }
 
 impl TileRenderer for SingleRayRenderer<'_> {
-    fn render(&mut self, tile: &Tile) -> Rendered<'_> {
+    fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_> {
         let n_pixels = tile.n_pixels();
-        self.bounces.reset(n_pixels);
-        let warm_up_ns = self.warm_up(tile);
-        if let Some(stopwatch) = &mut self.stopwatch {
-            stopwatch.start();
-        }
-        let mut n_done = 0;
-        for place in tile.pixels() {
-            if stop::is_requested() {
-                break;
+        self.places.clear();
+        self.places.extend(tile.pixels().map(|at| PixelPlace {
+            at,
+            index: tile.index(at) as usize,
+        }));
+        self.renderer.bounces.reset(n_pixels);
+        let (n_done, warm_up_ns) = match self.clock {
+            Some(clock) => self.render_timed(Stopwatch::new(ThreadTimer { clock, wait })),
+            None => (self.render_untimed(), 0.0),
+        };
+        let PixelRenderer { view, pixels, .. } = &self.renderer;
+        self.counters.reset(n_pixels, view.rounds.n_uniform());
+        for (i, &PixelPlace { index, .. }) in self.places.iter().enumerate() {
+            self.columns.set(index, &pixels[i]);
+            self.times_by_row[index] = self.times[i];
+            if i < n_done {
+                self.counters.add(index, &self.renderer.costs[i]);
             }
-            n_done += 1;
-            let i = tile.index(place) as usize;
-            self.render_pixel(place, i);
-            if let Some(stopwatch) = &mut self.stopwatch {
-                self.times[i] = stopwatch.lap();
-            }
         }
-        for (i, pixel) in self.pixels[..n_pixels].iter().enumerate() {
-            self.columns.set(i, pixel);
-        }
-        self.counters.reset(n_pixels, self.view.rounds.n_uniform());
-        for (i, cost) in self.costs[..n_done].iter().enumerate() {
-            self.counters.add(i, cost);
-        }
-        let n_times = match self.stopwatch {
+        let n_times = match self.clock {
             Some(_) => n_pixels,
             None => 0,
         };
         Rendered {
             pixels: &self.columns,
             counters: Some(&self.counters),
-            bounces: self.bounces.get(),
-            times: &self.times[..n_times],
+            bounces: self.renderer.bounces.get(),
+            times: &self.times_by_row[..n_times],
             warm_up_ns,
         }
-    }
-}
-
-/// Times consecutive pixels on one thread.
-struct Stopwatch<'a> {
-    clock: &'a Clock,
-    interruptions: Interruptions,
-    /// The start of the pixel.
-    begin: Instant,
-    /// Whether the previous pixel was disturbed.
-    was_disturbed: bool,
-}
-
-impl<'a> Stopwatch<'a> {
-    fn new(clock: &'a Clock) -> Self {
-        Self {
-            clock,
-            interruptions: Interruptions::of_this_thread(),
-            begin: clock.now(),
-            was_disturbed: false,
-        }
-    }
-
-    /// Starts the first pixel.
-    #[inline]
-    fn start(&mut self) {
-        self.interruptions.take();
-        self.was_disturbed = false;
-        self.begin = self.clock.now();
-    }
-
-    /// Ends a pixel; the same reading of the clock starts the next one.
-    ///
-    /// A pixel after a disturbed one is rejected too: its caches are cold, and an
-    /// interruption between the reading of the clock and the check falls into its
-    /// time.
-    #[inline]
-    fn lap(&mut self) -> PixelTime {
-        let end = self.clock.now();
-        let is_disturbed = self.interruptions.take() || !end.is_on_cpu_of(self.begin);
-        let time = PixelTime {
-            ns: self.clock.elapsed_ns(self.begin, end),
-            is_rejected: is_disturbed || self.was_disturbed,
-        };
-        self.begin = end;
-        self.was_disturbed = is_disturbed;
-        time
     }
 }
 
@@ -292,8 +282,6 @@ fn radiance<P: Probe>(
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
     use crate::accel::Accel;
     use crate::config::{Config, Tiling};
@@ -314,9 +302,10 @@ mod tests {
         let clock = Clock::calibrated();
         let mut cold = SingleRayRenderer::new(view, None, plan.room());
         let mut warm = SingleRayRenderer::new(view, Some(&clock), plan.room());
+        let mut wait = CpuWait::of_this_thread();
         for number in [0, 200, 399] {
             let tile = plan.tile(number).unwrap();
-            let [cold, warm] = [cold.render(&tile), warm.render(&tile)];
+            let [cold, warm] = [cold.render(&tile, &mut wait), warm.render(&tile, &mut wait)];
             assert_eq!(cold.warm_up_ns, 0.0);
             assert!(warm.warm_up_ns >= 1.0);
             assert_eq!(
@@ -326,20 +315,5 @@ mod tests {
             let colors = |rendered: Rendered| -> Vec<Vec3> { rendered.pixels.color.clone() };
             assert_eq!(colors(cold), colors(warm));
         }
-    }
-
-    #[test]
-    fn an_interrupted_pixel_and_the_next_one_are_rejected() {
-        let clock = Clock::calibrated();
-        let mut stopwatch = Stopwatch::new(&clock);
-        if !stopwatch.interruptions.is_reported() {
-            return;
-        }
-        stopwatch.start();
-        std::thread::sleep(Duration::from_micros(50));
-        assert!(stopwatch.lap().is_rejected);
-        assert!(stopwatch.lap().is_rejected);
-        // A thread is not interrupted a hundred times in a row.
-        assert!((0..100).any(|_| !stopwatch.lap().is_rejected));
     }
 }

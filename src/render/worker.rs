@@ -11,7 +11,7 @@ use super::timed::SingleRayRenderer;
 use super::{TilePlan, TileRenderer, View, render_tile};
 use crate::accel::Accel;
 use crate::checkpoint::TileRecord;
-use crate::cost::{Counters, Interruptions, Meter, NoProbe};
+use crate::cost::{Counters, CpuWait, Meter, NoProbe};
 use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::scene::Scene;
@@ -88,16 +88,11 @@ fn render_some(
     dealt: &DealtTiles,
     to_rank_0: &Sender<TileRecord<'static>>,
 ) {
-    let mut interruptions = Interruptions::of_this_thread();
+    let mut wait = CpuWait::of_this_thread();
     while let Some((rendering, number)) = dealt.next() {
-        interruptions.take();
         let tile = plan.grid.tile(number);
-        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch);
-        let run = TileRun {
-            thread,
-            is_interrupted: interruptions.take(),
-            ..run
-        };
+        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch, &mut wait);
+        let run = TileRun { thread, ..run };
         let record = canvas.record(&tile, rendering, run);
         // A tile that was stopped is not whole.
         if stop::is_requested() || to_rank_0.send(record).is_err() {

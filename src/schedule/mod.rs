@@ -59,11 +59,12 @@ pub struct TileRun {
     /// The part of its duration that the write to the film took, in nanoseconds:
     /// first touches of memory, and contention with other threads for its rows.
     pub film_ns: u64,
-    /// The part of its duration that the warm-up took, in nanoseconds.
+    /// The part of its duration in which pixels were rendered that count for nothing: the
+    /// warm-up, and pixels that were timed again. In nanoseconds.
     pub warm_up_ns: u64,
-    /// Whether the thread lost its CPU meanwhile, as far as the system reports it. Where
-    /// each pixel is timed, the check of the pixel notices it first.
-    pub is_interrupted: bool,
+    /// The part of its duration in which the thread was without a CPU, as far as the system
+    /// reports it, in nanoseconds: it is in no other part.
+    pub waiting_ns: u64,
     /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,
 }
@@ -74,10 +75,20 @@ impl TileRun {
         self.end_ns - self.start_ns
     }
 
+    /// The part of its duration in which the thread had a CPU, in nanoseconds.
+    pub fn busy_ns(&self) -> u64 {
+        self.duration_ns().saturating_sub(self.waiting_ns)
+    }
+
     /// The part of its duration in which its pixels were rendered, in nanoseconds.
     pub fn rendering_ns(&self) -> u64 {
-        self.duration_ns()
+        self.busy_ns()
             .saturating_sub(self.film_ns + self.warm_up_ns)
+    }
+
+    /// Whether the thread lost its CPU meanwhile, as far as the system reports it.
+    pub fn is_interrupted(&self) -> bool {
+        self.waiting_ns > 0
     }
 }
 

@@ -181,7 +181,7 @@ impl<'a> Simulation<'a> {
             rank.idle.push(thread);
             return;
         };
-        let duration_ns = self.runs[tile].duration_ns();
+        let duration_ns = self.runs[tile].busy_ns();
         let end = now + duration_ns;
         rank.busy_ns[thread as usize] += duration_ns;
         if number == 0 {
@@ -211,7 +211,7 @@ impl<'a> Simulation<'a> {
             self.n_stored += 1;
             self.stored_ns = self.stored_ns.max(end);
             let share = &mut self.ranks[rank as usize].share;
-            share.returned(self.runs[tile].duration_ns());
+            share.returned(self.runs[tile].busy_ns());
         }
         for rank in 1..self.cluster.n_ranks {
             end += self.deal_to(end, rank);

@@ -39,7 +39,7 @@ pub struct RepeatsSection {
     pub busy_ns: Vec<f64>,
     /// The wall time of each rendering in milliseconds.
     pub wall_ms: Vec<f64>,
-    /// The number of pixel times rejected because the thread lost its CPU.
+    /// The number of pixel times without an undisturbed measurement.
     pub n_rejected: Option<u64>,
 }
 
@@ -47,7 +47,7 @@ pub struct RepeatsSection {
 /// `busy_ns`. All times are in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ThreadTime {
-    /// Time from the start to the end of each tile.
+    /// Time from the start to the end of each tile in which its thread had a CPU.
     pub busy_ns: f64,
     /// The pixels' own times.
     pub pixels_ns: f64,
@@ -55,12 +55,17 @@ pub struct ThreadTime {
     pub clock_ns: f64,
     /// Writing pixels to the film.
     pub film_ns: f64,
-    /// Rendering warm-up pixels, before a tile's first pixel is timed.
+    /// Rendering pixels that count for nothing: warm-up, before a tile's first pixel is timed,
+    /// and pixels that are timed again.
     pub warm_up_ns: f64,
     /// The remainder.
     pub unexplained_ns: f64,
     /// The remainder in percent of the busy time.
     pub unexplained_percent: f64,
+    /// Time from the start to the end of each tile in which its thread waited for a CPU; it is
+    /// not part of the busy time.
+    #[serde(default)]
+    pub waiting_ns: f64,
 }
 
 /// The overhead of measurement: CPU time of one rendering in milliseconds, and
@@ -118,6 +123,7 @@ impl ThreadTime {
             warm_up_ns,
             unexplained_ns: busy_ns - pixels_ns - clock_ns - film_ns - warm_up_ns,
             unexplained_percent: 0.0,
+            waiting_ns: 0.0,
         };
         time.unexplained_percent = time.percent(time.unexplained_ns);
         time

@@ -1,11 +1,15 @@
 //! Repeated renderings change only the times; the overhead of measurement is
 //! reported.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use clap::ValueEnum;
+use cpu_time::ThreadTime;
 use serde_json::{Value, json};
 
 use crate::common::data_set::DataSet;
@@ -79,6 +83,59 @@ fn each_repeat_reports_its_pixels() {
     assert_eq!(n_pixels.into_inner(), 3 * 53 * 37);
     let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
     assert_eq!(film.n_repeats, 1);
+}
+
+/// The CPU time that the threads of the pool have used.
+fn cpu_time(pool: &rayon::ThreadPool) -> Duration {
+    let times = pool.broadcast(|_| ThreadTime::now().as_duration());
+    times.into_iter().sum()
+}
+
+/// The share of each object, or of nothing, in the time of the picture.
+fn shares(film: &Film) -> BTreeMap<i32, f64> {
+    let mut shares = BTreeMap::new();
+    let objects = film.values(|strip| &strip.object);
+    for (object, ns) in objects.zip(film.values(|strip| &strip.time_ns)) {
+        *shares.entry(object).or_default() += f64::from(ns) / film.total_time_ns();
+    }
+    shares
+}
+
+#[test]
+#[ignore = "compares times"]
+fn beside_other_work_the_times_are_those_of_the_pixels() {
+    let config = with_cost(config("blocks"), CostMode::Time);
+    let scene = scene_of(&config);
+    let accel = Accel::new(&scene, config.acceleration);
+    let meter = Meter::new(config.cost);
+    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
+    let pool = threads.build().unwrap();
+    // The part of the CPU time that is known, and the shares of objects.
+    let measured = || {
+        let before = cpu_time(&pool);
+        let (film, _, repeats) =
+            pool.install(|| repeat(exactly(1), &scene, &accel, &plan, &meter, |_| {}));
+        let cpu_ns = (cpu_time(&pool) - before).as_nanos() as f64;
+        (repeats[0].busy_ns as f64 / cpu_ns, shares(&film))
+    };
+    let quiet = measured();
+    let is_over = AtomicBool::new(false);
+    let beside = std::thread::scope(|scope| {
+        let spin = || while !is_over.load(Ordering::Relaxed) {};
+        let n_processors = std::thread::available_parallelism().unwrap().get();
+        (0..n_processors).for_each(|_| drop(scope.spawn(spin)));
+        let beside = measured();
+        is_over.store(true, Ordering::Relaxed);
+        beside
+    });
+    for (known, _) in [&quiet, &beside] {
+        assert!((0.9..1.1).contains(known), "{known}");
+    }
+    for (object, share) in quiet.1 {
+        let found = beside.1[&object];
+        assert!((found - share).abs() < 0.03, "{object}: {share} {found}");
+    }
 }
 
 #[test]
@@ -277,6 +334,7 @@ fn the_threads_time_is_the_sum_of_its_parts() {
         "unexplained_ns",
     ]
     .map(part);
+    assert!(part("waiting_ns") >= 0.0);
     let busy_ns = part("busy_ns");
     assert!((parts.iter().sum::<f64>() / busy_ns - 1.0).abs() < 1e-9);
     assert!(parts[..4].iter().all(|&ns| ns > 0.0));

@@ -28,6 +28,7 @@ pub fn expected_tiles(cost: CostMode) -> DataSet {
         f64s("duration_ns", |_| 7.0),
         f64s("film_ns", |_| 3.0),
         f64s("warm_up_ns", |_| 2.0),
+        f64s("waiting_ns", |_| 1.0),
         integers("thread", [1, 0, 1, 0, 1, 0].into_iter()),
         integers("position", [2, 1, 0, 5, 4, 3].into_iter()),
         integers("tile", [3, 4, 5, 0, 1, 2].into_iter()),

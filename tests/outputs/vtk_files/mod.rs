@@ -224,7 +224,7 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
         end_ns: (u64::from(number) << 33) + 7,
         film_ns: 3,
         warm_up_ns: 2,
-        is_interrupted: false,
+        waiting_ns: 1,
         counted: Cost {
             node_visits: u64::from(number) << 34,
             rays: [1, 2, 3, 4, 5],
