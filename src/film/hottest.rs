@@ -60,6 +60,20 @@ impl Film {
         ]
     }
 
+    /// Replaces the time of a pixel, and its deviation if there is one, in nanoseconds.
+    pub(crate) fn set_time(&mut self, (x, y): (u32, u32), [ns, mad_ns]: [f32; 2]) {
+        let width = self.grid.width;
+        let mut strips = self.strips.iter_mut();
+        let Some(strip) = strips.rfind(|strip| strip.first_row <= y) else {
+            return;
+        };
+        let i = ((y - strip.first_row) * width + x) as usize;
+        let arrays = [(&mut strip.time_ns, ns), (&mut strip.time_mad_ns, mad_ns)];
+        for (array, ns) in arrays {
+            array.get_mut(i).into_iter().for_each(|place| *place = ns);
+        }
+    }
+
     fn times(&self) -> Times<'_> {
         Times {
             ns: self.rows(|strip| &strip.time_ns).collect(),

@@ -17,6 +17,7 @@ mod noisy_pixels;
 mod stream;
 mod stopwatch;
 mod timed;
+mod time_hottest;
 mod attribute_time;
 mod prepass;
 mod tile_times;
@@ -45,6 +46,7 @@ use pass::Pass;
 pub(crate) use rounds::SampleSums;
 use stream::StreamRenderer;
 use tile_queue::{Target, TileQueue};
+use time_hottest::time_hottest_again;
 use timed::SingleRayRenderer;
 pub(crate) use view::View;
 

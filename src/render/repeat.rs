@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::pass::{Limits, Pass};
 use super::samples::{SAMPLE_BYTES, Samples};
-use super::{Progress, TilePlan, View, render_onto};
+use super::{Progress, TilePlan, View, render_onto, time_hottest_again};
 use crate::accel::Accel;
 use crate::config::{Config, Repeats};
 use crate::cost::Meter;
@@ -147,6 +147,11 @@ pub fn repeat_within(
     film.n_repeats = done.len() as u8;
     if let Some(samples) = samples {
         samples.summarize(&mut film);
+    }
+    if let Meter::Time(clock) = meter
+        && limits.checkpoint.is_none_or(|kept| kept.n_restored() == 0)
+    {
+        time_hottest_again(&mut film, view, clock, plan);
     }
     (film, schedule, done)
 }

@@ -124,6 +124,23 @@ impl<'a> SingleRayRenderer<'a> {
         }
     }
 
+    /// Renders some pixels one after the other, at most as many as there is room for; returns
+    /// the nanoseconds that the last one took.
+    pub(super) fn time_last(
+        &mut self,
+        places: impl Iterator<Item = (u32, u32)>,
+        wait: &mut CpuWait,
+    ) -> f32 {
+        let place = |(index, at)| PixelPlace { at, index };
+        self.places.clear();
+        self.places.extend(places.enumerate().map(place));
+        self.renderer.bounces.reset(self.places.len());
+        if let Some(clock) = self.clock {
+            self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
+        }
+        self.times[self.places.len() - 1].ns
+    }
+
     /// Renders the pixels and times them; returns how many, and the nanoseconds in which
     /// pixels were rendered that count for nothing.
     ///
