@@ -94,9 +94,10 @@ fn cpu_time(pool: &rayon::ThreadPool) -> Duration {
 /// The share of each object, or of nothing, in the time of the picture.
 fn shares(film: &Film) -> BTreeMap<i32, f64> {
     let mut shares = BTreeMap::new();
+    let total_ns = film.total_time_ns();
     let objects = film.values(|strip| &strip.object);
     for (object, ns) in objects.zip(film.values(|strip| &strip.time_ns)) {
-        *shares.entry(object).or_default() += f64::from(ns) / film.total_time_ns();
+        *shares.entry(object).or_default() += f64::from(ns) / total_ns;
     }
     shares
 }
