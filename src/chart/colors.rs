@@ -5,7 +5,7 @@
 use image::Rgb;
 
 use super::range::{Range, Scale};
-use crate::color::Palette;
+use crate::color::{ColorMap, Palette, rgb8};
 
 /// The color of pixels without a value on the scale; no color map contains this gray.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
@@ -31,9 +31,13 @@ impl Colors {
     /// Creates a map from the first color at `range.low` to the last color at `range.high`.
     pub fn over(range: &Range) -> Self {
         let (low_bits, high_bits) = ((range.low as f32).to_bits(), (range.high as f32).to_bits());
+        let color_at = |position| match range.scale {
+            Scale::Logarithmic => ColorMap::Inferno.at(position),
+            Scale::Linear => ColorMap::RedBlue.at(1.0 - position),
+        };
         let mut colors = Self {
             range: *range,
-            by_position: sampled(range.scale),
+            by_position: sampled(color_at),
             by_interval: Vec::new(),
             low_bits,
             high_bits,
@@ -47,15 +51,9 @@ impl Colors {
 
     /// Creates the colors of a map for data, which are looked up by position alone.
     pub fn of_map(range: &Range, map: &Palette) -> Self {
-        let color = |i: usize| {
-            let position = i as f64 / (N_COLORS - 1) as f64;
-            Rgb(map
-                .at(position)
-                .map(|number| (255.0 * number).round() as u8))
-        };
         Self {
             range: *range,
-            by_position: (0..N_COLORS).map(color).collect(),
+            by_position: sampled(|position| map.at(position)),
             by_interval: Vec::new(),
             low_bits: 0,
             high_bits: 0,
@@ -95,16 +93,14 @@ impl Colors {
     }
 }
 
-/// Samples the color map of a scale in equal steps.
-fn sampled(scale: Scale) -> Vec<Rgb<u8>> {
-    let color = |i| match scale {
-        Scale::Logarithmic => colorous::INFERNO.eval_rational(i, N_COLORS),
-        Scale::Linear => colorous::RED_BLUE.eval_rational(N_COLORS - 1 - i, N_COLORS),
-    };
-    (0..N_COLORS).map(|i| Rgb(color(i).into_array())).collect()
+/// Samples a color map in equal steps.
+fn sampled(color_at: impl Fn(f64) -> [f64; 3]) -> Vec<Rgb<u8>> {
+    let position = |i| i as f64 / (N_COLORS - 1) as f64;
+    let colors = (0..N_COLORS).map(|i| color_at(position(i)));
+    colors.map(|color| Rgb(rgb8(color))).collect()
 }
 
-/// Finer than 8 bits per channel, so that the color bar has no visible bands.
+/// Finer than 8 bits per channel, so that colors that are interpolated show no bands.
 const N_COLORS: usize = 1024;
 /// At most twice as many intervals are used: 96 KiB of colors.
 const N_INTERVALS: u32 = 1 << 14;
@@ -114,7 +110,7 @@ mod tests {
     use super::*;
 
     fn inferno(t: f64) -> Rgb<u8> {
-        Rgb(colorous::INFERNO.eval_continuous(t).into_array())
+        Rgb(rgb8(ColorMap::Inferno.at(t)))
     }
 
     #[test]

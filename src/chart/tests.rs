@@ -5,6 +5,7 @@ use image::Rgb;
 use super::bar::Direction;
 use super::colors::NO_VALUE;
 use super::*;
+use crate::color::{ColorMap, rgb8};
 
 fn map(values: &[f32], width: u32) -> CostMap<'_> {
     let height = values.len() as u32 / width;
@@ -34,7 +35,7 @@ fn drawn_colors(map: &CostMap) -> Vec<Rgb<u8>> {
 }
 
 fn inferno(t: f64) -> Rgb<u8> {
-    Rgb(colorous::INFERNO.eval_continuous(t).into_array())
+    Rgb(rgb8(ColorMap::Inferno.at(t)))
 }
 
 fn is_close(a: Rgb<u8>, b: Rgb<u8>) -> bool {
@@ -56,7 +57,7 @@ fn each_change_has_its_color() {
         range: Range::around_zero(&values),
         ..map(&values, 2)
     };
-    let red_blue = |t: f64| Rgb(colorous::RED_BLUE.eval_continuous(1.0 - t).into_array());
+    let red_blue = |t: f64| Rgb(rgb8(ColorMap::RedBlue.at(1.0 - t)));
     let colors = drawn_colors(&changes);
     assert_eq!(
         [colors[0], colors[2], colors[3]],

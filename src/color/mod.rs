@@ -9,6 +9,7 @@ mod agx;
 mod levels;
 mod srgb;
 mod diverging;
+mod tables;
 mod map;
 mod palette;
 mod tone_curve;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Deserializer};
 use crate::text;
 use levels::linear8;
 pub use map::ColorMap;
+pub(crate) use map::rgb8;
 pub use palette::Palette;
 pub use tone_curve::ToneCurve;
 

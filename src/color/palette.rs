@@ -6,7 +6,7 @@ use glam::Vec3;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 
-use super::map::ColorMap;
+use super::map::{ColorMap, interpolated, nearest};
 use crate::yaml;
 
 /// The most colors of a list.
@@ -76,8 +76,8 @@ impl Palette {
     pub fn at(&self, position: f64) -> [f64; 3] {
         match self {
             Self::Named(map) => map.at(position),
-            Self::Colors(list) => list.interpolated(position),
-            Self::Bands(list) | Self::Categories(list) => list.nearest(position),
+            Self::Colors(list) => interpolated(list.0.len(), |i| list.0[i], position),
+            Self::Bands(list) | Self::Categories(list) => *nearest(&list.0, position),
         }
     }
 
@@ -96,22 +96,6 @@ impl Palette {
             Self::Bands(list) => Some(list.0.len()),
             Self::Named(_) | Self::Colors(_) | Self::Categories(_) => None,
         }
-    }
-}
-
-impl ColorList {
-    fn interpolated(&self, position: f64) -> [f64; 3] {
-        let place = position.clamp(0.0, 1.0) * (self.0.len() - 1) as f64;
-        let first = (place as usize).min(self.0.len() - 1);
-        let [a, b] = [first, (first + 1).min(self.0.len() - 1)].map(|at| self.0[at]);
-        let share = place - first as f64;
-        [0, 1, 2].map(|i| a[i] + share * (b[i] - a[i]))
-    }
-
-    /// The color of the part of equal width that the position is in.
-    fn nearest(&self, position: f64) -> [f64; 3] {
-        let n = self.0.len();
-        self.0[((position * n as f64) as usize).min(n - 1)]
     }
 }
 

@@ -14,6 +14,7 @@ use super::file::{FileContent, Job, OutputFile};
 use super::state_files::SHOWN_OF_CLOUD;
 use crate::chart::png::{self, PngWriter};
 use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
+use crate::color::rgb8;
 use crate::config::Config;
 use crate::film::{Film, STRIP_ROWS, Strip};
 use crate::folder::FileWriter;
@@ -175,7 +176,7 @@ fn key(array: &ArrayTexture) -> LegendKey {
         let color = array.map.at((turn + 0.5) / n_colors as f64);
         Swatch {
             label: label.unwrap_or_else(|| category.to_string().replace('-', "−")),
-            color: color.map(|number| (255.0 * number).round() as u8),
+            color: rgb8(color),
         }
     };
     LegendKey::Categories(all.into_iter().map(swatch).collect())

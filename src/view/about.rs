@@ -8,6 +8,7 @@ use super::cloud::Cloud;
 use super::frame::ShownPixels;
 use super::hottest;
 use super::payload::type_name;
+use crate::color::{ColorMap, rgb8};
 use crate::config::{Adaptive, CostMode};
 use crate::cost::Metric;
 use crate::results::LoadedArray;
@@ -47,8 +48,8 @@ pub(super) fn json(
         "cloud": { "n": cloud.len(), "n_all": cloud.n_all() },
         "camera": summary.camera.as_ref().map(CameraSection::from_its_origin),
         "color_maps": {
-            "Inferno": color_map(colorous::INFERNO),
-            "Viridis": color_map(colorous::VIRIDIS),
+            "Inferno": color_map(ColorMap::Inferno),
+            "Viridis": color_map(ColorMap::Viridis),
         },
     });
     about.to_string()
@@ -122,7 +123,7 @@ fn objects(summary: &Summary) -> Vec<Value> {
 }
 
 /// 256 colors of three bytes as base64.
-fn color_map(gradient: colorous::Gradient) -> String {
-    let colors = (0..256).flat_map(|i| gradient.eval_rational(i, 256).into_array());
+fn color_map(map: ColorMap) -> String {
+    let colors = (0..256).flat_map(|i| rgb8(map.at(f64::from(i) / 255.0)));
     STANDARD.encode(colors.collect::<Vec<u8>>())
 }
