@@ -15,12 +15,42 @@ use super::CostMap;
 use super::bar::{Bar, Direction};
 use super::canvas::{Rect, px};
 use super::label::Unit;
-use super::text::CAP_HEIGHT_EM;
+use super::text::{CAP_HEIGHT_EM, Style};
+use super::{canvas, footer};
 
 /// Size of the title, in ems.
-pub const TITLE_EM: f32 = 1.3;
+const TITLE_EM: f32 = 1.3;
 /// Size of the footer, in ems.
-pub const FOOTER_EM: f32 = 0.9;
+const FOOTER_EM: f32 = 0.9;
+/// Distance between lines of the same text, in its font size.
+const LINE_EM: f32 = 1.25;
+/// Most lines of a text; the last one is truncated.
+const MAX_LINES: usize = 3;
+
+/// Text in one or more lines.
+pub struct Block {
+    /// Its font.
+    pub style: Style,
+    /// Its lines, each with its baseline.
+    pub lines: Vec<(String, u32)>,
+}
+
+impl Block {
+    /// Breaks `text` into lines at most `width` wide, the first with this baseline.
+    fn new(text: &str, style: Style, em_px: f32, width: u32, baseline: u32) -> Self {
+        let lines = style.wrapped(text, width, MAX_LINES).into_iter();
+        let baselines = (0..).map(|i: u32| baseline + px(i as f32 * LINE_EM * em_px));
+        Self {
+            lines: lines.zip(baselines).collect(),
+            style,
+        }
+    }
+
+    /// The baseline of its last line.
+    fn end(&self) -> u32 {
+        self.lines.last().map_or(0, |(_, baseline)| *baseline)
+    }
+}
 
 /// Positions and sizes in pixels of the picture.
 pub struct Layout {
@@ -38,14 +68,8 @@ pub struct Layout {
     pub bar: Bar,
     /// Upper left corner of the color bar, without its frame.
     pub bar_corner: [u32; 2],
-    /// Greatest width of a line of text.
-    pub text_width: u32,
-    /// Baseline of the title.
-    pub title_baseline: u32,
-    /// Baseline of the subtitle.
-    pub subtitle_baseline: u32,
-    /// Baseline of the footer.
-    pub footer_baseline: u32,
+    /// Title, subtitle and footer.
+    pub texts: [Block; 3],
 }
 
 /// The smallest magnification at which the longer side of the map is long enough.
@@ -61,34 +85,50 @@ impl Layout {
         let em_px = (width.max(height) as f32 / 50.0).clamp(14.0, 160.0);
         let em = |n: f32| px(n * em_px);
 
-        let title_baseline = em(MARGIN_EM) + em(TITLE_EM * CAP_HEIGHT_EM);
-        let subtitle_baseline = title_baseline + if map.subtitle.is_empty() { 0 } else { em(1.7) };
+        let bar = Bar::beside([width, height], &map.range, Unit::named(map.unit), em_px);
+        let [bar_width, bar_height] = bar.size();
+        let map_and_bar = match bar.direction() {
+            Direction::Up => width + em(BAR_GAP_EM) + bar_width,
+            Direction::Right => bar_width,
+        };
+        let text_width = map_and_bar.max(em(MIN_TEXT_WIDTH_EM));
+        let block = |text: &str, size_em: f32, color, baseline| {
+            let size_px = size_em * em_px;
+            Block::new(
+                text,
+                Style::new(size_px, color),
+                size_px,
+                text_width,
+                baseline,
+            )
+        };
+
+        let first = em(MARGIN_EM) + em(TITLE_EM * CAP_HEIGHT_EM);
+        let title = block(map.title, TITLE_EM, canvas::INK, first);
+        let below = title.end() + if map.subtitle.is_empty() { 0 } else { em(1.7) };
+        let subtitle = block(map.subtitle, 1.0, canvas::GRAY_INK, below);
         let at = Rect {
             x: em(MARGIN_EM),
-            y: subtitle_baseline + em(1.1),
+            y: subtitle.end() + em(1.1),
             width,
             height,
         };
-        let bar = Bar::beside([width, height], &map.range, Unit::named(map.unit), em_px);
         let bar_corner = match bar.direction() {
-            Direction::Up => [at.right() + em(1.2), at.y],
+            Direction::Up => [at.right() + em(BAR_GAP_EM), at.y],
             Direction::Right => [at.x, at.bottom() + em(1.0)],
         };
-        let [bar_width, bar_height] = bar.size();
-        let footer_baseline = bar_corner[1] + bar_height + em(1.9);
-        let text_width = (bar_corner[0] + bar_width - at.x).max(em(MIN_TEXT_WIDTH_EM));
+        let last = bar_corner[1] + bar_height + em(1.9);
+        let footer = footer::line(map.unit, &map.range);
+        let footer = block(&footer, FOOTER_EM, canvas::GRAY_INK, last);
         Self {
             width: text_width + 2 * em(MARGIN_EM),
-            height: footer_baseline + em(1.3),
+            height: footer.end() + em(1.3),
             em_px,
             magnification,
             map: at,
             bar,
             bar_corner,
-            text_width,
-            title_baseline,
-            subtitle_baseline,
-            footer_baseline,
+            texts: [title, subtitle, footer],
         }
     }
 }
@@ -96,6 +136,8 @@ impl Layout {
 /// Smaller maps are magnified to at least this size.
 const MIN_LONGER_SIDE_PX: u32 = 600;
 const MARGIN_EM: f32 = 1.5;
+/// Distance of a vertical bar from the map.
+const BAR_GAP_EM: f32 = 1.2;
 /// Least width for the title, even if the map is narrower.
 const MIN_TEXT_WIDTH_EM: f32 = 30.0;
 
@@ -151,16 +193,41 @@ mod tests {
             let l = layout(width, height);
             let [bar_x, bar_y] = l.bar_corner;
             let [bar_width, bar_height] = l.bar.size();
-            assert!(l.title_baseline < l.subtitle_baseline && l.subtitle_baseline < l.map.y);
+            let [title, subtitle, footer] = l.texts.each_ref().map(Block::end);
+            assert!(title < subtitle && subtitle < l.map.y);
             assert!(
                 bar_x > l.map.right() || bar_y > l.map.bottom(),
                 "{width} x {height}"
             );
-            assert!(l.footer_baseline as f32 - l.em_px > (bar_y + bar_height) as f32);
-            assert!(l.footer_baseline as f32 - l.em_px > l.map.bottom() as f32);
-            assert!(bar_x + bar_width < l.width && l.footer_baseline < l.height);
-            assert!(l.map.right() < l.width && l.map.x + l.text_width < l.width);
+            assert!(footer as f32 - l.em_px > (bar_y + bar_height) as f32);
+            assert!(footer as f32 - l.em_px > l.map.bottom() as f32);
+            assert!(bar_x + bar_width < l.width && footer < l.height);
+            assert!(l.map.right() < l.width);
         }
+    }
+
+    #[test]
+    fn a_long_title_takes_more_lines_and_moves_the_map_down() {
+        let short = layout(400, 300);
+        let title = "a scene whose name is a whole sentence: time per pixel of its measured frame";
+        let map = CostMap {
+            values: &[],
+            range: Range::of(&[10.0, 1e5]),
+            width: 400,
+            height: 300,
+            title: &title.repeat(2),
+            unit: "ns",
+            subtitle: "s",
+        };
+        let long = Layout::of(&map);
+        let lines: Vec<&str> = long.texts[0]
+            .lines
+            .iter()
+            .map(|(line, _)| &**line)
+            .collect();
+        assert_eq!(lines.join(" "), map.title);
+        assert!(long.map.y > short.map.y && long.texts[0].end() < long.texts[1].end());
+        assert_eq!(long.height - short.height, long.map.y - short.map.y);
     }
 
     #[test]

@@ -26,7 +26,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 
 use crate::provenance::{self, RunId};
-use canvas::{GRAY_INK, INK, LINE, PAPER};
+use canvas::{LINE, PAPER};
 use colors::Colors;
 pub use histogram::Histogram;
 pub use label::short_number;
@@ -34,7 +34,6 @@ use layout::Layout;
 pub use legend::{ColorLegend, LegendKey, draw_legends};
 pub use range::{Range, Scale};
 pub use swatches::Swatch;
-use text::Style;
 pub use ticks::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
 
 /// Rows of values that a thread paints at a time.
@@ -52,7 +51,8 @@ pub struct CostMap<'a> {
     pub width: u32,
     /// Rows, at least 1.
     pub height: u32,
-    /// The title, such as "spheres: time per pixel"; truncated with an ellipsis if it does not fit.
+    /// The title, such as "spheres: time per pixel"; long ones take up to three
+    /// lines.
     pub title: &'a str,
     /// Unit of the values. "ns" is labeled in ns, µs, ms and s; the values of any other unit, such as
     /// "node visits", in k, M and G, and the footer names the unit.
@@ -101,25 +101,15 @@ fn draw(map: &CostMap) -> RgbImage {
 
     let mut picture = RgbImage::new(layout.width, layout.height);
     picture.fill(PAPER);
-    paint_text(&mut picture, map, &layout);
+    for text in &layout.texts {
+        for (line, baseline) in &text.lines {
+            text.style
+                .paint(&mut picture, line, layout.map.x, *baseline);
+        }
+    }
     paint_map(&mut picture, map, &colors, &layout);
     layout.bar.paint(&mut picture, layout.bar_corner, &colors);
     picture
-}
-
-/// Paints title, subtitle and footer.
-fn paint_text(picture: &mut RgbImage, map: &CostMap, layout: &Layout) {
-    let footer = footer::line(map.unit, &map.range);
-    let lines = [
-        (map.title, layout::TITLE_EM, INK, layout.title_baseline),
-        (map.subtitle, 1.0, GRAY_INK, layout.subtitle_baseline),
-        (&footer, layout::FOOTER_EM, GRAY_INK, layout.footer_baseline),
-    ];
-    for (line, size_em, color, baseline) in lines {
-        let style = Style::new(size_em * layout.em_px, color);
-        let line = style.fitted(line, layout.text_width);
-        style.paint(picture, &line, layout.map.x, baseline);
-    }
 }
 
 /// Paints the frame and the values, each magnified to a square.

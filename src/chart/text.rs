@@ -45,6 +45,24 @@ impl Style {
         format!("{}…", beginning.trim_end())
     }
 
+    /// Returns `text` in lines of at most `max_px`, broken between words; the last of
+    /// `max_lines` is truncated with an ellipsis if more would follow.
+    pub fn wrapped(&self, text: &str, max_px: u32, max_lines: usize) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut rest = text;
+        while lines.len() + 1 < max_lines && self.width(rest) > max_px as f32 {
+            let breaks = rest.match_indices(' ').map(|(at, _)| at);
+            let fits = |at: &usize| self.width(&rest[..*at]) <= max_px as f32;
+            let Some(end) = breaks.take_while(fits).filter(|&at| at > 0).last() else {
+                break;
+            };
+            lines.push(rest[..end].trim_end().to_owned());
+            rest = rest[end..].trim_start();
+        }
+        lines.push(self.fitted(rest, max_px));
+        lines
+    }
+
     /// Paints `line` from column `left` with its baseline at the lower edge of row `baseline`.
     pub fn paint(&self, picture: &mut RgbImage, line: &str, left: u32, baseline: u32) {
         for glyph in self.place(line).0 {
@@ -95,6 +113,19 @@ mod tests {
             assert!(style.width(&fitted) <= max_px as f32, "{fitted}");
             assert!(style.width(&fitted) > max_px as f32 - 20.0, "{fitted}");
         }
+    }
+
+    #[test]
+    fn long_text_is_broken_between_words() {
+        let style = Style::new(14.0, canvas::INK);
+        let text = "a title with more words than a line has room for";
+        let lines = style.wrapped(text, 150, 3);
+        assert_eq!(lines.join(" "), text);
+        assert!(lines.len() > 1 && lines.iter().all(|line| style.width(line) <= 150.0));
+        let cut = style.wrapped(text, 60, 3);
+        assert!(cut.len() == 3 && cut[2].ends_with('…'), "{cut:?}");
+        assert_eq!(style.wrapped("", 60, 3), [""]);
+        assert_eq!(style.wrapped("unbreakable", 20, 3).len(), 1);
     }
 
     #[test]
