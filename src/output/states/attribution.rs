@@ -95,11 +95,7 @@ impl Primitives {
         Self {
             has_edges: visits.len() <= MAX_EDGES,
             cost: cost_axis(visits, cost, "primitive", "tests"),
-            wasted: wasted_axis(
-                visits,
-                "Tests per primitive that met nothing",
-                "wasted_tests",
-            ),
+            wasted: wasted_axis(visits, "Tests that met nothing", "wasted_tests"),
         }
     }
 
@@ -128,17 +124,17 @@ impl Boxes {
         let shown = || written.iter().filter(|(node, ..)| level.has(node));
         let visits: Vec<Visits> = shown().map(|(_, visits, _)| **visits).collect();
         let below = shown().map(|(_, visits, cost)| (f64::from(*cost), visits.n));
-        let title = "Visits and tests in each box, per ray";
+        let title = "Visits and tests per ray";
         Self {
             level,
             n: visits.len(),
             cost: match level {
-                Level::Leaves => cost_axis(&visits, cost, "leaf of the hierarchy", "visits"),
+                Level::Leaves => cost_axis(&visits, cost, "leaf", "visits"),
                 Level::Depth(_) => {
                     Axis::new("measured_cost", title, ColorScale::Logarithmic, most(below))
                 }
             },
-            wasted: wasted_axis(&visits, "Visits per box that met nothing", "wasted_visits"),
+            wasted: wasted_axis(&visits, "Visits that met nothing", "wasted_visits"),
         }
     }
 
@@ -173,7 +169,8 @@ impl Boxes {
 }
 
 impl Level {
-    /// Chooses the leaves, or the deepest level with at most [`MAX_BOXES`] boxes.
+    /// Chooses the leaves, or the deepest level that is reached through levels of at most
+    /// [`MAX_BOXES`] boxes: one below has few boxes only where few branches are as deep.
     fn of<'n>(written: impl Iterator<Item = &'n BvhNode>) -> Self {
         let (mut n_leaves, mut n_at) = (0, Vec::new());
         for node in written {
@@ -185,8 +182,9 @@ impl Level {
         if (1..=MAX_BOXES).contains(&n_leaves) {
             return Self::Leaves;
         }
-        let is_seen = |n: &usize| (1..=MAX_BOXES).contains(n);
-        Self::Depth(n_at.iter().rposition(is_seen).unwrap_or(0) as u32)
+        let is_seen = |n: &&usize| (1..=MAX_BOXES).contains(*n);
+        let n_levels = n_at.iter().take_while(is_seen).count();
+        Self::Depth(n_levels.saturating_sub(1) as u32)
     }
 
     fn has(self, node: &BvhNode) -> bool {
@@ -215,11 +213,11 @@ impl Level {
         use crate::text::numbers::count;
         match self {
             Self::Leaves if n == 1 => "The only leaf of the hierarchy".to_owned(),
-            Self::Leaves => format!("The {} leaves of the hierarchy", count(n as u64)),
+            Self::Leaves => format!("{} leaves of the hierarchy", count(n as u64)),
             Self::Depth(0) => "The hierarchy's root".to_owned(),
             Self::Depth(depth) => {
                 let n = count(n as u64);
-                format!("The {n} boxes at depth {depth} of the hierarchy")
+                format!("{n} boxes at depth {depth}")
             }
         }
     }
@@ -281,6 +279,35 @@ fn most(weighted: impl Iterator<Item = (f64, u64)>) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn node(depth: u32) -> BvhNode {
+        BvhNode {
+            id: 0,
+            parent: None,
+            bounds: crate::geometry::Aabb::EMPTY,
+            depth,
+            is_leaf: false,
+            n_primitives: 1,
+            sah_cost: 1.0,
+            mesh: None,
+        }
+    }
+
+    #[test]
+    fn few_deep_branches_do_not_stand_for_the_hierarchy() {
+        let level = |n_at: &[usize]| {
+            let at = |(depth, n): (usize, &usize)| vec![node(depth as u32); *n];
+            let nodes: Vec<BvhNode> = n_at.iter().enumerate().flat_map(at).collect();
+            let is_leaf = |node: BvhNode| BvhNode {
+                is_leaf: true,
+                ..node
+            };
+            let leaves = vec![is_leaf(node(9)); MAX_BOXES + 1];
+            Level::of(nodes.iter().chain(&leaves))
+        };
+        assert_eq!(level(&[1, 8, 64, 512, 4000, 9000, 14]), Level::Depth(3));
+        assert_eq!(level(&[MAX_BOXES + 1]), Level::Depth(0));
+    }
 
     #[test]
     fn what_weighs_little_has_no_part_in_the_range() {
