@@ -21,10 +21,12 @@ from paraview import simple as pv
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 from template import Fill, put, reader, save, vector
 
-N_COLORS = 17  # control points of a color map: enough for the eye, a fifteenth of the preset
-BLUE_RED = "BuRd"  # light in the middle, where nothing changes
-INFERNO, VIRIDIS, TURBO = "Inferno (matplotlib)", "Viridis (matplotlib)", "Turbo"
+N_COLORS = 52  # control points of a color map: every fifth color of the renderer's tables
+INFERNO, VIRIDIS, TURBO = "inferno", "viridis", "turbo"  # the renderer's names, and ParaView's
+BLUE_RED = "red_blue_reversed"  # light in the middle, where nothing changes
+PRESETS = {INFERNO: "Inferno (matplotlib)", VIRIDIS: "Viridis (matplotlib)", TURBO: "Turbo", BLUE_RED: "BuRd"}
 CRIMSON = ("0.73", "0.21", "0.33")  # the middle of Inferno
+OPAQUE = (1, 1, 1, 1)  # behind titles and color bars: the geometry may reach there
 BLACK, WHITE, LIGHT_GRAY, DARK_GRAY = (0, 0, 0), (1, 1, 1), (0.85, 0.85, 0.85), (0.3, 0.3, 0.3)
 BACKDROP = dict(
     UseColorPaletteForBackground=0, Background=WHITE, OrientationAxesVisibility=0, CenterAxesVisibility=0
@@ -192,7 +194,7 @@ def diff(out):
     ratio = in_unit(change, "POINTS", "ratio", "time_ns_ratio")
     by_difference = picture(shown, "difference", BLUE_RED, "linear", 3, around_zero)
     by_ratio = picture(ratio, "ratio", BLUE_RED, "log", 3, around_one)
-    ends = fill_ends("difference.linear", around_zero(shown, "difference"))
+    ends = fill_ends("difference.at", around_zero(shown, "difference"))
     view = bars(shown, "difference", ends, Fill("difference.title", "B - A"))
     labels(view, "difference.labels")
     layout("Difference", above(0.67, beside(by_difference, by_ratio), view))
@@ -454,20 +456,20 @@ def around_one(source, array):
 
 
 def color_map(source, array, preset, scale, key, ends=None):
-    """The preset over the array's range, thinned; `scale` is "log" or "linear"."""
+    """The map over the array's range; `scale` is "log" or "linear"."""
     low, high = ends(source, array) if ends else wide(*spread(source, array))
     lut = pv.GetColorTransferFunction(array)
-    lut.ApplyPreset(preset)
+    lut.ApplyPreset(PRESETS[preset])
     colors = [lut.RGBPoints[i + 1 : i + 4] for i in range(0, len(lut.RGBPoints), 4)]
     points = []
     for step in range(N_COLORS):
         f = step / (N_COLORS - 1)
         at = low * (high / low) ** f if scale == "log" else low + (high - low) * f
         color = colors[round(f * (len(colors) - 1))]
-        points += [Fill(f"{key}.{scale}({f:g})", at), *(round(c, 4) for c in color)]
+        points += [at, *(round(c, 4) for c in color)]
     return put(
         lut,
-        RGBPoints=points,
+        RGBPoints=Fill(f"{key}.colors({preset})", points),
         ColorSpace="RGB",  # the preset's own space paints false hues between so few points
         UseLogScale=int(scale == "log"),
         NanColor=(0.5, 0.5, 0.5),
@@ -502,13 +504,17 @@ def bar(color_bar, title):
         LabelFontSize=16,
         Enabled=1,
         Visibility=1,
+        DrawBackground=1,
+        BackgroundColor=OPAQUE,
     )
 
 
 def caption(text, view):
     source = put(pv.Text(), Text=text)
     pv.RenameSource(f"Title {text.key}" if isinstance(text, Fill) else text, source)
-    put(pv.Show(source, view), WindowLocation="Upper Center", FontSize=18, Color=BLACK)
+    put(
+        pv.Show(source, view), WindowLocation="Upper Center", FontSize=18, Color=BLACK, BackgroundColor=OPAQUE
+    )
 
 
 def scene_camera(n_panels):

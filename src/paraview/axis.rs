@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::color_points::color_points;
 use super::template::StateValue;
 use crate::chart::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
 
@@ -120,7 +121,7 @@ impl Axis {
     }
 
     /// Returns the value of a template's key without the prefix of this axis, such as `title` or
-    /// `log(0.5)`; `None` for an unknown key.
+    /// `colors(inferno)`; `None` for an unknown key.
     pub(crate) fn value(&self, key: &str) -> Option<StateValue> {
         let log10_of_ends = || [self.low, self.high].map(f64::log10);
         let number = match key {
@@ -132,8 +133,11 @@ impl Axis {
             "log10.title" => return Some(format!("{}, log scale", self.title()).into()),
             "log10.labels" => return Some(StateValue::Many(self.labels(f64::log10))),
             _ => match key.split_once('(')? {
-                ("log", f) => between(f, |f| self.low * (self.high / self.low).powf(f)),
-                ("linear", f) => between(f, |f| self.low + (self.high - self.low) * f),
+                ("colors", map) => {
+                    let points = color_points(map.strip_suffix(')')?, |f| self.at(f));
+                    return points.map(StateValue::Many);
+                }
+                ("at", f) => between(f, |f| self.at(f)),
                 ("log10", f) => {
                     let [low, high] = log10_of_ends();
                     between(f, |f| low + (high - low) * f)
@@ -142,6 +146,16 @@ impl Axis {
             },
         };
         Some(number?.to_string().into())
+    }
+
+    /// The value at a fraction, from 0 to 1, of the axis.
+    fn at(&self, fraction: f64) -> f64 {
+        match self.scale {
+            ColorScale::Logarithmic => self.low * (self.high / self.low).powf(fraction),
+            ColorScale::Linear | ColorScale::Diverging => {
+                self.low + (self.high - self.low) * fraction
+            }
+        }
     }
 
     fn formula(&self) -> String {
@@ -240,7 +254,7 @@ fn label_text(value: f64) -> String {
 }
 
 /// Interpolates at the fraction, from 0 to 1, at the beginning of `0.5)`, the rest of a key such as
-/// `log(0.5)`; `None` if that is no number and a closing parenthesis.
+/// `at(0.5)`; `None` if that is no number and a closing parenthesis.
 pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }

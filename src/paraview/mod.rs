@@ -11,6 +11,7 @@
 
 mod template;
 mod panels;
+mod color_points;
 mod axis;
 mod camera;
 
