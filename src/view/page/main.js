@@ -2,9 +2,12 @@
 
 const byId = (id) => document.getElementById(id);
 
+/** The most expensive pixel that is shown, or the one in the middle: the probe starts there. */
+const first_probed = about.hottest.flatMap(({ pixels }) => pixels).find(({ index }) => index !== null)?.index ?? (HEIGHT >> 1) * WIDTH + (WIDTH >> 1);
+
 /** The shown field, its axis and color scale, the marked range of values, the probed
  * pixel, and whether the probe is pinned. */
-const state = { field: null, axis: null, scale: null, table: null, mark: null, x: WIDTH >> 1, y: HEIGHT >> 1, pinned: false };
+const state = { field: null, axis: null, scale: null, table: null, mark: null, x: first_probed % WIDTH, y: Math.floor(first_probed / WIDTH), pinned: false };
 /** Counts choices of the menu, so that an outdated choice is not shown. */
 let n_choices = 0;
 let rgb = null;

@@ -64,11 +64,15 @@ fn keys_move_the_probe_the_color_range_and_the_cloud() {
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     browser.value("document.querySelector('#map .pane').focus()");
     let pixel = |browser: &mut Chromium| browser.text("#probe h2");
-    let [x, y] = SIZE.map(|n| n / 2);
-    assert_eq!(pixel(&mut browser), format!("Pixel {x}, {y}"));
+    let hottest = browser.value("document.querySelector('#hottest ol button').textContent");
+    let hottest = hottest.as_str().unwrap();
+    assert_eq!(pixel(&mut browser), format!("Pixel {hottest}"));
+    let (x, y) = hottest.split_once(", ").unwrap();
+    let [x, y]: [u32; 2] = [x, y].map(|number| number.parse().unwrap());
     browser.press("ArrowRight", false);
     browser.press("ArrowUp", true);
-    assert_eq!(pixel(&mut browser), format!("Pixel {}, {}", x + 1, y - 10));
+    let [x, y] = [(x + 1).min(SIZE[0] - 1), y.saturating_sub(10)];
+    assert_eq!(pixel(&mut browser), format!("Pixel {x}, {y}"));
     assert!(browser.text("#probe [aria-live]").contains("Time"));
     browser.press("+", false);
     assert!(
@@ -94,6 +98,19 @@ fn keys_move_the_probe_the_color_range_and_the_cloud() {
     browser.wait_until("true");
     let after = browser.screenshot("cloud-turned", false);
     assert!(n_colors(&before, canvas) > 20 && before != after);
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
+fn picture_and_map_stand_side_by_side() {
+    let folder = rendered("seed_extended", &[]);
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    for width in [1100, 1280, 1400, 1920] {
+        browser.resize(width, 900);
+        let [picture, map] = ["#picture .pane", "#map .pane"].map(|pane| browser.place(pane));
+        assert_eq!(picture[1..], [map[1], map[2], map[3]], "{width}");
+    }
     browser.assert_calm();
 }
 
