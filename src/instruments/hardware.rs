@@ -132,26 +132,44 @@ fn reason(error: &io::Error) -> String {
 
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
+    use std::hint::spin_loop;
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    use cpu_time::ThreadTime;
     use perf_event::events::Software;
 
     use super::*;
 
-    /// Counts a software event, which all machines support, in a thread that
-    /// starts later.
+    /// Counts the CPU time of a thread that starts later, which all machines can, and which does
+    /// not depend on what memory the process has used before. The thread lives until its count is
+    /// read: the kernel may add the last microseconds of one that has ended after it is joined.
     #[test]
     fn other_threads_count_too() {
-        let Ok(faults) = Open::new("page_faults", Software::PAGE_FAULTS) else {
+        let Ok(clock) = Open::new("cpu_ns", Software::TASK_CLOCK) else {
             // Without permission to use perf events `why_not` gives the reason.
             assert!(HardwareCounters::start().why_not().is_some());
             return;
         };
         let mut counters = HardwareCounters {
-            counters: Ok(vec![faults]),
+            counters: Ok(vec![clock]),
         };
-        let before = counters.read()["page_faults"];
-        let touch = || std::hint::black_box(vec![1_u8; 16 << 20]).len();
-        std::thread::spawn(touch).join().unwrap();
-        let after = counters.read()["page_faults"];
-        assert!(after >= before + 1000, "{before} to {after}");
+        let before = counters.read()["cpu_ns"];
+        let (worked, has_worked) = channel();
+        let (end, may_end) = channel::<()>();
+        let thread = std::thread::spawn(move || {
+            let start = ThreadTime::now();
+            while start.elapsed() < Duration::from_millis(20) {
+                spin_loop();
+            }
+            worked.send(()).unwrap();
+            may_end.recv().unwrap_err();
+        });
+        has_worked.recv().unwrap();
+        let after = counters.read()["cpu_ns"];
+        drop(end);
+        thread.join().unwrap();
+        // This thread has waited: its own time is far less.
+        assert!(after >= before + 10_000_000, "{before} to {after}");
     }
 }
