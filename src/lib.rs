@@ -36,9 +36,9 @@ pub mod stop;
 #[doc(hidden)]
 pub mod host;
 #[doc(hidden)]
-pub mod files;
-#[doc(hidden)]
 pub mod text;
+#[doc(hidden)]
+pub mod files;
 #[doc(hidden)]
 pub mod provenance;
 #[doc(hidden)]

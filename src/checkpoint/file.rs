@@ -9,6 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use super::block::{self, BlockKind, PREFIX};
 use super::record::{Bytes, MAX_THREADS, TileRecord};
 use super::{Header, RecordLayout};
+use crate::files;
 
 /// The first bytes of a file; the number is that of the format.
 pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 4\n";
@@ -71,7 +72,7 @@ pub(super) struct TileReader {
 impl TileReader {
     /// Opens a file of tiles with this layout.
     pub(super) fn open(path: &Path, layout: RecordLayout) -> io::Result<Self> {
-        let file = Mutex::new(File::open(path)?);
+        let file = Mutex::new(files::open(path)?);
         Ok(Self { file, layout })
     }
 
@@ -133,7 +134,7 @@ impl CheckpointFile {
     /// # Errors
     /// There is no header, or an error of the system.
     pub fn open(path: &Path) -> Result<Self, Damage> {
-        let mut reader = BufReader::with_capacity(1 << 18, File::open(path)?);
+        let mut reader = BufReader::with_capacity(1 << 18, files::open(path)?);
         let mut magic = Vec::new();
         (&mut reader)
             .take(MAGIC.len() as u64)

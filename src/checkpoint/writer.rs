@@ -7,6 +7,7 @@ use std::path::Path;
 use super::block::{self, BlockKind, PREFIX};
 use super::file::{CheckpointFile, MAGIC, RunSpan, StoredTile};
 use super::{Header, TileRecord};
+use crate::files;
 
 /// Appends blocks to a file.
 #[derive(Debug)]
@@ -22,11 +23,8 @@ impl TileWriter {
     pub(super) fn create(path: &Path, header: &Header) -> io::Result<Self> {
         // Not truncated before it is locked: another run may be writing it.
         let mut options = OpenOptions::new();
-        let file = options
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)?;
+        options.write(true).create(true).truncate(false);
+        let file = files::open_with(&mut options, path)?;
         lock(&file)?;
         file.set_len(0)?;
         let mut this = Self::new(file, [0, MAGIC.len() as u64]);
@@ -39,7 +37,7 @@ impl TileWriter {
 
     /// Continues behind the last whole block of a file.
     pub(super) fn behind(found: &CheckpointFile) -> io::Result<Self> {
-        let mut file = OpenOptions::new().write(true).open(&found.path)?;
+        let mut file = files::open_with(OpenOptions::new().write(true), &found.path)?;
         lock(&file)?;
         file.set_len(found.n_bytes)?;
         file.seek(SeekFrom::End(0))?;

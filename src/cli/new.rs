@@ -1,6 +1,6 @@
 //! `raycost new`.
 
-use std::fs::OpenOptions;
+use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
 
@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &NewArguments) -> Result<(), Failure> {
         None => starter::SCENE.to_owned(),
         Some(mesh) => starter::scene_of(mesh, &path_from(file, mesh))?,
     };
-    let created = OpenOptions::new().write(true).create_new(true).open(file);
+    let created = File::create_new(file);
     let written = created.and_then(|mut created| created.write_all(scene.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {

@@ -1,9 +1,11 @@
-//! Paths of the files that a scene names → their bytes.
+//! Paths of the files that are read → their bytes. All files of a scene and of an output folder
+//! are opened here, and only [regular](open) ones are.
 //!
 //! A process alone reads its files from disk as it needs them. Several ranks [`share`] them:
 //! one of them, the leader, reads each file whole and broadcasts it, so that only the leader
 //! needs the files, and a file system serves one reader.
 
+mod regular;
 mod shared;
 #[cfg(test)]
 mod tests;
@@ -12,6 +14,7 @@ use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+pub use regular::{open, open_with, read, read_text};
 pub use shared::{Broadcast, SharedFiles, share};
 
 /// An open file.
@@ -27,11 +30,11 @@ impl InputFile {
     /// Opens a file.
     ///
     /// # Errors
-    /// Those of the system; of a shared file also that it is no regular file, that it cannot
-    /// be read to its end, or that it is longer than the free memory.
+    /// Those of the system, and that it is not a regular file; of a shared file also that it
+    /// cannot be read to its end, or that it is longer than the free memory.
     pub fn open(path: &Path) -> io::Result<Self> {
         if !shared::is_active() {
-            return Ok(Self::OnDisk(File::open(path)?));
+            return Ok(Self::OnDisk(open(path)?));
         }
         let bytes = shared::contents(path)?;
         Ok(Self::InMemory(Cursor::new(bytes)))

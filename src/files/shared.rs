@@ -5,7 +5,6 @@
 //! JSON, and the contents of the file. A head of two zeros ends them.
 
 use std::cell::{Cell, RefCell};
-use std::fs::File;
 use std::io::{self, Read};
 use std::marker::PhantomData;
 use std::path::Path;
@@ -13,6 +12,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::regular;
 use crate::host::available_memory;
 use crate::stop;
 
@@ -220,13 +220,10 @@ fn skip_bytes(leader: &dyn Broadcast, n: u64) {
 
 /// All bytes of a regular file.
 fn read_whole(path: &Path) -> io::Result<Vec<u8>> {
-    let file = File::open(path)?;
-    let metadata = file.metadata()?;
-    if !metadata.is_file() {
-        return Err(io::Error::other("it is no file"));
-    }
-    check_room(metadata.len())?;
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    let file = regular::open(path)?;
+    let length = file.metadata()?.len();
+    check_room(length)?;
+    let mut bytes = Vec::with_capacity(length as usize);
     // In parts, for a signal.
     loop {
         stop::check().map_err(io::Error::other)?;

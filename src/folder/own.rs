@@ -5,7 +5,7 @@
 //! raycost's names that is neither belongs to another program: raycost writes nothing
 //! to such a folder.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -13,6 +13,7 @@ use serde::Deserialize;
 
 use super::SUMMARY;
 use super::error::WriteError;
+use crate::files;
 use crate::provenance;
 
 /// The number of bytes at the start of a file that contain the mark.
@@ -112,12 +113,8 @@ pub(crate) fn foreign(path: &Path) -> WriteError {
 /// Returns the names that the folder's summary lists, and its own; none if raycost
 /// did not write the summary.
 fn listed(folder: &Path) -> Vec<String> {
-    let mut text = Vec::new();
-    let read = File::open(folder.join(SUMMARY))
-        .and_then(|file| file.take(MAX_SUMMARY).read_to_end(&mut text));
-    let listing = read
-        .ok()
-        .and_then(|_| serde_json::from_slice::<Listing>(&text).ok());
+    let text = files::read(&folder.join(SUMMARY), MAX_SUMMARY).ok();
+    let listing = text.and_then(|text| serde_json::from_slice::<Listing>(&text).ok());
     listing.map_or_else(Vec::new, |listing| {
         let files = listing.files.into_iter().map(|listed| listed.file);
         files.chain([SUMMARY.to_owned()]).collect()
@@ -127,7 +124,7 @@ fn listed(folder: &Path) -> Vec<String> {
 /// Whether a file contains raycost's mark.
 pub(super) fn is_marked(path: &Path) -> io::Result<bool> {
     let mut begin = Vec::new();
-    File::open(path)?.take(MARKED).read_to_end(&mut begin)?;
+    files::open(path)?.take(MARKED).read_to_end(&mut begin)?;
     let key = provenance::KEY.as_bytes();
     Ok(begin.windows(key.len()).any(|bytes| bytes == key))
 }

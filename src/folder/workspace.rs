@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::disk;
 use super::lock::lock;
+use crate::files;
 use crate::provenance::checksum;
 
 /// The prefix of the names of all workspaces.
@@ -24,6 +25,8 @@ const NEW: &str = "new";
 /// The folder of old files, which a rollback restores.
 const OLD: &str = "old";
 const PLAN: &str = "plan.json";
+/// Longest plan that is read, in bytes; it has the names of some thousand files.
+const MAX_PLAN: u64 = 64 << 20;
 
 /// The steps of a commit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -124,7 +127,7 @@ pub(super) fn old_files(workspace: &Path) -> PathBuf {
 
 /// The plan of a workspace; `None` if it has none or an incomplete one.
 pub(super) fn plan(workspace: &Path) -> Option<CommitPlan> {
-    let text = fs::read(workspace.join(PLAN)).ok()?;
+    let text = files::read(&workspace.join(PLAN), MAX_PLAN).ok()?;
     serde_json::from_slice(&text).ok()
 }
 

@@ -5,6 +5,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::disk;
+use crate::files;
 use crate::provenance::{Checksum, Hasher};
 use crate::stop;
 
@@ -142,7 +143,7 @@ impl Write for HashedFile {
 /// # Errors
 /// An error of the system.
 pub(crate) fn checksum_of(path: &Path) -> io::Result<Checksum> {
-    let mut file = File::open(path)?;
+    let mut file = files::open(path)?;
     let mut hasher = Hasher::new();
     let mut buffer = vec![0; READ_BUFFER];
     loop {

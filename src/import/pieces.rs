@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::materials::path_in;
 use super::{extension, is_vtk};
+use crate::files;
+use crate::host::available_memory;
 
 /// The files of pieces, of materials and of pictures that a geometry file names, and others
 /// that its texts happen to name; none for a file that names no others.
@@ -45,7 +47,7 @@ fn named_by(path: &Path, beginning: &str) -> Vec<PathBuf> {
 }
 
 fn text_of(path: &Path) -> String {
-    let bytes = std::fs::read(path).unwrap_or_default();
+    let bytes = files::read(path, available_memory()).unwrap_or_default();
     String::from_utf8_lossy(&bytes).into_owned()
 }
 

@@ -2,14 +2,14 @@
 //! `step_%04d.vtu`, and the lists of ParaView, `.pvd` and `.series`; or one file with all steps,
 //! `.vtkhdf`.
 
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::fault::cut;
 use super::{DataFile, FileFault, Result, extension, vtk};
+use crate::files;
 
 /// The files of a series in the order of their times, at least one.
 #[derive(Debug, Clone, PartialEq)]
@@ -241,14 +241,7 @@ fn read_json(text: &[u8]) -> Result<NamedSteps> {
 }
 
 fn read_list(path: &Path) -> Result<Vec<u8>> {
-    let mut text = Vec::new();
-    File::open(path)?
-        .take(MAX_LIST + 1)
-        .read_to_end(&mut text)?;
-    if text.len() as u64 > MAX_LIST {
-        return Err(FileFault::new("it is longer than 64 MiB", "a shorter list"));
-    }
-    Ok(text)
+    Ok(files::read(path, MAX_LIST)?)
 }
 
 #[cfg(test)]

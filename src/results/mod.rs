@@ -22,6 +22,7 @@ pub use hits_file::{HitsFile, HitsPiece};
 pub use objects::ObjectsTable;
 pub use verify::{Verdict, verify};
 
+use crate::files;
 use crate::folder::settle;
 use crate::host::advice;
 use crate::output::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, is_piece};
@@ -220,7 +221,8 @@ pub fn read_unchanged<T>(
     read: impl Fn() -> Result<T, Diagnostic>,
 ) -> Result<T, Diagnostic> {
     let states = || -> Vec<_> {
-        let text = |folder: &&Path| std::fs::read(folder.join(summary::FILE)).ok();
+        let text =
+            |folder: &&Path| files::read(&folder.join(summary::FILE), summary::MAX_BYTES).ok();
         let texts = folders.iter().map(text);
         texts.map(|text| text.map(|text| checksum(&text))).collect()
     };

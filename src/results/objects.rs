@@ -1,9 +1,9 @@
 //! `objects.csv`: the cost of each object and each material.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read};
 
 use super::Results;
+use crate::files;
 use crate::output::{OBJECTS_CSV, rows_per_thing};
 use crate::summary::FILE as SUMMARY;
 use crate::text::{Diagnostic, numbers, text_of_cell};
@@ -35,7 +35,7 @@ impl Results {
     /// The file cannot be read, is damaged, or has more rows than the objects and
     /// materials of the summary allow.
     pub fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
-        let file = match File::open(self.folder().join(OBJECTS_CSV.name)) {
+        let file = match files::open(&self.folder().join(OBJECTS_CSV.name)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             file => file.map_err(|error| self.no_table(&error.to_string()))?,
         };

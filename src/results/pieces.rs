@@ -1,11 +1,10 @@
 //! The files that list pieces: `frame.pvti` and `hits.pvtu`.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use crate::files;
 use crate::output::is_piece;
 use crate::text::Diagnostic;
 use crate::vtk::read::{extent_of, size_of_extent};
@@ -59,9 +58,7 @@ impl PieceList {
         if extension != "pvti" && extension != "pvtu" {
             return Ok(None);
         }
-        let mut text = String::new();
-        let read = File::open(path).and_then(|file| file.take(MAX_LIST).read_to_string(&mut text));
-        read.map_err(|error| {
+        let text = files::read_text(path, MAX_LIST).map_err(|error| {
             Diagnostic::new(format!("cannot read `{}`: {error}", path.display()))
         })?;
         let mut this = Self {

@@ -1,11 +1,11 @@
 //! The frames' pictures as a video, by ffmpeg.
 
-use std::fs;
 use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::{FRAMES, FrameSeries, VIDEO};
+use crate::files;
 use crate::folder::{Replace, Scratch, WriteError, write_file};
 use crate::text::numbers::shell_word;
 
@@ -53,7 +53,7 @@ impl FrameSeries {
             Err(error) => error.to_string(),
             Ok(output) if output.status.success() => {
                 write_file(&folder.join(VIDEO), Replace::Known, |out| {
-                    io::copy(&mut fs::File::open(&file)?, out).map(drop)
+                    io::copy(&mut files::open(&file)?, out).map(drop)
                 })?;
                 return Ok(Video::Written(VIDEO));
             }

@@ -1,18 +1,20 @@
 //! The file of machine limits beside a study's runs, `limits.json`.
 
-use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::files;
 use crate::instruments::MachineLimits;
 use crate::provenance::difference;
 use crate::text::Diagnostic;
 
 /// Version of the format; files of other versions are refused.
 const FORMAT: u32 = 1;
+/// Longest file that is read, in bytes; it has a few thousand.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// The content of the file.
 #[derive(Serialize, Deserialize)]
@@ -41,7 +43,7 @@ impl LimitsFile {
         let remedy = "move the file away to measure anew, or give another folder by `--out`";
         let name = path.display();
         let refused = |message: String| Err(Diagnostic::new(message).with_help(remedy));
-        let text = match fs::read_to_string(path) {
+        let text = match files::read_text(path, MAX_BYTES) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return refused(format!("cannot read `{name}`: {error}")),

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{RunMetrics, StudyPoint};
+use crate::files;
 use crate::provenance::difference;
 use crate::text::Diagnostic;
 
@@ -64,8 +65,8 @@ impl RunLog {
     pub fn open(path: &Path, made_by: &Value) -> Result<Self, Diagnostic> {
         let failed = |error| cannot_open(path, &error);
         let mut options = OpenOptions::new();
-        let options = options.read(true).append(true).create(true);
-        let mut file = options.open(path).map_err(failed)?;
+        options.read(true).append(true).create(true);
+        let mut file = files::open_with(&mut options, path).map_err(failed)?;
         if file.metadata().map_err(failed)?.len() == 0 {
             let header = RunLogHeader {
                 raycost_study: FORMAT,

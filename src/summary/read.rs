@@ -1,13 +1,13 @@
 //! Reading a summary.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::ops::Range;
 use std::path::Path;
 
 use super::Summary;
+use crate::files;
 use crate::host::available_memory;
-use crate::text::{Diagnostic, numbers};
+use crate::text::Diagnostic;
 use crate::yaml::{Fault, Source};
 
 /// Longest summary that is read, in bytes: enough for a short name of each of a
@@ -52,21 +52,7 @@ fn place(text: &str, error: &serde_json::Error) -> Range<usize> {
 /// A file that cannot be read, that is longer than `max_bytes`, or whose values
 /// may not fit into the free memory.
 pub(crate) fn read_json(path: &Path, max_bytes: u64) -> io::Result<String> {
-    let too_long = |n_bytes: u64| {
-        let message = format!("it is longer than {}", numbers::bytes(n_bytes));
-        Err(io::Error::new(io::ErrorKind::InvalidData, message))
-    };
-    let max_bytes = max_bytes.min(available_memory() / MEMORY_PER_BYTE);
-    let file = File::open(path)?;
-    if file.metadata()?.len() > max_bytes {
-        return too_long(max_bytes);
-    }
-    let mut text = String::new();
-    let n_read = file.take(max_bytes + 1).read_to_string(&mut text)?;
-    if n_read as u64 > max_bytes {
-        return too_long(max_bytes);
-    }
-    Ok(text)
+    files::read_text(path, max_bytes.min(available_memory() / MEMORY_PER_BYTE))
 }
 
 #[cfg(test)]

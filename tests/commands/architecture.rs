@@ -221,6 +221,54 @@ fn files_and_folders_belong_to_a_module() {
     }
 }
 
+/// Where files are opened in another way: the one place of all others, folders, what the system
+/// says of itself, and HDF5, which opens a path itself once it is known to be a regular file.
+const OPENERS: [&str; 6] = [
+    "files/regular.rs",
+    "folder/disk.rs",
+    "folder/lock.rs",
+    "host/cgroup.rs",
+    "instruments/memory_benchmark.rs",
+    "import/vtk/hdf/data_set.rs",
+];
+
+/// A FIFO or a device in the place of a file would let a program wait, or read without an end.
+#[test]
+fn only_one_place_opens_files() {
+    let calls = [
+        "File::open(",
+        "File::options(",
+        "fs::read(",
+        "fs::read_to_string(",
+    ];
+    let opens = |line: &&str| {
+        let other = |(before, behind): (&str, &str)| {
+            let is_longer_name = before.ends_with(|c: char| c.is_alphanumeric());
+            !is_longer_name && !behind.starts_with("\"/proc/")
+        };
+        calls
+            .iter()
+            .filter_map(|call| line.split_once(call))
+            .any(other)
+    };
+    for path in files(&in_repository("src")) {
+        let within = path.strip_prefix(in_repository("src")).unwrap();
+        let is_of_tests = within
+            .iter()
+            .any(|part| part == "tests" || part == "tests.rs");
+        if is_of_tests || OPENERS.iter().any(|opener| within == Path::new(opener)) {
+            continue;
+        }
+        let code = code(&fs::read_to_string(&path).unwrap());
+        let found: Vec<&str> = code.lines().filter(opens).collect();
+        assert!(found.is_empty(), "{}: {found:#?}", path.display());
+        let count = |word| code.matches(word).count();
+        let [made, used] = ["OpenOptions::new()", "files::open_with("].map(count);
+        assert_eq!(made, used, "{}", path.display());
+    }
+    assert!(opens(&"    let file = File::open(path)?;") && !opens(&"CheckpointFile::open(path)"));
+}
+
 /// The name of the type that a line defines outside other items.
 fn defined_type(line: &str) -> Option<&str> {
     let item = if line.starts_with("pub(") {

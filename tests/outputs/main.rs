@@ -28,6 +28,7 @@ mod attribution_files;
 mod bands;
 mod hostile;
 mod interrupted;
+mod irregular;
 mod layers;
 mod output_folder;
 mod paraview_export;

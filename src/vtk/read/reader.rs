@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::blocks::CompressedBlocks;
 use super::header::{DataArrayElement, VtkHeader};
 use super::values::n_bytes;
+use crate::files;
 use crate::text::Diagnostic;
 use crate::text::numbers::count;
 use crate::vtk::codec::Compressor;
@@ -57,7 +58,7 @@ impl VtkReader {
     /// Opens a file and reads its header.
     pub(crate) fn open(path: &Path) -> Result<(Self, VtkHeader), Diagnostic> {
         let failure = |error: io::Error| cannot_read(path, &error);
-        let file = File::open(path).map_err(failure)?;
+        let file = files::open(path).map_err(failure)?;
         let n_bytes = file.metadata().map_err(failure)?.len();
         let mut head = Vec::new();
         (&file)

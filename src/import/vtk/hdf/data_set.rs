@@ -10,6 +10,7 @@ use super::super::piece::{Piece, Wanted};
 use super::reader::HdfReader;
 use super::rows::{Datasets, damaged, missing};
 use super::values::text;
+use crate::files;
 use crate::import::fault::cut;
 
 /// The times of the steps of a file; none if it has no steps.
@@ -34,7 +35,7 @@ pub(in crate::import) fn read_times(path: &Path) -> Result<Vec<f64>> {
 
 /// The group of the data set in a file, and the file's length in bytes.
 fn open(path: &Path) -> Result<(Group, u64)> {
-    let n_file_bytes = std::fs::metadata(path)?.len();
+    let n_file_bytes = files::open(path)?.metadata()?.len();
     let file = File::open(path).map_err(|error| damaged("VTKHDF", &error))?;
     let root = file.group("VTKHDF");
     Ok((
