@@ -173,6 +173,13 @@ impl CheckpointFile {
         self.tiles.len()
     }
 
+    /// Whether it has each tile of each rendering of the picture.
+    pub fn has_all_tiles(&self) -> bool {
+        let layout = &self.header.layout;
+        let n_tiles = layout.grid().n_tiles() as usize * usize::from(layout.n_renderings);
+        self.n_tiles() == n_tiles
+    }
+
     /// Reads a tile again.
     pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord<'static>>> {
         self.reader.read(stored)

@@ -726,6 +726,26 @@ fn mistakes_in_keyframes_are_shown_at_their_path() {
     assert!(message.contains("this camera cannot move"), "{message}");
 }
 
+/// What a run leaves that is killed once a frame is in its place.
+#[test]
+fn complete_frames_are_cleared_of_what_a_killed_run_left() {
+    let scene = Scene::ball(ANIMATION);
+    let render = || assert_success(&scene.run(&["--frames=0..0"]));
+    render();
+    let frames = scene.path("out/scene/frames");
+    let hash = format!("{:032x}", twox_hash::XxHash3_128::oneshot(b"0000"));
+    let workspace = frames.join(format!(".raycost-{}-left", &hash[..16]));
+    fs::create_dir_all(workspace.join("new")).unwrap();
+    // A file with all tiles.
+    assert_success(&scene.run(&["--frames=0..0", "--part=1/1", "--out=parts"]));
+    let tiles = scene.path("parts/frames/0000/parts/part-1-of-1.tiles");
+    let left = frames.join("0000/unfinished.tiles");
+    fs::copy(tiles, &left).unwrap();
+    render();
+    assert_eq!(names(&frames), ["0000"]);
+    assert!(!left.exists());
+}
+
 /// The job array of the book, each task of it with the variables that Slurm sets.
 #[test]
 fn the_job_array_of_the_book_renders_all_frames() {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::hierarchies::{self, FrameHierarchies};
 use super::part::{self, PartDone};
 use super::picture::{FinishedPicture, Until};
+use super::tiles;
 use super::{RenderArguments, start_profiler};
 use crate::checkpoint::{PARTS, PicturePart};
 use crate::cli::open_scene::OpenScene;
@@ -55,7 +56,10 @@ pub(super) fn render(
         }
         let (document, config, section) = job.frame(number)?;
         let done = match complete_frame(&folder, &section) {
-            Some(_) => FrameDone::Kept,
+            Some(_) => {
+                tiles::remove_left(&folder);
+                FrameDone::Kept
+            }
             None => job.render(&folder, document, config, section)?,
         };
         match done {

@@ -1,12 +1,14 @@
 //! The tiles of other runs that a rendering takes over, and those that it keeps.
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::{RenderArguments, merge};
 use crate::checkpoint::{Checkpoint, CheckpointFile, Damage};
 use crate::cli::{Failure, shell_word, shown};
-use crate::folder::{WriteError, refuse_file};
+use crate::folder::{WriteError, lock_folder, refuse_file};
 use crate::ranks::Team;
 use crate::render::Limits;
 use crate::session::{Scope, Session};
@@ -149,10 +151,23 @@ fn kept(
     }
 }
 
+/// Removes what a run left in a folder with a complete picture, or beside it, that was killed
+/// after that was put in place. Ignores errors.
+pub(super) fn remove_left(folder: &Path) {
+    // Other files of finished tiles are of another picture.
+    let path = folder.join(UNFINISHED);
+    let is_used = |file: &CheckpointFile| file.has_all_tiles();
+    if let Ok(_lock) = lock_folder(folder)
+        && CheckpointFile::open(&path).is_ok_and(|file| is_used(&file))
+    {
+        let _ = fs::remove_file(path);
+    }
+}
+
 /// Opens a file of finished tiles; `None` if there is none, or no whole header.
 ///
 /// # Errors
-/// Another program wrote it, or another version of raycost.
+/// Another program wrote it, or another version of raycost; or it cannot be read.
 pub(super) fn open(path: &Path) -> Result<Option<CheckpointFile>, Failure> {
     match CheckpointFile::open(path) {
         Ok(file) => Ok(Some(file)),
@@ -160,6 +175,9 @@ pub(super) fn open(path: &Path) -> Result<Option<CheckpointFile>, Failure> {
         Err(Damage::OtherFormat) => {
             let message = format!("another version of raycost wrote `{}`", path.display());
             Err(Diagnostic::new(message).with_help("remove the file").into())
+        }
+        Err(Damage::System(error)) if error.kind() != io::ErrorKind::NotFound => {
+            Err(WriteError::new(path, error).into())
         }
         Err(_) => Ok(None),
     }
