@@ -48,7 +48,7 @@ pub(super) struct CommitPlan {
 pub(super) struct Workspace {
     pub(super) path: PathBuf,
     /// The lock, held while the workspace is in use.
-    _lock: Option<File>,
+    lock: Option<File>,
 }
 
 impl Workspace {
@@ -60,10 +60,8 @@ impl Workspace {
             .prefix(&prefix)
             .make_in(parent, disk::create_private_dir)?;
         let path = made.into_parts().1.keep()?;
-        let this = Self {
-            _lock: lock(&path)?,
-            path,
-        };
+        let mut this = Self { path, lock: None };
+        this.lock = lock(&this.path)?;
         disk::create_dir(&this.new_files())?;
         Ok(this)
     }
@@ -102,17 +100,24 @@ impl Workspace {
     /// Finishes the commit after an exchange, and removes the workspace. The next run
     /// does what fails here.
     pub(super) fn settle(self, folder: &Path) {
-        let _ = settle(&self.path, folder);
+        let _ = twice(|| settle(&self.path, folder));
     }
 }
 
 impl Drop for Workspace {
     fn drop(&mut self) {
+        // One more file can be opened, which reading the folder needs.
+        self.lock = None;
         // After an exchange it may contain files of others.
         if !was_exchanged(&self.path) {
-            let _ = remove(&self.path);
+            let _ = twice(|| remove(&self.path));
         }
     }
+}
+
+/// Does work once more if it fails, as it may by chance on the file systems of clusters.
+fn twice(work: impl Fn() -> io::Result<()>) -> io::Result<()> {
+    work().or_else(|_| work())
 }
 
 /// The path of a workspace's new files.
@@ -224,11 +229,14 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
         remove(&nested)?;
     }
     for files in [new_files(workspace), old_files(workspace)] {
-        let Ok(entries) = fs::read_dir(&files) else {
+        if !files.exists() {
             continue;
-        };
-        let paths = entries.map(|entry| Ok(entry?.path()));
-        remove_files(&paths.collect::<io::Result<Vec<_>>>()?)?;
+        }
+        // An empty folder can be removed where it cannot be read.
+        if let Ok(entries) = fs::read_dir(&files) {
+            let paths = entries.map(|entry| Ok(entry?.path()));
+            remove_files(&paths.collect::<io::Result<Vec<_>>>()?)?;
+        }
         disk::remove_dir(&files)?;
     }
     let plan = workspace.join(PLAN);
@@ -242,14 +250,16 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes files: on all threads of a pool if the current one has any, since the system
-/// takes long to free large files.
+/// Removes all files that can be removed: on all threads of a pool if the current one has any,
+/// since the system takes long to free large files.
 fn remove_files(paths: &[PathBuf]) -> io::Result<()> {
     if rayon::current_thread_index().is_some() {
         let each = paths.par_iter().with_max_len(1);
-        each.try_for_each(|path| disk::remove_file(path))
+        each.map(|path| disk::remove_file(path))
+            .reduce(|| Ok(()), Result::and)
     } else {
-        paths.iter().try_for_each(|path| disk::remove_file(path))
+        let each = paths.iter().map(|path| disk::remove_file(path));
+        each.fold(Ok(()), Result::and)
     }
 }
 

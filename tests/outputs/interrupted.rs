@@ -116,6 +116,26 @@ fn a_killed_run_leaves_one_whole_run_where_folders_cannot_be_exchanged() {
 }
 
 #[test]
+fn a_run_that_may_open_few_files_leaves_nothing_behind() {
+    let temporary = tempfile::tempdir().unwrap();
+    let out = temporary.path().join("out");
+    fs::create_dir(&out).unwrap();
+    let mut n_failed = 0;
+    for n_files in 4..20 {
+        let run = render(&out, 40);
+        let mut limited = Command::new("bash");
+        let limit = format!("ulimit -n {n_files}; exec \"$@\"");
+        limited.args(["-c", &limit, "bash"]).arg(run.get_program());
+        let output = limited.args(run.get_args()).output().unwrap();
+        n_failed += u32::from(!output.status.success());
+        let names = [names(temporary.path()), names(&out)].concat();
+        let is_left = |name: &String| name.starts_with(".raycost-");
+        assert!(!names.iter().any(is_left), "{n_files}: {names:?}");
+    }
+    assert!(n_failed > 0);
+}
+
+#[test]
 fn a_signal_ends_a_run_and_removes_its_files() {
     for (name, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         for flags in [&["--cost=time", "--repeats=1"][..], &["--cost=counters"]] {

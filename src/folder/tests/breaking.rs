@@ -34,6 +34,9 @@ fn break_at_every_call(method: CommitMethod) -> usize {
                 let expected = said.as_ref().is_none_or(is_unsure);
                 assert_eq!(is_new, expected, "{what}: {said:?}");
             }
+            if matches!(fault, DiskFault::Error(_)) && method == CommitMethod::Exchange {
+                scenario.assert_clean(&what);
+            }
             OutputFolder::create(&scenario.folder(), 0).unwrap();
             scenario.assert_clean(&what);
             assert_eq!(scenario.is_new(&what), is_new, "{what}");
