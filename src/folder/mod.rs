@@ -96,9 +96,7 @@ impl OutputFolder {
     /// The reason why files cannot be written.
     pub fn create(path: &Path, n_bytes: u64) -> Result<Self, WriteError> {
         let fail = |error| WriteError::new(path, error);
-        refuse_unprintable(path)?;
-        fs::create_dir_all(path).map_err(fail)?;
-        let place = fs::canonicalize(path).map_err(fail)?;
+        let place = created(path)?;
         let lock = lock_of(path, &place)?;
         journal::roll_back(&place)?;
         workspace::remove_left(&place);
@@ -192,10 +190,7 @@ impl Scratch {
 /// # Errors
 /// The folder is locked by another run, or an error of the system.
 pub(crate) fn lock_folder(path: &Path) -> Result<File, WriteError> {
-    refuse_unprintable(path)?;
-    let fail = |error| WriteError::new(path, error);
-    fs::create_dir_all(path).map_err(fail)?;
-    let place = fs::canonicalize(path).map_err(fail)?;
+    let place = created(path)?;
     let lock = lock_of(path, &place)?;
     workspace::remove_left(&place);
     Ok(lock)
@@ -214,6 +209,30 @@ pub(crate) fn lock_folder_in_turn(path: &Path) -> Result<File, WriteError> {
             }
             other => return other,
         }
+    }
+}
+
+/// Creates a folder if it does not exist; returns its canonical path.
+fn created(path: &Path) -> Result<PathBuf, WriteError> {
+    let fail = |error| WriteError::new(path, error);
+    refuse_unprintable(path)?;
+    refuse_root(path)?;
+    fs::create_dir_all(path).map_err(fail)?;
+    fs::canonicalize(path).map_err(fail)
+}
+
+/// Checks that a path is not that of the root of the file system.
+///
+/// # Errors
+/// It is.
+pub(crate) fn refuse_root(path: &Path) -> Result<(), WriteError> {
+    match fs::canonicalize(path) {
+        Ok(place) if place.parent().is_none() => {
+            let why = "it is the root of the file system";
+            let help = "name a folder for the output with `--out`";
+            Err(WriteError::refused(path, why, help))
+        }
+        _ => Ok(()),
     }
 }
 

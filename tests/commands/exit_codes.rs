@@ -37,6 +37,23 @@ fn folder() -> tempfile::TempDir {
 }
 
 #[test]
+#[cfg(unix)]
+fn the_root_is_no_output_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("/", folder.path().join("link")).unwrap();
+    let scene = in_repository("configs/seed_sphere.yaml");
+    let scene = scene.to_str().unwrap();
+    for flags in [
+        &["--out=/"][..],
+        &["--out=link"],
+        &["--out=/", "--part=1/2"],
+    ] {
+        let message = failure(folder.path(), &[&["render", scene], flags].concat(), 1);
+        assert!(message.contains("root of the file system"), "{message}");
+    }
+}
+
+#[test]
 fn a_fine_scene_ends_with_0_and_says_so_on_standard_output() {
     let folder = folder();
     for arguments in [["check", "scene.yaml"], ["render", "scene.yaml"]] {

@@ -23,6 +23,7 @@ use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, run_summary};
 use crate::config::Config;
+use crate::folder::refuse_root;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::{self, Memory};
 use crate::ranks::{Ranks, n_launched};
@@ -150,6 +151,7 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
         memory::set_limit(limit);
     }
     arguments.check_format()?;
+    refuse_root(&arguments.scene.out())?;
     let stages = Stages::with_start(arguments.hardware());
     let crew = ranks
         .map(|ranks| Crew::meet(arguments, ranks))

@@ -5,6 +5,15 @@ use std::io::Write;
 use super::*;
 
 #[test]
+fn the_root_is_no_output_folder() {
+    for path in ["/", "/.", "//"] {
+        let error = OutputFolder::create(Path::new(path), 0).unwrap_err();
+        assert!(error.to_string().contains("root of the file system"));
+    }
+    assert!(lock_folder(Path::new("/")).is_err());
+}
+
+#[test]
 fn a_second_run_is_refused_until_the_first_one_ends() {
     let scenario = Scenario::new(CommitMethod::Exchange);
     let first = OutputFolder::create(&scenario.folder(), 0).unwrap();
