@@ -12,12 +12,13 @@ mod states;
 mod video;
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 pub use video::Video;
 
 use crate::accel::BvhStatistics;
+use crate::files;
 use crate::folder::{Replace, WriteError, lock_folder_in_turn, refuse_file, target, write_file};
 use crate::output::{self, StateValues};
 use crate::provenance::{Hasher, RunId};
@@ -33,6 +34,8 @@ const PREFIX: &str = "series";
 const TABLE: &str = "series.csv";
 /// The video.
 const VIDEO: &str = "series.mp4";
+/// Longest file beside the frames that is checked, in bytes.
+const MAX_FILE: u64 = 256 << 20;
 
 /// The path of a frame's folder, in the folder of the series.
 pub fn frame_folder(number: u32) -> PathBuf {
@@ -148,15 +151,7 @@ impl FrameSeries {
             written.push(name);
             Ok::<(), WriteError>(())
         };
-        let run = self.id();
-        write(TABLE.to_owned(), &table::csv(&self.frames))?;
-        if let Some(plot) = table::plot(&self.name, &self.frames, run) {
-            write(format!("{PREFIX}.svg"), plot.as_bytes())?;
-        }
-        for (name, text) in pvd::collections(&self.frames, run) {
-            write(name, text.as_bytes())?;
-        }
-        for (name, text) in self.states(folder, run) {
+        for (name, text) in self.texts(folder) {
             write(name, text.as_bytes())?;
         }
         if vtkhdf && !self.frames.is_empty() {
@@ -167,6 +162,46 @@ impl FrameSeries {
             }
         }
         Ok(written)
+    }
+
+    /// The files beside the frames that [`write`](Self::write) has not written of these frames, or
+    /// that are cut: their names, and why. Not checked are the video and files of VTKHDF.
+    pub fn faults(&self, folder: &Path) -> Vec<(String, String)> {
+        let run = self.id().to_string();
+        let fault = |(name, expected): (String, String)| {
+            let why = match files::read(&folder.join(&name), MAX_FILE) {
+                Err(error) if error.kind() == ErrorKind::NotFound => "it is missing".to_owned(),
+                Err(error) => format!("it cannot be read: {error}"),
+                Ok(found) => {
+                    let found = String::from_utf8_lossy(&found);
+                    let end = expected.lines().next_back()?;
+                    // The table has the runs of the frames, other files that of all.
+                    if name != TABLE && !found.contains(&run) {
+                        "it is not of these frames".to_owned()
+                    } else if !found.trim_end().ends_with(end) {
+                        "it is cut, or not of these frames".to_owned()
+                    } else {
+                        return None;
+                    }
+                }
+            };
+            Some((name, why))
+        };
+        self.texts(folder).into_iter().filter_map(fault).collect()
+    }
+
+    /// The files beside the frames that are texts, by their names.
+    fn texts(&self, folder: &Path) -> Vec<(String, String)> {
+        let run = self.id();
+        let plot = table::plot(&self.name, &self.frames, run);
+        let plot = plot.map(|plot| (format!("{PREFIX}.svg"), plot));
+        let table = (TABLE.to_owned(), table::csv(&self.frames));
+        [table]
+            .into_iter()
+            .chain(plot)
+            .chain(pvd::collections(&self.frames, run))
+            .chain(self.states(folder, run))
+            .collect()
     }
 
     /// A hash of the frames' runs.

@@ -17,7 +17,7 @@ const PLOTTED: [(&str, &str, f64); 4] = [
 
 /// A row for each frame: its number, its time, the ID of its run, whether its hierarchy was
 /// built or refitted and that one's expected cost, and its metrics.
-pub(super) fn csv(frames: &[SeriesFrame]) -> Vec<u8> {
+pub(super) fn csv(frames: &[SeriesFrame]) -> String {
     let names: IndexSet<&String> = frames
         .iter()
         .flat_map(|frame| frame.metrics.0.keys())
@@ -44,7 +44,7 @@ pub(super) fn csv(frames: &[SeriesFrame]) -> Vec<u8> {
         }
         table.push(row);
     }
-    (table.join("\n") + "\n").into_bytes()
+    table.join("\n") + "\n"
 }
 
 /// The cost of the frames over time as SVG; `None` if nothing was measured.

@@ -823,3 +823,36 @@ fn paraview_steps_through_the_hopper() {
         .expect("run tests/with-paraview");
     assert_success(&output);
 }
+
+#[test]
+fn a_check_finds_missing_frames_and_cut_files_of_the_series() {
+    let scene = Scene::ball(ANIMATION);
+    scene.render(&["--quiet"]);
+    let out = scene.path("out/scene");
+    let check = || raycost().arg("check").arg(&out).output().unwrap();
+    assert_success(&check());
+    let damaged = |what: &str| {
+        let output = check();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(what), "{message}");
+    };
+    for name in names(&out).into_iter().filter(|name| name != "frames") {
+        let path = out.join(&name);
+        let text = fs::read(&path).unwrap();
+        for n_kept in [0, text.len() / 2, text.len() - 20] {
+            fs::write(&path, &text[..n_kept]).unwrap();
+            damaged(&name);
+        }
+        fs::remove_file(&path).unwrap();
+        damaged(&format!("{name}: it is missing"));
+        fs::write(&path, text).unwrap();
+    }
+    assert_success(&check());
+    let moved = scene.path("moved");
+    fs::rename(&out, &moved).unwrap();
+    assert_success(&raycost().arg("check").arg(&moved).output().unwrap());
+    fs::rename(&moved, &out).unwrap();
+    fs::remove_dir_all(frame(&out, 2)).unwrap();
+    damaged("frames/0002: it is missing, 1 frame in all");
+}
