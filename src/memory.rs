@@ -31,6 +31,8 @@ pub struct Memory {
 
 /// The part of the available memory that a picture may take by default, in percent.
 const SHARE: u64 = 75;
+/// Upper bound of the memory of the program before it renders, but for geometries, in bytes.
+const PROGRAM: u64 = 32 << 20;
 
 impl Memory {
     /// Estimates the memory for a config and its geometries: an upper bound,
@@ -54,11 +56,7 @@ impl Memory {
     /// and written in bands of rows, if its outputs allow that.
     pub fn of_still(config: &Config, geometries: &Geometries) -> Self {
         let whole = Self::of(config, geometries);
-        let available = available();
-        let limit = match memory_limit() {
-            Some(_) => available,
-            None => available / 100 * SHARE,
-        };
+        let limit = limit_of_still(memory_limit(), available(), geometries.n_bytes());
         let against_bands = against_bands(config);
         if whole.total() <= limit || against_bands.is_some() {
             return Self {
@@ -182,6 +180,15 @@ impl Memory {
     }
 }
 
+/// The most bytes of a still picture beside `n_read` bytes of geometries: by the limit that the
+/// user has set, the same each time, whatever the process holds by chance.
+fn limit_of_still(set: Option<u64>, available: u64, n_read: u64) -> u64 {
+    match set {
+        Some(limit) => available.min(limit.saturating_sub(PROGRAM + n_read)),
+        None => available / 100 * SHARE,
+    }
+}
+
 /// Why a picture cannot be larger than memory, with what to change; `None` if it can.
 fn against_bands(config: &Config) -> Option<&'static str> {
     let has = |output| config.output.has(output);
@@ -239,4 +246,22 @@ pub fn too_large(error: TooLarge) -> Fault {
     let objects = FieldPath::default().key("objects");
     Fault::of_key(objects, error.to_string(), "their hierarchy is too large")
         .with_help("reduce the `count` of generators, or use `acceleration: { quality: fast }`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_of_a_picture_depend_on_the_limit_and_not_on_chance() {
+        let limit = 100 << 20;
+        let of_process = |resident: u64| limit_of_still(Some(limit), limit - resident, 5 << 20);
+        for resident in [(11 << 20) + 4096, 18 << 20, 30 << 20] {
+            assert_eq!(of_process(resident), 63 << 20);
+        }
+        // A process that holds more than expected keeps to the limit.
+        assert_eq!(of_process(60 << 20), 40 << 20);
+        assert_eq!(limit_of_still(Some(1 << 20), 1 << 20, 0), 0);
+        assert_eq!(limit_of_still(None, 1000, 5 << 20), 750);
+    }
 }
