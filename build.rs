@@ -4,6 +4,8 @@
 
 #[path = "build/doc_comments.rs"]
 mod doc_comments;
+#[path = "build/package.rs"]
+mod package;
 
 use std::env;
 use std::fs;
@@ -12,13 +14,14 @@ use std::process::Command;
 
 /// Everything that the binary is built from. Cargo runs this script again only if one of
 /// these files or the commit changes.
-const SOURCES: [&str; 6] = [
+const SOURCES: [&str; 7] = [
     "src",
     "paraview",
     "Cargo.toml",
     "Cargo.lock",
     "build.rs",
     "build",
+    package::INFO,
 ];
 
 /// The folders whose doc comments describe the keys of scene files.
@@ -51,7 +54,7 @@ fn main() {
     let kept = |flag: &&str| !flag.starts_with("--remap-path-prefix=");
     let flags: Vec<&str> = flags.split('\u{1f}').filter(kept).collect();
     set_variable("FLAGS", &flags.join(" "));
-    if let Some(commit) = commit() {
+    if let Some(commit) = commit().or_else(package::commit) {
         set_variable("COMMIT", &commit);
     }
     for path in SOURCES.map(str::to_owned).into_iter().chain(head_files()) {

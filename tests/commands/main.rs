@@ -19,6 +19,7 @@ mod include;
 mod limits;
 mod mutations;
 mod new;
+mod package;
 mod prediction;
 mod roofline;
 mod schema;

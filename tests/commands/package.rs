@@ -1,0 +1,53 @@
+//! The package that cargo makes of the repository.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
+
+use crate::common::{assert_success, in_repository};
+
+#[path = "../../build/package.rs"]
+#[allow(dead_code, reason = "the build script reads the file")]
+mod info;
+
+#[test]
+fn it_has_the_pictures_of_the_readme_and_no_documents_in_pdf() {
+    let readme = fs::read_to_string(in_repository("README.md")).unwrap();
+    let links = readme.split("](").skip(1);
+    let pictures = links.filter_map(|link| link.split(')').next());
+    let pictures: BTreeSet<&str> = pictures.filter(|link| link.ends_with(".png")).collect();
+    assert!(!pictures.is_empty());
+    let output = Command::new(env!("CARGO"))
+        .args(["package", "--list", "--allow-dirty", "--offline"])
+        .current_dir(in_repository(""))
+        .output()
+        .unwrap();
+    assert_success(&output);
+    let files = String::from_utf8(output.stdout).unwrap();
+    let files: BTreeSet<&str> = files.lines().collect();
+    let of_docs = |extension: &str| {
+        let files = files.iter().filter(|file| file.starts_with("docs/"));
+        let found = files.filter(|file| file.ends_with(extension));
+        found.copied().collect::<BTreeSet<&str>>()
+    };
+    assert_eq!(of_docs(".png"), pictures);
+    assert_eq!(of_docs(".pdf"), BTreeSet::new());
+}
+
+#[test]
+fn the_commit_is_that_of_cargos_note() {
+    let hash = "5c37ff0cba9876543210fedcba9876543210fedc";
+    let note = |more: &str| format!("{{\n  \"git\": {{\n    \"sha1\": \"{hash}\"{more}\n  }}\n}}");
+    let clean = info::commit_in(&note(""));
+    assert_eq!(clean.as_deref(), Some("5c37ff0cba98"));
+    let dirty = info::commit_in(&note(",\n    \"dirty\": true"));
+    assert_eq!(dirty.as_deref(), Some("5c37ff0cba98-dirty"));
+    for other in [
+        "",
+        "{}",
+        "{ \"sha1\": \"\" }",
+        "{ \"sha1\": \"$(id)$(id)$(id)\" }",
+    ] {
+        assert_eq!(info::commit_in(other), None);
+    }
+}
