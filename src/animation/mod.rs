@@ -73,7 +73,7 @@ pub struct Animation {
 }
 
 /// The key of the section.
-const KEY: &str = "animation";
+pub(crate) const KEY: &str = "animation";
 /// Frames per second if none are given.
 const DEFAULT_FPS: f32 = 24.0;
 /// Most frames of an animation.

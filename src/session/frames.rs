@@ -1,7 +1,7 @@
 //! The frames of an animated scene, each of which is a scene.
 
 use super::fingerprint;
-use crate::animation::HierarchyUpdate;
+use crate::animation::{self, HierarchyUpdate};
 use crate::config::Config;
 use crate::memory;
 use crate::provenance::Checksum;
@@ -13,6 +13,7 @@ use crate::yaml::Document;
 /// A scene that changes over time.
 #[derive(Debug)]
 pub(crate) struct Frames {
+    /// The scene without what changes it.
     document: Document,
     timeline: Timeline,
 }
@@ -30,7 +31,7 @@ impl Frames {
         let found = timeline.find_ranges(config, document, memory::available());
         found.map_err(point_at)?;
         Ok(Some(Self {
-            document: document.clone(),
+            document: document.clone().without(animation::KEY)?,
             timeline,
         }))
     }

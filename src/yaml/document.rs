@@ -103,27 +103,48 @@ impl Document {
     /// The value at a path; `None` if there is none of this type.
     pub fn value_at<T: DeserializeOwned>(&self, path: &FieldPath) -> Option<T> {
         let mut text = String::new();
-        let mut tree = match &self.composition {
-            Some(composition) => composition.tree.clone(),
-            None => Tree::of(self.sources[0].text()),
+        let of_source;
+        let tree = match &self.composition {
+            Some(composition) => &composition.tree,
+            None => {
+                of_source = Tree::of(self.sources[0].text());
+                &of_source
+            }
         };
-        tree.at(&path.0)?.write(&mut text);
+        tree.find(&path.0)?.write(&mut text);
         deserialize(&text).ok()
     }
 
-    fn set_source(&mut self, source: Source) -> Result<(), Diagnostic> {
-        let composition = match &mut self.composition {
-            Some(composition) => composition,
+    /// The scene without a section; messages still find its keys.
+    ///
+    /// # Errors
+    /// The text has a mistake.
+    pub fn without(mut self, key: &str) -> Result<Self, Diagnostic> {
+        if let Tree::Map(sections) = &mut self.composition()?.tree {
+            sections.shift_remove(key);
+        }
+        Ok(self)
+    }
+
+    /// The values of all texts.
+    fn composition(&mut self) -> Result<&mut Composition, Diagnostic> {
+        match &mut self.composition {
+            Some(composition) => Ok(composition),
             none => {
                 self.sources[0].check()?;
                 let tree = Tree::of(self.sources[0].text());
-                none.insert(Composition::new(tree, Origins::default()))
+                Ok(none.insert(Composition::new(tree, Origins::default())))
             }
-        };
+        }
+    }
+
+    fn set_source(&mut self, source: Source) -> Result<(), Diagnostic> {
+        let (n_sources, merging) = (self.sources.len(), self.merging);
+        let composition = self.composition()?;
         if let Some(text) = source.as_setting() {
             let value = text.tree(source.text());
             composition
-                .set(text, value, self.sources.len(), self.merging)
+                .set(text, value, n_sources, merging)
                 .map_err(|fault| self.diagnose(&source, fault))?;
         }
         self.sources.push(source);

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// One step down a YAML tree.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Step {
     /// Into a mapping.
     Key(String),

@@ -1,6 +1,6 @@
 //! The texts from which the values of a scene come.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::field_path::{FieldPath, Step};
 
@@ -23,14 +23,20 @@ pub(super) struct ValuePlace {
 }
 
 /// The places of the values of a scene, by their paths in the scene. A value that is not
-/// listed has the place of the nearest value above it.
+/// listed has the place of the nearest value above it. In the order of paths those below a
+/// value follow it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Origins(HashMap<Vec<Step>, ValuePlace>);
+pub(super) struct Origins(BTreeMap<Vec<Step>, ValuePlace>);
 
 impl Origins {
     /// Sets the place of the value at `path` and of all below it.
     pub(super) fn replace(&mut self, path: &FieldPath, place: ValuePlace) {
-        self.0.retain(|known, _| !known.starts_with(&path.0));
+        let from = self.0.range(path.0.clone()..);
+        let below = from.map(|(known, _)| known);
+        let below = below.take_while(|known| known.starts_with(&path.0));
+        for known in below.cloned().collect::<Vec<_>>() {
+            self.0.remove(&known);
+        }
         self.insert(path.clone(), place);
     }
 

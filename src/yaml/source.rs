@@ -3,6 +3,7 @@
 use std::io::{self, Read};
 use std::path::Path;
 use std::string::FromUtf8Error;
+use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
@@ -29,7 +30,8 @@ const WORTH_A_CHECK: u64 = 1 << 20;
 #[derive(Debug, Clone)]
 pub struct Source {
     name: String,
-    text: String,
+    /// Shared by the copies of the source.
+    text: Arc<str>,
     /// The path and the value of the text if it is a setting.
     setting: Option<SettingText>,
     /// The key of the scene for which it was set; `None` for the command line.
@@ -46,7 +48,7 @@ impl Source {
         }
         Self {
             name,
-            text,
+            text: text.into(),
             setting: None,
             set_by: None,
         }
@@ -240,7 +242,7 @@ fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     // Not through `new`, which may shift the byte.
     let source = Source {
         name: name.to_owned(),
-        text,
+        text: text.into(),
         setting: None,
         set_by: None,
     };

@@ -91,6 +91,15 @@ impl Tree {
         path.iter().try_fold(self, |tree, step| tree.child(step))
     }
 
+    /// The value at a path, to be read; `None` if there is none.
+    pub(super) fn find(&self, path: &[Step]) -> Option<&Self> {
+        path.iter().try_fold(self, |tree, step| match (tree, step) {
+            (Self::Map(map), Step::Key(key)) => map.get(key),
+            (Self::List(list), Step::Index(index)) => list.get(*index),
+            _ => None,
+        })
+    }
+
     /// The value of a key of a mapping; `None` if there is none.
     pub(super) fn get(&self, key: &str) -> Option<&Self> {
         match self {
