@@ -1,6 +1,7 @@
 //! Spheres from a table of comma-separated values.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 use glam::{DVec3, Vec3};
 
@@ -107,10 +108,10 @@ impl Columns {
         array: Option<&ArrayChoice>,
     ) -> Result<Self> {
         let names: Vec<_> = header.iter().map(String::from_utf8_lossy).collect();
-        for (i, name) in names.iter().enumerate() {
-            if !name.is_empty() && names[..i].contains(name) {
-                return Err(named_twice(name));
-            }
+        let mut known = HashSet::new();
+        let mut given = names.iter().filter(|name| !name.is_empty());
+        if let Some(name) = given.find(|name| !known.insert(*name)) {
+            return Err(named_twice(name));
         }
         let find = |name: &str| names.iter().position(|known| known == name);
         let column = |name: &str| {
