@@ -95,10 +95,10 @@ impl LegacyReader<'_, '_> {
         let numbers = match keyword {
             "FIELD" => return self.field(),
             "SCALARS" => {
-                let kind = self.number_type()?;
+                let kind = self.words.next()?;
                 let n_components = self.words.number_or("LOOKUP_TABLE", 1)?;
                 self.words.next()?;
-                self.array(kind, n_tuples.saturating_mul(n_components))?
+                self.values(kind, n_tuples.saturating_mul(n_components))?
                     .in_tuples_of(n_components)
             }
             "VECTORS" | "NORMALS" => self.typed_array(n_tuples, 3)?,
@@ -168,11 +168,11 @@ impl LegacyReader<'_, '_> {
     fn cells(&mut self) -> Result<CellArray> {
         let [n, n_numbers] = self.words.numbers::<usize, 2>()?;
         if self.words.skip_word("OFFSETS") {
-            let kind = self.number_type()?;
-            let ends = self.array(kind, n)?;
+            let kind = self.words.next()?;
+            let ends = self.values(kind, n)?;
             self.words.expect("CONNECTIVITY")?;
-            let kind = self.number_type()?;
-            let points = self.array(kind, n_numbers)?;
+            let kind = self.words.next()?;
+            let points = self.values(kind, n_numbers)?;
             return Ok(CellArray { ends, points });
         }
         let lists = self.array(NumberType::I32, n_numbers)?;
@@ -196,18 +196,30 @@ impl LegacyReader<'_, '_> {
         })
     }
 
-    fn number_type(&mut self) -> Result<NumberType> {
-        let name = self.words.next()?;
-        NumberType::named(name).ok_or_else(|| {
-            self.words
-                .unexpected(name, "a type of numbers, such as `float` or `int`")
-        })
+    /// Reads numbers of a type with this name, which has been read. Of the bits of binary
+    /// files the first one is the most significant of its byte.
+    fn values(&mut self, kind: &str, n: usize) -> Result<Numbers> {
+        if !kind.eq_ignore_ascii_case("bit") {
+            let expected = "a type of numbers, such as `float` or `int`";
+            let known = NumberType::named(kind);
+            return self.array(
+                known.ok_or_else(|| self.words.unexpected(kind, expected))?,
+                n,
+            );
+        }
+        if !self.words.is_binary {
+            return self.array(NumberType::U8, n);
+        }
+        let packed = self.words.bytes(n.div_ceil(8))?;
+        self.budget.take(n as u64)?;
+        let bits = (0..n).map(|i| packed[i / 8] >> (7 - i % 8) & 1);
+        Ok(Numbers::new(NumberType::U8, ByteOrder::Big, bits.collect()))
     }
 
     /// Reads tuples of a type that is named before them.
     fn typed_array(&mut self, n_tuples: usize, n_components: usize) -> Result<Numbers> {
-        let kind = self.number_type()?;
-        let numbers = self.array(kind, n_tuples.saturating_mul(n_components))?;
+        let kind = self.words.next()?;
+        let numbers = self.values(kind, n_tuples.saturating_mul(n_components))?;
         Ok(numbers.in_tuples_of(n_components))
     }
 

@@ -27,7 +27,9 @@ pub(super) fn decoded_name(name: &str) -> String {
 
 /// The words of a file, with bytes between them in binary ones.
 pub(super) struct Words<'a> {
-    all: &'a [u8],
+    /// What follows the line feeds that were counted.
+    uncounted: &'a [u8],
+    n_line_feeds: u64,
     pub(super) rest: &'a [u8],
     pub(super) is_binary: bool,
 }
@@ -35,7 +37,8 @@ pub(super) struct Words<'a> {
 impl<'a> Words<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self {
-            all: bytes,
+            uncounted: bytes,
+            n_line_feeds: 0,
             rest: bytes,
             is_binary: false,
         }
@@ -52,9 +55,11 @@ impl<'a> Words<'a> {
     }
 
     /// The number of the line of the next word; in a binary file that of line feeds.
-    pub(super) fn line_number(&self) -> u64 {
-        let before = &self.all[..self.all.len() - self.rest.len()];
-        memchr::memchr_iter(b'\n', before).count() as u64 + 1
+    pub(super) fn line_number(&mut self) -> u64 {
+        let before = &self.uncounted[..self.uncounted.len() - self.rest.len()];
+        self.n_line_feeds += memchr::memchr_iter(b'\n', before).count() as u64;
+        self.uncounted = self.rest;
+        self.n_line_feeds + 1
     }
 
     /// The next word, if there is one.
