@@ -1,12 +1,12 @@
 //! Lines of a text, with their numbers.
 
 use std::borrow::Cow;
-use std::io::BufRead;
+use std::io::{BufRead, Cursor, Read};
 use std::mem::take;
 
 use memchr::memchr2;
 
-use super::Result;
+use super::{GeometryFileReader, Result};
 
 /// The byte-order mark that some editors write before UTF-8 text.
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
@@ -20,6 +20,25 @@ pub(super) struct Lines<R> {
     /// Whether the last line ended with a carriage return: a line feed after it
     /// belongs to the same line end.
     after_return: bool,
+}
+
+impl Lines<Box<dyn BufRead>> {
+    /// Starts before the first line of a file in UTF-8, or in UTF-16 with a byte-order mark,
+    /// as some editors of Windows write it.
+    pub(super) fn of_file(mut file: GeometryFileReader) -> Result<Self> {
+        let start = file.fill_buf()?;
+        let unit_of: fn([u8; 2]) -> u16 = match start.first_chunk() {
+            Some(b"\xff\xfe") => u16::from_le_bytes,
+            Some(b"\xfe\xff") => u16::from_be_bytes,
+            _ => return Ok(Self::new(Box::new(file))),
+        };
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        let units = bytes.as_chunks().0.iter().map(|unit| unit_of(*unit));
+        let letters = char::decode_utf16(units);
+        let text: String = letters.map(|letter| letter.unwrap_or('\u{fffd}')).collect();
+        Ok(Self::new(Box::new(Cursor::new(text))))
+    }
 }
 
 impl<R: BufRead> Lines<R> {

@@ -42,7 +42,7 @@ const IGNORED: &[&str] = &[
 const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
 
 pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
-    let mut lines = Lines::new(file);
+    let mut lines = Lines::of_file(file)?;
     let mut reader = Reader::default();
     let mut groups = around.memory.map(|_| MaterialGroups::default());
     while let Some(line) = lines.next()? {
@@ -112,7 +112,8 @@ impl Reader {
             }
             "f" | "fo" => return self.face(words),
             "mtllib" | "usemtl" => {}
-            _ if IGNORED.contains(&keyword) => {}
+            // Old programs begin comments with a dollar sign.
+            _ if IGNORED.contains(&keyword) || keyword.starts_with('$') => {}
             _ => return Err(unknown_statement(keyword)),
         }
         Ok(())

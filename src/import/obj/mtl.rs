@@ -44,7 +44,7 @@ pub(super) fn read(
     shelf: &mut PictureShelf,
     found: &mut Vec<MeshMaterial>,
 ) -> Result<()> {
-    let mut lines = Lines::new(open(path)?);
+    let mut lines = Lines::of_file(open(path)?)?;
     let mut statements: Option<Statements> = None;
     let mut close = |statements: Option<Statements>, line: u64| {
         let made = statements.map(|of| of.material(path, shelf)).transpose()?;
@@ -63,7 +63,7 @@ pub(super) fn read(
         let read = match (keyword, &mut statements) {
             ("newmtl", _) => close(statements.replace(Statements::of(rest.trim())), number),
             (_, Some(statements)) => statements.add(keyword, rest.trim(), number),
-            (word, None) if word.is_empty() || word.starts_with('#') => Ok(()),
+            (word, None) if word.is_empty() || word.starts_with(['#', '$']) => Ok(()),
             (word, None) => {
                 let problem = format!("`{}` belongs to no material", cut(word));
                 Err(FileFault::new(problem, "`newmtl` before it"))
