@@ -38,6 +38,11 @@ pub struct MeshMaterial {
     pub cutout: Option<(MeshPicture, f32)>,
     /// The picture of normals, and the factor of the slopes of its bumps.
     pub normal_map: Option<(MeshPicture, f32)>,
+    /// The picture that `emission` is multiplied by.
+    pub emission_map: Option<MeshPicture>,
+    /// The picture of roughness, in green, and metal, in blue, and the factors of both; the
+    /// finish has their means.
+    pub facets_map: Option<(MeshPicture, [f32; 2])>,
 }
 
 /// How a surface scatters light besides its color.
@@ -92,6 +97,8 @@ impl MeshMaterial {
             emission: Vec3::ZERO,
             cutout: None,
             normal_map: None,
+            emission_map: None,
+            facets_map: None,
         }
     }
 
@@ -99,7 +106,9 @@ impl MeshMaterial {
     pub(super) fn pictures(&self) -> impl Iterator<Item = &MeshPicture> {
         let with_numbers = [&self.cutout, &self.normal_map].into_iter().flatten();
         let others = with_numbers.map(|(picture, _)| picture);
-        self.picture.iter().chain(others)
+        let facets = self.facets_map.iter().map(|(picture, _)| picture);
+        let own = self.picture.iter().chain(&self.emission_map);
+        own.chain(facets).chain(others)
     }
 
     /// Whether it has a picture.
@@ -113,6 +122,8 @@ impl MeshMaterial {
             picture: None,
             cutout: None,
             normal_map: None,
+            emission_map: None,
+            facets_map: None,
             ..self
         }
     }

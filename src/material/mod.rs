@@ -9,6 +9,7 @@ mod dielectric;
 mod image;
 mod normal_map;
 mod of_mesh;
+mod picture_factors;
 mod principled;
 mod rough_surface;
 mod texture_point;
@@ -29,6 +30,7 @@ pub use dielectric::Dielectric;
 pub use image::{Mapping, Planar, Spherical, Triplanar};
 pub use normal_map::NormalMap;
 pub use of_mesh::MaterialDetail;
+pub use picture_factors::{FactorPictures, PictureFactors};
 pub use principled::Principled;
 pub use rough_surface::RoughSurface;
 pub use texture::*;
@@ -98,6 +100,9 @@ pub struct Material {
     pub normal_map: Option<NormalMap>,
     /// The holes in the surface, if it has any.
     pub cutout: Option<Cutout>,
+    /// The pictures of its roughness, its share of metal and its light: those that a mesh file
+    /// gives it.
+    pub factors: FactorPictures,
     /// How the particles scatter light, if it is not a surface but fog.
     pub particles: Option<HenyeyGreenstein>,
 }
@@ -133,6 +138,7 @@ impl Material {
             two_sided: true,
             normal_map: None,
             cutout: None,
+            factors: FactorPictures::default(),
             particles: None,
         }
     }
@@ -178,11 +184,15 @@ impl Material {
         };
         let index = self.dielectric.map(|medium| medium.index);
         self.rough = facets.map(|facets| {
-            Arc::new(if self.multiple_scattering {
-                RoughSurface::new(facets, index)
-            } else {
-                RoughSurface::losing(facets)
-            })
+            Arc::new(
+                if self.multiple_scattering && self.factors.facets.is_some() {
+                    RoughSurface::varying(facets)
+                } else if self.multiple_scattering {
+                    RoughSurface::new(facets, index)
+                } else {
+                    RoughSurface::losing(facets)
+                },
+            )
         });
     }
 
@@ -194,7 +204,9 @@ impl Material {
         let color = color.map(|image| (&["color", "image"][..], image));
         let normals = normals.map(|image| (&["normal_map", "image"][..], image));
         let holes = holes.map(|image| (&["cutout", "image"][..], image));
-        color.into_iter().chain(normals).chain(holes)
+        let factors = self.factors.images();
+        let factors = factors.map(|image| (&["factors"][..], image));
+        color.into_iter().chain(normals).chain(holes).chain(factors)
     }
 
     /// Its pictures.
@@ -202,7 +214,10 @@ impl Material {
         let normals = self.normal_map.as_mut().map(|map| &mut map.image);
         let holes = self.cutout.as_mut().map(|cutout| &mut cutout.image);
         let color = self.color.image_mut().into_iter();
-        color.chain(normals).chain(holes)
+        color
+            .chain(normals)
+            .chain(holes)
+            .chain(self.factors.images_mut())
     }
 
     /// The normal for the shading of a point, a unit vector on the side of the geometric
@@ -339,6 +354,7 @@ impl TryFrom<MaterialKeys> for Material {
             two_sided: keys.two_sided,
             normal_map: keys.normal_map,
             cutout: keys.cutout,
+            factors: FactorPictures::default(),
             particles: None,
         })
     }

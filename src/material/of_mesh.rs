@@ -49,6 +49,7 @@ impl Material {
             return made;
         }
         made.emission = of.emission;
+        made.factors.emission = of.emission_map.as_ref().map(image);
         if detail == MaterialDetail::Facets && of.transmission > 0.0 {
             let (metallic, roughness) = facets(of.finish);
             made.take_principled(Principled {
@@ -80,12 +81,20 @@ impl Material {
             Finish::Facets {
                 metallic,
                 roughness,
-            } if detail == MaterialDetail::Facets => self.take_principled(Principled {
-                metallic,
-                roughness,
-                transmission: 0.0,
-                index: of.index,
-            }),
+            } if detail == MaterialDetail::Facets => {
+                let map = of.facets_map.as_ref();
+                // A medium is the same everywhere.
+                let map = map.filter(|_| of.transmission == 0.0);
+                let means = [roughness, metallic];
+                let [roughness, metallic] = map.map_or(means, |(_, factors)| *factors);
+                self.factors.facets = map.map(|(picture, _)| image(picture));
+                self.take_principled(Principled {
+                    metallic,
+                    roughness,
+                    transmission: 0.0,
+                    index: of.index,
+                });
+            }
             Finish::Facets {
                 metallic,
                 roughness,

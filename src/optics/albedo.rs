@@ -3,9 +3,11 @@
 //!
 //! Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2019.
 
+use std::sync::LazyLock;
+
 use super::fresnel::{Split, split};
 use super::ggx::Ggx;
-use crate::simd::{Real, Vector};
+use crate::simd::{LookupTable, Real, Vector};
 
 /// Two functions of the cosine of the angle between the normal and the direction to the
 /// viewer, as a table.
@@ -100,6 +102,39 @@ impl Albedo {
         let along = place - row;
         let [a, b, to_next_a, to_next_b] = R::look_up(&self.rows[..], [row]);
         [a + along * to_next_a, b + along * to_next_b]
+    }
+}
+
+/// The functions of [`Albedo::of_mirror`] for facets of each roughness from 0 to 1, with equal
+/// steps. They are looked up by the cosine and the roughness.
+#[derive(Debug, PartialEq)]
+pub struct AlbedoByRoughness([Albedo; N_ROUGHNESSES]);
+
+/// Number of roughnesses in the table.
+const N_ROUGHNESSES: usize = 12;
+
+impl AlbedoByRoughness {
+    /// The table, which is made once.
+    pub fn of_mirrors() -> &'static Self {
+        static TABLE: LazyLock<AlbedoByRoughness> = LazyLock::new(|| {
+            AlbedoByRoughness(std::array::from_fn(|i| {
+                let roughness = i as f32 / (N_ROUGHNESSES - 1) as f32;
+                let facets = Ggx::of_roughness(roughness).unwrap_or(Ggx::SMOOTHEST);
+                Albedo::of_mirror(facets)
+            }))
+        });
+        &TABLE
+    }
+}
+
+impl LookupTable<2, 2> for AlbedoByRoughness {
+    #[inline]
+    fn values_at(&self, [cos, roughness]: [f32; 2]) -> [f32; 2] {
+        let place = roughness.clamp(0.0, 1.0) * (N_ROUGHNESSES - 1) as f32;
+        let below = (place as usize).min(N_ROUGHNESSES - 2);
+        let along = place - below as f32;
+        let [[a, b], [next_a, next_b]] = [below, below + 1].map(|i| self.0[i].at(cos));
+        [a + along * (next_a - a), b + along * (next_b - b)]
     }
 }
 

@@ -11,9 +11,9 @@ use crate::simd::{Real, Vector};
 
 /// The facets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ggx {
+pub struct Ggx<R = f32> {
     /// The width of the distribution, greater than 0.
-    pub alpha: f32,
+    pub alpha: R,
 }
 
 /// Reflection toward a direction.
@@ -38,10 +38,21 @@ impl Ggx {
         let alpha = roughness * roughness;
         (alpha >= Self::SMOOTHEST.alpha).then_some(Self { alpha })
     }
+}
+
+impl<R: Real> Ggx<R> {
+    /// The facets of a surface of this roughness, which are never quite smooth.
+    #[inline(always)]
+    pub fn never_smooth(roughness: R) -> Self {
+        let alpha = roughness * roughness;
+        Self {
+            alpha: alpha.max(alpha.splat(Ggx::SMOOTHEST.alpha)),
+        }
+    }
 
     /// Reflection between two directions above the surface.
     #[inline(always)]
-    pub fn reflection<R: Real>(self, to_viewer: Vector<R>, to_light: Vector<R>) -> Facets<R> {
+    pub fn reflection(self, to_viewer: Vector<R>, to_light: Vector<R>) -> Facets<R> {
         let (zero, one, least) = (
             to_viewer.z.splat(0.0),
             to_viewer.z.splat(1.0),
@@ -64,12 +75,7 @@ impl Ggx {
     /// to, of the one to which this facet refracts light from above; `eta` is the index of
     /// refraction above the surface over that below.
     #[inline(always)]
-    pub fn refraction<R: Real>(
-        self,
-        [above, below]: [Vector<R>; 2],
-        facet: Vector<R>,
-        eta: R,
-    ) -> R {
+    pub fn refraction(self, [above, below]: [Vector<R>; 2], facet: Vector<R>, eta: R) -> R {
         let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
         let cos_above = above.dot(facet).max(zero);
         let cos_below = (-below.dot(facet)).max(zero);
@@ -83,13 +89,13 @@ impl Ggx {
     ///
     /// Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018.
     #[inline(always)]
-    pub fn facet<R: Real>(self, to_viewer: Vector<R>, numbers: [R; 2]) -> Vector<R> {
+    pub fn facet(self, to_viewer: Vector<R>, numbers: [R; 2]) -> Vector<R> {
         let (zero, one, half) = (
             to_viewer.z.splat(0.0),
             to_viewer.z.splat(1.0),
             to_viewer.z.splat(0.5),
         );
-        let alpha = one.splat(self.alpha);
+        let alpha = self.alpha;
         let stretched = Vector {
             x: alpha * to_viewer.x,
             y: alpha * to_viewer.y,
@@ -123,7 +129,7 @@ impl Ggx {
     /// The fraction of light that facets behind the first ones let pass, from a visible
     /// facet toward `to_light`.
     #[inline(always)]
-    pub fn visibility<R: Real>(self, to_viewer: Vector<R>, to_light: Vector<R>) -> R {
+    pub fn visibility(self, to_viewer: Vector<R>, to_light: Vector<R>) -> R {
         let one = to_viewer.z.splat(1.0);
         let of_viewer = self.lambda(to_viewer.z.abs().max(one.splat(1e-6)));
         let of_light = self.lambda(to_light.z.abs().max(one.splat(1e-6)));
@@ -132,8 +138,8 @@ impl Ggx {
 
     /// The density of normals of facets, per steradian.
     #[inline(always)]
-    fn distribution<R: Real>(self, facet: Vector<R>) -> R {
-        let alpha2 = facet.z.splat(self.alpha * self.alpha);
+    fn distribution(self, facet: Vector<R>) -> R {
+        let alpha2 = self.alpha * self.alpha;
         // sin² by x and y: without cancellation near the normal.
         let sin2 = facet.x * facet.x + facet.y * facet.y;
         let root = sin2 + facet.z * facet.z * alpha2;
@@ -142,11 +148,11 @@ impl Ggx {
 
     /// Smith's auxiliary function of the cosine of a direction's angle.
     #[inline(always)]
-    fn lambda<R: Real>(self, cos: R) -> R {
+    fn lambda(self, cos: R) -> R {
         let (one, half) = (cos.splat(1.0), cos.splat(0.5));
         let cos2 = cos * cos;
         let tan2 = (one - cos2).max(cos.splat(0.0)) / cos2;
-        half * ((one + one.splat(self.alpha * self.alpha) * tan2).sqrt() - one)
+        half * ((one + self.alpha * self.alpha * tan2).sqrt() - one)
     }
 }
 

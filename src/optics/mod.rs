@@ -5,6 +5,6 @@ mod fresnel;
 mod ggx;
 mod albedo;
 
-pub use albedo::{Albedo, schlick};
+pub use albedo::{Albedo, AlbedoByRoughness, schlick};
 pub use fresnel::{Split, reflectance_of_metal, split};
 pub use ggx::{Facets, Ggx};

@@ -269,7 +269,11 @@ fn emitting_shapes(materials: &[Material], world: World) -> BTreeMap<usize, Shap
     if !materials.iter().any(Material::emits) {
         return shapes;
     }
-    let emits = |primitive: &&Primitive| materials[primitive.material.0 as usize].emits();
+    // Where a picture varies the light, rays find it by chance.
+    let emits = |primitive: &&Primitive| {
+        let material = &materials[primitive.material.0 as usize];
+        material.emits() && material.factors.emission.is_none()
+    };
     let mut add = |primitive: &Primitive, parameters, bounds| {
         let Some(kind) = primitive.kind() else {
             return;

@@ -32,7 +32,7 @@ use crate::color::Development;
 use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
 use crate::fog::FogSphere;
 use crate::geometry::RenderSpace;
-use crate::material::{Material, TexturePoint};
+use crate::material::{FactorPictures, Material, TexturePoint};
 use crate::simd::Vector;
 use crate::text::{did_you_mean, keyword_name};
 use crate::yaml::{Fault, FieldPath};
@@ -91,6 +91,8 @@ pub struct Scene {
     has_media: bool,
     /// Whether any material has holes.
     has_cutouts: bool,
+    /// Whether pictures vary the roughness, the share of metal or the light of any material.
+    pub has_factors: bool,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
     /// The attributes of the objects' primitives, by [`ObjectId`].
@@ -160,6 +162,10 @@ impl Scene {
                 .materials
                 .values()
                 .any(|material| material.cutout.is_some()),
+            has_factors: config
+                .materials
+                .values()
+                .any(|material| material.factors != FactorPictures::default()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
             instances: None,
             classes: Vec::with_capacity(geometries.n_primitives()),

@@ -9,7 +9,7 @@ use crate::geometry::{N_PARAMETERS, Seen};
 use crate::material::Material;
 use crate::scene::{Emitter, Lights, Scene};
 use crate::simd::{InstructionSet, N_LANES, Real, SimdKernel, Vector, VectorColumn, set_lane};
-use crate::trace::{PointGroup, PointLanes, Points};
+use crate::trace::{PointGroup, PointLanes, Points, ShadingPoint};
 
 /// A ray that has hit a surface that emits light, or one per lane.
 pub(super) struct Arrival<R> {
@@ -21,10 +21,11 @@ pub(super) struct Arrival<R> {
     pub(super) shape: [R; N_PARAMETERS],
 }
 
-/// The radiance that a material emits to a side: its own if that is 1, the other if -1.
+/// The radiance that a material emits at a point, to the side that is seen.
 #[inline(always)]
-pub(super) fn emitted<R: Real>(material: &Material, side: R) -> Vector<R> {
-    let radiance = Vector::splat(side, material.emission);
+pub(super) fn emitted<R: Real>(material: &Material, at: &ShadingPoint<R>) -> Vector<R> {
+    let side = at.side;
+    let radiance = Vector::splat(side, material.emission).times(at.factors.emission);
     if material.two_sided {
         return radiance;
     }
@@ -95,7 +96,7 @@ impl SimdKernel for AddEmission<'_> {
             }
             for at in group.lanes() {
                 let before = self.radiance.load(set, at.first);
-                let emitted = emitted(material, self.points.shading(set, at).side);
+                let emitted = emitted(material, &self.points.shading(set, at));
                 let weighted = emitted * self.weight(set, group, at);
                 self.radiance.store(at.first, before + weighted);
             }

@@ -244,7 +244,7 @@ impl<'a> Shader<'a> {
     /// The light that the point emits toward the ray, weighted.
     fn emission(&self, path: &PathRay, point: &SurfacePoint) -> Vector<f32> {
         let at = point.shading();
-        let emitted = emitted(self.scene.material(point.material), at.side);
+        let emitted = emitted(self.scene.material(point.material), &at);
         let primitive = &self.scene.primitives[point.primitive as usize];
         let emitter = self.scene.lights.emitter(point.material, primitive.kind());
         let Some(emitter) = emitter.filter(|_| self.scene.scatters_paths()) else {

@@ -7,7 +7,7 @@ use super::points::{PointGroup, PointLanes, Points};
 use super::surface_point::{on_side_of, side, width};
 use crate::accel::Hit;
 use crate::geometry::{InstanceTransform, RayStream};
-use crate::material::TexturePoint;
+use crate::material::{PictureFactors, TexturePoint};
 use crate::scene::{
     AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
     interpolated_normal, interpolated_scalar, scalar_along, with_uv,
@@ -164,6 +164,10 @@ impl FindPoints<'_> {
         points.normal.store(at.first, normal);
         points.geometric_normal.store(at.first, geometric_normal);
         points.color.store(at.first, color);
+        if points.has_factors {
+            let factors = material.factors.at(&at_point);
+            points.store_factors(at.first, &factors);
+        }
         points.direction.store(at.first, direction);
         *lanes_mut(&mut points.error, at.first) = error.to_array();
         *lanes_mut(&mut points.side, at.first) = side.to_array();
@@ -184,6 +188,9 @@ impl FindPoints<'_> {
         points.normal.store(first, none);
         points.geometric_normal.store(first, none);
         points.color.store(first, set.splat_vector(color));
+        if points.has_factors {
+            points.store_factors(first, &PictureFactors::ones(set.splat(1.0)));
+        }
         points.direction.store(first, direction);
         *lanes_mut(&mut points.error, first) = [0.0; N_LANES];
         *lanes_mut(&mut points.side, first) = [1.0; N_LANES];

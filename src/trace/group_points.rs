@@ -8,6 +8,7 @@ use crate::simd::{N_LANES, grow, lanes_mut};
 impl Points {
     /// Groups the hits of rays; the points themselves are not computed yet.
     pub(super) fn group(&mut self, scene: &Scene, hits: &[Option<Hit>]) {
+        self.has_factors = scene.has_factors;
         self.groups.clear();
         self.missed.clear();
         self.group_of_ray.clear();

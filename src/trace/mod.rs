@@ -178,6 +178,7 @@ impl<'a> Tracer<'a> {
             primitive: hit.primitive,
             instance: hit.instance,
             is_flipped: side < 0.0,
+            factors: material.factors.at(&at),
         }
     }
 }

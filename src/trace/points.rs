@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::parameters::parameters;
 use super::surface_point::ShadingPoint;
 use crate::geometry::{N_PARAMETERS, ShapeKind};
-use crate::material::Material;
+use crate::material::{Material, PictureFactors};
 use crate::scene::{AttributeKind, InstanceId, MaterialId, ObjectId, Scene, SurfaceClass};
 use crate::simd::{InstructionSet, Lanes, N_LANES, Vector, VectorColumn, grow, lanes};
 
@@ -27,6 +27,10 @@ pub struct Points {
     pub(super) normal: VectorColumn,
     pub(super) geometric_normal: VectorColumn,
     pub(super) color: VectorColumn,
+    /// The factors of pictures, of emission and of roughness and metal: nothing if no material
+    /// of the scene has such pictures.
+    pub(super) factors: [VectorColumn; 2],
+    pub(super) has_factors: bool,
     /// The direction of each point's ray.
     pub(super) direction: VectorColumn,
     pub(super) side: Vec<f32>,
@@ -106,7 +110,30 @@ impl Points {
         self.normal.grow(n_points);
         self.geometric_normal.grow(n_points);
         self.color.grow(n_points);
+        if self.has_factors {
+            self.factors
+                .iter_mut()
+                .for_each(|column| column.grow(n_points));
+        }
         self.direction.grow(n_points);
+    }
+
+    /// Stores the factors of eight points, from this one on.
+    #[inline(always)]
+    pub(super) fn store_factors<L: Lanes>(&mut self, first: usize, factors: &PictureFactors<L>) {
+        let PictureFactors {
+            emission,
+            roughness,
+            metallic,
+        } = *factors;
+        let facets = Vector {
+            x: roughness,
+            y: metallic,
+            z: roughness,
+        };
+        let [of_emission, of_facets] = &mut self.factors;
+        of_emission.store(first, emission);
+        of_facets.store(first, facets);
     }
 
     /// The end of the points' indices.
@@ -162,13 +189,25 @@ impl Points {
         set: I,
         at: PointLanes,
     ) -> ShadingPoint<I::Lanes> {
+        let side = set.load(lanes(&self.side, at.first));
+        let mut factors = PictureFactors::ones(side);
+        if self.has_factors {
+            let [emission, facets] = &self.factors;
+            let facets = facets.load(set, at.first);
+            factors = PictureFactors {
+                emission: emission.load(set, at.first),
+                roughness: facets.x,
+                metallic: facets.y,
+            };
+        }
         ShadingPoint {
             position: self.position.load(set, at.first),
             normal: self.normal.load(set, at.first),
             geometric_normal: self.geometric_normal.load(set, at.first),
             color: self.color.load(set, at.first),
             error: set.load(lanes(&self.error, at.first)),
-            side: set.load(lanes(&self.side, at.first)),
+            side,
+            factors,
         }
     }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::camera::RayCone;
 use crate::geometry::{Ray, leaving};
+use crate::material::PictureFactors;
 use crate::scene::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
 use crate::simd::{Mask, Real, Vector};
 
@@ -34,6 +35,8 @@ pub struct SurfacePoint {
     /// Whether both normals are opposite to the surface's own, because the ray came
     /// from its other side.
     pub is_flipped: bool,
+    /// What pictures say about its material there.
+    pub factors: PictureFactors<f32>,
 }
 
 /// What shading reads of a surface point, or of one per lane.
@@ -51,6 +54,8 @@ pub struct ShadingPoint<R> {
     pub error: R,
     /// -1 where both normals are opposite to the surface's own, else 1.
     pub side: R,
+    /// What pictures say about its material there.
+    pub factors: PictureFactors<R>,
 }
 
 impl SurfacePoint {
@@ -69,6 +74,7 @@ impl SurfacePoint {
             primitive: scene.particles(),
             instance: None,
             is_flipped: false,
+            factors: PictureFactors::ones(0.0),
         }
     }
 
@@ -90,6 +96,7 @@ impl SurfacePoint {
             color: self.color.into(),
             error: self.error,
             side: if self.is_flipped { -1.0 } else { 1.0 },
+            factors: self.factors,
         }
     }
 

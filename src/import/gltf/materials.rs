@@ -83,13 +83,16 @@ impl Materials<'_> {
         let index = extensions
             .and_then(|of| of.ior.as_ref())
             .map_or(1.5, |of| of.ior.0);
+        let (emission, emission_map) = self.emission(of)?;
         let mut made = MeshMaterial {
             finish: Finish::Facets {
                 metallic: (pbr.metallic_factor.0 * metal).clamp(0.0, 1.0),
                 roughness: (pbr.roughness_factor.0 * rough).clamp(0.0, 1.0),
             },
             index: index.clamp(1.0, 10.0),
-            emission: self.emission(of)?,
+            emission,
+            emission_map,
+            facets_map: self.facets_map(of)?,
             normal_map: self.normal_map(of)?,
             ..MeshMaterial::new(name, color)
         };
@@ -118,22 +121,44 @@ impl Materials<'_> {
         Ok(made)
     }
 
-    /// The radiance that a surface emits: that of a picture by its mean.
-    fn emission(&mut self, of: &Material) -> Result<Vec3> {
+    /// The radiance that a surface emits, and the picture that it is multiplied by: one that
+    /// lies elsewhere than the material's other pictures counts by its mean.
+    fn emission(&mut self, of: &Material) -> Result<(Vec3, Option<MeshPicture>)> {
         let factor = Vec3::from(of.emissive_factor.0).max(Vec3::ZERO);
         if factor == Vec3::ZERO {
-            return Ok(factor);
+            return Ok((factor, None));
         }
         let extensions = of.extensions.as_ref();
         let strength = extensions.and_then(|of| of.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |of| of.emissive_strength.0);
+        let bright = factor * strength.max(0.0);
+        let emission = if bright.is_finite() { bright } else { factor };
+        let map = self.placed_as_others(of, of.emissive_texture.as_ref(), None)?;
+        if map.is_some() {
+            return Ok((emission, map));
+        }
         let [red, green, blue, _] = self.mean(of.emissive_texture.as_ref(), None)?;
-        let emission = factor * strength.max(0.0) * Vec3::new(red, green, blue);
-        Ok(if emission.is_finite() {
-            emission
-        } else {
-            factor
-        })
+        Ok((emission * Vec3::new(red, green, blue), None))
+    }
+
+    /// The picture of roughness and metal, with its factors, if it lies where the others do.
+    fn facets_map(&mut self, of: &Material) -> Result<Option<(MeshPicture, [f32; 2])>> {
+        let pbr = &of.pbr_metallic_roughness;
+        let info = pbr.metallic_roughness_texture.as_ref();
+        let map = self.placed_as_others(of, info, Some(Transfer::Linear))?;
+        let factors = [pbr.roughness_factor.0, pbr.metallic_factor.0];
+        Ok(map.map(|map| (map, factors.map(|factor| factor.clamp(0.0, 1.0)))))
+    }
+
+    /// Reads a picture, if it lies where the other ones of the material do.
+    fn placed_as_others(
+        &mut self,
+        of: &Material,
+        info: Option<&Info>,
+        transfer: Option<Transfer>,
+    ) -> Result<Option<MeshPicture>> {
+        let info = info.filter(|info| placing(info) == of_material(of));
+        self.picture(info, transfer, Vec3::ONE)
     }
 
     /// The picture of normals, if it lies where that of the color does.
@@ -147,12 +172,7 @@ impl Materials<'_> {
             extensions: None,
             extras: Default::default(),
         };
-        if of.pbr_metallic_roughness.base_color_texture.is_some()
-            && placing(&info) != of_material(of)
-        {
-            return Ok(None);
-        }
-        let picture = self.picture(Some(&info), Some(Transfer::Linear), Vec3::ONE)?;
+        let picture = self.placed_as_others(of, Some(&info), Some(Transfer::Linear))?;
         let strength = if map.scale.is_finite() {
             map.scale.max(0.0)
         } else {
@@ -196,17 +216,20 @@ impl Materials<'_> {
     }
 }
 
-/// Where the pictures of a material are: where that of its color is, or that of its normals.
+/// Where the pictures of a material are: where the first one is of those of its color, its
+/// normals, its facets and its light.
 pub(super) fn of_material(material: &Material) -> Placing {
-    let color = material.pbr_metallic_roughness.base_color_texture.as_ref();
-    match (color, &material.normal_texture) {
-        (Some(info), _) => placing(info),
-        (None, Some(map)) => Placing {
+    let pbr = &material.pbr_metallic_roughness;
+    if let (None, Some(map)) = (&pbr.base_color_texture, &material.normal_texture) {
+        return Placing {
             set: map.tex_coord,
             ..Placing::default()
-        },
-        (None, None) => Placing::default(),
+        };
     }
+    let color = pbr.base_color_texture.as_ref();
+    let others = pbr.metallic_roughness_texture.as_ref();
+    let first = color.or(others).or(material.emissive_texture.as_ref());
+    first.map_or(Placing::default(), placing)
 }
 
 fn placing(info: &Info) -> Placing {

@@ -73,7 +73,9 @@ impl Scatters for Lobes<'_> {
             return diffuse;
         };
         let to_viewer = at.in_surface(at.to_viewer);
-        let facets = rough.facets.reflection(to_viewer, at.in_surface(to_light));
+        let facets = rough
+            .facets(zero)
+            .reflection(to_viewer, at.in_surface(to_light));
         let white = Vector::splat(zero, Vec3::ONE);
         let gain = at.gain(rough.of_mirror.as_ref(), white);
         diffuse.with(Scattering {
@@ -96,7 +98,7 @@ impl Scatters for Lobes<'_> {
         let [x, y, z] = hemisphere(numbers);
         let mut direction = at.in_world(Vector { x, y, z });
         if let Some(rough) = self.rough {
-            let reflected = at.mirrored_by(rough.facets, numbers);
+            let reflected = at.mirrored_by(rough.facets(zero), numbers);
             direction = Vector::select(is_glossy, reflected, direction);
         }
         let scattered = Scattered {

@@ -85,7 +85,7 @@ fn by_facets<R: Real>(
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
     let Boundary { eta, is_visible } = *boundary;
     let to_viewer = at.in_surface(at.to_viewer);
-    let normal = rough.facets.facet(to_viewer, numbers);
+    let normal = rough.facets(zero).facet(to_viewer, numbers);
     let facet = at.in_world(normal);
     let Split {
         reflectance,
@@ -100,10 +100,13 @@ fn by_facets<R: Real>(
     let reflected = at.reflected(mirrored, reflection(rough, at, boundary, mirrored));
     // Light that other facets hide, or that comes from the wrong side, is lost.
     let to_light = at.in_surface(chosen.direction);
-    let visible = rough.facets.visibility(to_viewer, to_light);
+    let visible = rough.facets(zero).visibility(to_viewer, to_light);
     let is_behind = at.point.is_backed_by(chosen.direction);
     let passed = R::select(is_behind, visible / returned(rough, at, eta), zero);
-    let density = (one - reflectance) * rough.facets.refraction([to_viewer, to_light], normal, eta);
+    let density = (one - reflectance)
+        * rough
+            .facets(zero)
+            .refraction([to_viewer, to_light], normal, eta);
     let refracted = Scattered {
         factor: chosen.factor * R::select(is_visible, passed, one),
         density: R::select(bends(boundary), density, chosen.density),
@@ -125,7 +128,7 @@ fn reflection<R: Real>(
     let zero = reflectance.splat(0.0);
     let reflectance = R::select(boundary.is_visible, reflectance, zero);
     let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
-    let facets = rough.facets.reflection(to_viewer, to_light);
+    let facets = rough.facets(zero).reflection(to_viewer, to_light);
     let value = reflectance * facets.value / returned(rough, at, boundary.eta);
     Scattering {
         value: Vector::splat(zero, Vec3::ONE) * value,
@@ -151,9 +154,12 @@ fn refraction<R: Real>(
     let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
     let normal = at.in_surface(facet);
     let is_refracted = bends(boundary) & zero.lt(normal.z);
-    let density = (one - reflectance) * rough.facets.refraction([to_viewer, to_light], normal, eta);
+    let density = (one - reflectance)
+        * rough
+            .facets(zero)
+            .refraction([to_viewer, to_light], normal, eta);
     let density = R::select(is_refracted, density, zero);
-    let visible = rough.facets.visibility(to_viewer, to_light);
+    let visible = rough.facets(zero).visibility(to_viewer, to_light);
     let share = eta * eta * visible / returned(rough, at, eta);
     Scattering {
         value: Vector::splat(zero, Vec3::splat(PI)) * (density * share),

@@ -43,7 +43,9 @@ impl Scatters for Metal<'_> {
             return Scattering::none(to_light.x);
         };
         let to_viewer = at.in_surface(at.to_viewer);
-        let reflection = rough.facets.reflection(to_viewer, at.in_surface(to_light));
+        let reflection = rough
+            .facets(to_viewer.z)
+            .reflection(to_viewer, at.in_surface(to_light));
         let color = Vector::splat(to_light.x, self.color);
         let gain = at.gain(rough.of_mirror.as_ref(), color);
         let once = reflectance(&self.conductor, reflection.cos) * reflection.value;
@@ -71,7 +73,7 @@ impl Scatters for Metal<'_> {
                 is_diffuse: zero.splat_mask(false),
             };
         };
-        let direction = at.mirrored_by(rough.facets, numbers);
+        let direction = at.mirrored_by(rough.facets(numbers[0]), numbers);
         at.reflected(direction, self.evaluate(at, boundary, direction))
     }
 }

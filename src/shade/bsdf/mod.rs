@@ -201,7 +201,7 @@ impl<R: Real> Leaving<R> {
     /// The direction from which one of the facets that the viewer sees mirrors light; two
     /// numbers choose the facet.
     #[inline(always)]
-    fn mirrored_by(&self, facets: Ggx, numbers: [R; 2]) -> Vector<R> {
+    fn mirrored_by(&self, facets: Ggx<R>, numbers: [R; 2]) -> Vector<R> {
         let facet = facets.facet(self.in_surface(self.to_viewer), numbers);
         let normal = self.in_world(facet);
         (-self.to_viewer).reflect(normal).normalize()

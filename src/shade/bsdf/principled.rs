@@ -13,7 +13,7 @@ use glam::Vec3;
 use super::medium::Medium;
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters, gain};
 use crate::material::{Principled, RoughSurface};
-use crate::optics::schlick;
+use crate::optics::{Ggx, schlick};
 use crate::sampling::hemisphere;
 use crate::simd::{Real, Vector};
 
@@ -23,9 +23,12 @@ pub(in crate::shade) struct PrincipledBsdf<'a> {
     rough: &'a RoughSurface,
     /// What the coat reflects of light along the normal.
     coat_reflectance: f32,
-    /// The share of each part, with a sum of 1.
-    metal: f32,
-    coated: f32,
+    /// The share of metal and the roughness, before the factors of pictures.
+    metallic: f32,
+    roughness: f32,
+    /// The share of the rest that lets light through.
+    transmission: f32,
+    /// The share of the clear medium: that of a surface whose pictures do not change it.
     clear: f32,
     medium: Medium<'a>,
 }
@@ -42,27 +45,47 @@ impl<'a> PrincipledBsdf<'a> {
     pub(super) fn new(keys: &Principled, rough: &'a RoughSurface) -> Self {
         let Principled {
             metallic,
+            roughness,
             transmission,
             index,
-            ..
         } = *keys;
         Self {
             rough,
             coat_reflectance: ((index - 1.0) / (index + 1.0)).powi(2),
-            metal: metallic,
-            coated: (1.0 - metallic) * (1.0 - transmission),
+            metallic,
+            roughness,
+            transmission,
             clear: (1.0 - metallic) * transmission,
             medium: Medium::new(Some(rough)),
         }
+    }
+
+    /// The roughness at a point.
+    #[inline(always)]
+    fn roughness<R: Real>(&self, at: &Leaving<R>) -> R {
+        let factor = at.point.factors.roughness;
+        factor * factor.splat(self.roughness)
+    }
+
+    /// The shares of the metal and of the coated surface at a point; the rest is that of the
+    /// medium.
+    #[inline(always)]
+    fn shares<R: Real>(&self, at: &Leaving<R>) -> [R; 2] {
+        let factor = at.point.factors.metallic;
+        let one = factor.splat(1.0);
+        let metal = factor * one.splat(self.metallic);
+        [metal, (one - metal) * one.splat(1.0 - self.transmission)]
     }
 
     #[inline(always)]
     fn reflectances<R: Real>(&self, at: &Leaving<R>) -> Reflectances<R> {
         let one = at.point.side.splat(1.0);
         let of_normal = one.splat(self.coat_reflectance);
-        let [all, fifth_power] = match &self.rough.of_mirror {
-            Some(albedo) => albedo.at(at.cos_of_viewer()),
-            None => [one, one.splat(0.0)],
+        let cos = at.cos_of_viewer();
+        let [all, fifth_power] = match (&self.rough.of_mirror, self.rough.by_roughness) {
+            (_, Some(table)) => R::look_up(table, [cos, self.roughness(at)]),
+            (Some(albedo), None) => albedo.at(cos),
+            (None, None) => [one, one.splat(0.0)],
         };
         let of_coat = gain(all, Vector::splat(one, Vec3::splat(self.coat_reflectance)));
         let once = of_normal * (all - fifth_power) + fifth_power;
@@ -75,8 +98,8 @@ impl<'a> PrincipledBsdf<'a> {
     /// The probabilities of facets and of the diffuse surface; the rest is that of the
     /// medium.
     #[inline(always)]
-    fn choice<R: Real>(&self, of_coat: R) -> [R; 2] {
-        let (metal, coated) = (of_coat.splat(self.metal), of_coat.splat(self.coated));
+    fn choice<R: Real>(&self, at: &Leaving<R>, of_coat: R) -> [R; 2] {
+        let [metal, coated] = self.shares(at);
         let one = of_coat.splat(1.0);
         [metal + coated * of_coat, coated * (one - of_coat)]
     }
@@ -100,17 +123,15 @@ impl Scatters for PrincipledBsdf<'_> {
     ) -> Scattering<R> {
         let (zero, one) = (to_light.x.splat(0.0), to_light.x.splat(1.0));
         let Reflectances { gains, of_coat } = self.reflectances(at);
-        let [of_facets, of_diffuse] = self.choice(of_coat);
+        let [of_facets, of_diffuse] = self.choice(at, of_coat);
         let to_viewer = at.in_surface(at.to_viewer);
-        let facets = self
-            .rough
-            .facets
-            .reflection(to_viewer, at.in_surface(to_light));
+        let facets = Ggx::never_smooth(self.roughness(at));
+        let facets = facets.reflection(to_viewer, at.in_surface(to_light));
         let grazing = schlick(facets.cos);
         let white = Vector::splat(one, Vec3::ONE);
         let color = at.point.color;
         let coat = one.splat(self.coat_reflectance);
-        let (metal, coated) = (one.splat(self.metal), one.splat(self.coated));
+        let [metal, coated] = self.shares(at);
         let of_metal = (color + (white - color) * grazing).times(gains[0]) * metal;
         let reflected_by_coat = gains[1] * ((coat + (one - coat) * grazing) * coated);
         let cos = to_light.dot(at.point.normal).max(zero);
@@ -144,12 +165,12 @@ impl Scatters for PrincipledBsdf<'_> {
     ) -> Scattered<R> {
         let zero = lobe.splat(0.0);
         let Reflectances { of_coat, .. } = self.reflectances(at);
-        let [of_facets, _] = self.choice(of_coat);
+        let [of_facets, _] = self.choice(at, of_coat);
         let clear = zero.splat(self.clear);
         let is_glossy = lobe.lt(clear + of_facets);
         let [x, y, z] = hemisphere(numbers);
         let diffuse = at.in_world(Vector { x, y, z });
-        let glossy = at.mirrored_by(self.rough.facets, numbers);
+        let glossy = at.mirrored_by(Ggx::never_smooth(self.roughness(at)), numbers);
         let mut direction = Vector::select(is_glossy, glossy, diffuse);
         if self.clear == 0.0 {
             return self.reflected(at, boundary, direction, !is_glossy);
