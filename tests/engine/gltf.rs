@@ -468,11 +468,96 @@ fn a_mistake_is_reported_with_its_place() {
     let mut file = sign();
     file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     read("a.glb", &file.glb()).unwrap();
-    file.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
-    let found = read("a.glb", &file.glb()).unwrap_err();
-    let expected = "`extensionsRequired[0] = \"KHR_draco_mesh_compression\"`: \
-                    raycost cannot read this extension";
-    assert!(found.contains(expected), "{found}");
+    for (name, what) in [
+        (
+            "KHR_draco_mesh_compression",
+            ": its meshes are compressed by Draco",
+        ),
+        ("EXT_texture_webp", ": its pictures are WebP files"),
+        ("EXT_new", ""),
+    ] {
+        file.json["extensionsRequired"] = json!([name]);
+        // What the extension changes is no mistake of the file.
+        file.json["textures"] = json!([{}]);
+        let found = read("a.glb", &file.glb()).unwrap_err();
+        let expected = format!(
+            "it requires the extension `{name}`{what}, expected a file that was exported without it"
+        );
+        assert!(found.ends_with(&expected), "{found}");
+    }
+    let old = r#"{ "asset": { "version": 1.0 }, "meshes": { "a": {} } }"#;
+    let found = read("a.gltf", old.as_bytes()).unwrap_err();
+    assert!(
+        found.ends_with("it is glTF 1.0, expected glTF 2.0"),
+        "{found}"
+    );
+    let mut old = sign().glb();
+    old[4] = 1;
+    let found = read("a.glb", &old).unwrap_err();
+    assert!(
+        found.ends_with("it is glTF 1, expected glTF 2.0"),
+        "{found}"
+    );
+}
+
+/// The specification leaves names that begin with `_` to each program.
+#[test]
+fn attributes_of_other_programs_and_lights_are_no_obstacle() {
+    let mut file = sign();
+    let plain = read("a.glb", &file.glb()).unwrap();
+    let own = file.floats("VEC3", 4, &[0.0; 12]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["_OWN"] = own.into();
+    file.json["extensionsRequired"] = json!(["KHR_lights_punctual"]);
+    let lamp = json!({ "type": "point", "intensity": 60 });
+    file.json["extensions"]["KHR_lights_punctual"] = json!({ "lights": [lamp] });
+    file.json["nodes"][0]["extensions"]["KHR_lights_punctual"] = json!({ "light": 0 });
+    assert_eq!(read("a.glb", &file.glb()), Ok(plain));
+}
+
+/// A panel whose picture varies what is not its color.
+#[test]
+fn light_roughness_and_metal_vary_as_their_pictures_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = sign();
+    let panel = &mut file.json["materials"][0];
+    panel["emissiveTexture"] = json!({ "index": 0 });
+    panel["emissiveFactor"] = json!([0.5, 0.5, 0.5]);
+    panel["pbrMetallicRoughness"]["metallicRoughnessTexture"] = json!({ "index": 0 });
+    std::fs::write(folder.path().join("sign.glb"), file.glb()).unwrap();
+    for model in ["blinn_phong", "path"] {
+        let rest =
+            format!("shading: {{ model: {model} }}\nobjects: [{{ mesh: {{ file: sign.glb }} }}]\n");
+        let scene = scene_of(folder.path(), &rest);
+        let accel = Accel::new(&scene, Default::default());
+        let panel = &scene.materials[1];
+        assert_eq!(panel.emission, Vec3::splat(0.5));
+        // Red, green and black of the picture.
+        for ([x, y], [red, green]) in [
+            ([-0.7, 0.3], [1.0, 1.0]),
+            ([-0.7, 1.7], [0.0, 1.0]),
+            ([0.8, 1.7], [0.0, 0.0]),
+        ] {
+            let ray = Ray {
+                origin: Vec3::new(x, y, 9.0),
+                direction: -Vec3::Z,
+            };
+            let tracer = Tracer::new(&scene, &accel);
+            let point = tracer.trace(&ray, RayKind::Camera, &mut NoProbe).unwrap();
+            let factors = point.factors;
+            assert_eq!(Vec3::from(factors.emission), Vec3::new(red, green, 0.0));
+            let facets = (factors.roughness, factors.metallic);
+            let expected = if model == "path" {
+                (green, 0.0)
+            } else {
+                (1.0, 1.0)
+            };
+            assert_eq!(facets, expected, "{model} {x} {y}");
+        }
+        // Rays find the light of a picture by chance.
+        if model == "path" {
+            assert_eq!(scene.lights.n_sources(), 1, "that of the painted triangle");
+        }
+    }
 }
 
 /// Nodes that show the same mesh over and over take its memory each.

@@ -1,8 +1,11 @@
 //! The two forms of a glTF file: JSON, or a binary file whose first chunk is JSON.
 
 use gltf_json::Root;
+use gltf_json::extensions::ENABLED_EXTENSIONS;
 use gltf_json::validation::{Error, Validate};
 use memchr::memchr_iter;
+use serde::Deserialize;
+use serde_json::Value;
 
 use crate::import::budget::Budget;
 use crate::import::fault::cut;
@@ -29,6 +32,7 @@ pub(super) fn parse<'a>(file: &'a [u8], budget: &mut Budget) -> Result<(Root, Op
     };
     let n_objects = memchr_iter(b'{', json).count() as u64;
     budget.take(n_objects * OBJECT_BYTES + json.len() as u64 * BYTES_PER_BYTE)?;
+    check_head(json)?;
     let root: Root = serde_json::from_slice(json).map_err(|error| {
         let line = FileLocation::Line(error.line() as u64);
         let text = error.to_string();
@@ -36,14 +40,75 @@ pub(super) fn parse<'a>(file: &'a [u8], budget: &mut Budget) -> Result<(Root, Op
         let reason: String = reason.chars().take(MAX_PLACE).collect();
         FileFault::new(format!("the JSON is damaged: {reason}"), "glTF 2.0").at(line)
     })?;
-    if root.asset.version.split('.').next() != Some("2") {
-        let problem = format!("it is glTF {}", cut(&root.asset.version));
-        return Err(FileFault::new(problem, "glTF 2.0"));
-    }
     match first_mistake(&root) {
         None => Ok((root, binary)),
         Some(fault) => Err(fault),
     }
+}
+
+/// What a file says about its version and its extensions.
+#[derive(Deserialize)]
+struct GltfHead {
+    asset: GltfAsset,
+    #[serde(default, rename = "extensionsRequired")]
+    extensions: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct GltfAsset {
+    /// A text, or a number in old files.
+    version: Value,
+}
+
+/// Extensions that change the bytes of a file, each with what it does.
+const ENCODINGS: [(&str, &str); 9] = [
+    (
+        "KHR_draco_mesh_compression",
+        "its meshes are compressed by Draco",
+    ),
+    (
+        "EXT_meshopt_compression",
+        "its buffers are compressed by meshoptimizer",
+    ),
+    (
+        "KHR_meshopt_compression",
+        "its buffers are compressed by meshoptimizer",
+    ),
+    ("EXT_texture_webp", "its pictures are WebP files"),
+    ("EXT_texture_avif", "its pictures are AVIF files"),
+    ("KHR_texture_basisu", "its pictures are KTX files"),
+    ("MSFT_texture_dds", "its pictures are DDS files"),
+    ("EXT_mesh_gpu_instancing", "its nodes repeat meshes"),
+    ("KHR_gaussian_splatting", "it is made of splats"),
+];
+
+/// Refuses glTF of another version, and extensions without which a file means something else.
+/// What follows from them would be mistakes in the rest of the JSON.
+fn check_head(json: &[u8]) -> Result<()> {
+    // A mistake here is one in the whole, too.
+    let Ok(GltfHead { asset, extensions }) = serde_json::from_slice(json) else {
+        return Ok(());
+    };
+    let version = match asset.version {
+        Value::String(version) => version,
+        other => other.to_string(),
+    };
+    if version.split('.').next() != Some("2") {
+        let problem = format!("it is glTF {}", cut(&version));
+        return Err(FileFault::new(problem, "glTF 2.0"));
+    }
+    let is_known = |name: &str| ENABLED_EXTENSIONS.contains(&name) || name == QUANTIZATION;
+    let Some(unknown) = extensions.iter().find(|name| !is_known(name)) else {
+        return Ok(());
+    };
+    let encoding = ENCODINGS.iter().find(|(name, _)| name == unknown);
+    let what = encoding.map_or(String::new(), |(_, what)| format!(": {what}"));
+    let name: String = unknown.chars().take(MAX_PLACE).collect();
+    let problem = format!("it requires the extension `{name}`{what}");
+    Err(FileFault::new(
+        problem,
+        "a file that was exported without it",
+    ))
 }
 
 /// The JSON and the first buffer of a binary file.
@@ -54,9 +119,8 @@ fn chunks(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     };
     let (version, length) = (number(4), number(8));
     if version != Some(2) {
-        let version = version.map_or("none".to_owned(), |version| version.to_string());
-        let problem = format!("the version of the binary file is {version}");
-        return Err(FileFault::new(problem, "version 2"));
+        let version = version.map_or("of no version".to_owned(), |version| version.to_string());
+        return Err(FileFault::new(format!("it is glTF {version}"), "glTF 2.0"));
     }
     let end = length.unwrap_or_default() as usize;
     let whole = file.get(HEADER..end).ok_or_else(|| {
@@ -89,7 +153,7 @@ fn chunk<'a>(chunks: &'a [u8], kind: &[u8; 4]) -> Result<(&'a [u8], &'a [u8])> {
 }
 
 /// Integers for numbers of vertices: read, but not known to gltf-json.
-const QUANTIZATION: &str = "\"KHR_mesh_quantization\"";
+const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// The first index that is out of range, or value that is none of glTF's.
 fn first_mistake(root: &Root) -> Option<FileFault> {
@@ -103,21 +167,16 @@ fn first_mistake(root: &Root) -> Option<FileFault> {
         return Some(FileFault::new(problem, expected));
     }
     root.validate(root, gltf_json::Path::new, &mut |path, error| {
-        if error == Error::Unsupported && path().as_str().ends_with(QUANTIZATION) {
-            return;
-        }
+        let (problem, expected) = match error {
+            Error::IndexOutOfBounds => ("there is none with this index", "one that there is"),
+            Error::Invalid => ("it has no valid value", "one of glTF 2.0"),
+            Error::Missing => ("it is missing", "a value"),
+            Error::Oversize => ("it is too large", "a smaller number"),
+            // Extensions were checked before.
+            Error::Unsupported => return,
+        };
         first.get_or_insert_with(|| {
             let place: String = path().as_str().chars().take(MAX_PLACE).collect();
-            let (problem, expected) = match error {
-                Error::IndexOutOfBounds => ("there is none with this index", "one that there is"),
-                Error::Invalid => ("it has no valid value", "one of glTF 2.0"),
-                Error::Missing => ("it is missing", "a value"),
-                Error::Oversize => ("it is too large", "a smaller number"),
-                Error::Unsupported => {
-                    let problem = "raycost cannot read this extension";
-                    (problem, "a file that does not require it")
-                }
-            };
             FileFault::new(format!("`{place}`: {problem}"), expected)
         });
     });
