@@ -6,6 +6,7 @@ use glam::Vec3;
 use raycost::accel::Accel;
 use raycost::cost::{NoProbe, RayKind};
 use raycost::geometry::{Ray, RenderSpace};
+use raycost::import::{Finish, read_mesh_with_materials};
 use raycost::scene::{Geometries, Scene};
 use raycost::trace::Tracer;
 
@@ -142,6 +143,35 @@ fn a_mesh_without_a_material_has_those_of_its_file() {
     let scene = scene(folder.path(), &format!("{own}{given}"));
     assert_eq!(scene.n_objects(), 1);
     assert_near(color_at(&scene, [0.6, 0.0]), Vec3::X);
+}
+
+/// Programs write `Ns 0` for a surface without a highlight, and `Tr 1` for an opaque one.
+#[test]
+fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chair(folder.path());
+    for (statements, specular, transmission) in [
+        ("Ns 0\nTr 1", 0.0, 0.0),
+        ("Ns 0.5\nd 1\nTr 1", 0.0, 0.0),
+        ("Ns 20\nTr 0.25", 0.3, 0.25),
+        ("Ns 20\nTr 0.25\nd 0.5", 0.3, 0.5),
+    ] {
+        let library = MATERIALS.replace("Ns 90", statements);
+        std::fs::write(folder.path().join("wood and glass.mtl"), library).unwrap();
+        let mesh = read_mesh_with_materials(&folder.path().join("chair.obj"), 1 << 20).unwrap();
+        let seat = &mesh.materials[0];
+        let Finish::Highlight {
+            specular: found, ..
+        } = seat.finish
+        else {
+            unreachable!("{:?}", seat.finish)
+        };
+        assert_eq!(
+            (found, seat.transmission),
+            (specular, transmission),
+            "{statements}"
+        );
+    }
 }
 
 #[test]

@@ -84,7 +84,9 @@ struct Statements {
     exponent: Option<f32>,
     /// The number of the illumination model.
     illumination: f32,
-    transparency: f32,
+    /// What `Tr` and `d` say, each of which programs write.
+    transparency: Option<f32>,
+    opacity_number: Option<f32>,
     roughness: Option<f32>,
     metallic: Option<f32>,
     index: Option<f32>,
@@ -118,8 +120,8 @@ impl Statements {
             "Ke" => self.emission = color(rest)?,
             "Ns" => self.exponent = Some(number(rest)?.max(0.0)),
             "illum" => self.illumination = number(rest)?,
-            "d" => self.transparency = 1.0 - number(rest.trim_start_matches("-halo "))?,
-            "Tr" => self.transparency = number(rest)?,
+            "d" => self.opacity_number = Some(number(rest.trim_start_matches("-halo "))?),
+            "Tr" => self.transparency = Some(number(rest)?),
             "Ni" => self.index = Some(number(rest)?),
             "Pr" => self.roughness = Some(number(rest)?.clamp(0.0, 1.0)),
             "Pm" => self.metallic = Some(number(rest)?.clamp(0.0, 1.0)),
@@ -170,10 +172,16 @@ impl Statements {
 
     fn transmission(&self) -> f32 {
         if self.is_glass() && self.opacity.is_none() {
-            1.0
-        } else {
-            self.transparency.clamp(0.0, 1.0)
+            return 1.0;
         }
+        let transparency = match (self.opacity_number, self.transparency) {
+            (Some(opacity), _) => 1.0 - opacity,
+            // Programs that take it for the opacity write it for what is opaque: nobody draws
+            // a surface that is not there.
+            (None, Some(1.0)) | (None, None) => 0.0,
+            (None, Some(transparency)) => transparency,
+        };
+        transparency.clamp(0.0, 1.0)
     }
 
     /// What is transparent without refraction is as air.
@@ -195,10 +203,12 @@ impl Statements {
         }
         let strength = self.specular.max_element().min(1.0);
         let mirrors = [3.0, 5.0].contains(&self.illumination);
+        // Without an exponent there is no highlight. One below 1, which would be as wide as the
+        // surface, is how programs write a dull one.
+        let exponent = self.exponent.filter(|exponent| *exponent >= 1.0);
         Finish::Highlight {
-            // Without an exponent there is no highlight.
-            specular: self.exponent.map_or(0.0, |_| strength),
-            exponent: self.exponent.unwrap_or(50.0),
+            specular: exponent.map_or(0.0, |_| strength),
+            exponent: exponent.unwrap_or(50.0),
             reflection: if mirrors { strength } else { 0.0 },
         }
     }
