@@ -3,10 +3,11 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess};
-use serde::{Deserialize, Serialize};
 
 use super::isosurface::Isosurface;
+use super::normals::MeshNormals;
 use super::same_or_array::{NumberArray, SameOrArray};
 use crate::import::{
     self, ArrayChoice, DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes,
@@ -122,20 +123,6 @@ pub struct MeshFile {
     /// array has a value.
     #[serde(default)]
     pub isosurface: Option<Isosurface>,
-}
-
-/// The shading normals of a mesh.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case", expecting = "`file`, `smooth` or `flat`")]
-pub enum MeshNormals {
-    /// Those of the file, or flat normals if it has none; of an isosurface those of the
-    /// gradient.
-    #[default]
-    File,
-    /// At each vertex the mean of the adjacent triangles' normals.
-    Smooth,
-    /// The geometric normals of the triangles.
-    Flat,
 }
 
 /// A table of spheres: comma-separated values below a header with the columns

@@ -9,6 +9,7 @@ mod adaptive;
 mod arrays;
 mod cost_mode;
 mod isosurface;
+mod normals;
 mod file;
 mod film;
 mod generator;
@@ -33,14 +34,13 @@ pub use acceleration::{Acceleration, Quality, Structure};
 pub use adaptive::{Adaptive, MAX_SAMPLES};
 pub use arrays::{PixelArray, WrittenArrays};
 pub use cost_mode::CostMode;
-pub use file::{
-    GeometryFile, MeshFile, MeshNormals, PointRadius, RadiusArray, SpheresFile, TubesFile,
-};
+pub use file::{GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE};
 pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
+pub use normals::{Creases, MeshNormals};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use place_scale::{PlaceScale, ScaleArray};

@@ -130,7 +130,7 @@ impl Mesh {
 }
 
 /// The angle between two vectors, in radians.
-fn angle(a: Vec3, b: Vec3) -> f32 {
+pub(super) fn angle(a: Vec3, b: Vec3) -> f32 {
     // libm's arc cosine returns the same bits on every machine.
     libm::acosf(
         a.normalize_or_zero()

@@ -12,6 +12,7 @@ mod budget;
 mod picture;
 mod materials;
 mod mesh;
+mod creases;
 mod parts;
 mod obj;
 mod ply;

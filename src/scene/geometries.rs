@@ -10,7 +10,7 @@ use super::arrays;
 use super::own_materials;
 use super::pictures::Pictures;
 use crate::config::{
-    Config, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
+    Config, Creases, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
     MeshNormals, Object,
 };
 use crate::geometry::{Located, Shape, Transform, world_from_object};
@@ -437,9 +437,12 @@ fn read_mesh(file: &MeshFile, path: &Path, extra: Extra) -> import::Result<Mesh>
     };
     match file.normals {
         MeshNormals::File => {}
-        MeshNormals::Smooth => {
+        MeshNormals::Smooth(creases) => {
             mesh.normals = None;
-            mesh.normals = Some(mesh.smooth_normals());
+            mesh.normals = Some(match creases {
+                None => mesh.smooth_normals(),
+                Some(Creases { angle_deg }) => mesh.creased_normals(angle_deg),
+            });
         }
         MeshNormals::Flat => mesh.normals = None,
     }
