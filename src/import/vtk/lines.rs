@@ -2,6 +2,7 @@
 
 use super::super::Result;
 use super::super::tubes::Tubes;
+use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::piece::{GHOSTS, Piece, Topology};
 use super::points::{Radii, at_point};
@@ -15,7 +16,7 @@ use crate::geometry::Sphere;
 pub(super) fn add(
     piece: &Piece,
     radius: &RadiusChoice,
-    array: Option<&ArrayChoice>,
+    (array, numbers): (Option<&ArrayChoice>, &mut ArrayOfPieces),
     tubes: &mut Tubes,
     budget: &mut Budget,
 ) -> Result<()> {
@@ -30,7 +31,9 @@ pub(super) fn add(
     if tubes.is_empty() {
         tubes.origin = piece.origin();
     }
-    let scalars = array.map(|array| piece.scalars(array)).transpose()?;
+    let scalars = array
+        .map(|array| numbers.scalars(piece, array))
+        .transpose()?;
     let ghosts = piece.cell_data.get(GHOSTS);
     for cell in 0..cells.len() {
         let Some(points) = cells.line(cell) else {

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::super::mesh::{CornerValues, Mesh, count, finite};
 use super::super::{FileFault, Result};
+use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::numbers::Numbers;
 use super::piece::Piece;
@@ -13,6 +14,7 @@ use super::{ArrayChoice, ArrayOf};
 /// The pieces so far.
 pub(super) struct Pieces<'a> {
     array: Option<&'a ArrayChoice>,
+    numbers: ArrayOfPieces,
     mesh: Mesh,
     /// Whether all pieces have them.
     has_normals: bool,
@@ -27,6 +29,7 @@ impl<'a> Pieces<'a> {
     pub(super) fn new(array: Option<&'a ArrayChoice>) -> Self {
         Self {
             array,
+            numbers: ArrayOfPieces::default(),
             mesh: Mesh::default(),
             has_normals: true,
             has_uvs: true,
@@ -69,7 +72,7 @@ impl<'a> Pieces<'a> {
                 let (of, values) = piece.colors(array)?;
                 add_values(&mut self.colors, n_before, of, &values, surface);
             } else {
-                let (of, values) = piece.scalars(array)?;
+                let (of, values) = self.numbers.scalars(piece, array)?;
                 add_values(&mut self.scalars, n_before, of, &values, surface);
             }
         }
@@ -117,13 +120,17 @@ impl<'a> Pieces<'a> {
     }
 
     /// The mesh of all pieces.
-    pub(super) fn finish(self) -> Mesh {
+    ///
+    /// # Errors
+    /// None of them has the array.
+    pub(super) fn finish(self) -> Result<Mesh> {
         let Self {
             mut mesh,
             normals,
             uvs,
             ..
         } = self;
+        self.numbers.check()?;
         let triangles = &mesh.triangles;
         mesh.normals = self.has_normals.then(|| CornerValues {
             values: normals,
@@ -137,7 +144,7 @@ impl<'a> Pieces<'a> {
             Some(array) if array.is_color => mesh.colors = Some(self.colors),
             array => mesh.scalars = array.map(|_| self.scalars),
         }
-        mesh
+        Ok(mesh)
     }
 }
 

@@ -10,6 +10,7 @@ mod collection;
 mod polyhedra;
 mod cells;
 mod piece;
+mod array_of_pieces;
 mod surface;
 mod legacy;
 mod xml;
@@ -29,6 +30,7 @@ use super::places::{InstancePlace, PlaceArrays};
 use super::spheres::Spheres;
 use super::tubes::Tubes;
 use super::{DataFile, FileFault, Result, extension, max_bytes, open, read_whole};
+use array_of_pieces::ArrayOfPieces;
 pub(super) use collection::read as read_collection;
 pub(super) use hdf::{is_hdf, read_times};
 use piece::{Piece, Wanted};
@@ -56,7 +58,7 @@ pub(super) fn read_mesh(file: DataFile, array: Option<&ArrayChoice>) -> Result<M
     let mut mesh = mesh::Pieces::new(array);
     let wanted: Vec<&str> = array.iter().map(|array| array.name.as_str()).collect();
     for_each_piece(file, &wanted, &mut |piece, budget| mesh.add(piece, budget))?;
-    Ok(mesh.finish())
+    mesh.finish()
 }
 
 /// Reads the isosurfaces of an array of a data set, with the numbers of another one.
@@ -87,10 +89,11 @@ pub(super) fn read_spheres(
         colors: array.filter(|array| array.is_color).map(|_| Vec::new()),
         ..Spheres::default()
     };
+    let mut numbers = ArrayOfPieces::default();
     for_each_piece(file, &wanted, &mut |piece, budget| {
-        points::add(piece, radius, array, &mut spheres, budget)
+        points::add(piece, radius, (array, &mut numbers), &mut spheres, budget)
     })?;
-    Ok(spheres)
+    numbers.check().map(|()| spheres)
 }
 
 /// Reads the points of a data set as places of instances.
@@ -113,9 +116,11 @@ pub(super) fn read_tubes(
 ) -> Result<Tubes> {
     refuse_colors(array, "tubes")?;
     let mut tubes = Tubes::with_scalars(array.is_some());
+    let mut numbers = ArrayOfPieces::default();
     for_each_piece(file, &wanted(radius, array), &mut |piece, budget| {
-        lines::add(piece, radius, array, &mut tubes, budget)
+        lines::add(piece, radius, (array, &mut numbers), &mut tubes, budget)
     })?;
+    numbers.check()?;
     tubes.at_least_one()
 }
 

@@ -214,7 +214,7 @@ impl Piece {
     }
 
     /// The array of a choice.
-    fn chosen(&self, choice: &ArrayChoice) -> Result<(ArrayOf, &Numbers)> {
+    pub(super) fn chosen(&self, choice: &ArrayChoice) -> Result<(ArrayOf, &Numbers)> {
         let of_points = self.point_data.get(&choice.name);
         let of_points = of_points.map(|numbers| (ArrayOf::Points, numbers));
         let of_cells = self.cell_data.get(&choice.name);

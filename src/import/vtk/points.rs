@@ -2,6 +2,7 @@
 
 use super::super::spheres::Spheres;
 use super::super::{FileFault, FileLocation, Result};
+use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::piece::{GHOSTS, Piece};
 use super::{ArrayChoice, ArrayOf, RadiusChoice};
@@ -15,15 +16,17 @@ use glam::Vec3;
 pub(super) fn add(
     piece: &Piece,
     radius: &RadiusChoice,
-    array: Option<&ArrayChoice>,
+    (array, numbers): (Option<&ArrayChoice>, &mut ArrayOfPieces),
     spheres: &mut Spheres,
     budget: &mut Budget,
 ) -> Result<()> {
     let n = piece.n_points();
     budget.take_of::<[f32; 16]>(n)?;
     let radii = Radii::of(piece, radius)?;
-    let numbers = array.filter(|array| !array.is_color);
-    let scalars = numbers.map(|array| of_points(piece, array)).transpose()?;
+    let of_numbers = array.filter(|array| !array.is_color);
+    let scalars = of_numbers
+        .map(|array| numbers.scalars(piece, &at_points(array)?))
+        .transpose()?;
     let colors = array.filter(|array| array.is_color);
     let colors = colors
         .map(|array| colors_of_points(piece, array))
@@ -42,7 +45,7 @@ pub(super) fn add(
         let center = (center - spheres.origin).as_vec3();
         spheres.spheres.push(Sphere { center, radius });
         if let (Some(scalars), Some(found)) = (&scalars, &mut spheres.scalars) {
-            found.push(scalars[point]);
+            found.push(scalars.1[point]);
         }
         if let (Some(colors), Some(found)) = (&colors, &mut spheres.colors) {
             found.push(colors[point]);

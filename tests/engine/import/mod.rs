@@ -238,6 +238,12 @@ fn a_text_is_read_whatever_wrote_it() {
                 Ok(&plain),
                 "{text:?}"
             );
+            // Editors of Windows mark UTF-16 in both orders.
+            let text = format!("\u{feff}{}{end}$ a comment{end}", lines.join(end));
+            for bytes_of in [u16::to_le_bytes, u16::to_be_bytes] {
+                let wide: Vec<u8> = text.encode_utf16().flat_map(bytes_of).collect();
+                assert_eq!(mesh_of("a.obj", &wide).as_ref(), Ok(&plain));
+            }
         }
     }
 }

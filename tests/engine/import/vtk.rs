@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
-use raycost::import::{ArrayChoice, ArrayOf, FileFault, Mesh, read_mesh, read_mesh_with};
+use raycost::import::{
+    ArrayChoice, ArrayOf, FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points,
+};
 
 use super::{message, reading};
 use crate::common::{assert_success, in_repository};
@@ -405,4 +407,72 @@ fn pieces_are_read_beside_their_file() {
     let missing = write("missing.pvtu", &of("<Piece Source='b.vtu'/>"));
     let fault = read_mesh(&missing).unwrap_err().to_string();
     assert!(fault.contains("b.vtu`: cannot read it"), "{fault}");
+}
+
+/// Blocks of an assembly have what each has; the rest of the surface has no number there.
+#[test]
+fn pieces_without_an_array_have_missing_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = tetrahedron().replace("'velocity'", "'heat'");
+    std::fs::write(folder.path().join("a.vtu"), tetrahedron()).unwrap();
+    std::fs::write(folder.path().join("b.vtu"), other).unwrap();
+    let path = folder.path().join("both.vtm");
+    let blocks = "<Block index='0'><DataSet index='0' file='a.vtu'/>\
+                  <DataSet index='1' file='b.vtu'/></Block>";
+    let text = format!(
+        "<VTKFile type='vtkMultiBlockDataSet'><vtkMultiBlockDataSet>{blocks}\
+         </vtkMultiBlockDataSet></VTKFile>"
+    );
+    std::fs::write(&path, text).unwrap();
+    for (name, first, second) in [("velocity", 5.0, f32::NAN), ("heat", f32::NAN, 5.0)] {
+        let mesh = read_mesh_with(&path, Some(&choice(name))).unwrap();
+        let scalars = mesh.scalars.unwrap();
+        for (i, expected) in [(0, first), (4, second)] {
+            let corner = scalars.triangles[i].map(|corner| scalars.values[corner as usize]);
+            let found = corner.contains(&5.0);
+            assert_eq!(found, expected == 5.0, "{name}: {corner:?}");
+            assert_eq!(corner.iter().all(|x| x.is_nan()), expected.is_nan());
+        }
+        let radius = RadiusChoice::Same(1.0);
+        let spheres = read_points(&path, &radius, Some(&choice(name))).unwrap();
+        assert_eq!(spheres.scalars.unwrap().len(), 8);
+    }
+    let fault = read_mesh_with(&path, Some(&choice("mass"))).unwrap_err();
+    let fault = fault.to_string();
+    assert!(fault.contains("it has no array `mass`"), "{fault}");
+}
+
+#[test]
+fn bits_are_numbers_of_legacy_files() {
+    let head = |kind: &str| {
+        format!("# vtk DataFile Version 3.0\nt\n{kind}\nDATASET POLYDATA\nPOINTS 9 unsigned_char\n")
+    };
+    let coordinates: Vec<u8> = (0..9_u8).flat_map(|i| [i, i * i, 1]).collect();
+    let last = "POINT_DATA 9\nSCALARS a bit\nLOOKUP_TABLE default\n";
+    let words = |numbers: &[u8]| {
+        let words: Vec<String> = numbers.iter().map(u8::to_string).collect();
+        words.join(" ") + "\n"
+    };
+    let cell = "POLYGONS 1 10\n";
+    let corners: Vec<u8> = [9].into_iter().chain(0..9).collect();
+    let bits = [1, 0, 1, 1, 0, 0, 0, 1, 1];
+    let text = [
+        head("ASCII"),
+        words(&coordinates),
+        cell.to_owned(),
+        words(&corners),
+    ]
+    .concat()
+        + last
+        + &words(&bits);
+    let mut binary = head("BINARY").into_bytes();
+    binary.extend(&coordinates);
+    binary.extend(cell.as_bytes());
+    binary.extend(corners.iter().flat_map(|i| i32::from(*i).to_be_bytes()));
+    binary.extend(last.as_bytes());
+    binary.extend([0b1011_0001, 0b1000_0000]);
+    for bytes in [text.as_bytes(), &binary[..]] {
+        let mesh = read("a.vtk", bytes, &choice("a")).unwrap();
+        assert_eq!(mesh.scalars.unwrap().values, bits.map(f32::from));
+    }
 }

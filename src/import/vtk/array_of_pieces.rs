@@ -1,0 +1,40 @@
+//! An array of a data set of pieces.
+
+use super::super::{FileFault, Result};
+use super::piece::Piece;
+use super::{ArrayChoice, ArrayOf};
+
+/// The numbers of an array in the pieces of a data set, some of which may lack it.
+#[derive(Default)]
+pub(super) struct ArrayOfPieces {
+    is_found: bool,
+    /// The fault of the first piece without it.
+    unknown: Option<FileFault>,
+}
+
+impl ArrayOfPieces {
+    /// [`Piece::scalars`], or missing numbers if the piece has no such array.
+    pub(super) fn scalars(
+        &mut self,
+        piece: &Piece,
+        choice: &ArrayChoice,
+    ) -> Result<(ArrayOf, Vec<f32>)> {
+        if let Err(fault) = piece.chosen(choice) {
+            self.unknown.get_or_insert(fault);
+            return Ok((ArrayOf::Points, vec![f32::NAN; piece.n_points()]));
+        }
+        self.is_found = true;
+        piece.scalars(choice)
+    }
+
+    /// Checks that a piece had the array.
+    ///
+    /// # Errors
+    /// None of those that were asked for it.
+    pub(super) fn check(self) -> Result<()> {
+        match self.unknown.filter(|_| !self.is_found) {
+            None => Ok(()),
+            Some(fault) => Err(fault),
+        }
+    }
+}
