@@ -143,9 +143,9 @@ const fn radiance(signature: &'static [u8]) -> Format {
 /// Bytes of the longest signature.
 const MAX_SIGNATURE: usize = 10;
 
-/// Upper bound of the memory that is taken to read a texel of one byte per channel, in
-/// bytes: as decoded, with all four channels, and the smaller copies.
-const BYTES_PER_TEXEL: u64 = 16;
+/// Upper bound of the memory that is taken to read a channel of one byte of a texel, in
+/// bytes: as decoded, and the smaller copies, two of which are numbers of 32 bits meanwhile.
+const BYTES_PER_CHANNEL: u64 = 4;
 
 /// The same of a texel of more bytes.
 const BYTES_PER_LARGE_TEXEL: u64 = 56;
@@ -161,7 +161,9 @@ fn check_size(decoder: &dyn ImageDecoder, available: u64) -> Result<()> {
         return Err(wrong_size([width, height]));
     }
     let per_texel = match decoder.color_type() {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => BYTES_PER_TEXEL,
+        ColorType::L8 => BYTES_PER_CHANNEL,
+        ColorType::Rgb8 => 3 * BYTES_PER_CHANNEL,
+        ColorType::La8 | ColorType::Rgba8 => 4 * BYTES_PER_CHANNEL,
         _ => BYTES_PER_LARGE_TEXEL,
     };
     let needed = u64::from(width) * u64::from(height) * per_texel;
@@ -180,7 +182,12 @@ fn check_size(decoder: &dyn ImageDecoder, available: u64) -> Result<()> {
 
 fn texels(decoded: DynamicImage, transfer: Transfer) -> Result<Texels> {
     match decoded.color() {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+        ColorType::L8 => Ok(Texels::Gray(decoded.into_luma8().into_raw(), transfer)),
+        ColorType::Rgb8 => {
+            let bytes = decoded.into_rgb8().into_raw();
+            Ok(Texels::Rgb(bytes.as_chunks().0.to_vec(), transfer))
+        }
+        ColorType::La8 | ColorType::Rgba8 => {
             let bytes = decoded.into_rgba8().into_raw();
             Ok(Texels::Bytes(bytes.as_chunks().0.to_vec(), transfer))
         }

@@ -2,7 +2,9 @@
 //!
 //! Williams, "Pyramidal Parametrics", SIGGRAPH 1983.
 
-use super::texels::Texels;
+use glam::Vec3;
+
+use super::texels::{Texels, light_of, rgba_bytes, rgba_light};
 
 /// One of the sizes of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,11 +24,39 @@ impl MipLevel {
 /// Appends smaller copies to the texels of a picture, down to one texel; returns all
 /// levels, the whole picture first.
 pub(super) fn build(size: [u32; 2], texels: &mut Texels) -> Vec<MipLevel> {
+    match texels {
+        Texels::Floats(texels) => build_of(size, texels, |light| light, |light| light),
+        Texels::Bytes(texels, transfer) => {
+            let (light, stored) = (
+                |of| rgba_light(of, *transfer),
+                |of| rgba_bytes(of, *transfer),
+            );
+            build_of(size, texels, light, stored)
+        }
+        Texels::Rgb(texels, transfer) => {
+            let stored = |light: [f32; 3]| transfer.bytes(Vec3::from(light));
+            build_of(size, texels, |of| light_of(of, *transfer), stored)
+        }
+        Texels::Gray(texels, transfer) => {
+            let stored = |[gray]: [f32; 1]| transfer.bytes(Vec3::splat(gray))[0];
+            build_of(size, texels, |of| light_of([of], *transfer), stored)
+        }
+    }
+}
+
+/// [`build`] for texels of `C` channels, which have this linear light, and as which such light
+/// is stored.
+fn build_of<T: Copy, const C: usize>(
+    size: [u32; 2],
+    texels: &mut Vec<T>,
+    light: impl Fn(T) -> [f32; C],
+    stored: impl Fn([f32; C]) -> T,
+) -> Vec<MipLevel> {
     let mut levels = vec![MipLevel { size, first: 0 }];
     // A third of the texels, and a few where sides are not powers of two or far apart.
-    texels.reserve(levels[0].n_texels() / 3);
+    texels.reserve_exact(levels[0].n_texels() / 3);
     // Of the level before, not yet rounded to bytes.
-    let mut before: Option<Vec<[f32; 4]>> = None;
+    let mut before: Option<Vec<[f32; C]>> = None;
     let mut from = levels[0];
     while from.size != [1, 1] {
         let to = MipLevel {
@@ -34,10 +64,10 @@ pub(super) fn build(size: [u32; 2], texels: &mut Texels) -> Vec<MipLevel> {
             first: from.first + from.n_texels(),
         };
         let smaller = match &before {
-            None => reduced(|i| texels.get(i), from.size, to.size),
-            Some(texels) => reduced(|i| texels[i], from.size, to.size),
+            None => reduced(|i| light(texels[i]), from.size, to.size),
+            Some(before) => reduced(|i| before[i], from.size, to.size),
         };
-        texels.append(&smaller);
+        texels.extend(smaller.iter().map(|light| stored(*light)));
         before = Some(smaller);
         levels.push(to);
         from = to;
@@ -46,17 +76,17 @@ pub(super) fn build(size: [u32; 2], texels: &mut Texels) -> Vec<MipLevel> {
 }
 
 /// Each texel is the mean of the rectangle that it covers.
-fn reduced(
-    texel: impl Fn(usize) -> [f32; 4],
+fn reduced<const C: usize>(
+    texel: impl Fn(usize) -> [f32; C],
     [width, height]: [u32; 2],
     [columns, rows]: [u32; 2],
-) -> Vec<[f32; 4]> {
+) -> Vec<[f32; C]> {
     let n_covered =
         (f64::from(width) * f64::from(height) / (f64::from(columns) * f64::from(rows))) as f32;
     let mut smaller = Vec::with_capacity(columns as usize * rows as usize);
     for row in 0..rows {
         for column in 0..columns {
-            let mut mean = [0.0; 4];
+            let mut mean = [0.0; C];
             for (y, down) in covered(row, rows, height) {
                 for (x, across) in covered(column, columns, width) {
                     let weight = across * down / n_covered;

@@ -4,19 +4,33 @@ use glam::Vec3;
 
 use crate::color::Transfer;
 
-/// Texels as they are stored: red, green, blue and opacity.
+/// Texels as they are stored: red, green, blue and opacity. Of bytes only the channels that a
+/// file has; those of colors are numbers of a transfer function.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Texels {
-    /// Four bytes each. Those of colors are numbers of this transfer function.
+    /// One byte each, for all three colors.
+    Gray(Vec<u8>, Transfer),
+    /// Three bytes each.
+    Rgb(Vec<[u8; 3]>, Transfer),
+    /// Four bytes each.
     Bytes(Vec<[u8; 4]>, Transfer),
     /// Linear light, finite and at least 0.
     Floats(Vec<[f32; 4]>),
+}
+
+/// The linear light of bytes, or the share of a byte of opacity.
+#[inline(always)]
+pub(super) fn light_of<const C: usize>(bytes: [u8; C], transfer: Transfer) -> [f32; C] {
+    let light = transfer.light_of_bytes();
+    bytes.map(|byte| light[usize::from(byte)])
 }
 
 impl Texels {
     /// Number of texels.
     pub(super) fn len(&self) -> usize {
         match self {
+            Self::Gray(texels, _) => texels.len(),
+            Self::Rgb(texels, _) => texels.len(),
             Self::Bytes(texels, _) => texels.len(),
             Self::Floats(texels) => texels.len(),
         }
@@ -25,6 +39,7 @@ impl Texels {
     /// Whether none is transparent.
     pub(super) fn are_opaque(&self) -> bool {
         match self {
+            Self::Gray(..) | Self::Rgb(..) => true,
             Self::Bytes(texels, _) => texels.iter().all(|&[.., opacity]| opacity == u8::MAX),
             Self::Floats(texels) => texels.iter().all(|&[.., opacity]| opacity == 1.0),
         }
@@ -32,24 +47,13 @@ impl Texels {
 
     /// Their memory in bytes.
     pub(super) fn n_bytes(&self) -> u64 {
-        match self {
-            Self::Bytes(texels, _) => size_of_val(&texels[..]) as u64,
-            Self::Floats(texels) => size_of_val(&texels[..]) as u64,
-        }
-    }
-
-    /// Appends texels of linear light and opacity, rounded to bytes if these are bytes.
-    pub(super) fn append(&mut self, light: &[[f32; 4]]) {
-        match self {
-            Self::Floats(texels) => texels.extend(light),
-            Self::Bytes(texels, transfer) => {
-                texels.extend(light.iter().map(|&[r, g, b, a]| {
-                    let [r, g, b] = transfer.bytes(Vec3::new(r, g, b));
-                    let [a, ..] = Transfer::Linear.bytes(Vec3::splat(a));
-                    [r, g, b, a]
-                }));
-            }
-        }
+        let n_bytes = match self {
+            Self::Gray(texels, _) => size_of_val(&texels[..]),
+            Self::Rgb(texels, _) => size_of_val(&texels[..]),
+            Self::Bytes(texels, _) => size_of_val(&texels[..]),
+            Self::Floats(texels) => size_of_val(&texels[..]),
+        };
+        n_bytes as u64
     }
 
     /// Multiplies all colors by one, each channel from 0 to 1.
@@ -57,27 +61,29 @@ impl Texels {
         if color == Vec3::ONE {
             return;
         }
+        if let Self::Gray(texels, transfer) = self {
+            *self = Self::Rgb(texels.iter().map(|gray| [*gray; 3]).collect(), *transfer);
+        }
+        let product = |rgb: [u8; 3], transfer: Transfer| {
+            transfer.bytes(Vec3::from(light_of(rgb, transfer)) * color)
+        };
         match self {
+            Self::Gray(..) => {}
+            Self::Rgb(texels, transfer) => {
+                texels
+                    .iter_mut()
+                    .for_each(|rgb| *rgb = product(*rgb, *transfer));
+            }
+            Self::Bytes(texels, transfer) => {
+                for [r, g, b, _] in texels {
+                    [*r, *g, *b] = product([*r, *g, *b], *transfer);
+                }
+            }
             Self::Floats(texels) => {
                 for [r, g, b, _] in texels {
                     [*r, *g, *b] = (Vec3::new(*r, *g, *b) * color).to_array();
                 }
             }
-            Self::Bytes(texels, transfer) => {
-                let light = transfer.light_of_bytes();
-                for [r, g, b, _] in texels {
-                    let texel = Vec3::from([*r, *g, *b].map(|number| light[usize::from(number)]));
-                    [*r, *g, *b] = transfer.bytes(texel * color);
-                }
-            }
-        }
-    }
-
-    /// Makes room for so many more.
-    pub(super) fn reserve(&mut self, n_more: usize) {
-        match self {
-            Self::Floats(texels) => texels.reserve_exact(n_more),
-            Self::Bytes(texels, _) => texels.reserve_exact(n_more),
         }
     }
 
@@ -86,12 +92,32 @@ impl Texels {
     pub(super) fn get(&self, i: usize) -> [f32; 4] {
         match self {
             Self::Floats(texels) => texels[i],
-            Self::Bytes(texels, transfer) => {
-                let light = transfer.light_of_bytes();
-                let [r, g, b, a] = texels[i].map(usize::from);
-                let opacity = Transfer::Linear.light_of_bytes();
-                [light[r], light[g], light[b], opacity[a]]
+            Self::Bytes(texels, transfer) => rgba_light(texels[i], *transfer),
+            Self::Rgb(texels, transfer) => {
+                let [r, g, b] = light_of(texels[i], *transfer);
+                [r, g, b, 1.0]
+            }
+            Self::Gray(texels, transfer) => {
+                let [gray] = light_of([texels[i]], *transfer);
+                [gray, gray, gray, 1.0]
             }
         }
     }
+}
+
+/// Linear light and opacity of four bytes.
+#[inline(always)]
+pub(super) fn rgba_light([r, g, b, a]: [u8; 4], transfer: Transfer) -> [f32; 4] {
+    let ([r, g, b], [a]) = (
+        light_of([r, g, b], transfer),
+        light_of([a], Transfer::Linear),
+    );
+    [r, g, b, a]
+}
+
+/// The bytes of linear light and opacity.
+pub(super) fn rgba_bytes([r, g, b, a]: [f32; 4], transfer: Transfer) -> [u8; 4] {
+    let [r, g, b] = transfer.bytes(Vec3::new(r, g, b));
+    let [a, ..] = Transfer::Linear.bytes(Vec3::splat(a));
+    [r, g, b, a]
 }
