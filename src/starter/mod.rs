@@ -18,9 +18,16 @@ const FOV_Y_DEG: f32 = 35.0;
 /// The direction from a mesh to the eye: from the front, a little from the right and from
 /// above.
 const TO_EYE: Vec3 = Vec3::new(0.45, 0.35, 1.0);
-/// Number of triangles from which on a mesh without normals is shaded smoothly: coarser
-/// ones are often of things with edges.
-const SMOOTH_FROM: usize = 1000;
+/// Light from all around, which is weakest where a mesh stands on the floor.
+const SKY: &str = "\
+  # The sky, from four sides: it leaves shadows where the mesh touches the floor.
+  - directional: { direction: [1, -1.2, 0.3], intensity: 0.09 }
+  - directional: { direction: [-0.3, -1.2, 1], intensity: 0.09 }
+  - directional: { direction: [-1, -1.2, -0.3], intensity: 0.09 }
+  - directional: { direction: [0.3, -1.2, -1], intensity: 0.09 }
+";
+/// The normals of meshes without any: smooth up to edges.
+const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
 
 /// The scene of a mesh, as a file that lies beside the mesh.
 ///
@@ -96,8 +103,8 @@ impl Subject {
     fn surface(mesh: Mesh, file: &Path) -> Self {
         let corners = mesh.triangles.iter().flatten();
         let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
-        let normals = if mesh.normals.is_none() && mesh.triangles.len() >= SMOOTH_FROM {
-            "smooth"
+        let normals = if mesh.normals.is_none() {
+            SMOOTH
         } else {
             "file"
         };
@@ -112,7 +119,7 @@ impl Subject {
             lost: None,
             geometry: format!(
                 "\
-    # `normals` are those of the file, `smooth` or `flat`.
+    # `normals` are those of the file, `smooth` (here up to edges), or `flat`.
     mesh: {{ file: {file}, normals: {normals} }}"
             ),
         }
@@ -172,36 +179,46 @@ fn text_of(subject: &Subject, file: &Path) -> String {
             )
         }
         SubjectColors::OfFile => (
-            " {}".to_owned(),
+            String::new(),
             "# Without a `material`, the mesh has those of its file.",
         ),
     };
+    // The colors of an array are to be read off, without shadows of a floor.
+    let is_measured = matches!(subject.colors, SubjectColors::Array(_));
+    let (floor_material, floor) = if is_measured {
+        (String::new(), String::new())
+    } else {
+        let at = point(Vec3::new(center.x, bounds.min.y, center.z), radius);
+        (
+            "\n  floor: { color: [0.4, 0.41, 0.43] }".to_owned(),
+            format!(
+                "  - name: floor\n    plane: {{ point: {at}, normal: [0, 1, 0] }}\n    \
+                 material: floor\n"
+            ),
+        )
+    };
+    let (ambient, sky) = if is_measured { (0.3, "") } else { (0.1, SKY) };
     format!(
         "\
 # The mesh {title}: the camera sees all of it, with +y up.
 {lost}image: {{ width: 800, height: 600, samples_per_pixel: 4 }}
 camera:
   look_at: {{ eye: {eye}, target: {target}, fov_y_deg: {FOV_Y_DEG} }}
-background: {{ gradient: {{ bottom: [0.9, 0.9, 0.9], top: [0.45, 0.55, 0.7] }} }}
+background: {{ gradient: {{ bottom: [0.5, 0.53, 0.57], top: [0.2, 0.27, 0.38] }} }}
 shading: {{ ambient: {ambient}, max_depth: 2 }}
-materials:{materials}
+materials:{materials}{floor_material}
 lights:
   # The key light from the upper left, and a weak one that fills its shadows.
-  - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.8 }}
-  - directional: {{ direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.2 }}
-objects:
+  - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.7 }}
+  - directional: {{ direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.15 }}
+{sky}objects:
   - name: {name}
 {geometry}
     {material}
-",
+{floor}",
         title = one_line(&stem),
         eye = point(eye, radius),
         target = point(center, radius),
-        // The colors of an array are to be read off.
-        ambient = match subject.colors {
-            SubjectColors::One => 0.06,
-            SubjectColors::Array(_) | SubjectColors::OfFile => 0.3,
-        },
         name = quoted(&name),
         lost = subject.lost.as_ref().map_or(String::new(), |lost| {
             format!("# Its own materials cannot be used: {}\n", one_line(lost))
