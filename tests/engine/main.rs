@@ -13,6 +13,7 @@ mod determinism;
 mod environment;
 mod fog;
 mod gltf;
+mod growth;
 mod import;
 mod instances;
 mod invariance;
