@@ -1,5 +1,7 @@
 //! The header of a mesh, checked.
 
+use std::collections::HashSet;
+
 use serde_ply::{ElementDef, PlyHeader, PropertyType, ScalarType};
 
 use crate::import::fault::cut;
@@ -42,10 +44,9 @@ impl MeshHeader {
     /// Checks that a header defines vertices and faces, each element and property
     /// once.
     pub(super) fn new(header: &PlyHeader) -> Result<Self> {
-        let mut names: Vec<&str> = Vec::new();
+        let mut names = HashSet::new();
         for element in &header.elem_defs {
-            expect_new(&names, &element.name, "element")?;
-            names.push(&element.name);
+            expect_new(&mut names, &element.name, "element")?;
             check(element)?;
         }
         let vertex = find(header, "vertex")?;
@@ -84,10 +85,9 @@ impl MeshHeader {
 /// Makes sure that the element's rows are not empty, so that reading them ends,
 /// and that its properties have different names.
 fn check(element: &ElementDef) -> Result<()> {
-    let mut names: Vec<&str> = Vec::new();
+    let mut names = HashSet::new();
     for property in &element.properties {
-        expect_new(&names, &property.name, "property")?;
-        names.push(&property.name);
+        expect_new(&mut names, &property.name, "property")?;
     }
     if names.is_empty() {
         Err(FileFault::new(
@@ -99,8 +99,9 @@ fn check(element: &ElementDef) -> Result<()> {
     }
 }
 
-fn expect_new(names: &[&str], name: &str, kind: &str) -> Result<()> {
-    if names.contains(&name) {
+/// Adds a name to those that there are.
+fn expect_new<'a>(names: &mut HashSet<&'a str>, name: &'a str, kind: &str) -> Result<()> {
+    if !names.insert(name) {
         Err(FileFault::new(
             format!("the header has {kind} `{}` twice", cut(name)),
             "different names",
