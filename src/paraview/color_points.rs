@@ -46,7 +46,7 @@ mod tests {
                 for channel in 0..3 {
                     let [a, b] = [a, b].map(|point| point[channel + 1]);
                     let off = 255.0 * (a + share * (b - a) - expected[channel]).abs();
-                    assert!(off < 2.0, "{name} at {entry}: {off}");
+                    assert!(off < 2.5, "{name} at {entry}: {off}");
                 }
             }
         }

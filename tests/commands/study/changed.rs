@@ -93,7 +93,7 @@ fn a_changed_file_of_a_scene_is_refused() {
 include: [part.yaml]
 image: { width: 8, height: 6 }
 camera: { look_at: { eye: [0, 1, 5], target: [0, 0, 0], fov_y_deg: 40 } }
-materials: { red: { color: { image: { file: planks.png } } } }
+materials: { red: { color: { image: { file: planks.png, mapping: planar } } } }
 objects:
   - { sphere: { center: [0, 0, 0], radius: 1 }, material: red }
   - { mesh: { file: tile.obj }, material: red }
