@@ -39,6 +39,13 @@ pub fn located<const N: usize>(points: [DVec3; N]) -> Located<[Vec3; N]> {
     Located::new(origin, points.map(|point| (point - origin).as_vec3()))
 }
 
+/// [`located`] for any number of points.
+pub fn located_points(points: &[DVec3]) -> Located<Vec<Vec3>> {
+    let origin = origin_near(points.iter().copied());
+    let near = points.iter().map(|point| (point - origin).as_vec3());
+    Located::new(origin, near.collect())
+}
+
 /// The origin of [`located`] for any number of points.
 pub fn origin_near(points: impl Iterator<Item = DVec3>) -> DVec3 {
     let bounds = points.fold(None, |bounds: Option<[DVec3; 2]>, point| {

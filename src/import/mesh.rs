@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::materials::{MeshMaterial, picture_bytes};
 use super::{FileFault, Result};
 use crate::color::Transfer;
-use crate::geometry::{Aabb, Triangle};
+use crate::geometry::{Aabb, Located, Triangle, located_points};
 
 /// The triangle mesh of a file. Its triangles may be degenerate.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -89,6 +89,14 @@ impl Mesh {
         let colors = self.colors.as_ref().map_or(0, CornerValues::n_bytes);
         let materials = size_of_val(&self.material_of[..]) as u64 + picture_bytes(&self.materials);
         own as u64 + normals + uvs + scalars + colors + materials
+    }
+
+    /// Takes the vertices of a file, relative to an origin near them.
+    pub(super) fn take_vertices(&mut self, vertices: Vec<DVec3>) {
+        Located {
+            origin: self.origin,
+            geometry: self.vertices,
+        } = located_points(&vertices);
     }
 
     /// Takes the normals of a file, which may be those of some triangles only: the others get
@@ -197,6 +205,15 @@ pub(super) fn finite<const N: usize, T: From<[f32; N]>>(numbers: [f32; N]) -> Re
             "finite numbers",
         )),
     }
+}
+
+/// Makes a point of coordinates that 32 bits have room for.
+///
+/// # Errors
+/// A coordinate that is not finite, or too large.
+pub(super) fn point(coordinates: [f64; 3]) -> Result<DVec3> {
+    let _: Vec3 = finite(coordinates.map(|coordinate| coordinate as f32))?;
+    Ok(coordinates.into())
 }
 
 /// The linear light of a color for displays.

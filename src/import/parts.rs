@@ -46,6 +46,7 @@ impl Mesh {
     fn part(&self, triangles: &[usize]) -> Self {
         let (vertices, corners) = only(&self.vertices, &self.triangles, triangles);
         Self {
+            origin: self.origin,
             vertices,
             triangles: corners,
             normals: self.normals.as_ref().map(|of| of.only(triangles)),

@@ -2,12 +2,13 @@
 //! file.
 
 use std::ops::Range;
+use std::str::FromStr;
 
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::fault::cut;
-use super::mesh::finite;
+use super::mesh::{finite, point};
 use super::table::{missing_column, named_twice, number, of_table, word};
 use super::{ArrayChoice, FileFault, FileLocation, GeometryFileReader, Result};
 use crate::text::did_you_mean;
@@ -122,30 +123,37 @@ impl PlaceColumns {
 
     /// The place of a row.
     fn place(&self, row: &ByteRecord) -> Result<InstancePlace> {
-        let numbers = |first: usize, default: f32| -> Result<Vec3> {
-            let mut numbers = [default; 3];
-            for (number_of, column) in numbers.iter_mut().zip(&self.0[first..]) {
-                if let Some(column) = column {
-                    *number_of = number(word(row, *column))?;
-                }
-            }
-            finite(numbers)
-        };
-        let factor = match self.0[3] {
+        let factor: f32 = match self.0[3] {
             None => 1.0,
             Some(column) => number(word(row, column))?,
         };
-        let scale = factor * numbers(4, 1.0)?;
+        let scale = factor * finite::<3, Vec3>(self.numbers(row, 4, 1.0)?)?;
         if !is_scale(scale) {
             let problem = format!("a scale is {scale}");
             return Err(FileFault::new(problem, "numbers other than 0"));
         }
         Ok(InstancePlace {
-            position: numbers(0, 0.0)?.as_dvec3(),
+            position: point(self.numbers(row, 0, 0.0)?)?,
             scale,
-            direction: numbers(7, 0.0)?,
+            direction: finite(self.numbers(row, 7, 0.0)?)?,
             scalar: f32::NAN,
         })
+    }
+
+    /// The numbers of a row in three columns; `default` for those that the table lacks.
+    fn numbers<T: FromStr + Copy>(
+        &self,
+        row: &ByteRecord,
+        first: usize,
+        default: T,
+    ) -> Result<[T; 3]> {
+        let mut numbers = [default; 3];
+        for (number_of, column) in numbers.iter_mut().zip(&self.0[first..]) {
+            if let Some(column) = column {
+                *number_of = number(word(row, *column))?;
+            }
+        }
+        Ok(numbers)
     }
 }
 

@@ -9,10 +9,10 @@ use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 
 use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
 use super::fault::cut;
-use super::mesh::finite;
+use super::mesh::point;
 use super::table::{missing_column, named_twice, number, of_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
-use crate::geometry::Sphere;
+use crate::geometry::{Located, Sphere, located_points};
 use crate::text::did_you_mean;
 use crate::yaml::hex_color;
 
@@ -58,16 +58,18 @@ pub(super) fn read(
     // The colors of an array take the place of those of the table.
     let color_column = columns.extra.filter(|_| array.is_none());
     let mut found = Spheres {
-        origin: DVec3::ZERO,
-        spheres: Vec::new(),
         colors: color_column.map(|_| Vec::new()),
         scalars: array.map(|_| Vec::new()),
+        ..Spheres::default()
     };
+    let (mut centers, mut radii) = (Vec::new(), Vec::new());
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
         let line = row.position().map_or(0, Position::line);
         let at_line = |fault: FileFault| fault.at(FileLocation::Line(line));
-        found.spheres.push(columns.sphere(&row).map_err(at_line)?);
+        let (center, radius) = columns.sphere(&row).map_err(at_line)?;
+        centers.push(center);
+        radii.push(radius);
         if let (Some(column), Some(colors)) = (color_column, &mut found.colors) {
             colors.push(color(word(&row, column)).map_err(at_line)?);
         }
@@ -75,11 +77,17 @@ pub(super) fn read(
             scalars.push(columns.number(&row).map_err(at_line)?);
         }
     }
-    if found.spheres.is_empty() {
-        Err(FileFault::new("no sphere in the file", "a line for each"))
-    } else {
-        Ok(found)
+    if centers.is_empty() {
+        return Err(FileFault::new("no sphere in the file", "a line for each"));
     }
+    let Located { origin, geometry } = located_points(&centers);
+    let spheres = geometry.into_iter().zip(radii);
+    let sphere = |(center, radius)| Sphere { center, radius };
+    Ok(Spheres {
+        origin,
+        spheres: spheres.map(sphere).collect(),
+        ..found
+    })
 }
 
 /// The positions of a table's columns of points with radii, of one more column and of that of
@@ -143,21 +151,18 @@ impl Columns {
         })
     }
 
-    /// The point of a row, as a sphere.
-    pub(super) fn sphere(&self, row: &ByteRecord) -> Result<Sphere> {
+    /// The point of a row and its radius.
+    pub(super) fn sphere(&self, row: &ByteRecord) -> Result<(DVec3, f32)> {
         let [x, y, z] = self.center.map(|column| number(word(row, column)));
         let radius = match self.radius {
             Radius::OfAll(radius) => radius,
-            Radius::Column(column, factor) => factor * number(word(row, column))?,
+            Radius::Column(column, factor) => factor * number::<f32>(word(row, column))?,
         };
         if !(radius.is_finite() && radius > 0.0) {
             let problem = format!("a radius is {radius}");
             return Err(FileFault::new(problem, "a number greater than 0"));
         }
-        Ok(Sphere {
-            center: finite([x?, y?, z?])?,
-            radius,
-        })
+        Ok((point([x?, y?, z?])?, radius))
     }
 
     /// The number of a row in the column of numbers: NaN where it is empty, or where there is

@@ -9,13 +9,14 @@
 use std::collections::HashMap;
 use std::io::{BufRead, Cursor, Read};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::fault::cut;
 use super::lines::Lines;
-use super::mesh::{Mesh, count, finite};
+use super::mesh::{Mesh, count, point};
 use super::obj::vector;
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
+use crate::geometry::{Located, located_points};
 
 /// Bytes before the triangles of a binary file: a comment, and their number.
 const HEADER: u64 = 84;
@@ -56,14 +57,14 @@ fn read_binary(mut file: GeometryFileReader, n_triangles: u32) -> Result<Mesh> {
             let at = 12 + 4 * k;
             f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
         };
-        let corner = |k: usize| finite([number(3 * k), number(3 * k + 1), number(3 * k + 2)]);
+        let corner = |k: usize| point([0, 1, 2].map(|i| number(3 * k + i).into()));
         let corners = [corner(0), corner(1), corner(2)];
         for corner in corners {
-            soup.corner(corner.map_err(at)?)?;
+            soup.corners.push(corner.map_err(at)?);
         }
         soup.close()?;
     }
-    Ok(soup.mesh)
+    soup.finish()
 }
 
 /// The statements of a text in the order of a triangle.
@@ -84,7 +85,7 @@ fn read_text<R: BufRead>(mut lines: Lines<R>) -> Result<Mesh> {
     loop {
         let read = match lines.next()? {
             Some(line) => soup.statement(&line, within),
-            None if within == Within::File => return Ok(soup.mesh),
+            None if within == Within::File => return soup.finish(),
             None => Err(FileFault::new("the file ends within a solid", "`endsolid`")),
         };
         within = read.map_err(|fault| fault.at(FileLocation::Line(lines.number())))?;
@@ -94,36 +95,49 @@ fn read_text<R: BufRead>(mut lines: Lines<R>) -> Result<Mesh> {
 /// The triangles so far.
 #[derive(Default)]
 struct Soup {
-    mesh: Mesh,
-    /// The vertices by the bits of their coordinates.
-    known: HashMap<[u32; 3], u32>,
-    /// The corners of the triangle that is read.
-    open: Vec<u32>,
+    /// The corners of all triangles, and of the one that is read.
+    corners: Vec<DVec3>,
+    n_triangles: usize,
 }
 
 impl Soup {
-    /// Adds a corner to the triangle that is read.
-    fn corner(&mut self, vertex: Vec3) -> Result<()> {
-        // Adding 0 turns -0 into 0.
-        let bits = (vertex + 0.0).to_array().map(f32::to_bits);
-        let next = count(self.mesh.vertices.len())?;
-        let index = *self.known.entry(bits).or_insert(next);
-        if index == next {
-            self.mesh.vertices.push(vertex);
+    /// Ends the triangle that is read.
+    fn close(&mut self) -> Result<()> {
+        let n = self.corners.len() - 3 * self.n_triangles;
+        if n != 3 {
+            let problem = format!("a facet has {n} corners");
+            return Err(FileFault::new(problem, "three lines of `vertex x y z`"));
         }
-        self.open.push(index);
+        self.n_triangles += 1;
         Ok(())
     }
 
-    /// Ends the triangle that is read.
-    fn close(&mut self) -> Result<()> {
-        let Ok(corners) = self.open.as_slice().try_into() else {
-            let problem = format!("a facet has {} corners", self.open.len());
-            return Err(FileFault::new(problem, "three lines of `vertex x y z`"));
+    /// The mesh of all triangles, in which corners at the same place are one vertex.
+    fn finish(self) -> Result<Mesh> {
+        let Located { origin, geometry } = located_points(&self.corners);
+        drop(self.corners);
+        let mut vertices: Vec<Vec3> = Vec::new();
+        // The vertices by the bits of their coordinates.
+        let mut known = HashMap::new();
+        let mut vertex_at = |corner: Vec3| -> Result<u32> {
+            // Adding 0 turns -0 into 0.
+            let bits = (corner + 0.0).to_array().map(f32::to_bits);
+            let next = count(vertices.len())?;
+            let index = *known.entry(bits).or_insert(next);
+            if index == next {
+                vertices.push(corner);
+            }
+            Ok(index)
         };
-        self.mesh.triangles.push(corners);
-        self.open.clear();
-        Ok(())
+        let corners = geometry.as_chunks().0.iter();
+        let triangles = corners.map(|&[a, b, c]| Ok([vertex_at(a)?, vertex_at(b)?, vertex_at(c)?]));
+        let triangles = triangles.collect::<Result<_>>()?;
+        Ok(Mesh {
+            origin,
+            vertices,
+            triangles,
+            ..Mesh::default()
+        })
     }
 
     /// Parses one line of a text, of the form that the specification shows.
@@ -147,7 +161,7 @@ impl Soup {
                 Within::Loop
             }
             (Within::Loop, "vertex") => {
-                self.corner(vector(&mut words)?)?;
+                self.corners.push(point(vector(&mut words)?)?);
                 Within::Loop
             }
             (Within::Loop, "endloop") => {

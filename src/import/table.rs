@@ -1,5 +1,7 @@
 //! The words, numbers and names of columns in tables of comma-separated values.
 
+use std::str::FromStr;
+
 use csv::{ByteRecord, ErrorKind};
 
 use super::fault::cut;
@@ -11,7 +13,7 @@ pub(super) fn word(row: &ByteRecord, column: usize) -> &str {
 }
 
 /// The number that a word stands for.
-pub(super) fn number(word: &str) -> Result<f32> {
+pub(super) fn number<T: FromStr>(word: &str) -> Result<T> {
     word.parse()
         .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
 }

@@ -8,7 +8,7 @@ use super::mesh::count;
 use super::spheres::Columns;
 use super::table::of_table;
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
-use crate::geometry::{Aabb, Capsule, Sphere};
+use crate::geometry::{Aabb, Capsule, Sphere, origin_near};
 
 /// The tubes of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -121,21 +121,29 @@ pub(super) fn read(
     let header = table.byte_headers().map_err(of_table)?;
     let columns = Columns::of(header, "line", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
-    let mut tubes = Tubes::with_scalars(array.is_some());
-    let (mut line, mut name) = (Vec::new(), Vec::new());
+    // Of each row the index of the first point of its line, the center, the radius and the number.
+    let mut points: Vec<(usize, DVec3, f32, f32)> = Vec::new();
+    let (mut line, mut name) = (0, Vec::new());
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
         let line_number = row.position().map_or(0, Position::line);
         let at_line = |fault: FileFault| fault.at(FileLocation::Line(line_number));
-        let point = columns.sphere(&row).map_err(at_line)?;
+        let (center, radius) = columns.sphere(&row).map_err(at_line)?;
         let number = columns.number(&row).map_err(at_line)?;
         let name_of_row = columns.extra.map_or(&b""[..], |column| &row[column]);
         if name != name_of_row {
-            tubes.add_line(line.drain(..))?;
+            line = points.len();
             name = name_of_row.to_vec();
         }
-        line.push((point, number));
+        points.push((line, center, radius, number));
     }
-    tubes.add_line(line.drain(..))?;
+    let origin = origin_near(points.iter().map(|(_, center, ..)| *center));
+    let mut tubes = Tubes::with_scalars(array.is_some()).at(origin);
+    for line in points.chunk_by(|(a, ..), (b, ..)| a == b) {
+        tubes.add_line(line.iter().map(|&(_, center, radius, number)| {
+            let center = (center - origin).as_vec3();
+            (Sphere { center, radius }, number)
+        }))?;
+    }
     tubes.at_least_one()
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::geometry::Aabb;
 use crate::host::available_memory;
@@ -81,6 +81,8 @@ fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
 
 /// What a scene shows.
 struct Subject {
+    /// The origin of its box.
+    origin: DVec3,
     bounds: Aabb,
     colors: SubjectColors,
     /// Why its own materials cannot be used, if it has any.
@@ -110,6 +112,7 @@ impl Subject {
         };
         let file = quoted(&file.to_string_lossy());
         Self {
+            origin: mesh.origin,
             bounds,
             colors: match first_array(mesh.arrays) {
                 _ if !mesh.materials.is_empty() => SubjectColors::OfFile,
@@ -130,6 +133,7 @@ impl Subject {
         let radius = 0.004 * (bounds.max - bounds.min).length();
         let file = quoted(&file.to_string_lossy());
         Self {
+            origin: tubes.origin,
             bounds,
             colors: first_array(tubes.arrays).map_or(SubjectColors::One, SubjectColors::Array),
             lost: None,
@@ -137,7 +141,7 @@ impl Subject {
                 "\
     # `radius` may also be that of an array: {{ array: …, scale: … }}.
     tubes: {{ file: {file}, radius: {} }}",
-                digits(radius.max(1e-15), radius)
+                digits(radius.max(1e-15).into(), radius)
             ),
         }
     }
@@ -156,13 +160,16 @@ fn quoted(text: &str) -> String {
 
 fn text_of(subject: &Subject, file: &Path) -> String {
     let Subject {
-        bounds, geometry, ..
+        origin,
+        bounds,
+        geometry,
+        ..
     } = subject;
-    let center = bounds.center();
+    let center = origin + bounds.center().as_dvec3();
     // All of the sphere around the box is in view.
     let radius = (0.5 * (bounds.max - bounds.min).length()).max(1e-6);
     let distance = radius / (0.5 * FOV_Y_DEG.to_radians()).sin();
-    let eye = center + distance * TO_EYE.normalize();
+    let eye = center + (distance * TO_EYE.normalize()).as_dvec3();
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name: String = stem.chars().take(200).collect();
     let (materials, material) = match &subject.colors {
@@ -188,7 +195,10 @@ fn text_of(subject: &Subject, file: &Path) -> String {
     let (floor_material, floor) = if is_measured {
         (String::new(), String::new())
     } else {
-        let at = point(Vec3::new(center.x, bounds.min.y, center.z), radius);
+        let at = point(
+            DVec3::new(center.x, origin.y + f64::from(bounds.min.y), center.z),
+            radius,
+        );
         (
             "\n  floor: { color: [0.4, 0.41, 0.43] }".to_owned(),
             format!(
@@ -227,15 +237,20 @@ lights:
 }
 
 /// A point with as many digits as its distance from others, `scale`, needs.
-fn point(point: Vec3, scale: f32) -> String {
+fn point(point: DVec3, scale: f32) -> String {
     let [x, y, z] = point.to_array().map(|x| digits(x, scale));
     format!("[{x}, {y}, {z}]")
 }
 
 /// A number with four digits of `scale`.
-fn digits(x: f32, scale: f32) -> String {
-    let unit = 10.0_f64.powf(f64::from(scale).log10().floor() - 3.0);
-    let rounded = (f64::from(x) / unit).round() * unit;
-    // The shortest digits of a 32-bit number.
-    (rounded as f32 + 0.0).to_string()
+fn digits(x: f64, scale: f32) -> String {
+    let exponent = f64::from(scale).log10().floor() as i32 - 3;
+    let power = 10.0_f64.powi(exponent.abs());
+    // Powers of ten below one are not exact; those above are, and lead to the shortest digits.
+    let rounded = if exponent < 0 {
+        (x * power).round() / power
+    } else {
+        (x / power).round() * power
+    };
+    (rounded + 0.0).to_string()
 }

@@ -103,6 +103,7 @@ fn the_camera_sees_all_of_a_mesh() {
         (1.0, [0.0; 3]),
         (1e-4, [0.5, 0.0, -3.0]),
         (1e6, [-1e6, 2e6, 5e5]),
+        (0.01, [300_000.123, 4_000_000.456, 0.0]),
     ] {
         let mut obj = String::new();
         for corner in 0..8 {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use raycost::accel::Accel;
 use raycost::cost::{NoProbe, RayKind};
 use raycost::geometry::{Ray, RenderSpace};
@@ -214,6 +214,25 @@ fn nodes_place_meshes_and_mirrored_ones_keep_their_outside() {
             mesh.triangle(mesh.triangles[triangle]).normal(),
             Some(Vec3::Z)
         );
+    }
+}
+
+/// A small mesh keeps its shape at a node far away.
+#[test]
+fn nodes_place_meshes_far_away() {
+    let mut file = sign();
+    let near = read("a.glb", &file.glb()).unwrap();
+    assert_eq!(near.origin, DVec3::ZERO);
+    // 32 bits have room for these numbers, not for those of a child that is beside them.
+    let far = DVec3::new(300_000.125, 4_000_000.5, 0.0);
+    file.json["nodes"][0]["translation"] = json!(far.to_array());
+    file.json["nodes"][1]["translation"] = json!([0.01, 0.07, 0]);
+    let mesh = read("a.glb", &file.glb()).unwrap();
+    for (i, (found, near)) in mesh.vertices.iter().zip(&near.vertices).enumerate() {
+        let found = mesh.origin + found.as_dvec3() - far;
+        let is_moved = f64::from(u8::from(i < 4));
+        let expected = near.as_dvec3() - DVec3::X + is_moved * DVec3::new(0.01, 0.07, 0.0);
+        assert!(found.distance(expected) < 1e-6, "{found} {expected}");
     }
 }
 

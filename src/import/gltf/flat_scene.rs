@@ -1,6 +1,6 @@
 //! The meshes of a scene as one.
 
-use glam::{Mat3, Mat4, Vec2, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use gltf_json::Index;
 use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
@@ -10,11 +10,11 @@ use super::accessor::Accessors;
 use super::materials::{self, Placing};
 use super::nodes::PlacedMesh;
 use crate::import::budget::Budget;
-use crate::import::mesh::{CornerValues, Mesh, count, fan, finite, moved};
+use crate::import::mesh::{CornerValues, Mesh, count, fan, finite, moved, point};
 use crate::import::{FileFault, Result};
 
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
-const BYTES_PER_VERTEX: u64 = 96;
+const BYTES_PER_VERTEX: u64 = 136;
 /// The same of a corner of a triangle, in a strip of which each one adds a triangle.
 const BYTES_PER_CORNER: u64 = 112;
 
@@ -22,6 +22,7 @@ const BYTES_PER_CORNER: u64 = 112;
 pub(super) struct FlatScene<'a> {
     accessors: Accessors<'a>,
     mesh: Mesh,
+    vertices: Vec<DVec3>,
     normals: CornerValues<Vec3>,
     uvs: CornerValues<Vec2>,
     colors: CornerValues<Vec3>,
@@ -34,7 +35,7 @@ struct Part<'a> {
     triangles: Vec<[u32; 3]>,
     n_vertices: usize,
     material: u32,
-    scene_from_mesh: Mat4,
+    scene_from_mesh: DMat4,
 }
 
 impl<'a> FlatScene<'a> {
@@ -42,6 +43,7 @@ impl<'a> FlatScene<'a> {
         Self {
             accessors,
             mesh: Mesh::default(),
+            vertices: Vec::new(),
             normals: CornerValues::default(),
             uvs: CornerValues::default(),
             colors: CornerValues::default(),
@@ -89,7 +91,7 @@ impl<'a> FlatScene<'a> {
     fn add_primitive(
         &mut self,
         primitive: &Primitive,
-        scene_from_mesh: Mat4,
+        scene_from_mesh: DMat4,
         budget: &mut Budget,
     ) -> Result<()> {
         let Some(positions) = attribute(primitive, Semantic::Positions) else {
@@ -123,11 +125,11 @@ impl<'a> FlatScene<'a> {
         self.add_normals(&part, budget)?;
         self.add_uvs(&part, budget)?;
         self.add_colors(&part, budget)?;
-        let first = count(self.mesh.vertices.len() + n_vertices)? - n_vertices as u32;
+        let first = count(self.vertices.len() + n_vertices)? - n_vertices as u32;
         for vertex in vertices {
             let vertex: Vec3 = finite(vertex)?;
-            let placed = scene_from_mesh.transform_point3(vertex);
-            self.mesh.vertices.push(finite(placed.to_array())?);
+            let placed = scene_from_mesh.transform_point3(vertex.as_dvec3());
+            self.vertices.push(point(placed.to_array())?);
         }
         let n = self.mesh.triangles.len() + part.triangles.len();
         self.mesh.triangles.extend(moved(&part.triangles, first));
@@ -185,13 +187,13 @@ impl<'a> FlatScene<'a> {
         };
         let [x, y, z] = [0, 1, 2].map(|k| part.scene_from_mesh.col(k).truncate());
         // The matrix of cofactors: that of normals, also of a matrix without an inverse.
-        let mut world = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        let mut world = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         if part.scene_from_mesh.determinant() < 0.0 {
             world = -world;
         }
         let placed = normals.into_iter().map(|normal| {
             let normal: Vec3 = finite(normal)?;
-            Ok((world * normal).normalize_or_zero())
+            Ok((world * normal.as_dvec3()).normalize_or_zero().as_vec3())
         });
         let placed = placed.collect::<Result<_>>()?;
         self.normals
@@ -235,12 +237,14 @@ impl<'a> FlatScene<'a> {
     pub(super) fn finish(self) -> Mesh {
         let Self {
             mut mesh,
+            vertices,
             normals,
             uvs,
             colors,
             ..
         } = self;
         let n = mesh.triangles.len();
+        mesh.take_vertices(vertices);
         mesh.uvs = uvs.completed(n, Vec2::ZERO);
         mesh.colors = colors.completed(n, Vec3::ONE);
         mesh.take_normals(normals);

@@ -1,6 +1,6 @@
 //! The nodes of a glTF file's scene, placed in its space.
 
-use glam::{Mat4, Quat, Vec3};
+use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
 use gltf_json::scene::Node;
 use gltf_json::{Index, Root, mesh};
 
@@ -9,7 +9,7 @@ use crate::import::{FileFault, Result};
 /// A mesh at a node.
 pub(super) struct PlacedMesh {
     pub(super) mesh: Index<mesh::Mesh>,
-    pub(super) scene_from_mesh: Mat4,
+    pub(super) scene_from_mesh: DMat4,
 }
 
 /// The meshes of the default scene, or of the first one; of a file without scenes those of all
@@ -19,13 +19,13 @@ pub(super) struct PlacedMesh {
 /// A node with two parents, or a transform that is not finite.
 pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
     let scene = root.scene.and_then(|scene| root.get(scene));
-    let mut open: Vec<(Index<Node>, Mat4)> = match scene.or(root.scenes.first()) {
+    let mut open: Vec<(Index<Node>, DMat4)> = match scene.or(root.scenes.first()) {
         Some(scene) => scene
             .nodes
             .iter()
-            .map(|node| (*node, Mat4::IDENTITY))
+            .map(|node| (*node, DMat4::IDENTITY))
             .collect(),
-        None => roots(root).map(|node| (node, Mat4::IDENTITY)).collect(),
+        None => roots(root).map(|node| (node, DMat4::IDENTITY)).collect(),
     };
     // The first one comes last, from where it is taken.
     open.reverse();
@@ -40,7 +40,7 @@ pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
             return Err(FileFault::new(problem, "a tree of nodes"));
         }
         let placed = parent * transform(node);
-        if !placed.is_finite() {
+        if !placed.as_mat4().is_finite() {
             let problem = format!("the transform of `nodes[{}]` is not finite", index.value());
             return Err(FileFault::new(problem, "finite numbers"));
         }
@@ -70,19 +70,20 @@ fn roots(root: &Root) -> impl Iterator<Item = Index<Node>> {
         .map(|(i, _)| Index::new(i))
 }
 
-fn transform(node: &Node) -> Mat4 {
+fn transform(node: &Node) -> DMat4 {
     if let Some(matrix) = &node.matrix {
-        return Mat4::from_cols_array(matrix);
+        return DMat4::from_cols_array(&matrix.map(f64::from));
     }
     let rotation = node
         .rotation
-        .map_or(Quat::IDENTITY, |of| Quat::from_array(of.0));
+        .map_or(DQuat::IDENTITY, |of| Quat::from_array(of.0).as_dquat());
     let rotation = if rotation.length_squared() > 0.0 {
         rotation.normalize()
     } else {
-        Quat::IDENTITY
+        DQuat::IDENTITY
     };
-    let scale = node.scale.map_or(Vec3::ONE, Vec3::from);
-    let translation = node.translation.map_or(Vec3::ZERO, Vec3::from);
-    Mat4::from_scale_rotation_translation(scale, rotation, translation)
+    let vector = |numbers| Vec3::from(numbers).as_dvec3();
+    let scale = node.scale.map_or(DVec3::ONE, vector);
+    let translation = node.translation.map_or(DVec3::ZERO, vector);
+    DMat4::from_scale_rotation_translation(scale, rotation, translation)
 }

@@ -8,13 +8,15 @@
 mod mtl;
 mod groups;
 
+use std::str::FromStr;
+
 use arrayvec::ArrayVec;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::fault::cut;
 use super::lines::Lines;
 use super::materials::MeshMaterial;
-use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light};
+use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light, point};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use groups::MaterialGroups;
 
@@ -73,6 +75,7 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
 #[derive(Default)]
 struct Reader {
     mesh: Mesh,
+    vertices: Vec<DVec3>,
     normals: CornerValues<Vec3>,
     /// Those of the triangles of all faces; [`MISSING`] for those without any.
     uvs: CornerValues<Vec2>,
@@ -94,13 +97,13 @@ impl Reader {
         };
         match keyword {
             "v" => {
-                count(self.mesh.vertices.len() + 1)?;
-                self.mesh.vertices.push(vector(&mut words)?);
+                count(self.vertices.len() + 1)?;
+                self.vertices.push(point(vector(&mut words)?)?);
                 self.colors.extend(weight_or_color(words)?);
             }
             "vn" => {
                 count(self.normals.values.len() + 1)?;
-                self.normals.values.push(vector(&mut words)?);
+                self.normals.values.push(finite(vector(&mut words)?)?);
                 if let Some(word) = words.next() {
                     let problem = format!("`{}` follows a normal", cut(word));
                     return Err(FileFault::new(problem, "three coordinates alone"));
@@ -132,7 +135,7 @@ impl Reader {
                 return Err(no_corner(word));
             }
             self.face
-                .push(index(vertex, "vertex", self.mesh.vertices.len())?);
+                .push(index(vertex, "vertex", self.vertices.len())?);
             if !normal.is_empty() {
                 let n = self.normals.values.len();
                 self.face_normals.push(index(normal, "normal", n)?);
@@ -194,6 +197,7 @@ impl Reader {
     }
 
     fn finish(mut self) -> Mesh {
+        self.mesh.take_vertices(self.vertices);
         let has_all = self.uvs.triangles.len() == self.mesh.triangles.len();
         if has_all && !self.uvs.triangles.contains(&MISSING) {
             self.mesh.uvs = Some(std::mem::take(&mut self.uvs));
@@ -246,21 +250,23 @@ fn texture_coordinates<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec2>
     finite([numbers[0], numbers[1]])
 }
 
-fn number(word: &str) -> Result<f32> {
+fn number<T: FromStr>(word: &str) -> Result<T> {
     word.parse()
         .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a coordinate"))
 }
 
 /// Parses the first three words as numbers.
-pub(super) fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec3> {
-    let mut numbers = [0.0; 3];
+pub(super) fn vector<'a, T: FromStr + Default>(
+    words: &mut impl Iterator<Item = &'a str>,
+) -> Result<[T; 3]> {
+    let mut numbers = <[T; 3]>::default();
     for (i, number) in numbers.iter_mut().enumerate() {
         let word = words
             .next()
             .ok_or_else(|| FileFault::new(format!("{i} coordinates"), "three: x, y and z"))?;
         *number = self::number(word)?;
     }
-    finite(numbers)
+    Ok(numbers)
 }
 
 /// Converts an index of `n` elements that counts from 1, or from -1 backward,

@@ -9,12 +9,12 @@ mod cursor;
 mod header;
 mod rows;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use serde::Deserialize;
 use serde::de::MapAccess;
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 
-use super::mesh::{CornerValues, Mesh, fan, finite, light};
+use super::mesh::{CornerValues, Mesh, fan, finite, light, point};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use cursor::{Cursor, Position};
 use header::{MeshHeader, UvNames};
@@ -56,9 +56,9 @@ pub(super) fn read(file: GeometryFileReader) -> Result<Mesh> {
 /// A row of a `vertex` element.
 #[derive(Deserialize)]
 struct Vertex {
-    x: f32,
-    y: f32,
-    z: f32,
+    x: f64,
+    y: f64,
+    z: f64,
     #[serde(default)]
     nx: f32,
     #[serde(default)]
@@ -111,6 +111,7 @@ struct Skipped {}
 struct Body {
     header: MeshHeader,
     mesh: Mesh,
+    vertices: Vec<DVec3>,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     colors: Vec<Vec3>,
@@ -123,6 +124,7 @@ impl Body {
         Self {
             header,
             mesh: Mesh::default(),
+            vertices: Vec::new(),
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
@@ -156,7 +158,7 @@ impl Body {
     }
 
     fn vertex(&mut self, row: &Vertex) -> Result<()> {
-        self.mesh.vertices.push(finite([row.x, row.y, row.z])?);
+        self.vertices.push(point([row.x, row.y, row.z])?);
         if self.header.has_normals {
             self.normals.push(finite([row.nx, row.ny, row.nz])?);
         }
@@ -207,6 +209,7 @@ impl Body {
     }
 
     fn mesh(mut self) -> Mesh {
+        self.mesh.take_vertices(self.vertices);
         if self.header.has_normals {
             self.mesh.normals = Some(CornerValues {
                 values: self.normals,

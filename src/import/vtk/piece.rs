@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::super::fault::cut;
-use super::super::mesh::{finite, light};
+use super::super::mesh::{self, light};
 use super::super::{FileFault, Result, listed};
 use super::cells::Cells;
 use super::numbers::Numbers;
@@ -154,8 +154,7 @@ impl Piece {
             }
             PointPositions::Lattice(lattice) => lattice.position(point),
         };
-        let _: Vec3 = finite(position.map(|coordinate| coordinate as f32))?;
-        Ok(position.into())
+        mesh::point(position)
     }
 
     /// The origin for the coordinates of its points.

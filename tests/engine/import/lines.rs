@@ -31,7 +31,7 @@ fn lines(name: &str, array: Option<&ArrayChoice>) -> Tubes {
 }
 
 /// The ends and the radii of a capsule.
-fn numbers(capsule: Capsule) -> [f32; 9] {
+pub fn numbers(capsule: Capsule) -> [f32; 9] {
     Shape::Capsule(capsule).parameters()
 }
 

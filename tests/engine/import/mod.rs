@@ -1,6 +1,7 @@
 //! Geometry files: what was written is read, and what is damaged is refused
 //! at its place.
 
+mod far;
 mod faults;
 mod isosurfaces;
 mod lines;
