@@ -4,9 +4,9 @@
 use std::error::Error;
 use std::path::Path;
 
+use raycost::Metric;
 use raycost::config::CostMode;
-use raycost::cost::Metric;
-use raycost::session::{Options, Session};
+use raycost::{Options, Session};
 
 /// Bars with one line per power of two: `   64..127  #####  1234`.
 pub fn histogram(scene: &Path) -> Result<String, Box<dyn Error>> {

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use raycost::session::{Options, Session};
+use raycost::{Options, Session};
 
 /// Renders `scene` into `folder`.
 pub fn run(scene: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {

@@ -5,7 +5,8 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use raycost::session::{Event, Options, Session};
+use raycost::session::Event;
+use raycost::{Options, Session};
 use serde_json::{Value, json};
 
 /// A sphere on a helix of three turns.

@@ -8,7 +8,7 @@ use std::error::Error;
 use raycost::config::TileOrder;
 use raycost::film;
 use raycost::schedule::{Cluster, TileRun};
-use raycost::session::{Options, Session};
+use raycost::{Options, Session};
 
 /// The tiles of a scene in the order in which they are dealt, and the bytes of each.
 fn tiles(scene: &str, size: Option<u32>) -> Result<(Vec<TileRun>, u64), Box<dyn Error>> {

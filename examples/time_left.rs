@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 
 use raycost::config::{CostMode, Repeats};
 use raycost::instruments::TimeLeft;
-use raycost::session::{Event, Options, Session};
+use raycost::session::Event;
+use raycost::{Options, Session};
 
 /// Renderings of a scene whose median error is printed.
 const N_RENDERINGS: usize = 5;

@@ -3,7 +3,7 @@
 //! Three steps lead from a scene file to files for ParaView:
 //!
 //! ```no_run
-//! use raycost::session::{Options, Session};
+//! use raycost::{Options, Session};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let session = Session::open("configs/seed_sphere.yaml")?;
 //! let mut rendering = session.render(&Options::default())?;
@@ -113,3 +113,6 @@ pub mod starter;
 pub mod session;
 #[doc(hidden)]
 pub mod cli;
+
+pub use cost::Metric;
+pub use session::{Options, Session};

@@ -9,6 +9,7 @@ use crate::output;
 use crate::render::{StoredPicture, repeat_bytes_per_pixel};
 use crate::scene::{Geometries, Instance, Primitive, SurfaceClass};
 use crate::schedule::{self, TileGrid};
+use crate::text::numbers::memory_sizes;
 use crate::yaml::{Fault, FieldPath};
 
 pub use crate::host::{available_memory as available, limit_memory as set_limit};
@@ -151,19 +152,18 @@ impl Memory {
                 "reduce the `count` of generators, or use smaller files".to_owned(),
             )
         };
-        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        let [needed, left] = memory_sizes([self.total(), available]);
+        let [of_section, _] = memory_sizes([self.film.max(self.scene), available]);
         Err(Fault::of_key(
             FieldPath::default().key(section),
             format!(
-                "{what} is too large: {:.1} GiB of memory are needed, {:.1} GiB are {}",
-                gib(self.total()),
-                gib(available),
+                "{what} is too large: {needed} of memory are needed, {left} are {}",
                 match memory_limit() {
                     Some(_) => "left of `--memory`",
                     None => "free",
                 }
             ),
-            format!("needs {:.1} GiB", gib(self.film.max(self.scene))),
+            format!("needs {of_section}"),
         )
         .with_help(advice))
     }

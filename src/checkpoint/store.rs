@@ -116,6 +116,12 @@ impl Checkpoint {
         self.places.len()
     }
 
+    /// Number of tiles that another run can go on with, of all renderings.
+    pub fn n_kept(&self) -> usize {
+        let here = self.sink.as_ref().map_or(0, |sink| lock(&sink.kept).len());
+        self.n_restored() + here
+    }
+
     /// A tile of a rendering; `None` if it has to be rendered.
     pub fn restore(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let (source, stored) = self.places.get(&(rendering, tile))?;

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::hints;
 use super::open_scene::OpenScene;
-use super::run_summary::primitives;
+use super::run_summary::{left_out, primitives};
 use super::scene::SceneArguments;
 use super::verify_output::{outputs_in, verified};
 use super::{Failure, on_threads, shown, study};
@@ -116,7 +117,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let expected = Prediction::of(&config, &mut placed, memory.band_rows)
         .map_err(|error| scene.point_at(memory::too_large(error)))?;
     stop::check()?;
-    let report = report(arguments, &scene, &config, &placed, (&memory, &expected));
+    let report = report(arguments, &scene, &config, &placed, (&memory, &expected))
+        + &left_out(&config.output)
+        + &hints::lines(&config, &expected);
     Ok(text::print(&report)?)
 }
 

@@ -20,8 +20,9 @@ pub enum Failure {
     Usage(String),
     /// Several inputs failed: the greatest exit code.
     Several(Vec<Failure>),
-    /// A signal stopped the program: exit code 128 plus its number.
-    Stopped(Stopped),
+    /// A signal stopped the program: exit code 128 plus its number. The message says what was
+    /// kept, if anything can go on.
+    Stopped(Stopped, Option<Diagnostic>),
     /// The reader of the output has closed its pipe, as `| head` does: exit code 0,
     /// without a message.
     ClosedOutput,
@@ -35,7 +36,7 @@ impl From<Diagnostic> for Failure {
 
 impl From<Stopped> for Failure {
     fn from(stopped: Stopped) -> Self {
-        Self::Stopped(stopped)
+        Self::Stopped(stopped, None)
     }
 }
 
@@ -44,7 +45,7 @@ impl From<RenderError> for Failure {
         match error {
             RenderError::Scene(diagnostic) => Self::Input(diagnostic),
             RenderError::Machine(diagnostic) => Self::Machine(diagnostic),
-            RenderError::Stopped(stopped) => Self::Stopped(stopped),
+            RenderError::Stopped(stopped) => stopped.into(),
         }
     }
 }
@@ -68,6 +69,22 @@ impl From<std::io::Error> for Failure {
 }
 
 impl Failure {
+    /// The same; if the program was stopped, with what was kept.
+    pub(super) fn or_kept(self, kept: impl FnOnce() -> Option<Diagnostic>) -> Self {
+        match self {
+            Self::Stopped(stopped, _) => Self::Stopped(stopped, kept()),
+            failure => failure,
+        }
+    }
+
+    /// The failure of a command that failed after a signal, and because of it.
+    pub(super) fn because_of(self, stopped: Stopped) -> Self {
+        match self {
+            Self::Stopped(_, kept) => Self::Stopped(stopped, kept),
+            _ => stopped.into(),
+        }
+    }
+
     /// The process's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -76,7 +93,7 @@ impl Failure {
             Self::Input(_) | Self::Usage(_) => 2,
             Self::Machine(_) => 1,
             Self::Several(all) => all.iter().map(Self::exit_code).max().unwrap_or(1),
-            Self::Stopped(stopped) => stopped.exit_code(),
+            Self::Stopped(stopped, _) => stopped.exit_code(),
             Self::ClosedOutput => 0,
         }
     }
@@ -100,7 +117,8 @@ impl Failure {
                 Some(messages.join("\n"))
             }
             Self::Usage(text) => Some(text.trim_end().to_owned()),
-            Self::Stopped(_) | Self::ClosedOutput | Self::Partial => None,
+            Self::Stopped(_, kept) => kept.as_ref().map(|kept| kept.render(true)),
+            Self::ClosedOutput | Self::Partial => None,
         }
     }
 }

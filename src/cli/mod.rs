@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod diff;
 mod failure;
+mod hints;
 mod hottest;
 mod merge;
 mod new;
@@ -24,13 +25,15 @@ mod verify_output;
 mod version;
 mod view;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
 
+use crate::import;
 use crate::session;
 use crate::stop::{self, Cancellation};
 use crate::text::numbers::shell_word;
@@ -101,11 +104,40 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli.run(),
         Err(usage) if usage.use_stderr() => {
-            let failure = Failure::Usage(text_of(&usage, &arguments));
+            let file = file_as_command(&usage, &arguments);
+            let text = || Failure::Usage(text_of(&usage, &arguments));
+            let failure = file.map_or_else(text, Failure::Input);
             render::fail_on_a_rank(&failure);
             Err(failure)
         }
         Err(help) => Ok(text::print_styled(&text_of(&help, &arguments))?),
+    }
+}
+
+/// The failure of a command line that has a file in the place of the command, or a name with
+/// spaces without quotes.
+fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagnostic> {
+    match usage.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let file = Path::new(arguments.get(1)?);
+            let extension = file.extension()?;
+            if !import::is_mesh(file) && extension != "yaml" && extension != "yml" {
+                return None;
+            }
+            let message = format!("`{}` is not a command", shown(file));
+            let help = format!("to render it: `raycost render {}`", shell_word(file));
+            Some(Diagnostic::new(message).with_help(help))
+        }
+        ErrorKind::UnknownArgument => {
+            let joined = (2..arguments.len()).flat_map(|end| {
+                (1..end).map(move |start| arguments[start..=end].join(OsStr::new(" ")))
+            });
+            let file = joined.map(PathBuf::from).find(|file| file.is_file())?;
+            let message = format!("`{}` has a space in its name", shown(&file));
+            let help = format!("put it in quotes: {}", shell_word(&file));
+            Some(Diagnostic::new(message).with_help(help))
+        }
+        _ => None,
     }
 }
 
@@ -129,7 +161,7 @@ impl Cli {
         })?;
         match (self.command.run(), stop::check()) {
             // A command that fails after a signal fails because of the signal.
-            (Err(_), Err(stopped)) => Err(stopped.into()),
+            (Err(failure), Err(stopped)) => Err(failure.because_of(stopped)),
             (ended, _) => ended,
         }
     }

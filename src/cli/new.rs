@@ -1,16 +1,22 @@
 //! `raycost new`.
 
 use std::fs::File;
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
 
 use super::{Failure, shell_word, shown};
+use crate::schema::SchemaKind;
 use crate::starter;
 use crate::text::{self, Diagnostic};
 
+/// The file of the schema, beside the scene.
+const SCHEMA: &str = "scene.schema.json";
+
 /// Write a scene file to begin with
 ///
-/// The scene has comments that explain its sections. An existing file is never changed.
+/// The scene has comments that explain its sections. Its first line names the file
+/// scene.schema.json beside it, with which an editor completes keys and marks mistakes; it is
+/// written unless it is there. An existing file is never changed.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   raycost new first.yaml
@@ -31,24 +37,35 @@ pub(super) fn run(arguments: &NewArguments) -> Result<(), Failure> {
         None => starter::SCENE.to_owned(),
         Some(mesh) => starter::scene_of(mesh, &path_from(file, mesh))?,
     };
-    let created = File::create_new(file);
-    let written = created.and_then(|mut created| created.write_all(scene.as_bytes()));
-    written.map_err(|error| match error.kind() {
+    let connection = format!("# yaml-language-server: $schema={SCHEMA}\n");
+    write_new(file, &(connection + &scene)).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {
             let message = format!("`{}` exists already", shown(file));
             Failure::Input(Diagnostic::new(message).with_help("name a file that does not exist"))
         }
-        _ => {
-            let message = format!("cannot write `{}`: {error}", shown(file));
-            Failure::Machine(Diagnostic::new(message).with_help("name a file in another folder"))
-        }
+        _ => unwritable(file, &error),
     })?;
-    let next = format!(
-        "wrote   {}\nnext    raycost render {}\n",
-        shown(file),
-        shell_word(file)
-    );
-    Ok(text::print(&next)?)
+    let mut written = shown(file);
+    let schema = file.with_file_name(SCHEMA);
+    match write_new(&schema, &format!("{:#}\n", SchemaKind::Scene.schema())) {
+        Ok(()) => written += &format!(", {}", shown(&schema)),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+        Err(error) => return Err(unwritable(&schema, &error)),
+    }
+    let next = shell_word(file);
+    let text = format!("wrote   {written}\nnext    raycost render {next}\n");
+    Ok(text::print(&text)?)
+}
+
+/// Writes a file that does not exist.
+fn write_new(file: &Path, text: &str) -> io::Result<()> {
+    let mut created = File::create_new(file)?;
+    created.write_all(text.as_bytes())
+}
+
+fn unwritable(file: &Path, error: &io::Error) -> Failure {
+    let message = format!("cannot write `{}`: {error}", shown(file));
+    Failure::Machine(Diagnostic::new(message).with_help("name a file in another folder"))
 }
 
 /// The path of a mesh as its scene file has to name it.

@@ -89,7 +89,8 @@ impl PixelBar {
             return;
         }
         let part = (self.time_left).advance(progress.work, progress.is_restored);
-        let n_rays = progress.n_rays + self.n_rays.fetch_add(progress.n_rays, Ordering::Relaxed);
+        let here = rays_of_this_run(progress);
+        let n_rays = here + self.n_rays.fetch_add(here, Ordering::Relaxed);
         let seconds = self.bar.elapsed().as_secs_f64().max(1e-3);
         let mut message = String::new();
         if n_rays > 0 {
@@ -106,6 +107,15 @@ impl PixelBar {
     /// Removes the bar from the terminal.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// The rays that this run has traced: those of an earlier one took it no time.
+fn rays_of_this_run(progress: Progress) -> u64 {
+    if progress.is_restored {
+        0
+    } else {
+        progress.n_rays
     }
 }
 
@@ -221,4 +231,19 @@ pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) 
     let done = work(&|progress| bar.advance(progress));
     bar.clear();
     done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rate_is_that_of_this_run() {
+        let here = Progress::of_pixels(4, 12);
+        let before = Progress {
+            is_restored: true,
+            ..here
+        };
+        assert_eq!([here, before].map(rays_of_this_run), [12, 0]);
+    }
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::scene::SceneArguments;
 use super::{charges, hottest, shell_word, shown, timing_quality};
-use crate::config::OptionalOutput;
+use crate::config::{OptionalOutput, Outputs};
 use crate::folder::Written;
 use crate::instruments::Stages;
 use crate::output::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
@@ -62,6 +62,7 @@ pub(super) fn lines(
 {quality}\
          {}\
          {}\
+         {}\
          wrote   {}: {}\n\
          next    paraview {option}{}\n\
          {trace}\
@@ -75,10 +76,20 @@ pub(super) fn lines(
         speed(rendering),
         hottest::lines(rendering.survey.hottest),
         costs,
+        left_out(&rendering.config.output),
         shown(&out),
         files,
         shell_word(&out.join(next)),
     )
+}
+
+/// A line about each requested output that has nothing to show.
+pub(super) fn left_out(outputs: &Outputs) -> String {
+    let line = |output: &OptionalOutput| {
+        let name = output.name();
+        format!("note    `{name}` is left out: `brute_force` has no hierarchy\n")
+    };
+    outputs.left_out().iter().map(line).collect()
 }
 
 /// The names and the lengths of the files; those of pieces together.

@@ -29,6 +29,7 @@ use crate::text::{self, Diagnostic};
 /// Prints the rays of the first pixels as trees, and writes the rays of all pixels with
 /// a ParaView state that shows them in the scene.
 #[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("pixels").args(["pixel", "hottest"]).required(true))]
 #[command(after_help = "\
 For each ray, the tree shows what it hit, the distance, the cost, and its
 contribution to the pixel's color. For a shadow ray, the contribution is in
@@ -45,12 +46,12 @@ pub(super) struct TraceArguments {
 
     /// Pixels to trace; 0,0 is at the top left. X and Y are numbers, or ranges such as
     /// 10..19, both ends included. Can be repeated
-    #[arg(long, value_name = "X,Y", required_unless_present = "hottest")]
+    #[arg(long, value_name = "X,Y")]
     pixel: Vec<PixelRectangle>,
 
     /// Trace the N most expensive pixels instead, 1 to 10,000; renders the picture to
     /// find them
-    #[arg(long, value_name = "N", conflicts_with = "pixel")]
+    #[arg(long, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     hottest: Option<u32>,
 

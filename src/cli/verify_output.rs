@@ -61,12 +61,9 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> 
         let text = format!("output  {shown} is whole: {files}\n{notes}");
         return Ok(text::print(&text)?);
     }
-    let message = format!(
-        "`{shown}` is damaged, {} of {files}:\n{}",
-        broken.len(),
-        broken.join("\n")
-    );
+    let message = format!("`{shown}` is damaged: {} of {files}", broken.len());
     Err(Diagnostic::new(message)
+        .with_note(broken.join("\n"))
         .with_help("render the scene again, or copy the folder again")
         .into())
 }

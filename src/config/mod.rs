@@ -161,7 +161,7 @@ impl Config {
     /// # Errors
     /// The output that is impossible, and the fault of the section `output`.
     pub fn check_output(&self) -> Result<(), (OptionalOutput, Fault)> {
-        self.output.check(self.cost, self.acceleration)
+        self.output.check(self.cost)
     }
 
     /// Checks the sizes of the image and of its tiles, which a program may have

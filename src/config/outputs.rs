@@ -32,6 +32,8 @@ pub struct Outputs {
     arrays: Option<Vec<PixelArray>>,
     /// The nodes of the hierarchy that are written.
     pub bvh: BvhLimits,
+    /// Outputs that were requested and have nothing to show.
+    left_out: Vec<OptionalOutput>,
 }
 
 /// A group of files that is written on request.
@@ -93,7 +95,7 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 
 impl OptionalOutput {
     /// Its name in scene files and on the command line.
-    fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         text::keyword_name(&self)
     }
 
@@ -137,15 +139,24 @@ impl Outputs {
         }
     }
 
-    /// Checks that all requested outputs are possible with these settings.
+    /// Leaves out what this acceleration structure does not have.
+    pub(crate) fn leave_out_without(&mut self, acceleration: Acceleration) {
+        if acceleration == Acceleration::BruteForce {
+            let left_out = |output: &mut OptionalOutput| output.needs_hierarchy();
+            self.left_out.extend(self.optional.extract_if(.., left_out));
+        }
+    }
+
+    /// The requested outputs that have nothing to show without a hierarchy.
+    pub(crate) fn left_out(&self) -> &[OptionalOutput] {
+        &self.left_out
+    }
+
+    /// Checks that all requested outputs are possible with this cost.
     ///
     /// # Errors
     /// The output that is impossible, and the fault of the section.
-    pub(super) fn check(
-        &self,
-        cost: CostMode,
-        acceleration: Acceleration,
-    ) -> Result<(), (OptionalOutput, Fault)> {
+    pub(super) fn check(&self, cost: CostMode) -> Result<(), (OptionalOutput, Fault)> {
         for &requested in &self.optional {
             let name = requested.name();
             let fault = |message: String, help: &str| {
@@ -156,10 +167,6 @@ impl Outputs {
             if requested.needs_attribution() && !cost.has_counters() {
                 let message = format!("`{name}` requires counters, and `cost` is `none`");
                 return fault(message, "use `--cost counters`, or do not request it");
-            }
-            if requested.needs_hierarchy() && acceleration == Acceleration::BruteForce {
-                let message = format!("`{name}` requires a hierarchy, and `brute_force` has none");
-                return fault(message, "use `acceleration: bvh`, or do not request it");
             }
         }
         Ok(())

@@ -5,9 +5,9 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::host::advice;
+use crate::text::Diagnostic;
 
 /// A file or folder that could not be written.
-#[derive(Debug)]
 pub struct WriteError {
     path: PathBuf,
     error: io::Error,
@@ -61,6 +61,14 @@ impl WriteError {
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "cannot write `{}`: {}", self.path.display(), self.error)
+    }
+}
+
+/// The message with its advice, behind the word `Error:` of a `main` that returns it.
+impl fmt::Debug for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let diagnostic = Diagnostic::new(self.to_string()).with_help(self.help());
+        fmt::Debug::fmt(&diagnostic, f)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{FileFault, Result};
 use crate::host::available_memory;
+use crate::text::numbers::memory_sizes;
 
 /// The memory that is left for a file and its pieces, in bytes.
 #[derive(Debug)]
@@ -20,12 +21,9 @@ impl Budget {
     pub(super) fn take(&mut self, n_bytes: u64) -> Result<()> {
         let left = self.0;
         self.0 = left.checked_sub(n_bytes).ok_or_else(|| {
-            let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-            let problem = format!(
-                "its arrays take {:.1} GiB of memory or more, {:.1} GiB are left for them",
-                gib(n_bytes),
-                gib(left)
-            );
+            let [taken, left] = memory_sizes([n_bytes, left]);
+            let problem =
+                format!("its arrays take {taken} of memory or more, {left} are left for them");
             FileFault::new(problem, "a smaller file")
         })?;
         Ok(())

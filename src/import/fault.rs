@@ -5,7 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use crate::yaml::{Fault, FieldPath};
+use crate::yaml::{Fault, FieldPath, why_missing};
 
 /// A fault in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,6 +40,9 @@ pub(super) fn cut(word: &str) -> Cow<'_, str> {
         Some((end, _)) => Cow::Owned(format!("{}…", &word[..end])),
     }
 }
+
+/// What is expected of a file that the system does not open.
+const READABLE: &str = "a file that can be read";
 
 impl FileFault {
     /// A fault of the file as a whole.
@@ -81,7 +84,14 @@ impl FileFault {
     /// The fault of the scene file's value at `path`, which names the file.
     pub fn at_value(&self, path: &FieldPath) -> Fault {
         let expected = format!("expected {}", self.expected);
-        Fault::new(path.clone(), self.message(), expected)
+        let fault = Fault::new(path.clone(), self.message(), expected);
+        if self.expected != READABLE {
+            return fault;
+        }
+        match why_missing(Path::new(&self.file)) {
+            Some(why) => fault.with_help(why),
+            None => fault,
+        }
     }
 
     /// File, position and problem in one line.
@@ -97,7 +107,7 @@ impl FileFault {
 impl From<io::Error> for FileFault {
     fn from(error: io::Error) -> Self {
         let problem = format!("cannot read it: {error}");
-        Self::new(problem, "a file that can be read")
+        Self::new(problem, READABLE)
     }
 }
 

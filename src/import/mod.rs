@@ -143,6 +143,42 @@ const FORMATS: &[(&str, MeshReader)] = &[
     ("glb", gltf::read),
 ];
 
+/// Formats of other programs by the extension of their files, in lower case.
+const FOREIGN: &[(&str, &str)] = &[
+    ("3ds", "3D Studio"),
+    ("3mf", "3MF"),
+    ("abc", "Alembic"),
+    ("blend", "Blender"),
+    ("c4d", "Cinema 4D"),
+    ("dae", "COLLADA"),
+    ("fbx", "FBX"),
+    ("iges", "IGES"),
+    ("igs", "IGES"),
+    ("ma", "Maya"),
+    ("max", "3ds Max"),
+    ("mb", "Maya"),
+    ("skp", "SketchUp"),
+    ("step", "STEP"),
+    ("stp", "STEP"),
+    ("usd", "USD"),
+    ("usda", "USD"),
+    ("usdc", "USD"),
+    ("usdz", "USD"),
+    ("x3d", "X3D"),
+];
+
+/// The name of the format of another program that raycost does not read, by the file's
+/// extension.
+pub fn foreign_format(path: &Path) -> Option<&'static str> {
+    let extension = extension(path);
+    let found = FOREIGN.iter().find(|(known, _)| *known == extension);
+    found.map(|(_, name)| *name)
+}
+
+/// How a file of another program becomes one that can be read.
+pub const EXPORT: &str =
+    "export glTF (.glb) or OBJ from the program that wrote it, or from Blender";
+
 /// Whether the file's extension is that of a mesh format.
 pub fn is_mesh(path: &Path) -> bool {
     let extension = extension(path);
@@ -222,7 +258,7 @@ fn read_any_mesh(file: DataFile, array: Option<&ArrayChoice>, memory: Option<u64
     file.refuse_step()?;
     let extension = extension(path);
     let known = FORMATS.iter().find(|(known, _)| *known == extension);
-    let (_, read) = known.ok_or_else(|| unknown_format(&extension))?;
+    let (_, read) = known.ok_or_else(|| unknown_format(path))?;
     if let Some(array) = array {
         let problem = format!("it cannot have an array `{}`", array.name);
         let expected = "a VTK file, such as one that ends in .vtp or .vtu";
@@ -399,10 +435,12 @@ fn listed(words: &[String]) -> String {
     }
 }
 
-fn unknown_format(extension: &str) -> FileFault {
+fn unknown_format(path: &Path) -> FileFault {
+    let extension = extension(path);
     let known: Vec<String> = extensions().map(|known| format!(".{known}")).collect();
-    let problem = match extension {
-        "" => "its name has no extension".to_owned(),
+    let problem = match (&*extension, foreign_format(path)) {
+        ("", _) => "its name has no extension".to_owned(),
+        (_, Some(format)) => format!("raycost does not read {format} files; {EXPORT}"),
         _ => format!("unknown mesh format `.{extension}`"),
     };
     FileFault::new(problem, format!("a file that ends in {}", listed(&known)))

@@ -19,6 +19,7 @@ use super::{FileFault, Result, open};
 use crate::color::Transfer;
 use crate::files;
 use crate::picture::{Picture, Texels};
+use crate::text::numbers::memory_sizes;
 
 /// Reads a picture, which materials share. Its numbers are those of `transfer`; by default sRGB in PNG and JPEG
 /// files, and linear in others.
@@ -170,12 +171,10 @@ fn check_size(decoder: &dyn ImageDecoder, available: u64) -> Result<()> {
     if needed <= available {
         return Ok(());
     }
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let [needed, free] = memory_sizes([needed, available]);
     let problem = format!(
-        "{width} x {height} pixels are too many: up to {:.1} GiB of memory are needed to read \
-         them, {:.1} GiB are free",
-        gib(needed),
-        gib(available)
+        "{width} x {height} pixels are too many: up to {needed} of memory are needed to read \
+         them, {free} are free"
     );
     Err(FileFault::new(problem, "a smaller picture"))
 }

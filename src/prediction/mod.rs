@@ -25,6 +25,7 @@ use crate::output;
 use crate::render::most_repeats;
 use crate::scene::{Scene, World};
 use crate::schedule::{self, TileGrid};
+pub(crate) use preview::Look;
 use preview::Preview;
 use sample::RowSample;
 
@@ -36,6 +37,8 @@ pub(crate) struct Prediction {
     pub(crate) peak_memory: Option<u64>,
     /// The files.
     pub(crate) disk: DiskUse,
+    /// What the camera sees.
+    pub(crate) look: Look,
 }
 
 impl Prediction {
@@ -82,6 +85,7 @@ impl Prediction {
         let sample = RowSample::of(config, scene, &accel, is_repeated);
         Ok(Self {
             peak_memory,
+            look: preview.look,
             disk: DiskUse::of(config, scene, (&preview, &sample), nodes, n_pieces),
         })
     }

@@ -14,9 +14,21 @@ use crate::scene::Scene;
 /// about 0.5 %.
 const MOST_PIXELS: usize = 1 << 16;
 
+/// What the camera sees in the small picture.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Look {
+    /// Whether it sees any object.
+    pub(crate) has_hit: bool,
+    /// Whether all pixels are black.
+    pub(crate) is_black: bool,
+    /// The object that all pixels show, if it is the same.
+    pub(crate) only_object: Option<u32>,
+}
+
 /// What the small picture shows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Preview {
+    pub(super) look: Look,
     /// The share of pixels with a hit.
     pub(super) hit_share: f64,
     /// The bytes of a pixel's packed counters in the film.
@@ -62,6 +74,7 @@ impl Preview {
         let (film, _) = render(scene, accel, &plan, &meter, |_| {});
         let n_pixels = small.n_pixels() as f64;
         Self {
+            look: Look::of(&film),
             hit_share: film.n_hits() as f64 / n_pixels,
             counter_bytes: counter_bytes(&film, &config.image),
             seconds_per_sample: begin.elapsed().as_secs_f64() / n_pixels,
@@ -72,6 +85,22 @@ impl Preview {
                     f64::from(scale).powi(2)
                 }
             },
+        }
+    }
+}
+
+impl Look {
+    fn of(film: &Film) -> Self {
+        let colors = film.strips.iter().flat_map(|strip| &strip.rgb);
+        let mut objects = film.strips.iter().flat_map(|strip| &strip.object);
+        let first = objects
+            .next()
+            .and_then(|&object| u32::try_from(object).ok());
+        let is_first = |&object: &i32| u32::try_from(object).ok() == first;
+        Self {
+            has_hit: film.n_hits() > 0,
+            is_black: colors.flatten().all(|&channel| channel == 0),
+            only_object: first.filter(|_| objects.all(is_first)),
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::geometry::{Located, Shape, Transform, world_from_object};
 use crate::import::{
     self, ArrayChoice, CornerValues, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes,
 };
+use crate::text::numbers::memory_sizes;
 use crate::yaml::{Fault, FieldPath, Folders};
 
 /// The geometries of the objects of a config, and the pictures of its materials.
@@ -395,12 +396,10 @@ fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault
     if needed <= available {
         return Ok(());
     }
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let [needed, free] = memory_sizes([needed, available]);
     let message = format!(
-        "`{}` is too large: up to {:.1} GiB of memory are needed to read it, {:.1} GiB are free",
+        "`{}` is too large: up to {needed} of memory are needed to read it, {free} are free",
         file.display(),
-        gib(needed),
-        gib(available)
     );
     Err(Fault::new(path.clone(), message, "expected a smaller file"))
 }

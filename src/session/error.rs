@@ -7,7 +7,6 @@ use crate::stop::Stopped;
 use crate::text::Diagnostic;
 
 /// Why a scene was not rendered.
-#[derive(Debug)]
 pub enum RenderError {
     /// A mistake in the scene.
     Scene(Diagnostic),
@@ -35,6 +34,16 @@ impl fmt::Display for RenderError {
         match self {
             Self::Scene(diagnostic) | Self::Machine(diagnostic) => diagnostic.fmt(f),
             Self::Stopped(stopped) => stopped.fmt(f),
+        }
+    }
+}
+
+/// The message, behind the word `Error:` of a `main` that returns it.
+impl fmt::Debug for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(diagnostic) | Self::Machine(diagnostic) => fmt::Debug::fmt(diagnostic, f),
+            Self::Stopped(stopped) => fmt::Display::fmt(stopped, f),
         }
     }
 }

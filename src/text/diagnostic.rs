@@ -17,12 +17,14 @@ const MAX_LIST: usize = 480;
 const MAX_UNDERLINED: usize = 60;
 
 /// An error message for the user: what is wrong, where, and how to correct it.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Diagnostic {
     message: String,
     excerpt: Option<Excerpt>,
     note: Option<String>,
     help: Option<String>,
+    /// Other mistakes, which are shown below it.
+    others: Vec<Diagnostic>,
 }
 
 /// The line that a diagnostic points at.
@@ -45,7 +47,14 @@ impl Diagnostic {
             excerpt: None,
             note: None,
             help: None,
+            others: Vec::new(),
         }
+    }
+
+    /// Adds other mistakes, which are shown below it.
+    pub fn with_others(mut self, others: Vec<Self>) -> Self {
+        self.others = others;
+        self
     }
 
     /// Adds advice on how to correct it.
@@ -84,8 +93,18 @@ impl Diagnostic {
         self
     }
 
-    /// Formats the message for a terminal; `styled` adds colors.
+    /// Formats the message for a terminal; `styled` adds colors. A blank line precedes each
+    /// other mistake.
     pub fn render(&self, styled: bool) -> String {
+        let mut text = self.render_own(styled);
+        for other in &self.others {
+            text += "\n\n";
+            text += &other.render(styled);
+        }
+        text
+    }
+
+    fn render_own(&self, styled: bool) -> String {
         let mut group =
             Level::ERROR
                 .primary_title(self.message.as_str())
@@ -117,6 +136,14 @@ impl Diagnostic {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.render(false))
+    }
+}
+
+/// The message, behind the word `Error:` of a `main` that returns it.
+impl fmt::Debug for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = self.render(false);
+        f.write_str(text.strip_prefix("error: ").unwrap_or(&text))
     }
 }
 

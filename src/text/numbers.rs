@@ -36,6 +36,17 @@ pub fn bytes(n: u64) -> String {
     scaled(n as f64, 1e3, &["B", "kB", "MB", "GB", "TB", "PB", "EB"])
 }
 
+/// Two sizes of memory in the largest unit that shows which one is larger: `3.1 GiB` and
+/// `2.9 GiB`, or `20.0 KiB` and `12.5 KiB`.
+pub(crate) fn memory_sizes(sizes: [u64; 2]) -> [String; 2] {
+    let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)].into_iter();
+    let in_unit = |(unit, power)| {
+        sizes.map(|n| format!("{:.1} {unit}", n as f64 / f64::from(1_u32 << power)))
+    };
+    let apart = units.map(in_unit).find(|[a, b]| a != b);
+    apart.unwrap_or_else(|| sizes.map(|n| format!("{} bytes", count(n))))
+}
+
 /// `850 ns`, `1.25 ms`, `3.1 s`.
 pub fn duration(elapsed: Duration) -> String {
     let seconds = elapsed.as_secs_f64();
@@ -151,6 +162,17 @@ mod tests {
     fn units_fit() {
         assert_eq!(bytes(512), "512 B");
         assert_eq!(bytes(1_500_000), "1.50 MB");
+        for (sizes, shown) in [
+            ([5 << 30, 3 << 30], ["5.0 GiB", "3.0 GiB"]),
+            ([20 << 10, 25 << 9], ["20.0 KiB", "12.5 KiB"]),
+            (
+                [(1 << 30) + (3 << 20), 1 << 30],
+                ["1027.0 MiB", "1024.0 MiB"],
+            ),
+            ([1025, 1024], ["1,025 bytes", "1,024 bytes"]),
+        ] {
+            assert_eq!(memory_sizes(sizes), shown);
+        }
         for (text, seconds) in [
             ("90s", 90.0),
             ("30m", 1800.0),

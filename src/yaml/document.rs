@@ -5,12 +5,14 @@ use std::path::Path;
 use indexmap::IndexMap;
 use serde::de::DeserializeOwned;
 
+use super::deserialize::deserialize;
 use super::fault::{Fault, Spot};
 use super::field_path::{FieldPath, Step};
 use super::include;
+use super::mistakes::{self, Explain};
 use super::origins::{Merging, Origins, ValuePlace};
 use super::setting::SettingText;
-use super::source::{Source, deserialize};
+use super::source::Source;
 use super::translate;
 use super::tree::Tree;
 use crate::text::{Diagnostic, did_you_mean};
@@ -102,7 +104,6 @@ impl Document {
 
     /// The value at a path; `None` if there is none of this type.
     pub fn value_at<T: DeserializeOwned>(&self, path: &FieldPath) -> Option<T> {
-        let mut text = String::new();
         let of_source;
         let tree = match &self.composition {
             Some(composition) => &composition.tree,
@@ -111,8 +112,7 @@ impl Document {
                 &of_source
             }
         };
-        tree.find(&path.0)?.write(&mut text);
-        deserialize(&text).ok()
+        deserialize(&tree.find(&path.0)?.text()).ok()
     }
 
     /// The scene without a section; messages still find its keys.
@@ -181,20 +181,32 @@ impl Document {
     /// Deserializes a `T`, as [`Source::parse`] does.
     ///
     /// # Errors
-    /// The first mistake found.
+    /// Those of [`Source::parse`].
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
         let Some(composition) = &self.composition else {
             return self.sources[0].parse();
         };
-        deserialize(&composition.text()).map_err(|(path, error)| {
-            if !translate::is_unknown_key(&error)
-                && let Some(misnamed) = self.misnamed::<T>(composition, &path)
+        let text = composition.tree.text();
+        deserialize(&text).map_err(|first| {
+            if !translate::is_unknown_key(&first.1)
+                && let Some(misnamed) = self.misnamed::<T>(composition, &first.0)
             {
                 return misnamed;
             }
-            let ValuePlace { source, path } = composition.origins.of(&path);
-            let source = &self.sources[source];
-            self.diagnose(source, translate::fault(&source.located(), path, &error))
+            let refused = |path: FieldPath, error: &serde_yaml::Error| {
+                let ValuePlace { source, path } = composition.origins.of(&path);
+                let source = &self.sources[source];
+                self.diagnose(source, translate::fault(&source.located(), path, error))
+            };
+            let explain = Explain {
+                is_written: &|path| {
+                    let ValuePlace { source, path } = composition.origins.of(path);
+                    self.sources[source].located().has(&path)
+                },
+                refused: &refused,
+                fault: &|fault| self.point_at(fault),
+            };
+            mistakes::of::<T>(&text, || composition.tree.clone(), first, &explain)
         })
     }
 
@@ -218,7 +230,7 @@ impl Document {
             };
             siblings.shift_remove(key);
             let fault = no_such_key(setting, n_steps, siblings.keys());
-            let without = Composition::new(tree, Origins::default()).text();
+            let without = tree.text();
             let is_fine = is_above && deserialize::<T>(&without).is_ok();
             is_fine.then(|| self.diagnose(source, fault))
         })
@@ -259,13 +271,6 @@ impl Composition {
         }
     }
 
-    /// The tree as a YAML text.
-    fn text(&self) -> String {
-        let mut text = String::new();
-        self.tree.write(&mut text);
-        text
-    }
-
     /// Sets the value of a setting, the source of which has this index.
     fn set(
         &mut self,
@@ -283,8 +288,7 @@ impl Composition {
         let mut tree = &mut self.tree;
         let mut first_new = None;
         for (depth, step) in path.0.iter().enumerate() {
-            let is_empty = matches!(tree, Tree::Scalar { text, is_plain: true } if text.is_empty());
-            if is_empty && matches!(step, Step::Key(_)) {
+            if tree.is_empty() && matches!(step, Step::Key(_)) {
                 *tree = Tree::Map(IndexMap::new());
             }
             if let (Tree::Map(map), Step::Key(key)) = (&mut *tree, step)

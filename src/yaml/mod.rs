@@ -18,7 +18,12 @@ mod position;
 mod tree;
 mod setting;
 mod translate;
+mod deserialize;
 mod source;
+mod meant;
+mod misplaced;
+mod missing;
+mod mistakes;
 mod origins;
 mod include;
 mod document;
@@ -27,6 +32,7 @@ pub use color::{ColorOr, ColorPattern, RadianceOr, color, hex_color, radiance};
 pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
+pub(crate) use missing::why_missing;
 pub use name::{MAX_NAME, name};
 pub use number::{
     Number, OneOrList, cone_radii, coordinate, coordinate_or_list, count, direction,

@@ -29,6 +29,11 @@ pub(super) struct LocatedText<'a> {
 }
 
 impl LocatedText<'_> {
+    /// Whether the value at `path` is in the text, and not in that of an anchor.
+    pub(super) fn has(&self, path: &FieldPath) -> bool {
+        self.locate(path).is_some_and(|location| location.is_exact)
+    }
+
     /// Locates the value at `path`, or its nearest ancestor in the text.
     pub(super) fn locate(&self, path: &FieldPath) -> Option<Location> {
         match self.setting {

@@ -7,8 +7,11 @@ use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
+use super::deserialize::deserialize;
 use super::fault::{Fault, Spot};
 use super::field_path::FieldPath;
+use super::missing::why_missing;
+use super::mistakes::{self, Explain};
 use super::position::{self, Location};
 use super::setting::{LocatedText, SettingText};
 use super::translate;
@@ -112,9 +115,17 @@ impl Source {
     ) -> Result<Self, Diagnostic> {
         let mut bytes = Vec::new();
         read(&mut bytes).map_err(|error| {
-            let remedy = "give the path of a YAML file, such as configs/seed_sphere.yaml";
+            let remedy = match error.kind() {
+                io::ErrorKind::IsADirectory => {
+                    "give the path of a YAML file in it; `raycost check` also takes a folder that \
+                     `raycost render` wrote"
+                }
+                _ => "give the path of a YAML file, such as configs/seed_sphere.yaml",
+            };
+            let help = advice(&error).map(str::to_owned);
+            let help = help.or_else(|| why_missing(Path::new(name)));
             Diagnostic::new(format!("cannot read the scene `{name}`: {error}"))
-                .with_help(advice(&error).unwrap_or(remedy))
+                .with_help(help.unwrap_or_else(|| remedy.to_owned()))
         })?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(
@@ -140,12 +151,21 @@ impl Source {
     /// Deserializes a `T` from the text.
     ///
     /// # Errors
-    /// The first mistake found: a syntax error, a duplicate key, then what
-    /// `T`'s `Deserialize` rejects.
+    /// The first mistake found: a syntax error or a duplicate key; else all that `T`'s
+    /// `Deserialize` rejects, up to ten.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
         self.check()?;
-        deserialize(&self.text)
-            .map_err(|(path, error)| self.point_at(translate::fault(&self.located(), path, &error)))
+        deserialize(&self.text).map_err(|first| {
+            let refused = |path, error: &serde_yaml::Error| {
+                self.point_at(translate::fault(&self.located(), path, error))
+            };
+            let explain = Explain {
+                is_written: &|path| self.located().has(path),
+                refused: &refused,
+                fault: &|fault| self.point_at(fault),
+            };
+            mistakes::of::<T>(&self.text, || Tree::of(&self.text), first, &explain)
+        })
     }
 
     /// Whether the text has a key at its top; not if it has a mistake in its syntax.
@@ -212,18 +232,6 @@ impl Source {
     pub fn text(&self) -> &str {
         &self.text
     }
-}
-
-/// Deserializes a text; an error comes with the path of its value.
-pub(super) fn deserialize<T: DeserializeOwned>(
-    text: &str,
-) -> Result<T, (FieldPath, serde_yaml::Error)> {
-    let mut track = serde_path_to_error::Track::new();
-    let yaml = serde_yaml::Deserializer::from_str(text);
-    let tracked = serde_path_to_error::Deserializer::new(yaml, &mut track);
-    // An enum is a mapping with one key instead of a YAML tag.
-    serde_yaml::with::singleton_map_recursive::deserialize(tracked)
-        .map_err(|error| (translate::path_of(&track.path()), error))
 }
 
 /// Why a text is refused as a `T`: the path of the value and the message; `None` if it is

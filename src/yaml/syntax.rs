@@ -12,6 +12,7 @@ use crate::text::line_start;
 const ADVICE: &str = "put a space after each `:` (also on the line above), indent all keys of a \
                       mapping by the same number of spaces, and quote a text that contains `: `";
 const BRACKETS: &str = "put a comma between two entries and close each bracket";
+const BACKSLASH: &str = "write `/` between folders, `\\\\` for a backslash, or use single quotes";
 const QUOTE_TEXT: &str = "quote a text that contains such a character";
 
 /// A part of a parser's message, the label that replaces it, and the remedy.
@@ -30,11 +31,9 @@ const REWORDED: &[(&str, &str, &str)] = &[
         "`- ` is not allowed in brackets",
         BRACKETS,
     ),
-    (
-        "escape character",
-        "not a valid escape in YAML",
-        "write `\\\\` for a backslash, or use single quotes",
-    ),
+    ("escape character", "not a valid escape in YAML", BACKSLASH),
+    // `\x` and `\u` without the digits of a character.
+    ("hexadecimal", "not a valid escape in YAML", BACKSLASH),
     (
         "quoted scalar",
         "this quote is not closed",

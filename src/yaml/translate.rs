@@ -10,6 +10,7 @@ use serde_path_to_error::Segment;
 
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
+use super::meant;
 use super::position::Location;
 use super::setting::LocatedText;
 use super::syntax;
@@ -52,6 +53,16 @@ pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Err
 /// Whether the error is that of a key that does not exist.
 pub(super) fn is_unknown_key(error: &serde_yaml::Error) -> bool {
     message_of(error).starts_with("unknown field `")
+}
+
+/// The unknown key or word of an error, and those that there are; `None` for other errors.
+pub(super) fn unknown_key_of(error: &serde_yaml::Error) -> Option<(String, Vec<String>)> {
+    let message = message_of(error);
+    let (problem, expected) = message.rsplit_once(", expected ")?;
+    let word = problem.strip_prefix("unknown field `");
+    let word = word.or_else(|| problem.strip_prefix("unknown variant `"))?;
+    let choices = quoted(expected).map(str::to_owned).collect();
+    Some((word.strip_suffix('`')?.to_owned(), choices))
 }
 
 /// Returns serde_yaml's message without the path before it and the position
@@ -149,10 +160,22 @@ fn invalid(text: &LocatedText, path: FieldPath, problem: &str, expected: &str) -
         }
         _ if expected.contains("number") && (is_type || problem.contains(": string ")) => {
             number_meant(written, expected.contains("whole"))
+                .or_else(|| meant::advice(written, expected))
+        }
+        _ if problem.contains(": string ") => meant::advice(written, expected),
+        _ if problem.starts_with("invalid length") && has_decimal_commas(written) => {
+            Some("write a point in a decimal number: `0.5`, not `0,5`".to_owned())
         }
         _ => None,
     };
     Fault { help, ..fault }
+}
+
+/// Whether only some commas of a list have a space behind them, as in `[0,5, 1, 2]`.
+fn has_decimal_commas(written: &str) -> bool {
+    let commas = || written.split(',').skip(1);
+    let is_decimal = |behind: &str| behind.starts_with(|c: char| c.is_ascii_digit());
+    commas().any(is_decimal) && commas().any(|behind| behind.starts_with(' '))
 }
 
 fn not_one_key(path: FieldPath, subject: &str) -> Fault {
@@ -232,7 +255,7 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Names the value at the path; begins a sentence.
-fn subject(path: &FieldPath) -> String {
+pub(super) fn subject(path: &FieldPath) -> String {
     if path.0.is_empty() {
         "the scene".to_owned()
     } else {

@@ -19,8 +19,11 @@ pub(super) enum Tree {
     /// A list.
     List(Vec<Tree>),
     /// A mapping.
-    Map(IndexMap<String, Tree>),
+    Map(Keys),
 }
+
+/// The keys of a mapping with their values.
+pub(super) type Keys = IndexMap<String, Tree>;
 
 /// A collection whose end has not come yet.
 struct OpenTree {
@@ -108,8 +111,35 @@ impl Tree {
         }
     }
 
+    /// Whether there is no value.
+    pub(super) fn is_empty(&self) -> bool {
+        matches!(self, Self::Scalar { text, is_plain: true } if text.is_empty())
+    }
+
+    /// Removes the value at a path; returns whether there was one that is part of another.
+    pub(super) fn remove(&mut self, path: &[Step]) -> bool {
+        let Some((last, above)) = path.split_last() else {
+            return false;
+        };
+        match (self.at(above), last) {
+            (Some(Self::Map(map)), Step::Key(key)) => map.shift_remove(key).is_some(),
+            (Some(Self::List(list)), Step::Index(index)) if *index < list.len() => {
+                list.remove(*index);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// The value as a YAML text in flow style.
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        self.write(&mut text);
+        text
+    }
+
     /// Appends the value in flow style.
-    pub(super) fn write(&self, out: &mut String) {
+    fn write(&self, out: &mut String) {
         match self {
             Self::Scalar { text, is_plain } if *is_plain && text.chars().all(is_safe) => {
                 out.push_str(text);
@@ -204,8 +234,7 @@ j:
   - k: a - b
   - \"\\u2028\\0\"
 ";
-        let mut written = String::new();
-        Tree::of(text).write(&mut written);
+        let written = Tree::of(text).text();
         let read = |text: &str| -> Result<serde_yaml::Value, String> {
             serde_yaml::from_str(text).map_err(|error| error.to_string())
         };
@@ -218,8 +247,6 @@ j:
 
     #[test]
     fn a_text_with_a_mistake_is_empty() {
-        let mut written = String::new();
-        Tree::of("a: [1\nb: -").write(&mut written);
-        assert_eq!(written, "");
+        assert_eq!(Tree::of("a: [1\nb: -").text(), "");
     }
 }

@@ -1,6 +1,7 @@
 //! Visits all values of a YAML text with their paths.
 
 use std::collections::HashSet;
+use std::ops::Range;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
 
@@ -117,10 +118,37 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             ),
             (Event::Scalar(word, ..), Some(seen)) if seen.contains(&**word) => {
                 let path = FieldPath(self.path.clone()).key(&**word);
-                fault(&format!("`{path}` is given twice"), "the second one")
+                let message = format!("`{path}` is given twice");
+                let fault = Fault::of_bytes(bytes(self.text, span), message, "the second one");
+                Err(match self.path.last() {
+                    Some(Step::Index(_)) => {
+                        fault.with_help("begin each item of the list with `- `")
+                    }
+                    _ => fault,
+                })
+            }
+            (Event::Scalar(_, ScalarStyle::Plain, ..), Some(_)) => {
+                self.check_decimal_comma(bytes(self.text, span))
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a key that is the end of a number, as in `{ radius: 0,8 }`.
+    fn check_decimal_comma(&self, key: Range<usize>) -> Result<(), Fault> {
+        let digits = &self.text[key.clone()];
+        let behind = self.text[key.end..].trim_start();
+        let Some(number) = self.text[..key.start].strip_suffix(',') else {
+            return Ok(());
+        };
+        let whole = number.trim_end_matches(|c: char| c.is_ascii_digit());
+        let is_number = digits.bytes().all(|digit| digit.is_ascii_digit());
+        if !is_number || whole.len() == number.len() || behind.starts_with(':') {
+            return Ok(());
+        }
+        let message = "a decimal number has a point, not a comma";
+        let expected = format!("expected `{}.{digits}`", &number[whole.len()..]);
+        Err(Fault::of_bytes(whole.len()..key.end, message, expected))
     }
 
     /// Returns the keys of the innermost mapping so far if a key comes next.

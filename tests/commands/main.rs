@@ -4,6 +4,7 @@
 mod common;
 
 mod architecture;
+mod beginners;
 mod benches;
 mod book;
 mod choices;

@@ -151,6 +151,31 @@ fn a_torn_end_is_rendered_again() {
 }
 
 #[test]
+fn a_stopped_run_says_what_it_has_kept_and_how_to_go_on() {
+    let slow = Slow::new(&["--cost=counters", "--spp=200"]);
+    let mut command = slow.command("out", &["--resume"]);
+    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+    while slow.n_kept("out") < 5 {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended");
+        sleep(Duration::from_millis(3));
+    }
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+    let stopped = child.wait_with_output().unwrap();
+    assert_eq!(stopped.status.code(), Some(130));
+    let n_kept = slow.n_kept("out");
+    let kept = format!("stopped: kept {n_kept} finished tiles in `out/unfinished.tiles`");
+    let message = stderr(&stopped);
+    assert!(message.contains(&kept), "{message}");
+    assert!(
+        message.contains("hall_of_mirrors.yaml --resume`"),
+        "{message}"
+    );
+}
+
+#[test]
 fn what_an_interrupted_run_has_kept_is_not_lost() {
     let slow = Slow::new(&["--cost=counters", "--spp=200"]);
     let child = slow.until("out", 5);

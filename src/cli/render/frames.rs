@@ -20,8 +20,8 @@ use crate::series::{FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
 use crate::stop;
 use crate::summary::{FrameSection, Partial};
-use crate::text;
 use crate::text::numbers::{counted, duration};
+use crate::text::{self, Diagnostic};
 use crate::yaml::Document;
 
 /// Renders the frames that are not complete, and writes what plays all complete ones.
@@ -60,7 +60,11 @@ pub(super) fn render(
                 tiles::remove_left(&folder);
                 FrameDone::Kept
             }
-            None => job.render(&folder, document, config, section)?,
+            None => job
+                .render(&folder, document, config, section)
+                .map_err(|failure| {
+                    failure.or_kept(|| frames_kept(arguments, n_kept + n_rendered))
+                })?,
         };
         match done {
             FrameDone::Kept => n_kept += 1,
@@ -91,6 +95,17 @@ pub(super) fn render(
     } else {
         Ok(())
     }
+}
+
+/// What a run keeps that is stopped, and how to go on.
+fn frames_kept(arguments: &RenderArguments, n_complete: u64) -> Option<Diagnostic> {
+    if arguments.quiet {
+        return None;
+    }
+    let n_frames = counted(n_complete, "complete frame");
+    let message = format!("stopped: kept {n_frames}");
+    let help = "run the same command again: it leaves complete frames as they are";
+    Some(Diagnostic::new(message).with_help(help))
 }
 
 /// The numbers of the frames that the command line asks for.

@@ -121,7 +121,14 @@ pub(super) fn render(
         },
         ..Scope::default()
     };
-    let rendering = session.render_within(&arguments.options(&on_event), &scope)?;
+    let kept = || {
+        let n_tiles = counted(checkpoint.n_kept() as u64, "finished tile");
+        let message = format!("stopped: kept {n_tiles} of part {part}");
+        let help = "run the same command again: it goes on with the others";
+        (!arguments.quiet).then(|| Diagnostic::new(message).with_help(help))
+    };
+    let rendering = session.render_within(&arguments.options(&on_event), &scope);
+    let rendering = rendering.map_err(|error| Failure::from(error).or_kept(kept))?;
     if let Some(partial) = rendering.partial() {
         return Ok(PartDone::Partial(partial));
     }

@@ -57,10 +57,13 @@ impl<'a> FinishedPicture<'a> {
             is_only_rank: until.is_only_rank,
             ..tiles.scope(until.team)
         };
-        let mut rendering = session.render_within(&options, &scope)?;
+        let or_kept = |error| Failure::from(error).or_kept(|| tiles.kept(arguments));
+        let mut rendering = session.render_within(&options, &scope).map_err(or_kept)?;
         let written = match tiles.stored().zip(session.bands()) {
             None => rendering.write_to(&folder, until.profiler)?,
-            Some(stored) => rendering.write_stored(&folder, until.profiler, stored, &options)?,
+            Some(stored) => rendering
+                .write_stored(&folder, until.profiler, stored, &options)
+                .map_err(or_kept)?,
         };
         let partial = rendering.partial();
         Ok(Self {

@@ -80,6 +80,23 @@ impl Tiles {
         self.checkpoint.as_ref().filter(|_| self.is_stored)
     }
 
+    /// What a rendering keeps that is stopped, and how to go on; `None` where nothing is said.
+    pub(super) fn kept(&self, arguments: &RenderArguments) -> Option<Diagnostic> {
+        if arguments.quiet || arguments.merges {
+            return None;
+        }
+        let Some(checkpoint) = self.checkpoint.as_ref() else {
+            let help = "with `--resume`, an interrupted run goes on where it was";
+            return Some(
+                Diagnostic::new("stopped: nothing is kept of this picture").with_help(help),
+            );
+        };
+        let n_tiles = counted(checkpoint.n_kept() as u64, "finished tile");
+        let file = shown(&arguments.scene.out().join(UNFINISHED));
+        let message = format!("stopped: kept {n_tiles} in `{file}`");
+        Some(Diagnostic::new(message).with_help(go_on(arguments)))
+    }
+
     /// Removes the file of finished tiles if the output, which was written, is complete;
     /// returns lines about tiles of other runs.
     ///
@@ -119,8 +136,13 @@ pub(super) fn partial_line(arguments: &RenderArguments, partial: Partial) -> Str
             count(partial.n_tiles)
         ),
     };
+    format!("partial {what}: {}\n", go_on(arguments))
+}
+
+/// How to go on with a picture that is not complete.
+fn go_on(arguments: &RenderArguments) -> String {
     let scene = shell_word(&arguments.scene.scene);
-    format!("partial {what}: go on with `raycost render {scene} --resume` and the same flags\n")
+    format!("go on with `raycost render {scene} --resume` and the same flags")
 }
 
 /// The tiles of an interrupted run, and the file for new ones.

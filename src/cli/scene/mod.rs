@@ -4,7 +4,7 @@ mod flags;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::shell_word;
+use crate::cli::{shell_word, shown};
 use crate::color::ToneCurve;
 use crate::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats,
@@ -175,6 +175,12 @@ impl SceneArguments {
             Source::read_standard_input()
         } else if import::is_mesh(&self.scene) {
             starter::scene_beside(&self.scene)
+        } else if let Some(format) = import::foreign_format(&self.scene) {
+            let message = format!(
+                "`{}` is a {format} file, which raycost does not read",
+                shown(&self.scene)
+            );
+            Err(Diagnostic::new(message).with_help(import::EXPORT))
         } else {
             Source::read(&self.scene)
         }

@@ -1,0 +1,166 @@
+//! Keys one level too high or too low: `{ center: …, radius: … }` without its `sphere:`, or a
+//! `material` within it.
+//!
+//! Nothing here knows the keys of scenes: the keys are moved, and the scene is read again.
+
+use serde::de::DeserializeOwned;
+
+use super::deserialize::deserialize;
+use super::fault::Fault;
+use super::field_path::{FieldPath, Step};
+use super::translate;
+use super::tree::{Keys, Tree};
+
+/// Where unknown keys of a mapping belong.
+#[derive(Debug)]
+pub(super) enum MisplacedKeys {
+    /// Under one of these keys, which is missing.
+    Under {
+        choices: Vec<String>,
+        keys: Vec<String>,
+        /// A key whose value is the choice, as in `type: sphere`.
+        by_word: Option<String>,
+    },
+    /// Beside the mapping, which is the value of a key.
+    Beside { key: String },
+}
+
+/// Finds out where the unknown key at `path` and those beside it belong; `None` if nowhere
+/// else, or if the error is another one.
+pub(super) fn keys<T: DeserializeOwned>(
+    tree: &Tree,
+    path: &FieldPath,
+    error: &serde_yaml::Error,
+) -> Option<MisplacedKeys> {
+    let (word, choices) = translate::unknown_key_of(error)?;
+    let (last, above) = path.0.split_last()?;
+    let mut tree = tree.clone();
+    let Some(Tree::Map(map)) = tree.at(above) else {
+        return None;
+    };
+    if *last != Step::Key(word) {
+        return None;
+    }
+    let (own, strange): (Keys, Keys) = std::mem::take(map)
+        .into_iter()
+        .partition(|(key, _)| choices.contains(key));
+    under::<T>(&mut tree, above, (&own, &strange), &choices)
+        .or_else(|| beside::<T>(&mut tree, above, own, strange))
+}
+
+/// The missing keys under each of which the strange keys are accepted.
+fn under<T: DeserializeOwned>(
+    tree: &mut Tree,
+    above: &[Step],
+    (own, strange): (&Keys, &Keys),
+    choices: &[String],
+) -> Option<MisplacedKeys> {
+    let mut strange = strange.clone();
+    let by_word = strange.iter().find_map(|(key, value)| match value {
+        Tree::Scalar { text, .. } if choices.contains(text) => Some((key.clone(), text.clone())),
+        _ => None,
+    });
+    if let Some((key, _)) = &by_word {
+        strange.shift_remove(key);
+    }
+    let is_named = |choice: &String| by_word.as_ref().is_none_or(|(_, word)| word == choice);
+    let choices = choices.iter().filter(|choice| is_named(choice));
+    let accepts = |choice: &&String| {
+        let mut moved = own.clone();
+        moved.insert((*choice).clone(), Tree::Map(strange.clone()));
+        is_accepted::<T>(tree, above, moved)
+    };
+    let choices: Vec<String> = choices
+        .filter(|choice| !own.contains_key(*choice))
+        .filter(accepts)
+        .cloned()
+        .collect();
+    (!choices.is_empty()).then(|| MisplacedKeys::Under {
+        choices,
+        keys: strange.into_keys().collect(),
+        by_word: by_word.map(|(key, _)| key),
+    })
+}
+
+/// Whether the strange keys are accepted beside the mapping.
+fn beside<T: DeserializeOwned>(
+    tree: &mut Tree,
+    above: &[Step],
+    own: Keys,
+    strange: Keys,
+) -> Option<MisplacedKeys> {
+    let (Step::Key(key), outer) = above.split_last()? else {
+        return None;
+    };
+    let Some(Tree::Map(map)) = tree.at(outer) else {
+        return None;
+    };
+    let mut moved = std::mem::take(map);
+    moved.insert(key.clone(), Tree::Map(own));
+    for (key, value) in strange {
+        if moved.insert(key, value).is_some() {
+            return None;
+        }
+    }
+    is_accepted::<T>(tree, outer, moved).then(|| MisplacedKeys::Beside { key: key.clone() })
+}
+
+/// Whether the mapping at `path` may have these keys: then the whole tree is accepted, or
+/// what is refused is elsewhere.
+fn is_accepted<T: DeserializeOwned>(tree: &mut Tree, path: &[Step], keys: Keys) -> bool {
+    let Some(place) = tree.at(path) else {
+        return false;
+    };
+    *place = Tree::Map(keys);
+    match deserialize::<T>(&tree.text()) {
+        Ok(_) => true,
+        Err((refused, _)) => !refused.0.starts_with(path),
+    }
+}
+
+impl MisplacedKeys {
+    /// The fault of the first key, which is at `path`.
+    pub(super) fn fault(&self, path: FieldPath) -> Fault {
+        let mut above = path.clone();
+        let word = match above.0.pop() {
+            Some(Step::Key(key)) => key,
+            _ => String::new(),
+        };
+        match self {
+            Self::Under {
+                choices,
+                keys,
+                by_word,
+            } => {
+                let inside: Vec<String> = keys.iter().map(|key| format!("{key}: …")).collect();
+                let inside = inside.join(", ");
+                let written = |choice: &String| format!("`{choice}: {{ {inside} }}`");
+                let written: Vec<String> = choices.iter().map(written).collect();
+                let message = format!("{} lacks {}", translate::subject(&above), one_of(choices));
+                let key = by_word
+                    .as_ref()
+                    .map_or(String::new(), |key| format!(" without `{key}`"));
+                Fault::of_key(path, message, "belongs below that key")
+                    .with_help(format!("write {}{key}", written.join(" or ")))
+            }
+            Self::Beside { key } => {
+                let message = format!("`{word}` belongs beside `{key}`, not into it");
+                Fault::of_key(path, message, "one level too deep").with_help(format!(
+                    "indent `{word}` as far as `{key}`, or close the `}}` before it"
+                ))
+            }
+        }
+    }
+}
+
+/// "`a:`", or "one of `a:` and `b:`".
+fn one_of(choices: &[String]) -> String {
+    let quoted: Vec<String> = choices
+        .iter()
+        .map(|choice| format!("`{choice}:`"))
+        .collect();
+    match quoted.as_slice() {
+        [one] => format!("its {one}"),
+        _ => format!("one of {}", quoted.join(", ")),
+    }
+}

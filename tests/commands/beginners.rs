@@ -1,0 +1,245 @@
+//! What the program says to a new user: of several mistakes at a time, of files of other
+//! programs, and of scenes without a mistake that show nothing.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use raycost::Session;
+use raycost::session::RenderError;
+
+use crate::common::{assert_success, raycost};
+
+/// A scene in which one sphere fills the middle of the picture.
+const FINE: &str = "\
+image: { width: 40, height: 30 }
+camera: { look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 } }
+materials: { red: { color: [1, 0, 0] } }
+lights: [{ point: { position: [5, 5, 5] } }]
+objects: [{ sphere: { center: [0, 0, 0], radius: 1 }, material: red }]
+";
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// A folder with a scene.
+    fn with(scene: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.yaml"), scene).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let mut command = raycost();
+        let output = command.current_dir(self.path()).args(arguments).output();
+        output.unwrap()
+    }
+
+    /// What a command prints that ends well.
+    fn text(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        assert_success(&output);
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// The message of a command that ends with 2.
+    fn error(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        error
+    }
+}
+
+/// The hints of `raycost check`.
+fn hints(scene: &str) -> Vec<String> {
+    let report = Folder::with(scene).text(&["check", "scene.yaml"]);
+    let hints = report
+        .lines()
+        .filter_map(|line| line.strip_prefix("hint    "));
+    hints.map(str::to_owned).collect()
+}
+
+#[test]
+fn mistakes_in_all_sections_are_reported_at_a_time() {
+    let scene = FINE
+        .replace("width: 40", "width: 40px")
+        .replace("color", "colour")
+        .replace("radius: 1", "radius: -1");
+    let error = Folder::with(&scene).error(&["check", "scene.yaml"]);
+    let places: Vec<&str> = error
+        .lines()
+        .filter_map(|line| line.trim_start().strip_prefix("--> scene.yaml:"))
+        .collect();
+    assert_eq!(places, ["1:17", "3:21", "5:50"], "{error}");
+    // The message of a mistake is the same beside others.
+    for (right, wrong) in [("color", "colour"), ("radius: 1", "radius: -1")] {
+        let one = Folder::with(&FINE.replace(right, wrong)).error(&["check", "scene.yaml"]);
+        assert!(error.contains(one.trim_end()), "{error} lacks {one}");
+    }
+    let parts = Folder::with(&format!("include: [part.yaml]\n{}", &scene));
+    fs::write(
+        parts.path().join("part.yaml"),
+        "shading: { max_depht: 3 }\n",
+    )
+    .unwrap();
+    let error = parts.error(&["check", "scene.yaml"]);
+    assert_eq!(error.matches("error: ").count(), 4, "{error}");
+    assert!(error.contains("--> part.yaml:1:12"), "{error}");
+}
+
+#[test]
+fn at_most_ten_mistakes_are_reported() {
+    let red = "red: { color: [1, 0, 0] }";
+    let many: Vec<String> = (0..20).map(|i| format!("m{i}: {{ colour: 1 }}")).collect();
+    let scene = FINE.replace(red, &format!("{red}, {}", many.join(", ")));
+    let error = Folder::with(&scene).error(&["check", "scene.yaml"]);
+    assert_eq!(error.matches("error: unknown key `colour`").count(), 10);
+    let last = error.trim_end().lines().last();
+    assert_eq!(
+        last,
+        Some("error: there are more mistakes, in what follows")
+    );
+}
+
+#[test]
+fn a_file_of_another_program_is_named_with_the_way_out() {
+    let folder = Folder::with(FINE);
+    for (file, format) in [
+        ("a.fbx", "FBX"),
+        ("b.BLEND", "Blender"),
+        ("c.dae", "COLLADA"),
+    ] {
+        let error = folder.error(&["render", file]);
+        assert!(error.contains(&format!("is a {format} file")), "{error}");
+        assert!(error.contains("export glTF (.glb) or OBJ"), "{error}");
+    }
+}
+
+#[test]
+fn a_file_in_the_place_of_another_thing_is_recognized() {
+    let folder = Folder::with(FINE);
+    let scene = folder.path().join("scene.yaml");
+    fs::copy(&scene, folder.path().join("my first scene.yaml")).unwrap();
+    fs::create_dir(folder.path().join("scenes")).unwrap();
+    let [render, check] = ["render", "check"];
+    for (arguments, part) in [
+        (&["scene.yaml"][..], "raycost render scene.yaml`"),
+        (
+            &[render, "my", "first", "scene.yaml"],
+            "'my first scene.yaml'",
+        ),
+        (&[render, "scene.yml"], "did you mean `scene.yaml`?"),
+        (&[render, "~/scene.yaml"], "write the whole path"),
+        (
+            &[render, "nowhere/scene.yaml"],
+            "there is no folder `nowhere`",
+        ),
+        (&[check, "scenes"], "a YAML file in it"),
+    ] {
+        let error = folder.error(arguments);
+        assert!(error.contains(part), "{arguments:?}: {error}");
+    }
+    // Not a study with many mistakes.
+    let error = folder.error(&["study", "scene.yaml"]);
+    assert_eq!(error.matches("error: ").count(), 1, "{error}");
+}
+
+#[test]
+fn a_trace_without_pixels_names_both_ways_to_choose_them() {
+    let error = Folder::with(FINE).error(&["trace", "scene.yaml"]);
+    assert!(error.contains("<--pixel <X,Y>|--hottest <N>>"), "{error}");
+}
+
+#[test]
+fn each_damaged_file_has_its_line() {
+    let folder = Folder::with(FINE);
+    folder.text(&["render", "scene.yaml", "--out", "out"]);
+    for file in ["image.png", "cost.png"] {
+        fs::write(folder.path().join("out").join(file), "").unwrap();
+    }
+    let error = folder.error(&["check", "out"]);
+    assert!(!error.contains("\\n"), "{error}");
+    for file in ["image.png", "cost.png"] {
+        let is_its_line = |line: &str| line.contains(&format!("{file}: "));
+        assert_eq!(
+            error.lines().filter(|line| is_its_line(line)).count(),
+            1,
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_black_picture_gets_a_hint() {
+    assert_eq!(hints(FINE), [""; 0]);
+    let dark = FINE.replace("[{ point: { position: [5, 5, 5] } }]", "[]");
+    let dark = format!("{dark}shading: {{ ambient: 0 }}\n");
+    let [hint] = &hints(&dark)[..] else { panic!() };
+    assert!(hint.contains("nothing shines"), "{hint}");
+    let away = FINE.replace("target: [0, 0, 0]", "target: [0, 0, 9]");
+    let [hint] = &hints(&away)[..] else { panic!() };
+    assert!(hint.starts_with("the camera sees no object"), "{hint}");
+    let inside = FINE.replace("radius: 1", "radius: 6");
+    let inside = format!("{inside}shading: {{ ambient: 0 }}\n");
+    let [hint] = &hints(&inside)[..] else {
+        panic!()
+    };
+    assert!(hint.contains("`objects[0]` fills it"), "{hint}");
+}
+
+#[test]
+fn a_material_that_no_object_has_gets_a_hint() {
+    let scene = FINE.replace("red: {", "blue: { color: 0.5 }, red: {");
+    assert_eq!(hints(&scene), ["no object has the material `blue`"]);
+}
+
+#[test]
+fn boxes_of_a_hierarchy_are_left_out_where_there_is_none() {
+    let folder = Folder::with(&format!("{FINE}output: [bvh, objects]\n"));
+    let note = "note    `bvh` is left out: `brute_force` has no hierarchy\n";
+    let brute_force = ["scene.yaml", "--acceleration", "brute_force"];
+    let checked = folder.text(&[&["check"], &brute_force[..]].concat());
+    assert!(checked.contains(note), "{checked}");
+    let rendered = folder.text(&[&["render", "--out=out"], &brute_force[..]].concat());
+    assert!(rendered.contains(note), "{rendered}");
+    let out = folder.path().join("out");
+    assert!(out.join("objects.csv").exists() && !out.join("bvh.vtu").exists());
+    let with_one = folder.text(&["render", "scene.yaml", "--out=out"]);
+    assert!(!with_one.contains("left out") && out.join("bvh.vtu").exists());
+}
+
+#[test]
+fn a_main_that_returns_an_error_prints_its_message() {
+    let folder = Folder::with(&FINE.replace("radius: 1", "radius: -1"));
+    let error = Session::open(folder.path().join("scene.yaml")).unwrap_err();
+    let (debug, display) = (format!("{error:?}"), error.to_string());
+    assert_eq!(format!("error: {debug}"), display);
+    assert_eq!(format!("{:?}", RenderError::Scene(error)), debug);
+}
+
+#[test]
+fn a_new_scene_names_the_schema_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let new = |file: &str| {
+        let mut command = raycost();
+        let output = command
+            .current_dir(folder.path())
+            .args(["new", file])
+            .output();
+        let output = output.unwrap();
+        assert_success(&output);
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(new("a.yaml").starts_with("wrote   a.yaml, scene.schema.json\n"));
+    assert!(new("b.yaml").starts_with("wrote   b.yaml\n"));
+    let schema = fs::read(folder.path().join("scene.schema.json")).unwrap();
+    assert_eq!(schema, raycost().arg("schema").output().unwrap().stdout);
+    let scene = fs::read_to_string(folder.path().join("a.yaml")).unwrap();
+    let first = "# yaml-language-server: $schema=scene.schema.json\n";
+    assert!(scene.starts_with(first), "{scene}");
+}
