@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::color::Transfer;
 use crate::geometry::RenderSpace;
+use crate::optics::Masking;
 use crate::text;
 use crate::yaml;
 
@@ -28,6 +29,9 @@ pub struct Shading {
     pub max_depth: u8,
     /// The lights that are sampled at each point.
     pub light_sampling: LightSampling,
+    /// Which of the microscopic facets of rough surfaces hide each other in path tracing;
+    /// `height_correlated` if not given.
+    pub masking: Masking,
     /// Length of the rays of ambient occlusion in world units; infinite if not given.
     pub occlusion_distance: f32,
     /// Whether objects throw shadows.
@@ -45,6 +49,8 @@ struct ShadingKeys {
     max_depth: u8,
     #[serde(default)]
     light_sampling: Option<LightSampling>,
+    #[serde(default)]
+    masking: Option<Masking>,
     #[serde(default, deserialize_with = "distance")]
     occlusion_distance: Option<f32>,
     #[serde(default)]
@@ -68,6 +74,10 @@ impl TryFrom<ShadingKeys> for Shading {
         {
             return Err("cannot choose lights in this model, expected no `light_sampling`");
         }
+        if !is(ShadingModel::Path) && keys.masking.is_some() {
+            return Err("cannot choose the `masking` of facets in this model, \
+                 expected `model: path` beside it");
+        }
         if !is(ShadingModel::AmbientOcclusion) && keys.occlusion_distance.is_some() {
             return Err("cannot have an `occlusion_distance` in this model, \
                  expected `model: ambient_occlusion` beside it");
@@ -81,6 +91,7 @@ impl TryFrom<ShadingKeys> for Shading {
             ambient: keys.ambient.unwrap_or(keys.model.ambient()),
             max_depth: keys.max_depth,
             light_sampling,
+            masking: keys.masking.unwrap_or_default(),
             occlusion_distance: keys.occlusion_distance.unwrap_or(f32::INFINITY),
             shadows: keys.shadows.unwrap_or(true),
         })
@@ -146,10 +157,11 @@ impl ShadingModel {
     }
 
     /// The greatest value of a channel of a sample, to which brighter ones are limited
-    /// before the mean is taken, unless the film has one: infinity, but 1 for the seed's.
+    /// before the mean is taken, unless the film has one: 1e30, so that sums of samples stay
+    /// finite, but 1 for the seed's.
     pub fn sample_limit(self) -> f32 {
         match self {
-            Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => f32::INFINITY,
+            Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => 1e30,
             Self::Seed => 1.0,
         }
     }
@@ -195,6 +207,7 @@ impl Default for Shading {
             ambient: model.ambient(),
             max_depth: default_depth(),
             light_sampling: model.light_sampling(),
+            masking: Masking::default(),
             occlusion_distance: f32::INFINITY,
             shadows: true,
         }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::illumination::Illumination;
+use super::illumination::{Illumination, MAX_RADIANCE};
 use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml;
@@ -45,7 +45,10 @@ impl DirectionalLight {
         Illumination {
             direction: Vector::splat(point.x, -self.direction),
             distance: point.x.splat(f32::INFINITY),
-            radiance: Vector::splat(point.x, self.color * self.intensity),
+            radiance: Vector::splat(
+                point.x,
+                (self.color * self.intensity).min(Vec3::splat(MAX_RADIANCE)),
+            ),
             density: point.x.splat(f32::INFINITY),
         }
     }

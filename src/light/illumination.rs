@@ -2,6 +2,9 @@
 
 use crate::simd::Vector;
 
+/// The greatest radiance of a light: products with what highlights reflect stay finite.
+pub(super) const MAX_RADIANCE: f32 = 1e20;
+
 /// The light that arrives at a point, or at one point per lane, from one light,
 /// unless it is occluded.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::falloff::Falloff;
-use super::illumination::Illumination;
+use super::illumination::{Illumination, MAX_RADIANCE};
 use crate::geometry::RenderSpace;
 use crate::simd::{Real, Vector};
 use crate::yaml;
@@ -51,7 +51,9 @@ impl PointLight {
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         let to_light = Vector::splat(point.x, self.position.as_vec3()) - point;
         let distance = to_light.length();
+        let brightest = MAX_RADIANCE / self.color.max_element().max(1.0);
         let intensity = distance.splat(self.intensity) * self.falloff.factor(distance);
+        let intensity = intensity.min(distance.splat(brightest));
         Illumination {
             direction: to_light / distance.max(distance.splat(f32::MIN_POSITIVE)),
             distance,

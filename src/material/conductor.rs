@@ -7,7 +7,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::yaml;
+use crate::yaml::{self, Number};
 
 /// A smooth metal, which reflects what Fresnel's equations say and lets no light in.
 ///
@@ -90,10 +90,19 @@ impl<'de> Visitor<'de> for ConductorVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ConductorKeys {
-    #[serde(deserialize_with = "yaml::radiance")]
+    #[serde(deserialize_with = "optical_constant")]
     index: Vec3,
-    #[serde(deserialize_with = "yaml::radiance")]
+    #[serde(deserialize_with = "optical_constant")]
     extinction: Vec3,
+}
+
+/// Those of metals are less than 100 from the ultraviolet to the far infrared.
+fn optical_constant<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+    let number = Number {
+        expected: "a number from 0 to 1000",
+        accepts: |n| (0.0..=1000.0).contains(&n),
+    };
+    yaml::channels(d, number)
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ pub use texture_point::TexturePoint;
 
 use crate::fog::HenyeyGreenstein;
 use crate::geometry::RenderSpace;
-use crate::optics::Ggx;
+use crate::optics::{Ggx, Masking};
 use crate::simd::{Real, Vector};
 use crate::yaml;
 
@@ -172,15 +172,18 @@ impl Material {
     }
 
     /// Prepares it for path tracing.
-    pub fn roughen(&mut self) {
+    pub fn roughen(&mut self, masking: Masking) {
         let facets = if let Some(principled) = &self.principled {
-            Some(principled.facets())
+            Some(principled.facets(masking))
         } else if self.dielectric.is_some() || self.conductor.is_some() {
-            Ggx::of_roughness(self.roughness)
+            Ggx::of_roughness(self.roughness, masking)
         } else {
             // As wide as the highlight: Walter et al., EGSR 2007.
             let alpha = (2.0 / (2.0 + self.exponent)).sqrt();
-            (self.specular > 0.0).then_some(Ggx { alpha })
+            (self.specular > 0.0).then_some(Ggx {
+                alpha: alpha.max(Ggx::MIN_ALPHA),
+                masking,
+            })
         };
         let index = self.dielectric.map(|medium| medium.index);
         self.rough = facets.map(|facets| {

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::dielectric::{Dielectric, index};
-use crate::optics::Ggx;
+use crate::optics::{Ggx, Masking};
 use crate::yaml;
 
 /// How a surface of one color scatters light: as a metal, as a diffuse surface with a clear
@@ -62,7 +62,7 @@ impl Principled {
     }
 
     /// The facets of the metal and of the coat, which are never quite smooth.
-    pub fn facets(&self) -> Ggx {
-        Ggx::of_roughness(self.roughness).unwrap_or(Ggx::SMOOTHEST)
+    pub fn facets(&self, masking: Masking) -> Ggx {
+        Ggx::never_smooth(self.roughness, masking)
     }
 }

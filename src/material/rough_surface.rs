@@ -32,7 +32,7 @@ impl RoughSurface {
     /// roughest facets.
     pub(super) fn varying(facets: Ggx) -> Self {
         Self {
-            by_roughness: Some(AlbedoByRoughness::of_mirrors()),
+            by_roughness: Some(AlbedoByRoughness::of_mirrors(facets.masking)),
             ..Self::losing(facets)
         }
     }
@@ -42,6 +42,7 @@ impl RoughSurface {
     pub fn facets<R: Real>(&self, like: R) -> Ggx<R> {
         Ggx {
             alpha: like.splat(self.facets.alpha),
+            masking: self.facets.masking,
         }
     }
 

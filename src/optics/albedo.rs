@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 use super::fresnel::{Split, split};
-use super::ggx::Ggx;
+use super::ggx::{Ggx, Masking};
 use crate::simd::{LookupTable, Real, Vector};
 
 /// Two functions of the cosine of the angle between the normal and the direction to the
@@ -115,15 +115,22 @@ const N_ROUGHNESSES: usize = 12;
 
 impl AlbedoByRoughness {
     /// The table, which is made once.
-    pub fn of_mirrors() -> &'static Self {
-        static TABLE: LazyLock<AlbedoByRoughness> = LazyLock::new(|| {
-            AlbedoByRoughness(std::array::from_fn(|i| {
-                let roughness = i as f32 / (N_ROUGHNESSES - 1) as f32;
-                let facets = Ggx::of_roughness(roughness).unwrap_or(Ggx::SMOOTHEST);
-                Albedo::of_mirror(facets)
-            }))
-        });
-        &TABLE
+    pub fn of_mirrors(masking: Masking) -> &'static Self {
+        static CORRELATED: LazyLock<AlbedoByRoughness> =
+            LazyLock::new(|| AlbedoByRoughness::new(Masking::HeightCorrelated));
+        static SEPARABLE: LazyLock<AlbedoByRoughness> =
+            LazyLock::new(|| AlbedoByRoughness::new(Masking::Separable));
+        match masking {
+            Masking::HeightCorrelated => &CORRELATED,
+            Masking::Separable => &SEPARABLE,
+        }
+    }
+
+    fn new(masking: Masking) -> Self {
+        Self(std::array::from_fn(|i| {
+            let roughness = i as f32 / (N_ROUGHNESSES - 1) as f32;
+            Albedo::of_mirror(Ggx::never_smooth(roughness, masking))
+        }))
     }
 }
 
@@ -161,9 +168,16 @@ pub fn schlick<R: Real>(cos: R) -> R {
 mod tests {
     use super::*;
 
+    fn facets(alpha: f32) -> Ggx {
+        Ggx {
+            alpha,
+            masking: Masking::HeightCorrelated,
+        }
+    }
+
     #[test]
     fn smooth_surfaces_lose_nothing() {
-        let facets = Ggx { alpha: 0.01 };
+        let facets = facets(0.01);
         for cos in [0.2_f32, 0.7, 1.0] {
             let [all, _] = Albedo::of_mirror(facets).at(cos);
             let [outside, inside] = Albedo::of_medium(facets, 1.5).at(cos);
@@ -175,7 +189,7 @@ mod tests {
 
     #[test]
     fn a_mirror_of_roughness_1_has_a_closed_form_from_above() {
-        let [all, schlick] = Albedo::of_mirror(Ggx { alpha: 1.0 }).at(1.0_f32);
+        let [all, schlick] = Albedo::of_mirror(facets(1.0)).at(1.0_f32);
         assert!((all - (1.0 - 2.0_f32.ln())).abs() < 5e-4, "{all}");
         assert!(schlick < 0.01 * all);
     }
@@ -183,7 +197,7 @@ mod tests {
     #[test]
     fn rows_are_dense_enough() {
         for alpha in [0.02, 0.1, 0.3, 1.0] {
-            let facets = Ggx { alpha };
+            let facets = facets(alpha);
             for albedo in [Albedo::of_mirror(facets), Albedo::of_medium(facets, 1.5)] {
                 let half = albedo.rows.len() / 2;
                 let coarse = |i: usize| {

@@ -31,10 +31,18 @@ fn reflectance<R: Real>(cos: R, index: f32, extinction: f32) -> R {
     let length = (difference * difference + cos.splat(4.0 * index2 * extinction2)).sqrt();
     let root = (half * (length + difference)).max(zero).sqrt();
     let (sum, twice) = (length + cos2, cos.splat(2.0) * root * cos);
-    let perpendicular = (sum - twice) / (sum + twice);
+    let perpendicular = ratio(sum - twice, sum + twice);
     let (sum, twice) = (cos2 * length + sin2 * sin2, twice * sin2);
-    let parallel = perpendicular * (sum - twice) / (sum + twice);
+    let parallel = ratio(perpendicular * (sum - twice), sum + twice);
     half * (perpendicular + parallel)
+}
+
+/// A ratio of at most 1, also of two zeros: a medium like the vacuum that light grazes, and one
+/// without index and extinction that it meets straight on.
+#[inline(always)]
+fn ratio<R: Real>(part: R, whole: R) -> R {
+    let least = whole.splat(f32::MIN_POSITIVE);
+    part.max(least) / whole.max(least)
 }
 
 /// The split of a ray at a smooth surface.
@@ -129,6 +137,7 @@ mod tests {
             (0.2, 3.9),
             (1.5, 0.0),
             (2.0, 7.5),
+            (0.0, 1.0),
         ] {
             for i in 0..20 {
                 let cos = f64::from(89 * i / 19).to_radians().cos();
@@ -146,6 +155,21 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn metals_at_the_ends_of_their_ranges_reflect_a_fraction() {
+        let ends = [0.0, f32::MIN_POSITIVE, 1e-9, 1e-3, 1.0, 1000.0];
+        for (n, k) in ends.into_iter().flat_map(|n| ends.map(|k| (n, k))) {
+            for cos in [0.0, f32::MIN_POSITIVE, 1e-9, 1e-3, 0.5, 1.0 - 6e-8, 1.0] {
+                let found = reflectance(cos, n, k);
+                assert!(
+                    (0.0..=1.0 + 1e-6).contains(&found),
+                    "{n} {k} {cos}: {found}"
+                );
+            }
+        }
+        assert_eq!(reflectance(1.0, 0.0, 0.0), 1.0);
     }
 
     #[test]

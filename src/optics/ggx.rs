@@ -6,14 +6,38 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use clap::ValueEnum;
+use serde::{Deserialize, Deserializer};
+
 use crate::sampling::disk;
 use crate::simd::{Real, Vector};
+use crate::text;
 
 /// The facets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ggx<R = f32> {
     /// The width of the distribution, greater than 0.
     pub alpha: R,
+    /// Which of the facets hide each other.
+    pub masking: Masking,
+}
+
+/// How the facets that the viewer does not see depend on those that light does not reach, both
+/// by Smith's function.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum Masking {
+    /// Facets in hollows are hidden from both: as in pbrt and Blender's Cycles.
+    #[default]
+    HeightCorrelated,
+    /// Not at all, which is darker: as in Mitsuba.
+    Separable,
+}
+
+impl<'de> Deserialize<'de> for Masking {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
 }
 
 /// Reflection toward a direction.
@@ -28,25 +52,26 @@ pub struct Facets<R> {
 }
 
 impl Ggx {
-    /// Narrower distributions exceed the range of numbers.
-    pub const SMOOTHEST: Self = Self { alpha: 1e-4 };
+    /// The least width: narrower distributions exceed the range of numbers.
+    pub const MIN_ALPHA: f32 = 1e-4;
 
     /// The facets of a surface of this roughness, from 0 to 1, which looks evenly spaced:
     /// Burley, "Physically Based Shading at Disney", SIGGRAPH 2012; `None` for a smooth
     /// one.
-    pub fn of_roughness(roughness: f32) -> Option<Self> {
+    pub fn of_roughness(roughness: f32, masking: Masking) -> Option<Self> {
         let alpha = roughness * roughness;
-        (alpha >= Self::SMOOTHEST.alpha).then_some(Self { alpha })
+        (alpha >= Self::MIN_ALPHA).then_some(Self { alpha, masking })
     }
 }
 
 impl<R: Real> Ggx<R> {
     /// The facets of a surface of this roughness, which are never quite smooth.
     #[inline(always)]
-    pub fn never_smooth(roughness: R) -> Self {
+    pub fn never_smooth(roughness: R, masking: Masking) -> Self {
         let alpha = roughness * roughness;
         Self {
-            alpha: alpha.max(alpha.splat(Ggx::SMOOTHEST.alpha)),
+            alpha: alpha.max(alpha.splat(Ggx::MIN_ALPHA)),
+            masking,
         }
     }
 
@@ -66,7 +91,7 @@ impl<R: Real> Ggx<R> {
         let common = distribution / (one.splat(4.0) * viewer_z);
         Facets {
             cos,
-            value: one.splat(PI) * common / (one + of_viewer + of_light),
+            value: one.splat(PI) * common / self.hidden(of_viewer, of_light),
             density: common / (one + of_viewer),
         }
     }
@@ -133,7 +158,18 @@ impl<R: Real> Ggx<R> {
         let one = to_viewer.z.splat(1.0);
         let of_viewer = self.lambda(to_viewer.z.abs().max(one.splat(1e-6)));
         let of_light = self.lambda(to_light.z.abs().max(one.splat(1e-6)));
-        (one + of_viewer) / (one + of_viewer + of_light)
+        (one + of_viewer) / self.hidden(of_viewer, of_light)
+    }
+
+    /// The reciprocal of the share of facets that two directions see, by their
+    /// [`lambda`](Self::lambda).
+    #[inline(always)]
+    fn hidden(self, of_viewer: R, of_light: R) -> R {
+        let one = of_viewer.splat(1.0);
+        match self.masking {
+            Masking::HeightCorrelated => one + of_viewer + of_light,
+            Masking::Separable => (one + of_viewer) * (one + of_light),
+        }
     }
 
     /// The density of normals of facets, per steradian.
@@ -163,6 +199,13 @@ mod tests {
 
     const N: u32 = 256;
 
+    fn facets(alpha: f32) -> Ggx {
+        Ggx {
+            alpha,
+            masking: Masking::default(),
+        }
+    }
+
     fn grid() -> impl Iterator<Item = [f32; 2]> {
         (0..N * N).map(|i| [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32))
     }
@@ -180,7 +223,7 @@ mod tests {
     #[test]
     fn the_facets_seen_from_above_cover_the_surface() {
         for alpha in [0.1, 0.4, 1.0] {
-            let ggx = Ggx { alpha };
+            let ggx = facets(alpha);
             // The integral of the projected facets over the hemisphere, in cos² of the
             // angle to resolve the peak.
             let sum: f64 = grid()
@@ -199,7 +242,7 @@ mod tests {
     fn refracted_samples_have_the_mean_of_quadrature() {
         for (alpha, eta) in [(0.3, 1.0 / 1.5), (0.6, 1.0 / 1.3), (0.3, 1.5), (0.8, 1.3)] {
             for cos in [0.3, 0.9] {
-                let ggx = Ggx { alpha };
+                let ggx = facets(alpha);
                 let viewer = direction(cos, 0.1);
                 let by_samples: f64 = grid()
                     .map(|numbers| {
@@ -241,9 +284,14 @@ mod tests {
 
     #[test]
     fn samples_have_the_mean_of_quadrature() {
-        for alpha in [0.2, 0.5, 1.0] {
+        for (alpha, masking) in [
+            (0.2, Masking::HeightCorrelated),
+            (0.5, Masking::Separable),
+            (1.0, Masking::HeightCorrelated),
+            (1.0, Masking::Separable),
+        ] {
             for cos in [0.1, 0.5, 0.95] {
-                let ggx = Ggx { alpha };
+                let ggx = Ggx { alpha, masking };
                 let viewer = direction(cos, 0.1);
                 let by_samples: f64 = grid()
                     .map(|numbers| {

@@ -7,4 +7,4 @@ mod albedo;
 
 pub use albedo::{Albedo, AlbedoByRoughness, schlick};
 pub use fresnel::{Split, reflectance_of_metal, split};
-pub use ggx::{Facets, Ggx};
+pub use ggx::{Facets, Ggx, Masking};

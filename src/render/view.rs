@@ -11,7 +11,7 @@ use crate::geometry::Ray;
 use crate::sampling::{Dimension, FilterSampler, Sampler};
 use crate::scene::Scene;
 use crate::shade::{PathRay, SampleId, Shader};
-use crate::simd::{Integer, Real, Vector};
+use crate::simd::{Integer, Mask, Real, Vector};
 use crate::trace::Tracer;
 
 /// Everything that rendering a pixel needs.
@@ -127,6 +127,12 @@ impl<'a> View<'a> {
     #[inline(always)]
     pub(crate) fn limited<R: Real>(&self, color: Vector<R>) -> Vector<R> {
         let most = color.x.splat(self.sample_limit);
+        debug_assert!(
+            color.x.equals(color.x).all()
+                && color.y.equals(color.y).all()
+                && color.z.equals(color.z).all(),
+            "a sample is not a number"
+        );
         Vector {
             x: color.x.min(most),
             y: color.y.min(most),

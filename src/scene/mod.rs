@@ -175,7 +175,7 @@ impl Scene {
         for (name, material) in config.materials.keys().zip(&mut scene.materials) {
             geometries.pictures.give_to(name, material);
             if config.shading.model == ShadingModel::Path {
-                material.roughen();
+                material.roughen(config.shading.masking);
             }
         }
         let numbers_of = |object: usize| geometries.objects[object].scalars();

@@ -43,7 +43,7 @@ use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::simd::{Simd, Vector};
 use crate::trace::{ShadingPoint, SurfacePoint};
-use bsdf::{Boundary, Bsdf, Leaving, Scatters, by_kind};
+use bsdf::{Boundary, Bsdf, Leaving, by_kind, sample};
 use emission::{Arrival, emitted};
 use fresnel::{mirrored_share, split_at};
 use media::Interface;
@@ -289,8 +289,9 @@ impl<'a> Shader<'a> {
         let numbers = self.numbers(path);
         let [lobe, roulette] = numbers.lobe();
         let direction = numbers.direction();
-        let scattered = by_kind!(Bsdf::of(material), |of| of
-            .sample(&at, &boundary, direction, lobe));
+        let scattered = by_kind!(Bsdf::of(material), |of| sample(
+            of, &at, &boundary, direction, lobe
+        ));
         let media = match interface {
             Some(interface) if scattered.is_refracted => interface.behind,
             _ => path.media,

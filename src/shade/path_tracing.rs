@@ -4,7 +4,7 @@
 //! scattered ray may find is weighted by the power heuristic: Veach and Guibas, "Optimally
 //! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995.
 
-use super::bsdf::{Boundary, Bsdf, Leaving, Scattering, Scatters, by_kind};
+use super::bsdf::{Boundary, Bsdf, Leaving, Scattering, Scatters, by_kind, evaluate};
 use super::model::{Bounce, Model};
 use crate::light::Illumination;
 use crate::material::Material;
@@ -57,7 +57,8 @@ impl Model for PathTracing {
         to_viewer: Vector<R>,
     ) -> Vector<R> {
         let at = Leaving::new(*point, to_viewer);
-        let Scattering { value, density } = by_kind!(Bsdf::of(material), |of| of.evaluate(
+        let Scattering { value, density } = by_kind!(Bsdf::of(material), |of| evaluate(
+            of,
             &at,
             boundary,
             light.direction

@@ -1,7 +1,7 @@
 //! Surface points → the rays of paths that go on in a direction chosen at random, in
 //! lanes.
 
-use super::bsdf::{Boundary, Leaving, Scatters};
+use super::bsdf::{Boundary, Leaving, Scatters, sample};
 use super::interfaces::Interfaces;
 use super::media::Media;
 use super::numbers::WaveNumbers;
@@ -59,9 +59,13 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         let at_point = Leaving::new(point, -self.points.directions(set, at));
         let numbers = self.numbers.of_rays(set, self.wave, rays);
         let [lobe, roulette] = numbers.lobe();
-        let scattered = self
-            .scatter
-            .sample(&at_point, &boundary, numbers.direction(), lobe);
+        let scattered = sample(
+            self.scatter,
+            &at_point,
+            &boundary,
+            numbers.direction(),
+            lobe,
+        );
         let refracted = scattered.is_refracted.bits();
         let behind = interfaces.as_ref().map(|of| &of.behind);
         let before = self.wave.weights.gather(set, rays);

@@ -6,7 +6,7 @@ use crate::camera::RayCone;
 use crate::geometry::{Ray, leaving};
 use crate::material::PictureFactors;
 use crate::scene::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
-use crate::simd::{Mask, Real, Vector};
+use crate::simd::{Real, Vector};
 
 /// A point of a surface that a ray has hit, in render space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,18 +145,12 @@ impl<R: Real> ShadingPoint<R> {
     }
 
     /// The mirror direction of an incoming direction, a unit vector: by the shading
-    /// normal, or by the geometric one if the former would point into the
-    /// surface.
+    /// normal unless the direction comes from behind it, then by the geometric one if it
+    /// points into the surface.
     #[inline(always)]
     pub fn mirrored(&self, direction: Vector<R>) -> Vector<R> {
-        let mirrored = direction.reflect(self.normal).normalize();
-        let leaves = self.side.splat(0.0).lt(mirrored.dot(self.geometric_normal));
-        // Almost always: the second reflection would cost as much as the first.
-        if leaves.all() {
-            return mirrored;
-        }
-        let by_geometry = direction.reflect(self.geometric_normal).normalize();
-        Vector::select(leaves, mirrored, by_geometry)
+        let mirrored = direction.folded(self.normal).normalize();
+        mirrored.folded(self.geometric_normal)
     }
 }
 

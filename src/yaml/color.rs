@@ -27,6 +27,11 @@ pub fn radiance<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Color(NON_NEGATIVE))
 }
 
+/// Reads such a number for each channel.
+pub fn channels<'de, D: Deserializer<'de>>(d: D, number: Number) -> Result<Vec3, D::Error> {
+    d.deserialize_any(Color(number))
+}
+
 /// Returns red, green and blue of `#rrggbb`.
 pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6)?;

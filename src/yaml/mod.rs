@@ -28,7 +28,7 @@ mod origins;
 mod include;
 mod document;
 
-pub use color::{ColorOr, ColorPattern, RadianceOr, color, hex_color, radiance};
+pub use color::{ColorOr, ColorPattern, RadianceOr, channels, color, hex_color, radiance};
 pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};

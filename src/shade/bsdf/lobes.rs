@@ -112,7 +112,7 @@ impl Scatters for Lobes<'_> {
         Scattered {
             direction: Vector::select(
                 is_mirror,
-                at.point.mirrored(-at.to_viewer),
+                at.point.mirrored(at.arriving),
                 scattered.direction,
             ),
             factor: Vector::select(is_mirror, Vector::splat(zero, share), scattered.factor),

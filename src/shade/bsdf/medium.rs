@@ -49,9 +49,8 @@ impl Scatters for Medium<'_> {
         };
         let reflected = reflection(rough, at, boundary, to_light);
         let refracted = refraction(rough, at, boundary, to_light);
-        let none = Scattering::none(to_light.x);
-        let reflected = Scattering::select(at.point.is_faced_by(to_light), reflected, none);
-        Scattering::select(at.point.is_backed_by(to_light), refracted, reflected)
+        let cos = to_light.dot(at.point.normal);
+        Scattering::select(cos.lt(cos.splat(0.0)), refracted, reflected)
     }
 
     #[inline(always)]
@@ -64,8 +63,8 @@ impl Scatters for Medium<'_> {
     ) -> Scattered<R> {
         match self.rough {
             None => {
-                let split = split_at(&at.point, -at.to_viewer, boundary.eta, boundary.is_visible);
-                let mirrored = at.point.mirrored(-at.to_viewer);
+                let split = split_at(&at.point, at.arriving, boundary.eta, boundary.is_visible);
+                let mirrored = at.point.mirrored(at.arriving);
                 chosen(split, mirrored, boundary, lobe)
             }
             Some(rough) => by_facets(rough, at, boundary, numbers, lobe),
@@ -93,7 +92,7 @@ fn by_facets<R: Real>(
     } = split(-at.to_viewer, facet, eta);
     let split = Split {
         reflectance: R::select(is_visible, reflectance, zero),
-        refracted: Vector::select(is_visible, refracted, -at.to_viewer),
+        refracted: Vector::select(is_visible, refracted, at.arriving),
     };
     let mirrored = (-at.to_viewer).reflect(facet).normalize();
     let chosen = chosen(split, mirrored, boundary, lobe);
@@ -101,7 +100,7 @@ fn by_facets<R: Real>(
     // Light that other facets hide, or that comes from the wrong side, is lost.
     let to_light = at.in_surface(chosen.direction);
     let visible = rough.facets(zero).visibility(to_viewer, to_light);
-    let is_behind = at.point.is_backed_by(chosen.direction);
+    let is_behind = chosen.direction.dot(at.point.normal).lt(zero);
     let passed = R::select(is_behind, visible / returned(rough, at, eta), zero);
     let density = (one - reflectance)
         * rough

@@ -66,7 +66,7 @@ impl Scatters for Metal<'_> {
         let Some(rough) = self.rough else {
             let zero = at.to_viewer.x.splat(0.0);
             return Scattered {
-                direction: at.point.mirrored(-at.to_viewer),
+                direction: at.point.mirrored(at.arriving),
                 factor: reflectance(&self.conductor, at.cos_of_viewer()),
                 density: zero.splat(f32::INFINITY),
                 is_refracted: zero.splat_mask(false),

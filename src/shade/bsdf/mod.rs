@@ -6,6 +6,9 @@ mod medium;
 mod metal;
 mod particle;
 mod principled;
+mod tilted;
+#[cfg(test)]
+mod tests;
 
 use glam::Vec3;
 
@@ -30,7 +33,8 @@ pub(super) enum Bsdf<'a> {
     Principled(PrincipledBsdf<'a>),
 }
 
-/// The formulas of one kind of [`Bsdf`].
+/// The formulas of one kind of [`Bsdf`], for a surface that is perpendicular to the shading
+/// normal; [`tilted`] says what follows for the actual one.
 pub(super) trait Scatters: Copy {
     /// Whether light samples contribute.
     fn is_lit(&self) -> bool;
@@ -73,13 +77,16 @@ macro_rules! by_kind {
     };
 }
 pub(super) use by_kind;
+pub(super) use tilted::{evaluate, sample};
 
 /// A point that light leaves toward a viewer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaving<R> {
     pub(super) point: ShadingPoint<R>,
-    /// The unit vector to the viewer.
-    pub(super) to_viewer: Vector<R>,
+    /// The direction of the ray from the viewer.
+    arriving: Vector<R>,
+    /// The unit vector to the viewer, on the side of the shading normal.
+    to_viewer: Vector<R>,
     /// The x and y axes of the surface's space, whose z axis is the shading normal.
     axes: [Vector<R>; 2],
 }
@@ -155,7 +162,8 @@ impl<R: Real> Leaving<R> {
     pub(super) fn new(point: ShadingPoint<R>, to_viewer: Vector<R>) -> Self {
         Self {
             point,
-            to_viewer,
+            arriving: -to_viewer,
+            to_viewer: to_viewer.folded(point.normal),
             axes: point.normal.orthonormal_pair(),
         }
     }
@@ -207,12 +215,13 @@ impl<R: Real> Leaving<R> {
         (-self.to_viewer).reflect(normal).normalize()
     }
 
-    /// Light reflected from a direction with this scattering; none from behind.
+    /// Light reflected from a direction with this scattering; none from behind the plane of the
+    /// shading normal.
     #[inline(always)]
     fn reflected(&self, direction: Vector<R>, scattering: Scattering<R>) -> Scattered<R> {
         let Scattering { value, density } = scattering;
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
-        let is_in_front = self.point.is_faced_by(direction) & least.lt(density);
+        let is_in_front = zero.lt(direction.dot(self.point.normal)) & least.lt(density);
         let over_density = density.splat(std::f32::consts::FRAC_1_PI) / density.max(least);
         Scattered {
             direction,
@@ -262,6 +271,15 @@ impl<R: Real> Scattering<R> {
         Self {
             value: Vector::splat(zero, Vec3::ZERO),
             density: zero,
+        }
+    }
+
+    /// A multiple of it.
+    #[inline(always)]
+    fn scaled(self, factor: R) -> Self {
+        Self {
+            value: self.value * factor,
+            density: self.density * factor,
         }
     }
 

@@ -67,6 +67,13 @@ impl<'a> PrincipledBsdf<'a> {
         factor * factor.splat(self.roughness)
     }
 
+    /// The facets at a point.
+    #[inline(always)]
+    fn facets<R: Real>(&self, at: &Leaving<R>) -> Ggx<R> {
+        let roughness = self.roughness(at);
+        Ggx::never_smooth(roughness, self.rough.facets(roughness).masking)
+    }
+
     /// The shares of the metal and of the coated surface at a point; the rest is that of the
     /// medium.
     #[inline(always)]
@@ -125,7 +132,7 @@ impl Scatters for PrincipledBsdf<'_> {
         let Reflectances { gains, of_coat } = self.reflectances(at);
         let [of_facets, of_diffuse] = self.choice(at, of_coat);
         let to_viewer = at.in_surface(at.to_viewer);
-        let facets = Ggx::never_smooth(self.roughness(at));
+        let facets = self.facets(at);
         let facets = facets.reflection(to_viewer, at.in_surface(to_light));
         let grazing = schlick(facets.cos);
         let white = Vector::splat(one, Vec3::ONE);
@@ -145,9 +152,8 @@ impl Scatters for PrincipledBsdf<'_> {
         }
         let clear = one.splat(self.clear);
         let of_medium = self.medium.evaluate(at, boundary, to_light);
-        let is_behind = at.point.is_backed_by(to_light);
-        let is_in_front = at.point.is_faced_by(to_light);
-        let opaque = Scattering::select(is_in_front, opaque, Scattering::none(one));
+        let is_behind = to_light.dot(at.point.normal).lt(zero);
+        let opaque = Scattering::select(is_behind, Scattering::none(one), opaque);
         let tint = Vector::select(is_behind, refracted_share(color), white);
         opaque.with(Scattering {
             value: of_medium.value.times(tint) * clear,
@@ -170,7 +176,7 @@ impl Scatters for PrincipledBsdf<'_> {
         let is_glossy = lobe.lt(clear + of_facets);
         let [x, y, z] = hemisphere(numbers);
         let diffuse = at.in_world(Vector { x, y, z });
-        let glossy = at.mirrored_by(Ggx::never_smooth(self.roughness(at)), numbers);
+        let glossy = at.mirrored_by(self.facets(at), numbers);
         let mut direction = Vector::select(is_glossy, glossy, diffuse);
         if self.clear == 0.0 {
             return self.reflected(at, boundary, direction, !is_glossy);
