@@ -123,7 +123,10 @@ fn the_camera_sees_all_of_a_mesh() {
             x == 0 || y == 0 || x == 79 || y == 59
         });
         // The floor, which is seen beside it, is another object.
-        assert!(border.into_iter().all(|(_, object)| *object != 0), "{scale}");
+        assert!(
+            border.into_iter().all(|(_, object)| *object != 0),
+            "{scale}"
+        );
         let n_hits = objects.iter().filter(|object| **object == 0).count();
         assert!((800..3600).contains(&n_hits), "{scale}: {n_hits}");
     }

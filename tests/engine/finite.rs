@@ -61,7 +61,9 @@ impl Random {
         };
         let multiple = self.of(&["true", "false"]);
         let emission = self.of(&["0", "0", "0", "0", "0", "[1e15, 0, 1]"]);
-        format!("{{ color: {color}, {kind}, multiple_scattering: {multiple}, emission: {emission} }}")
+        format!(
+            "{{ color: {color}, {kind}, multiple_scattering: {multiple}, emission: {emission} }}"
+        )
     }
 }
 

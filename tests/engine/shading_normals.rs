@@ -42,14 +42,29 @@ fn a_coarse_smooth_mesh_that_absorbs_nothing_is_invisible_in_a_white_furnace() {
     std::fs::write(&file, ball()).unwrap();
     for (material, tolerance) in [
         ("{ color: 1 }", 1e-4),
-        ("{ color: 1, diffuse: 0.4, specular: 0.6, exponent: 10 }", 2e-3),
+        (
+            "{ color: 1, diffuse: 0.4, specular: 0.6, exponent: 10 }",
+            2e-3,
+        ),
         ("{ conductor: { index: 0, extinction: 1 } }", 1e-4),
-        ("{ conductor: { index: 0, extinction: 1 }, roughness: 0.1 }", 2e-3),
-        ("{ conductor: { index: 0, extinction: 1 }, roughness: 0.4 }", 2e-3),
-        ("{ conductor: { index: 0, extinction: 1 }, roughness: 1 }", 2e-3),
+        (
+            "{ conductor: { index: 0, extinction: 1 }, roughness: 0.1 }",
+            2e-3,
+        ),
+        (
+            "{ conductor: { index: 0, extinction: 1 }, roughness: 0.4 }",
+            2e-3,
+        ),
+        (
+            "{ conductor: { index: 0, extinction: 1 }, roughness: 1 }",
+            2e-3,
+        ),
         ("{ dielectric: { index: 1.5 }, roughness: 0.3 }", 5e-3),
         ("{ color: 1, principled: { roughness: 0.5 } }", 2e-3),
-        ("{ color: 1, principled: { metallic: 1, roughness: 0.3 } }", 2e-3),
+        (
+            "{ color: 1, principled: { metallic: 1, roughness: 0.3 } }",
+            2e-3,
+        ),
     ] {
         let radiance = radiance(&format!(
             "image: {{ width: 32, height: 32, samples_per_pixel: 256, sampler: sobol }}
