@@ -109,9 +109,9 @@ impl ImagePlane {
     pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
         let eye = Vector::splat(x, self.eye);
         match self.projection {
-            Projection::Perspective => [eye, self.from_eye(x, y).normalize()],
+            Projection::Perspective => [eye, self.offset(x, y).normalize()],
             Projection::Parallel { direction } => {
-                [eye + self.from_eye(x, y), Vector::splat(x, direction)]
+                [eye + self.offset(x, y), Vector::splat(x, direction)]
             }
             Projection::Panorama { axes } => [eye, axes.direction([x, y], self.size)],
         }
@@ -135,7 +135,7 @@ impl ImagePlane {
     pub fn footprints<R: Real>(&self, pitch: f32, [x, y]: [R; 2], distance: R) -> R {
         let pitch = x.splat(pitch);
         match self.projection {
-            Projection::Perspective => pitch * distance / self.from_eye(x, y).length(),
+            Projection::Perspective => pitch * distance / self.offset(x, y).length(),
             Projection::Parallel { .. } => pitch,
             Projection::Panorama { .. } => pitch * distance * shrinkage(y, self.size[1]),
         }
@@ -151,12 +151,12 @@ impl ImagePlane {
 
     /// The point of pixel coordinates (x, y).
     pub fn point(&self, x: f32, y: f32) -> Vec3 {
-        self.eye + Vec3::from(self.from_eye(x, y))
+        self.eye + Vec3::from(self.offset(x, y))
     }
 
     /// From the eye to the point of a pair of coordinates, or of one per lane.
     #[inline(always)]
-    fn from_eye<R: Real>(&self, x: R, y: R) -> Vector<R> {
+    fn offset<R: Real>(&self, x: R, y: R) -> Vector<R> {
         let [first, right, down] = [self.to_first, self.right, self.down];
         Vector::splat(x, first) + Vector::splat(x, right) * x + Vector::splat(x, down) * y
     }

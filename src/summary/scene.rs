@@ -162,12 +162,12 @@ impl FilmSection {
 
 impl CameraSection {
     /// The camera in coordinates relative to its `origin`.
-    pub(crate) fn from_its_origin(&self) -> Self {
+    pub(crate) fn relative_to_origin(&self) -> Self {
         let from_origin = |point: [f64; 3]| [0, 1, 2].map(|axis| point[axis] - self.origin[axis]);
         Self {
             eye: self.eye.map(from_origin),
             origin: [0.0; 3],
-            ..self.clone()
+            ..*self
         }
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn json(
         "objects": objects(summary),
         "materials": summary.materials,
         "cloud": { "n": cloud.len(), "n_all": cloud.n_all() },
-        "camera": summary.camera.as_ref().map(CameraSection::from_its_origin),
+        "camera": summary.camera.as_ref().map(CameraSection::relative_to_origin),
         "color_maps": {
             "Inferno": color_map(ColorMap::Inferno),
             "Viridis": color_map(ColorMap::Viridis),

@@ -216,8 +216,6 @@ fn files_of_what_is_not_measured_are_refused() {
     let scene = fs::read_to_string(folder.path().join("scene.yaml")).unwrap();
     let asking = format!("{scene}output: [schedule, surface]\n");
     fs::write(folder.path().join("asking.yaml"), asking).unwrap();
-    let brute = format!("{scene}acceleration: brute_force\n");
-    fs::write(folder.path().join("brute.yaml"), brute).unwrap();
 
     let by_flag = [
         "render",
@@ -236,7 +234,5 @@ fn files_of_what_is_not_measured_are_refused() {
     let message = failure(folder.path(), &by_file, 2);
     assert!(message.contains("`surface` requires counters"), "{message}");
     assert!(message.contains("--> asking.yaml"), "{message}");
-    let message = failure(folder.path(), &["render", "brute.yaml", "--also=bvh"], 2);
-    assert!(message.contains("`brute_force` has none"), "{message}");
     assert!(!folder.path().join("out").exists());
 }

@@ -176,7 +176,7 @@ fn the_limit_of_the_process_is_free_memory() {
     let output = Command::new("sh").args(["-c", &command]).output().unwrap();
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(error.contains("GiB of memory are needed"), "{error}");
+    assert!(error.contains("iB of memory are needed"), "{error}");
 }
 
 /// Another folder does not help where no file can be opened.

@@ -43,26 +43,22 @@ fn every_metric_of_a_run_is_listed() {
 
 #[test]
 fn wrong_names_in_plots_are_shown_at_their_lines() {
-    for (plot, expected) in [(
-        "{ x: tile_size, y: render_wal_ms }",
-        "error: there is no metric `render_wal_ms`
+    let expected = "error: there is no metric `render_wal_ms`
  --> study.yaml:4:28
   |
 4 | plots: [{ x: tile_size, y: render_wal_ms }]
   |                            ^^^^^^^^^^^^^ expected a metric
   |
   = help: did you mean `render_wall_ms`? (`raycost study --list-metrics` lists the metrics)
-",
-    )] {
-        let study = format!(
-            "title: x\nscenes: [scene.yaml]\nvary: {{ tile_size: [4] }}\nplots: [{plot}]\n"
-        );
-        let folder = folder(&study);
-        let refused = run(folder.path(), &[]);
-        assert_eq!(refused.status.code(), Some(2), "{plot}");
-        assert_eq!(stderr_of(&refused), expected);
-        assert!(!folder.path().join("out").exists());
-    }
+";
+    let plot = "{ x: tile_size, y: render_wal_ms }";
+    let study =
+        format!("title: x\nscenes: [scene.yaml]\nvary: {{ tile_size: [4] }}\nplots: [{plot}]\n");
+    let of_wrong_metric = folder(&study);
+    let refused = run(of_wrong_metric.path(), &[]);
+    assert_eq!(refused.status.code(), Some(2), "{plot}");
+    assert_eq!(stderr_of(&refused), expected);
+    assert!(!of_wrong_metric.path().join("out").exists());
     for (plot, expected) in [
         ("{ x: tile_siz, y: rays }", "did you mean `tile_size`?"),
         (
