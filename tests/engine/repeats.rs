@@ -123,7 +123,11 @@ fn beside_other_work_the_times_are_those_of_the_pixels() {
     let quiet = measured();
     let is_over = AtomicBool::new(false);
     let beside = std::thread::scope(|scope| {
-        let spin = || while !is_over.load(Ordering::Relaxed) {};
+        let spin = || {
+            while !is_over.load(Ordering::Relaxed) {
+                std::hint::spin_loop()
+            }
+        };
         let n_processors = std::thread::available_parallelism().unwrap().get();
         (0..n_processors).for_each(|_| drop(scope.spawn(spin)));
         let beside = measured();
