@@ -94,7 +94,7 @@ fn difference(a: &Film, b: &Film) -> [f64; 2] {
 fn powers_of_two_change_no_byte() {
     for (name, text) in scenes() {
         let original = small(parse(&text));
-        for exponent in [-30, -11, 7, 30] {
+        for exponent in [-30, 30] {
             check_scaled(&name, &text, &original, exponent);
         }
     }
@@ -105,7 +105,7 @@ fn any_size_and_place_has_the_same_picture() {
     for (name, text) in scenes() {
         let original = small(parse(&text));
         // Whole periods of all patterns.
-        for (scale, sizes) in [(1e-6, 240.0), (1e9, -1.2e5), (1.0, 2.4e7), (3e5, 7.2e6)] {
+        for (scale, sizes) in [(1e-6, 240.0), (1e9, -1.2e5), (1.0, 2.4e7)] {
             let similarity = Similarity {
                 scale,
                 shift: [1.0, -0.5, 0.75].map(|along| along * sizes * scale),

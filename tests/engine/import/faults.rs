@@ -10,7 +10,8 @@ fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
         (
             "a.fbx",
             "",
-            ": unknown mesh format `.fbx`, expected a file that ends in .obj, .ply, .stl, .gltf, .glb, .vtp, .vtu, \
+            ": raycost does not read FBX files; export glTF (.glb) or OBJ from the program that wrote it, or from \
+             Blender, expected a file that ends in .obj, .ply, .stl, .gltf, .glb, .vtp, .vtu, \
              .vts, .vtr, .vti, .vtk, .pvtp, .pvtu, .pvts, .pvtr, .pvti, .vtm or .vtkhdf",
         ),
         (

@@ -12,7 +12,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use raycost::import::{
@@ -262,7 +262,8 @@ fn a_table_gives_its_spheres() {
     assert_eq!(plain.spheres[1].radius, 0.5);
     let full = read("color,r,z,y,x,,mass\r\n#0a0B0c,7,3,2,1,first,heavy\r\n");
     assert_eq!(full.colors, Some(vec![Vec3::new(10.0, 11.0, 12.0) / 255.0]));
-    assert_eq!(full.spheres[0].center, Vec3::new(1.0, 2.0, 3.0));
+    let center = full.origin + full.spheres[0].center.as_dvec3();
+    assert_eq!(center, DVec3::new(1.0, 2.0, 3.0));
     assert_eq!(full.spheres[0].radius, 7.0);
 }
 
