@@ -10,6 +10,7 @@ use bytemuck::NoUninit;
 use crate::common::data_set::{Array, DataSet, units};
 use crate::common::kept::kept;
 use crate::common::{assert_success, config, in_repository, parse, raycost, with_cost};
+use glam::Vec3;
 use raycost::attribution::{Hierarchy, Visits};
 use raycost::config::{BvhLimits, Config, CostMode};
 use raycost::cost::RayKind;
@@ -141,7 +142,7 @@ fn expected_surface(scene: &Scene, visits: &[Visits], cost: CostMode) -> DataSet
         .collect();
     let shown = || shown.iter();
     let radius = |primitive: &raycost::scene::Primitive| match primitive.world_shape() {
-        Some(Shape::Sphere(sphere)) => sphere.radius,
+        Some(Shape::Sphere(sphere)) => scene.space.world_length(sphere.radius),
         _ => 0.0,
     };
     let mut arrays = vec![
@@ -160,7 +161,8 @@ fn expected_surface(scene: &Scene, visits: &[Visits], cost: CostMode) -> DataSet
     let (mut points, mut cells) = (Vec::new(), Vec::new());
     for (_, primitive) in shown() {
         let patch = primitive.patch().unwrap();
-        points.extend(patch.corners().iter().map(|corner| corner.to_array()));
+        let in_world = |corner: &Vec3| scene.space.world_point(*corner).as_vec3().to_array();
+        points.extend(patch.corners().iter().map(in_world));
         let cell_type = match primitive.world_shape() {
             Some(Shape::Sphere(_)) => 1,
             Some(Shape::Triangle(_)) => 5,

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 
 use crate::common::data_set::{DataSet, assert_same, integers};
-use crate::common::{config, scene_of};
+use crate::common::{config, scene_in_world};
 use raycost::accel::Accel;
 use raycost::attribution::{Observer, TracedRay};
 use raycost::config::{Config, CostMode};
@@ -57,7 +57,7 @@ fn with_rays(
     clock: Option<&Clock>,
     check: fn(&Traced, &Path),
 ) {
-    let scene = scene_of(config);
+    let scene = scene_in_world(config);
     let accel = Accel::new(&scene, config.acceleration);
     let observer = Observer::new(&scene, &accel, &config.image, clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});

@@ -110,7 +110,18 @@ pub fn expected_hits(film: &Film) -> DataSet {
     let mut arrays = point_data(film, &hits);
     arrays.push(integers("pixel", numbers));
     arrays.push(horizon(film, &hits));
-    arrays.push(Field::Vec3(|strip| &strip.position).array("Points", film, &hits));
+    let points = hits.iter().flat_map(|pixel| {
+        let point = film
+            .space
+            .world_point(pixel.of(film, |strip| &strip.position));
+        point.as_vec3().to_array()
+    });
+    arrays.push(Array {
+        name: "Points".to_owned(),
+        scalar: "Float32".to_owned(),
+        n_components: 3,
+        bytes: points.flat_map(f32::to_ne_bytes).collect(),
+    });
     arrays.push(integers("connectivity", 0..n));
     arrays.push(integers("offsets", 1..=n));
     arrays.push(Array {
