@@ -299,6 +299,7 @@ fn exponent(folder: &Path, case: &Case) -> f64 {
 /// By the time of this thread, since a table that is searched from its start for each of its
 /// rows counts nothing. The square of the number has an exponent of 2.
 #[test]
+#[ignore = "measures the time of threads, for minutes"]
 fn the_time_of_a_file_grows_with_its_length() {
     let folder = tempfile::tempdir().unwrap();
     let grows = |case: &&Case| {
