@@ -1,6 +1,6 @@
 //! Geometry near its own origin: coordinates of 32 bits around a point of 64.
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
 
 /// The distance from the origin, in sizes, up to which 32 bits have digits enough.
@@ -25,11 +25,6 @@ impl<G> Located<G> {
     /// Another geometry around the same origin.
     pub fn map<H>(self, change: impl FnOnce(G) -> H) -> Located<H> {
         Located::new(self.origin, change(self.geometry))
-    }
-
-    /// The map to world space, for an object that is placed so.
-    pub fn world_from_geometry(&self, world_from_object: &DAffine3) -> DAffine3 {
-        *world_from_object * DAffine3::from_translation(self.origin)
     }
 }
 

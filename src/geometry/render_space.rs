@@ -54,11 +54,6 @@ impl RenderSpace {
         self.origin == DVec3::ZERO
     }
 
-    /// The point of world space that is its origin.
-    pub fn origin(&self) -> DVec3 {
-        self.origin
-    }
-
     /// World units in its unit: a power of two.
     pub fn unit(&self) -> f64 {
         self.unit
