@@ -15,12 +15,10 @@ use crate::yaml;
 /// The smallest convex surface around two spheres: a cylinder or a cone with round ends.
 ///
 /// ```
-/// # use raycost::geometry::Capsule;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Capsule};
 /// let pill: Located<Capsule> = raycost::yaml::from_str("
 /// { ends: [[-1, 0, 2], [1, 0, 2]], radius: 0.5 }
 /// ").unwrap();
-/// # use raycost::geometry::Located;
 /// let thorn: Located<Capsule> = raycost::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 3, 2]], radius: [0.5, 0.1] }
 /// ").unwrap();

@@ -17,8 +17,7 @@ use crate::yaml;
 /// radius.
 ///
 /// ```
-/// # use raycost::geometry::Cone;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Cone};
 /// let tip: Located<Cone> = raycost::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 1, 2]], radius: [0.5, 0] }
 /// ").unwrap();

@@ -13,8 +13,7 @@ use crate::yaml;
 /// The surface of an axis-aligned box. A `transform` makes a rotated one.
 ///
 /// ```
-/// # use raycost::geometry::Cuboid;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Cuboid};
 /// let cuboid: Located<Cuboid> = raycost::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,8 +14,7 @@ use crate::yaml;
 /// [`Cone`] with one radius.
 ///
 /// ```
-/// # use raycost::geometry::Cylinder;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Cylinder};
 /// let pillar: Located<Cylinder> = raycost::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 3, 2]], radius: 0.2 }
 /// ").unwrap();

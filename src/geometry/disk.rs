@@ -16,12 +16,11 @@ use crate::yaml;
 /// The points of a plane within a distance of a center.
 ///
 /// ```
-/// # use raycost::geometry::Disk;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Disk};
 /// let disk: Located<Disk> = raycost::yaml::from_str("
 /// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
 /// ").unwrap();
-/// # assert_eq!(disk.radius, 0.5);
+/// # assert_eq!(disk.geometry.radius, 0.5);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {

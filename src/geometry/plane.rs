@@ -17,10 +17,9 @@ pub(super) const MIN_COS: f32 = 1e-6;
 /// The points of an infinite plane.
 ///
 /// ```
-/// # use raycost::geometry::Plane;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Plane};
 /// let floor: Located<Plane> = raycost::yaml::from_str("{ point: [0, -0.5, 0], normal: [0, 1, 0] }").unwrap();
-/// # assert_eq!(floor.normal.y, 1.0);
+/// # assert_eq!(floor.geometry.normal.y, 1.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {

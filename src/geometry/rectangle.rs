@@ -16,8 +16,7 @@ use crate::yaml;
 /// rectangle, or a parallelogram if the edges are not perpendicular.
 ///
 /// ```
-/// # use raycost::geometry::Rectangle;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Rectangle};
 /// let wall: Located<Rectangle> = raycost::yaml::from_str("
 /// { corner: [-1, 0, 2], edges: [[2, 0, 0], [0, 1, 0]] }
 /// ").unwrap();

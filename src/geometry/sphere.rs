@@ -15,8 +15,7 @@ use crate::yaml;
 /// The points at a distance from a center.
 ///
 /// ```
-/// # use raycost::geometry::Sphere;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Sphere};
 /// let sphere: Located<Sphere> = raycost::yaml::from_str("{ center: [0, 1, 3], radius: 1 }").unwrap();
 /// # assert_eq!(sphere.geometry.radius, 1.0);
 /// ```

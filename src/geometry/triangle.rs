@@ -14,12 +14,11 @@ use crate::yaml;
 /// The points between three vertices.
 ///
 /// ```
-/// # use raycost::geometry::Triangle;
-/// # use raycost::geometry::Located;
+/// # use raycost::geometry::{Located, Triangle};
 /// let triangle: Located<Triangle> = raycost::yaml::from_str("
 /// { vertices: [[-1, 0, 2], [1, 0, 2], [0, 1, 2]] }
 /// ").unwrap();
-/// # assert_eq!(triangle.vertices[2].y, 1.0);
+/// # assert_eq!(triangle.geometry.vertices[2].y, 1.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triangle {
