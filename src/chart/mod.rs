@@ -84,9 +84,8 @@ pub(crate) fn write_bare(map: &CostMap, out: &mut impl Write) -> io::Result<()> 
 
 fn write_with(texts: &[(&str, &str)], map: &CostMap, out: &mut impl Write) -> io::Result<()> {
     let picture = draw(map);
-    let (width, height) = picture.dimensions();
-    let rows: Vec<&[u8]> = picture.chunks_exact(3 * width as usize).collect();
-    png::write([width, height], &rows, texts, out)
+    let size = picture.dimensions().into();
+    png::write(size, 3, texts, out, |rows| rows.write_all(&picture))
 }
 
 /// Draws `map` with its title, color bar and footer.

@@ -194,3 +194,39 @@ fn any_text_and_value_fit_without_a_panic() {
         }
     }
 }
+
+/// The pixels and the texts of a PNG.
+fn decoded(file: &[u8]) -> (Vec<u8>, Vec<(String, String)>) {
+    let mut reader = ::png::Decoder::new(std::io::Cursor::new(file))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    reader.finish().unwrap();
+    let texts = reader.info().uncompressed_latin1_text.iter();
+    let texts = texts.map(|chunk| (chunk.keyword.clone(), chunk.text.clone()));
+    (pixels, texts.collect())
+}
+
+#[test]
+fn a_png_keeps_pixels_of_8_and_16_bits_and_texts() {
+    let texts = [("raycost_run", "7"), ("ParaViewState", "<a/>")];
+    let pixels: Vec<u8> = (0..300 * 70_u32).map(|i| ((i * i) >> 7) as u8).collect();
+    for (width, pixel_bytes) in [(100, 3), (50, 6)] {
+        let mut file = Vec::new();
+        let write = |rows: &mut dyn Write| rows.write_all(&pixels);
+        png::write([width, 70], pixel_bytes, &texts, &mut file, write).unwrap();
+        let (found, found_texts) = decoded(&file);
+        assert!(found == pixels);
+        let expected = texts.map(|(keyword, text)| (keyword.to_owned(), text.to_owned()));
+        assert_eq!(found_texts, expected);
+    }
+}
+
+#[test]
+fn a_png_passes_on_the_error_of_its_file() {
+    let mut full = [0_u8; 100];
+    let write = |rows: &mut dyn Write| rows.write_all(&[1; 3000]);
+    let error = png::write([100, 10], 3, &[], &mut &mut full[..], write).unwrap_err();
+    assert_eq!(error.kind(), io::ErrorKind::WriteZero);
+}

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::file::{FileContent, Job, OutputFile};
 use super::state_files::SHOWN_OF_CLOUD;
-use crate::chart::png::{self, PngWriter};
+use crate::chart::png;
 use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
 use crate::color::rgb8;
 use crate::config::Config;
@@ -34,11 +34,9 @@ pub(super) const FILE: OutputFile = OutputFile {
         let legends = legends(job.rendering.scene);
         if !legends.is_empty() {
             write_with_legends(job, &legends, out)
-        } else if job.rendering.config.film.bits == 8 {
-            let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
-            write(job, rows, out)
         } else {
-            write_developed(job, &developed(film), out)
+            let bits = job.rendering.config.film.bits;
+            job.write_png(bits, out, |rows| write_rows(film, 0, bits, rows))
         }
     }),
 };
@@ -46,14 +44,23 @@ pub(super) const FILE: OutputFile = OutputFile {
 /// Writes the pixels of a film as a picture without color bars and texts.
 pub(crate) fn write_bare(film: &Film, bits: u8, out: &mut impl Write) -> io::Result<()> {
     let size = [film.grid.width, film.grid.height];
+    let write_rows = |rows: &mut dyn Write| write_rows(film, 0, bits, rows);
+    png::write(size, pixel_bytes(bits), &[], out, write_rows)
+}
+
+/// Bytes of a pixel of this number of bits per channel.
+fn pixel_bytes(bits: u8) -> usize {
+    if bits == 8 { 3 } else { size_of::<Rgb16>() }
+}
+
+/// Writes the pixels of a film of 8 or 16 bits per channel, after the first `n_skipped` rows.
+fn write_rows(film: &Film, n_skipped: usize, bits: u8, out: &mut dyn Write) -> io::Result<()> {
     if bits == 8 {
         let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
-        return png::write(size, &rows.collect::<Vec<_>>(), &[], out);
+        return (rows.skip(n_skipped)).try_for_each(|row| out.write_all(row));
     }
     let pixels = developed(film);
-    let rows = pixels.chunks_exact(film.grid.width as usize);
-    let rows: Vec<&[u8]> = rows.map(<[_]>::as_flattened).collect();
-    png::write(size, &rows, &[], out)
+    out.write_all(pixels[n_skipped * film.grid.width as usize..].as_flattened())
 }
 
 /// Writes the picture of a film that comes in bands, from top to bottom: `for_each` calls its
@@ -72,22 +79,14 @@ pub(super) fn write_bands(
             Ok(())
         })?;
         draw_legends(&mut picture, &legends);
-        return write(job, picture.chunks_exact(3 * grid.width as usize), out);
+        return job.write_png(8, out, |rows| rows.write_all(&picture));
     }
-    let is_deep = job.rendering.config.film.bits > 8;
-    let pixel_bytes = if is_deep { 6 } else { 3 };
-    let mut png = job.begin_png(pixel_bytes, out)?;
-    for_each(&mut |band, rows| {
-        let skipped = (rows.start - band.row_range().start) as usize;
-        if is_deep {
-            let pixels = developed(band);
-            let of_band = pixels.chunks_exact(band.grid.width as usize);
-            let of_band: Vec<&[u8]> = of_band.map(<[_]>::as_flattened).collect();
-            png.add(&of_band[skipped..])
-        } else {
-            let of_band = band.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
-            png.add(&of_band.skip(skipped).collect::<Vec<_>>())
-        }
+    let bits = job.rendering.config.film.bits;
+    job.write_png(bits, out, |out| {
+        for_each(&mut |band, rows| {
+            let n_skipped = (rows.start - band.row_range().start) as usize;
+            write_rows(band, n_skipped, bits, out)
+        })
     })
 }
 
@@ -107,8 +106,8 @@ fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
 /// A pixel of 16 bits per channel, the high byte first.
 type Rgb16 = [u8; 6];
 
-/// Upper bound of the memory to write a picture of 16 bits besides that of one of 8: the
-/// picture, and as much again compressed; and that of a picture with color bars.
+/// Upper bound of the memory to write a picture of 16 bits besides that of one of 8, and that of a picture
+/// with color bars.
 pub(super) fn write_bytes(config: &Config) -> u64 {
     let of_bands = bytes_per_band_pixel(config) * config.image.n_pixels() as u64;
     of_bands + bytes_beside_bands(config)
@@ -119,7 +118,7 @@ pub(super) fn write_bytes(config: &Config) -> u64 {
 pub(super) fn bytes_per_band_pixel(config: &Config) -> u64 {
     match config.film.bits {
         8 => 0,
-        _ => 2 * size_of::<Rgb16>() as u64,
+        _ => size_of::<Rgb16>() as u64,
     }
 }
 
@@ -187,11 +186,10 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
     let film = job.rendering.film;
     let (width, height) = (film.grid.width, film.grid.height);
     let mut picture = RgbImage::new(width, height);
-    let row_bytes = 3 * width as usize;
     copy_rows(film, film.row_range(), &mut picture);
     draw_legends(&mut picture, legends);
     if job.rendering.config.film.bits == 8 {
-        return write(job, picture.chunks_exact(row_bytes), out);
+        return job.write_png(8, out, |rows| rows.write_all(&picture));
     }
     let mut developed = developed(film);
     let before = film.rows(|strip| &strip.rgb).flatten();
@@ -203,7 +201,7 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
             *place = [r, r, g, g, b, b];
         }
     }
-    write_developed(job, &developed, out)
+    job.write_png(16, out, |rows| rows.write_all(developed.as_flattened()))
 }
 
 /// The picture of a film that keeps its radiance.
@@ -221,25 +219,15 @@ fn developed(film: &Film) -> Vec<Rgb16> {
     pixels
 }
 
-/// Writes the rows of a picture of 8 or 16 bits per channel.
-fn write<'a>(
-    job: &Job,
-    rows: impl Iterator<Item = &'a [u8]>,
-    out: &mut impl Write,
-) -> io::Result<()> {
-    let rows: Vec<&[u8]> = rows.collect();
-    let row_bytes = rows.first().map_or(0, |row| row.len());
-    let pixel_bytes = row_bytes / job.rendering.film.grid.width as usize;
-    job.begin_png(pixel_bytes, out)?.add(&rows)
-}
-
 impl Job<'_> {
-    /// Begins the picture, of so many bytes per pixel.
-    fn begin_png<'o, W: Write>(
+    /// Writes the picture with this number of bits per channel; `write_rows` writes the bytes of
+    /// all rows.
+    fn write_png(
         &self,
-        pixel_bytes: usize,
-        out: &'o mut W,
-    ) -> io::Result<PngWriter<'o, W>> {
+        bits: u8,
+        out: &mut impl Write,
+        write_rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
         let run = self.run.to_string();
         let written = self.rendering.film.extra.written;
         let state = written
@@ -250,12 +238,7 @@ impl Job<'_> {
         let partial = self.rendering.partial.map(|partial| partial.to_string());
         texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
         let grid = &self.rendering.film.grid;
-        PngWriter::begin([grid.width, grid.height], pixel_bytes, &texts, out)
+        let size = [grid.width, grid.height];
+        png::write(size, pixel_bytes(bits), &texts, out, write_rows)
     }
-}
-
-/// Writes a picture of 16 bits per channel.
-fn write_developed(job: &Job, pixels: &[Rgb16], out: &mut impl Write) -> io::Result<()> {
-    let rows = pixels.chunks_exact(job.rendering.film.grid.width as usize);
-    write(job, rows.map(<[_]>::as_flattened), out)
 }
