@@ -8,14 +8,12 @@ mod grid;
 mod hilbert;
 mod load;
 mod worker_share;
-mod simulation;
 
 use std::time::{Duration, Instant};
 
 pub use grid::{Tile, TileGrid};
 pub use hilbert::hilbert_curve;
 pub use load::Load;
-pub use simulation::{Cluster, Makespan};
 pub use worker_share::{WorkerShare, pause};
 
 use crate::config::TileOrder;

@@ -1,7 +1,7 @@
 //! A rendering on many ranks, simulated from the times of its tiles.
 //!
 //! Rank 0 deals tiles in their order to its own threads and, by messages, to the other ranks,
-//! as [`crate::render`] does with MPI: both ends of a message look for the next one from time
+//! as [`raycost::render`] does with MPI: both ends of a message look for the next one from time
 //! to time ([`pause`]), and workers have some milliseconds of tiles ahead. What is simulated
 //! are the times of tiles, messages and the film of rank 0; that threads of a machine slow
 //! each other down, and that messages do, is not.
@@ -9,7 +9,7 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-use super::{TileRun, WorkerShare, pause};
+use raycost::schedule::{TileRun, WorkerShare, pause};
 
 /// Ranks with equal threads, and what lies between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +33,6 @@ pub struct Makespan {
     pub ns: u64,
     /// The time of the tiles of each thread, in nanoseconds, rank by rank.
     pub busy_ns: Vec<u64>,
-    /// Time in which rank 0 sent, received and stored tiles, in nanoseconds.
-    pub leader_ns: u64,
 }
 
 impl Makespan {
@@ -82,7 +80,6 @@ impl Cluster {
         Makespan {
             ns: simulation.stored_ns,
             busy_ns: threads.copied().collect(),
-            leader_ns: simulation.leader_ns,
         }
     }
 }
@@ -125,7 +122,6 @@ struct Simulation<'a> {
     n_stored: usize,
     /// When the last tile was stored.
     stored_ns: u64,
-    leader_ns: u64,
 }
 
 impl<'a> Simulation<'a> {
@@ -153,7 +149,6 @@ impl<'a> Simulation<'a> {
             returned: BinaryHeap::new(),
             n_stored: 0,
             stored_ns: 0,
-            leader_ns: 0,
         }
     }
 
@@ -216,7 +211,6 @@ impl<'a> Simulation<'a> {
         for rank in 1..self.cluster.n_ranks {
             end += self.deal_to(end, rank);
         }
-        self.leader_ns += end - now;
         let has_tiles = self.next < self.runs.len();
         let next = next_look(now, end, has_tiles);
         self.events.push(Reverse((next, Next::Lead)));

@@ -3,12 +3,16 @@
 //!
 //! Messages take 2 µs and 10 bytes in a nanosecond, as in a network of 100 Gbit/s.
 
+mod cluster;
+
 use std::error::Error;
 
 use raycost::config::TileOrder;
 use raycost::film;
-use raycost::schedule::{Cluster, TileRun};
+use raycost::schedule::TileRun;
 use raycost::{Options, Session};
+
+use cluster::Cluster;
 
 /// The tiles of a scene in the order in which they are dealt, and the bytes of each.
 fn tiles(scene: &str, size: Option<u32>) -> Result<(Vec<TileRun>, u64), Box<dyn Error>> {
