@@ -1,6 +1,10 @@
 //! The bytes of arrays in VTK's XML files: raw or as base64, compressed or not.
 
 use std::borrow::Cow;
+use std::mem;
+
+use base64::alphabet;
+use base64::engine::{Engine, GeneralPurpose, GeneralPurposeConfig};
 
 use super::super::{FileFault, Result};
 use super::budget::Budget;
@@ -17,8 +21,8 @@ pub(super) struct ArrayEncoding {
     pub(super) compressor: Option<&'static dyn Compressor>,
 }
 
-/// Encoded bytes, from the begin of an array on.
-#[derive(Debug, Clone, Copy)]
+/// Encoded bytes, from the start of an array.
+#[derive(Debug, Clone)]
 pub(super) enum Encoded<'a> {
     Raw(&'a [u8]),
     Base64(Base64<'a>),
@@ -102,64 +106,45 @@ impl<'a> Encoded<'a> {
     }
 }
 
+/// Accepts bits behind the last byte that are not zero.
+const ENGINE: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_allow_trailing_bits(true),
+);
+
 /// A text of groups of four characters for three bytes or, with padding, fewer, with line
-/// breaks between groups. Padding may be anywhere: VTK encodes the length or the block table of an array by itself.
-#[derive(Debug, Clone, Copy)]
+/// breaks between groups. Padding may be anywhere: VTK encodes the length or the block table of
+/// an array separately.
+#[derive(Debug, Clone)]
 pub(super) struct Base64<'a> {
     text: &'a [u8],
-    /// The last bytes of the last group that was decoded; the first `n_left` bits of eight
-    /// are still to be returned.
-    group: u32,
-    n_left: u32,
+    /// Bytes that were decoded with those before them, at most two.
+    left: Vec<u8>,
 }
 
 impl<'a> Base64<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
-        let (group, n_left) = (0, 0);
-        Self {
-            text,
-            group,
-            n_left,
-        }
+        let left = Vec::new();
+        Self { text, left }
     }
 
     fn bytes(&mut self, n: usize) -> Result<Vec<u8>> {
-        let mut bytes = Vec::with_capacity(n.min(self.text.len() + 3));
+        let mut bytes = mem::take(&mut self.left);
         while bytes.len() < n {
-            if self.n_left == 0 {
-                self.next_group()?;
-            }
-            self.n_left -= 1;
-            bytes.push((self.group >> (8 * self.n_left)) as u8);
+            self.text = self.text.trim_ascii_start();
+            let n_wanted = (n - bytes.len()).div_ceil(3).saturating_mul(4);
+            // Whole groups, up to a line break or up to padding and with it.
+            let mut digits = self.text.iter().take(n_wanted);
+            let end = digits.position(|c| *c == b'=' || c.is_ascii_whitespace());
+            let end = end.unwrap_or(n_wanted.min(self.text.len()));
+            let end = end.next_multiple_of(4).max(4);
+            let (groups, rest) = self.text.split_at_checked(end).ok_or_else(ends_early)?;
+            let decoded = ENGINE.decode_vec(groups, &mut bytes);
+            decoded.map_err(|_| damaged())?;
+            self.text = rest;
         }
+        self.left = bytes.split_off(n);
         Ok(bytes)
-    }
-
-    fn next_group(&mut self) -> Result<()> {
-        self.text = self.text.trim_ascii_start();
-        let (group, rest) = self.text.split_first_chunk::<4>().ok_or_else(ends_early)?;
-        let n_padding = group.iter().rev().take_while(|c| **c == b'=').count();
-        let digits = &group[..4 - n_padding];
-        if n_padding > 2 {
-            return Err(damaged());
-        }
-        self.group = 0;
-        for digit in digits {
-            let value = match digit {
-                b'A'..=b'Z' => digit - b'A',
-                b'a'..=b'z' => digit - b'a' + 26,
-                b'0'..=b'9' => digit - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return Err(damaged()),
-            };
-            self.group = self.group << 6 | u32::from(value);
-        }
-        // Two digits are a byte and four bits, three are two bytes and two bits.
-        self.group >>= 2 * n_padding;
-        self.n_left = 3 - n_padding as u32;
-        self.text = rest;
-        Ok(())
     }
 }
 
@@ -173,7 +158,6 @@ fn damaged() -> FileFault {
 
 #[cfg(test)]
 mod tests {
-    use base64::prelude::*;
     use proptest::prelude::*;
 
     use super::*;
@@ -184,13 +168,24 @@ mod tests {
             parts in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..9), 0..5),
             n_first in 0..20_usize,
         ) {
-            let text: String = parts.iter().map(|part| BASE64_STANDARD.encode(part)).collect();
+            let text: String = parts.iter().map(|part| ENGINE.encode(part)).collect();
             let bytes = parts.concat();
             let (first, second) = bytes.split_at(n_first.min(bytes.len()));
             let mut from = Base64::new(text.as_bytes());
             prop_assert_eq!(from.bytes(first.len()).unwrap(), first);
             prop_assert_eq!(from.bytes(second.len()).unwrap(), second);
             prop_assert!(from.bytes(1).is_err());
+        }
+    }
+
+    #[test]
+    fn groups_are_on_lines_and_damage_is_found() {
+        let bytes = |text: &'static str, n| Base64::new(text.as_bytes()).bytes(n).ok();
+        assert_eq!(bytes("  YWJj\n ZGU=\nZg==", 6), Some(b"abcdef".to_vec()));
+        // Bits behind the last byte.
+        assert_eq!(bytes("Zh==", 1), Some(b"f".to_vec()));
+        for damaged in ["====", "Z===", "Z=g=", "YW Jj", "YWJ", "Y-Jj", ""] {
+            assert_eq!(bytes(damaged, 1), None, "{damaged}");
         }
     }
 }
