@@ -158,8 +158,18 @@ fn sheared() -> impl Strategy<Value = [Vec3; 3]> {
     )
 }
 
+/// 1,000 cases, or as many as the environment asks for: `PROPTEST_CASES=50000 cargo test --test
+/// engine rounding`.
+fn config() -> ProptestConfig {
+    let asked_for = std::env::var("PROPTEST_CASES").map(|n| n.parse().unwrap());
+    ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(asked_for.unwrap_or(1000))
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(50_000) })]
+    #![proptest_config(config())]
 
     /// With the bound that the margin of boxes rests on.
     #[test]
