@@ -28,7 +28,7 @@
 //! 5. `results` reads them again, for `view`, `diff` and `study`.
 //!
 //! `session` runs these steps; `cli` is its command line. The modules that this
-//! documentation leaves out are public for the tests and the benchmarks alone, and
+//! documentation leaves out are public only for the tests and the benchmarks, and
 //! change without notice.
 
 #[doc(hidden)]

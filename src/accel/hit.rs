@@ -1,4 +1,4 @@
-//! What rays are asked for, and what they find.
+//! Kinds of ray queries, and their hits.
 
 use crate::geometry::{Ray, RayStream};
 use crate::scene::{InstanceId, ObjectId, PlacedPrimitive};
@@ -16,7 +16,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// What was hit.
+    /// The primitive that was hit.
     #[inline]
     pub fn placed(&self) -> PlacedPrimitive {
         PlacedPrimitive {

@@ -1,4 +1,4 @@
-//! What an acceleration structure knows of primitives that it does not borrow.
+//! The owned part of the BVH, without the primitives that it borrows.
 
 use std::sync::Arc;
 

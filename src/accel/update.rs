@@ -10,7 +10,7 @@ use crate::animation::HierarchyUpdate;
 use crate::config::{Acceleration, Quality};
 use crate::scene::World;
 
-/// What the structure of a frame comes from.
+/// The origin of a frame's structure.
 #[derive(Debug, Clone)]
 pub(crate) struct FrameBase {
     /// The structures of meshes that are placed many times.
@@ -41,7 +41,7 @@ impl FrameBase {
         }
     }
 
-    /// The structures of the meshes of another frame alone.
+    /// Only the structures of the meshes of another frame.
     pub(crate) fn of_meshes(index: &AccelIndex) -> Self {
         Self {
             meshes: index.lower.clone(),
@@ -87,7 +87,7 @@ impl<'a> Accel<'a> {
     /// changed.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub(crate) fn of_frame(
         world: impl Into<World<'a>>,
         kind: Acceleration,

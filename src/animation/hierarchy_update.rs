@@ -1,4 +1,4 @@
-//! How the hierarchies of frames come about.
+//! Rebuild or refit the BVH for each frame.
 
 use serde::Deserialize;
 

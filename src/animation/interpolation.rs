@@ -1,4 +1,4 @@
-//! How values change between keyframes.
+//! Interpolation between keyframes.
 
 use serde::Deserialize;
 

@@ -96,7 +96,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Observes a sample, with contributions in terms of it; returns its color.
+    /// Observes a sample; contributions are relative to it. Returns its color.
     fn observe_sample(&self, place: (u32, u32), sample: u32, tree: &mut RayTree) -> Vec3 {
         let camera_path = self.view.camera_path(place, sample);
         let eye = camera_path.ray.origin;

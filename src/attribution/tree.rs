@@ -51,7 +51,7 @@ pub struct TracedRay {
     pub time_ns: f32,
     /// Its contribution to the pixel's color, without limits: the light of the
     /// point that it hit, or of the background, times its weight in the pixel.
-    /// That of a shadow ray is the part of its parent's contribution that would
+    /// For a shadow ray, it is the part of its parent's contribution that would
     /// be missing without its light.
     pub contribution: Vec3,
     /// The range of its steps in the tree; empty if the observer keeps no steps.

@@ -1,4 +1,4 @@
-//! What rays see that hit nothing: a direction → the radiance from there.
+//! The radiance of rays without a hit: a direction → the radiance from there.
 //!
 //! Each kind of background has one file. To add one, write its file, its `mod` line, and
 //! its arms below.

@@ -103,7 +103,7 @@ impl TileReader {
 pub enum Damage {
     /// An error of the system.
     System(io::Error),
-    /// It is no file of tiles.
+    /// It is not a file of tiles.
     Foreign,
     /// A raycost with another format of these files wrote it.
     OtherFormat,

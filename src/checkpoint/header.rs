@@ -1,4 +1,4 @@
-//! What the tiles of a file belong to.
+//! Identifies the rendering that the tiles of a file belong to.
 
 use std::fmt;
 use std::str::FromStr;

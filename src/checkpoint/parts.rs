@@ -67,7 +67,7 @@ impl PartFiles {
                 .filter(|other| other.foreign_to(header).is_none());
             like.count()
         };
-        // The first of equally many.
+        // Ties go to the first.
         headers
             .iter()
             .rev()
@@ -176,7 +176,7 @@ fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<PicturePa
         return Err(why);
     }
     let Some(part) = file.header.part else {
-        return Err("it is no part of a picture".to_owned());
+        return Err("it is not a part of a picture".to_owned());
     };
     if part.of != n || part.number == 0 || part.number > n {
         return Err(format!("it is part {part}, and other parts are of {n}"));

@@ -1,4 +1,4 @@
-//! What a rendering reads and writes: finished tiles of files, and a file for new ones.
+//! Finished tiles that a rendering reads from files, and a file for new ones.
 
 use std::collections::HashMap;
 use std::fs;

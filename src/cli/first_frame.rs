@@ -41,7 +41,7 @@ impl OpenScene<'_> {
     /// `None` for one that builds its own.
     ///
     /// # Errors
-    /// Those of [`first_frame`](Self::first_frame).
+    /// The errors of [`first_frame`](Self::first_frame).
     pub(super) fn base_of(
         &self,
         frame: Option<u32>,

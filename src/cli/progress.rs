@@ -18,7 +18,7 @@ const MILLION: u64 = 1_000_000;
 
 /// A bar on standard error, if that is a terminal.
 fn bar(length: u64, quiet: bool) -> ProgressBar {
-    // indicatif hides the bar where standard error is no terminal.
+    // indicatif hides the bar where standard error is not a terminal.
     let target = if quiet {
         ProgressDrawTarget::hidden()
     } else {

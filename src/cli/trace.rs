@@ -163,9 +163,9 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
 
 /// The pixels to trace.
 enum TracedPixels<'a> {
-    /// Those of `--pixel`.
+    /// Pixels of `--pixel`.
     Named(&'a [PixelRectangle]),
-    /// Those of `--hottest`.
+    /// Pixels of `--hottest`.
     Hottest(Metric, Vec<HotPixel>),
 }
 

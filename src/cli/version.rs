@@ -12,7 +12,7 @@ const FEATURES: [(&str, bool); 3] = [
     ("profile", cfg!(feature = "profile")),
 ];
 
-/// The version with commit, features, instruction set, compiler and profile, a line each.
+/// The version with commit, features, instruction set, compiler and profile, one line for each.
 pub(super) static LONG: LazyLock<String> = LazyLock::new(|| {
     let build = Build::current();
     let built_in = FEATURES.iter().filter(|(_, is_built_in)| *is_built_in);

@@ -29,7 +29,7 @@ pub enum Palette {
     Named(ColorMap),
     /// Evenly spread colors, interpolated between them.
     Colors(ColorList),
-    /// Steps of equal width, a color each.
+    /// Steps of equal width, one color for each.
     Bands(ColorList),
     /// A color for each category.
     Categories(ColorList),

@@ -1,6 +1,6 @@
 //! The colors of named maps, as 0xRRGGBB.
 //!
-//! Those of numbers are evenly spread over the map: as many colors of matplotlib's tables
+//! Maps of numbers are evenly spread over the map: as many colors of matplotlib's tables
 //! of 256 as give each entry within 1/255 by interpolation. Viridis, Inferno, Magma and
 //! Plasma: Smith and van der Walt (2015), CC0; Cividis: Nuñez, Anderton and Renslow (PLOS
 //! ONE, 2018); Turbo: Mikhailov (2019), Apache-2.0; Cubehelix: Green (2011).

@@ -14,7 +14,7 @@ use crate::import::{self, ArrayChoice, InstancePlace, PlaceArrays};
 use crate::sampling::uniform;
 use crate::yaml;
 
-/// Instances of a mesh: it is stored once, and each instance costs its place alone. The
+/// Instances of a mesh: it is stored once, and each instance costs only its place. The
 /// object's `transform` applies to all of them.
 ///
 /// ```

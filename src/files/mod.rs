@@ -30,7 +30,7 @@ impl InputFile {
     /// Opens a file.
     ///
     /// # Errors
-    /// Those of the system, and that it is not a regular file; of a shared file also that it
+    /// The errors of the system, and that it is not a regular file; of a shared file also that it
     /// cannot be read to its end, or that it is longer than the free memory.
     pub fn open(path: &Path) -> io::Result<Self> {
         if !shared::is_active() {
@@ -43,7 +43,7 @@ impl InputFile {
     /// Its length in bytes.
     ///
     /// # Errors
-    /// Those of the system.
+    /// The errors of the system.
     pub fn length(&self) -> io::Result<u64> {
         match self {
             Self::OnDisk(file) => file.metadata().map(|metadata| metadata.len()),

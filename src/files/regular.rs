@@ -10,7 +10,7 @@ use crate::text::numbers;
 /// Opens a regular file for reading.
 ///
 /// # Errors
-/// Those of the system, and that it is not a regular file.
+/// The errors of the system, and that it is not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
     open_with(OpenOptions::new().read(true), path)
 }
@@ -18,7 +18,7 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// Opens a regular file as the options say, which may create it.
 ///
 /// # Errors
-/// Those of [`open`].
+/// The errors of [`open`].
 pub fn open_with(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
     // Before it is opened: that alone has effects on some devices.
     if let Ok(found) = path.metadata() {
@@ -38,7 +38,7 @@ pub fn open_with(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
 /// All bytes of a regular file.
 ///
 /// # Errors
-/// Those of [`open`], and that it is longer than `max_bytes`.
+/// The errors of [`open`], and that it is longer than `max_bytes`.
 pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let n_bytes = file.metadata()?.len();
@@ -58,7 +58,7 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 /// The text of a regular file.
 ///
 /// # Errors
-/// Those of [`read`], and that it is not UTF-8.
+/// The errors of [`read`], and that it is not UTF-8.
 pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
     String::from_utf8(read(path, max_bytes)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))

@@ -18,7 +18,7 @@ use crate::stop;
 
 /// Bytes that are broadcast at a time: the counts of MPI have 32 bits.
 const CHUNK: usize = 1 << 24;
-/// Bytes of memory that are taken without a check, which reads many files of the system.
+/// Bytes of memory that are taken without a check, which opens several files in `/proc`.
 const WORTH_A_CHECK: u64 = 1 << 20;
 
 /// The way from the leader to all others.
@@ -26,7 +26,7 @@ pub trait Broadcast {
     /// Whether this process is the leader.
     fn is_leader(&self) -> bool;
 
-    /// Gives all others the leader's bytes, which are equally many at each of them. The others
+    /// Gives all others the leader's bytes. All processes must pass the same length; the others
     /// may have to wait long for the leader.
     fn broadcast(&self, bytes: &mut [u8]);
 }
@@ -39,7 +39,7 @@ struct Sharing {
 }
 
 thread_local! {
-    /// That of this thread, if it shares any.
+    /// The files that this thread shares, if any.
     static SHARING: RefCell<Option<Sharing>> = const { RefCell::new(None) };
 }
 
@@ -90,7 +90,7 @@ pub(super) fn is_active() -> bool {
 /// The bytes of a shared file.
 ///
 /// # Errors
-/// Those of the leader, or they do not fit into memory.
+/// The errors of the leader, or they do not fit into memory.
 pub(super) fn contents(path: &Path) -> io::Result<Vec<u8>> {
     answer(path, |path| Ok(((), read_whole(path)?))).map(|((), contents)| contents)
 }
@@ -98,7 +98,7 @@ pub(super) fn contents(path: &Path) -> io::Result<Vec<u8>> {
 /// What is found at a path: by the leader, if files are shared.
 ///
 /// # Errors
-/// Those of `find`.
+/// The errors of `find`.
 pub(super) fn found<T: Serialize + DeserializeOwned>(
     path: &Path,
     find: fn(&Path) -> io::Result<T>,

@@ -99,7 +99,7 @@ const WORK: [Column; 2] = [
     computed("thread", ScalarType::I32, Origin::Thread),
 ];
 
-/// The arrays of a film with this cost mode for which so many renderings were asked,
+/// The arrays of a film with this cost mode with this number of repeats,
 /// in the order of the files: geometry, time and its spread, counters, tiles; those that
 /// a film has with any settings of samples.
 pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column> {

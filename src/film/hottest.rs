@@ -8,7 +8,7 @@ use crate::cost::Metric;
 pub struct HotPixel {
     /// Column and row, row 0 on top.
     pub place: (u32, u32),
-    /// What it cost: nanoseconds, or a count.
+    /// Its cost: nanoseconds, or a count.
     pub value: f64,
 }
 

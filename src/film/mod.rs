@@ -58,7 +58,7 @@ pub struct Film {
     pub space: RenderSpace,
     /// How the colors of its pixels become those of the picture.
     pub development: Development,
-    /// What it keeps besides what every film keeps.
+    /// The arrays that it keeps and not every film has.
     pub extra: ExtraArrays,
     /// Which cost arrays it has.
     pub cost: CostMode,

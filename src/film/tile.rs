@@ -1,4 +1,4 @@
-//! What a film stores by tile.
+//! The values that a film stores by tile.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! How particles of fog scatter light.
+//! Phase functions of fog.
 
 use std::f32::consts::FRAC_1_PI;
 

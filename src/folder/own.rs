@@ -99,7 +99,7 @@ pub(crate) fn foreign(path: &Path) -> WriteError {
     let why = match fs::symlink_metadata(path) {
         Ok(at) if at.is_dir() => "a folder of this name is in the way",
         Ok(at) if at.is_symlink() => "a symbolic link of this name is in the way",
-        Ok(at) if !at.is_file() => "it is no regular file",
+        Ok(at) if !at.is_file() => "it is not a regular file",
         _ => "raycost did not write the file that is there",
     };
     let help = if path.is_file() {

@@ -64,7 +64,7 @@ pub(crate) fn write_file(
 /// Writes a file as [`write_file`] does, by a function that creates it.
 ///
 /// # Errors
-/// Those of [`write_file`].
+/// The errors of [`write_file`].
 pub(crate) fn write_file_at(
     path: &Path,
     replace: Replace,

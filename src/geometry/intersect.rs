@@ -1,4 +1,4 @@
-//! What every shape can do.
+//! The trait of all shapes.
 
 use super::{Aabb, Patch, Ray, Transform};
 

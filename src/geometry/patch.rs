@@ -14,7 +14,7 @@ const N_BANDS: usize = 12;
 /// The cell that a viewer draws for a shape, in terms of its corners.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Patch {
-    /// A sphere, as its center alone: viewers draw many of them as points.
+    /// A sphere, as only its center: viewers draw many of them as points.
     Ball {
         /// The center.
         center: Vec3,

@@ -95,7 +95,7 @@ fn end_of_heap() -> usize {
     end.addr()
 }
 
-/// Maps pages of the heap, from the begin of one on.
+/// Maps pages of the heap from the start of one.
 fn map(begin: usize, n_bytes: usize) {
     let begin = std::ptr::without_provenance_mut(begin);
     #[expect(unsafe_code, reason = "a function of the C library")]

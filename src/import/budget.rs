@@ -17,7 +17,7 @@ impl Budget {
     /// Takes memory, before it is allocated.
     ///
     /// # Errors
-    /// So much is not left.
+    /// Not enough is left.
     pub(super) fn take(&mut self, n_bytes: u64) -> Result<()> {
         let left = self.0;
         self.0 = left.checked_sub(n_bytes).ok_or_else(|| {
@@ -32,7 +32,7 @@ impl Budget {
     /// Takes the memory of `n` values of a type.
     ///
     /// # Errors
-    /// So much is not left.
+    /// Not enough is left.
     pub(super) fn take_of<T>(&mut self, n: usize) -> Result<()> {
         self.take((n as u64).saturating_mul(size_of::<T>() as u64))
     }

@@ -164,7 +164,7 @@ impl PictureShelf {
     /// of its file.
     ///
     /// # Errors
-    /// A file that cannot be read or is no picture, in one sentence that names it.
+    /// A file that cannot be read or is not a picture, in one sentence that names it.
     pub(super) fn picture(
         &mut self,
         name: &Path,

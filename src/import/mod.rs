@@ -92,7 +92,7 @@ impl DataFile<'_> {
         open(self.path)
     }
 
-    /// Refuses a time step behind the first of a file that has one alone.
+    /// Refuses a time step other than 0 of a file that has only one.
     fn refuse_step(self) -> Result<()> {
         match self.step.filter(|step| *step > 0) {
             None => Ok(()),
@@ -204,7 +204,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
 /// Reads a triangle mesh with the numbers of an array.
 ///
 /// # Errors
-/// Those of [`read_mesh`], and an array that the file does not have.
+/// The errors of [`read_mesh`], and an array that the file does not have.
 pub fn read_mesh_with<'a>(
     file: impl Into<DataFile<'a>>,
     array: Option<&ArrayChoice>,
@@ -218,7 +218,7 @@ pub fn read_mesh_with<'a>(
 /// bytes of memory.
 ///
 /// # Errors
-/// Those of [`read_mesh`], and materials or pictures that are missing or damaged.
+/// The errors of [`read_mesh`], and materials or pictures that are missing or damaged.
 pub fn read_mesh_with_materials<'a>(file: impl Into<DataFile<'a>>, available: u64) -> Result<Mesh> {
     let file = file.into();
     let mut mesh = with_triangles(read_any_mesh(file, None, Some(available)), file.path)?;
@@ -398,7 +398,7 @@ pub fn max_bytes(path: &Path) -> Result<u64> {
     let length = files::length_of(path).map_err(FileFault::from);
     let n_bytes = length.and_then(|length| match length {
         Some(length) => Ok(length.saturating_mul(per_byte)),
-        None => Err(FileFault::new("it is no file", "a file")),
+        None => Err(FileFault::new("it is not a file", "a file")),
     });
     n_bytes.map_err(|fault| fault.in_file(path))
 }

@@ -55,10 +55,10 @@ impl<T: BufRead + Seek> SeekableBytes for T {}
 /// Opens the file of a picture.
 ///
 /// # Errors
-/// If it cannot be opened, or is no regular file.
+/// If it cannot be opened, or is not a regular file.
 pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
     if files::length_of(path)?.is_none() {
-        return Err(FileFault::new("it is no file", "a file"));
+        return Err(FileFault::new("it is not a file", "a file"));
     }
     Ok(Box::new(open(path)?))
 }
@@ -77,7 +77,7 @@ pub(super) struct Reading {
 /// Reads a picture.
 ///
 /// # Errors
-/// Those of [`read_picture`].
+/// The errors of [`read_picture`].
 pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Result<Arc<Picture>> {
     let mut head = Vec::new();
     let start = file.fill_buf()?;
@@ -232,7 +232,7 @@ fn wrong_size([width, height]: [u32; 2]) -> FileFault {
 
 fn unknown_format() -> FileFault {
     FileFault::new(
-        "it is no picture of a known format",
+        "it is not a picture of a known format",
         "a PNG, JPEG, Radiance HDR or OpenEXR picture",
     )
 }

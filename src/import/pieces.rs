@@ -51,7 +51,7 @@ fn text_of(path: &Path) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Those of these names that are files.
+/// The names that are files.
 fn files_beside<'a>(path: &Path, names: impl Iterator<Item = &'a str>) -> Vec<PathBuf> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let files = names.map(|name| path_in(folder, name));

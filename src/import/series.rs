@@ -43,7 +43,7 @@ pub fn is_series(path: &Path) -> bool {
 /// file of a still.
 ///
 /// # Errors
-/// Those of [`read_series`], and a VTKHDF file that cannot be read or is damaged.
+/// The errors of [`read_series`], and a VTKHDF file that cannot be read or is damaged.
 pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
     let DataFile { path, step } = file;
     if is_series(path) {
@@ -230,7 +230,7 @@ struct SeriesEntry {
 
 fn read_json(text: &[u8]) -> Result<NamedSteps> {
     let list: SeriesList = serde_json::from_slice(text).map_err(|error| {
-        let problem = format!("it is no list of files: {error}");
+        let problem = format!("it is not a list of files: {error}");
         FileFault::new(problem, r#"{ "files": [{ "name": …, "time": … }, …] }"#)
     })?;
     Ok(list

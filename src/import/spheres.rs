@@ -217,5 +217,5 @@ fn unknown_column(name: &str, extra: &str) -> FileFault {
 
 fn color(word: &str) -> Result<Vec3> {
     let color = hex_color(word).map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
-    color.ok_or_else(|| FileFault::new(format!("`{}` is no color", cut(word)), "`#rrggbb`"))
+    color.ok_or_else(|| FileFault::new(format!("`{}` is not a color", cut(word)), "`#rrggbb`"))
 }

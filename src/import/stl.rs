@@ -212,7 +212,7 @@ fn vector_or_nan<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<()> {
     for _ in 0..3 {
         let word = words.next().unwrap_or_default();
         if word.parse::<f32>().is_err() {
-            let problem = format!("`{}` is no number", cut(word));
+            let problem = format!("`{}` is not a number", cut(word));
             return Err(FileFault::new(problem, "a normal: three numbers"));
         }
     }

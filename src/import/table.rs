@@ -15,7 +15,7 @@ pub(super) fn word(row: &ByteRecord, column: usize) -> &str {
 /// The number that a word stands for.
 pub(super) fn number<T: FromStr>(word: &str) -> Result<T> {
     word.parse()
-        .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a number"))
+        .map_err(|_| FileFault::new(format!("`{}` is not a number", cut(word)), "a number"))
 }
 
 /// The fault of a name that two columns have.

@@ -1,4 +1,4 @@
-//! How long a stage will still take.
+//! The time that a stage will still take.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -26,7 +26,7 @@ struct WorkDone {
 }
 
 impl TimeLeft {
-    /// A stage with so much work, in any unit, begins now.
+    /// Starts a stage of `work`, in any unit.
     pub fn begin(work: f64) -> Self {
         Self {
             begin: Instant::now(),

@@ -28,9 +28,9 @@ pub(super) enum ColorChoice {
     /// The one at the nearest of the equally spaced positions from 0 to 1.
     #[default]
     Nearest,
-    /// That of the part of equal width.
+    /// The color of the part of equal width.
     Band,
-    /// That of the nearest whole number, in turn.
+    /// The color of the nearest whole number, in turn.
     Category,
 }
 

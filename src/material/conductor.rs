@@ -104,7 +104,7 @@ struct ConductorKeys {
     extinction: Vec3,
 }
 
-/// Those of metals are less than 100 from the ultraviolet to the far infrared.
+/// The constants of metals are less than 100 from the ultraviolet to the far infrared.
 fn optical_constant<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     let number = Number {
         expected: "a number from 0 to 1000",

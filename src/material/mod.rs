@@ -79,7 +79,7 @@ pub struct Material {
     pub reflection: f32,
     /// The medium inside of the surface, if light enters it.
     pub dielectric: Option<Dielectric>,
-    /// The metal of which the surface is, if it is of one.
+    /// The metal, for a conductor.
     pub conductor: Option<Conductor>,
     /// The principled surface, if it is one.
     pub principled: Option<Principled>,
@@ -316,8 +316,7 @@ impl TryFrom<MaterialKeys> for Material {
         ];
         if ways.into_iter().filter(|is_given| *is_given).count() > 1 {
             return Err("cannot reflect in two ways, \
-                 expected `reflection`, `dielectric`, `conductor` or `principled`, \
-                 and no other of them");
+                 expected exactly one of `reflection`, `dielectric`, `conductor` and `principled`");
         }
         let has_lobes = keys.diffuse.is_some() || keys.specular.is_some();
         if keys.principled.is_some() && has_lobes {

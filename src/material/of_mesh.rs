@@ -12,7 +12,7 @@ use super::texture::Texture;
 use super::vertex_colors::VertexColors;
 use crate::import::{Finish, MeshMaterial, MeshPicture};
 
-/// What a shading model shows of the material of a mesh file.
+/// The part of a mesh file's material that a shading model shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialDetail {
     /// Its color and its highlight.

@@ -53,7 +53,7 @@ impl FactorPictures {
 }
 
 impl<R: Real> PictureFactors<R> {
-    /// Those of a material without pictures.
+    /// The factors of a material without pictures.
     #[inline(always)]
     pub fn ones(like: R) -> Self {
         let one = like.splat(1.0);

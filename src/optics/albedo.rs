@@ -1,4 +1,4 @@
-//! How much light a rough surface returns, by the direction of the viewer: facets lose the
+//! The light that a rough surface returns, by the direction of the viewer: facets lose the
 //! light that they reflect onto each other. Dividing by it brings that light back.
 //!
 //! Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2019.

@@ -1,4 +1,4 @@
-//! How far the hits are.
+//! Distances of the hits.
 
 use crate::film::Film;
 use crate::statistics::{FineHistogram, floats_at, lower_edge};

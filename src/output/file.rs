@@ -48,7 +48,7 @@ pub struct Request<'a> {
     pub is_stored: bool,
 }
 
-/// What a writer may use.
+/// Inputs of a writer.
 pub(super) struct Job<'a> {
     pub(super) rendering: &'a RenderingView<'a>,
     /// The stages that have ended.

@@ -243,7 +243,7 @@ pub struct RenderingView<'a> {
     pub meter: &'a Meter,
     /// The pixels and their cost.
     pub film: &'a Film,
-    /// What is known of all pixels together.
+    /// Statistics of all pixels together.
     pub survey: &'a Survey,
     /// The pieces of a picture that is larger than memory, whose film has no pixels.
     pub bands: Option<Bands<'a>>,
@@ -251,7 +251,7 @@ pub struct RenderingView<'a> {
     pub schedule: &'a Schedule,
     /// The repeated renderings.
     pub repeats: &'a [Repeat],
-    /// What is missing, if anything is.
+    /// The missing part, if there is one.
     pub partial: Option<Partial>,
     /// The tiles of other runs, if there are any.
     pub other_runs: Option<&'a OtherRuns>,

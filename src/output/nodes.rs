@@ -50,7 +50,7 @@ struct Shown<'a> {
 /// Writes the nodes and leaves within the limits as an UnstructuredGrid of one
 /// VTK_VOXEL each, ancestors before descendants; times only if `cost` has any.
 ///
-/// Those of a mesh that is placed many times are at the place of its first instance: a
+/// Nodes of a mesh that is placed many times are at the place of its first instance: a
 /// VTK_HEXAHEDRON each, since they may be turned there.
 pub fn write(
     (hierarchy, instances, space): (&Hierarchy, Option<&Instances>, RenderSpace),

@@ -152,7 +152,7 @@ fn legends(scene: &Scene) -> Vec<ColorLegend> {
     legends
 }
 
-/// What the colors of an array mean.
+/// The legend of an array's colors.
 fn key(array: &ArrayTexture) -> LegendKey {
     let Some(n_colors) = array.map.n_categories() else {
         return LegendKey::Range {

@@ -1,4 +1,4 @@
-//! What the files say of all pixels together.
+//! Statistics of all pixels together, for the files.
 
 use super::distances::Distances;
 use super::run::PixelHashes;
@@ -7,7 +7,7 @@ use crate::cost::Metric;
 use crate::film::{Film, HotPixel};
 use crate::statistics::{floats_at, lower_edge};
 
-/// What is known of all pixels of a picture together. Quantiles are exact to .05 %, and those
+/// Statistics of all pixels of a picture together. Quantiles are exact to .05 %, and those
 /// of counts up to 4096 exact: so much can be found in one pass over a picture that does not
 /// fit into memory.
 #[derive(Debug, Clone)]
@@ -24,18 +24,18 @@ pub struct Survey {
     pub(crate) hottest: [Option<(Metric, HotPixel)>; 2],
     /// The two metrics of heatmaps; `None` without cost.
     pub(super) metrics: Option<[Metric; 2]>,
-    /// The first of them; the distance without cost.
+    /// The range of the first metric of heatmaps; of the distance without cost.
     pub(super) range: Range,
     pub(super) median: f32,
     pub(super) sum: f64,
     /// The two metrics that states show of the files, which may leave out those of heatmaps.
     pub(super) shown: [Option<Metric>; 2],
-    /// The range of the first of these; the distance where there is none.
+    /// The range of the first shown metric; of the distance where there is none.
     pub(super) shown_range: Range,
-    /// The 0.5 % and the 99.5 % quantile of the second of these.
+    /// The 0.5 % and the 99.5 % quantile of the second shown metric.
     pub(super) counter_ends: [f64; 2],
     pub(super) distances: Distances,
-    /// The first of heatmaps as a map that fits into memory; `None` where the film has all pixels.
+    /// The first metric of heatmaps as a map that fits into memory; `None` where the film has all pixels.
     pub(super) map: Option<ReducedMap>,
 }
 

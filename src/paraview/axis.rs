@@ -254,7 +254,7 @@ fn label_text(value: f64) -> String {
 }
 
 /// Interpolates at the fraction, from 0 to 1, at the beginning of `0.5)`, the rest of a key such as
-/// `at(0.5)`; `None` if that is no number and a closing parenthesis.
+/// `at(0.5)`; `None` if that is not a number and a closing parenthesis.
 pub(crate) fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }

@@ -23,7 +23,7 @@ const PER_TILE: u64 = 300;
 /// The bytes of the files.
 #[derive(Debug, Clone)]
 pub(crate) struct DiskUse {
-    /// Those of arrays.
+    /// Bytes of arrays.
     pub(crate) arrays: Vec<ArrayFile>,
     /// Of all files of text.
     pub(crate) texts: u64,

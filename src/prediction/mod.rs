@@ -1,4 +1,4 @@
-//! What a rendering will take: memory at its peak, and disk.
+//! Predicts the peak memory and the disk space of a rendering.
 //!
 //! [`memory`](crate::memory) has an upper bound, which refuses what may not fit; this is
 //! what to expect. What precedes the film is not estimated but done: the scene is read and
@@ -29,7 +29,7 @@ pub(crate) use preview::Look;
 use preview::Preview;
 use sample::RowSample;
 
-/// What a rendering will take.
+/// The predicted resources of a rendering.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
     /// Bytes of resident memory at the peak; `None` where the system does not report that of
@@ -37,7 +37,7 @@ pub(crate) struct Prediction {
     pub(crate) peak_memory: Option<u64>,
     /// The files.
     pub(crate) disk: DiskUse,
-    /// What the camera sees.
+    /// The camera's view.
     pub(crate) look: Look,
 }
 

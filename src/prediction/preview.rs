@@ -14,7 +14,7 @@ use crate::scene::Scene;
 /// about 0.5 %.
 const MOST_PIXELS: usize = 1 << 16;
 
-/// What the camera sees in the small picture.
+/// The camera's view in the small picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Look {
     /// Whether it sees any object.

@@ -1,4 +1,4 @@
-//! How ranks find out that they render the same picture.
+//! Checks that all ranks render the same picture.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Whether a launcher has started several processes of this program.
+//! Detects that a launcher has started several processes of this program.
 
 use std::env;
 

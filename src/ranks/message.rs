@@ -1,8 +1,8 @@
-//! What ranks send each other.
+//! Messages between ranks.
 
 use serde::{Deserialize, Serialize};
 
-/// What a message holds.
+/// The kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
     /// From a worker: who it is and what it is about to render.
@@ -34,7 +34,7 @@ pub enum MessageKind {
 pub struct Message {
     /// The rank that has sent it.
     pub from: u32,
-    /// What it holds.
+    /// Its kind.
     pub kind: MessageKind,
     /// Its bytes.
     pub bytes: Vec<u8>,

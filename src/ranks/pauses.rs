@@ -1,4 +1,4 @@
-//! Sleeping between two looks.
+//! Exponential back-off while polling.
 
 use std::time::Duration;
 

@@ -128,7 +128,7 @@ impl Team {
         self.members.iter().map(|member| member.n_threads).sum()
     }
 
-    /// Takes note of a message that is no tile: a worker is ready, or has failed.
+    /// Takes note of a message that is not a tile: a worker is ready, or has failed.
     pub fn note(&self, message: &Message) {
         match message.kind {
             MessageKind::Ready => {

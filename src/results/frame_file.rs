@@ -25,7 +25,7 @@ pub struct FramePiece {
     width: u32,
     /// The rows of the file, row 0 of the picture on top.
     stored: Range<u32>,
-    /// Those of them that are in no piece above it.
+    /// The rows that no piece above it has.
     rows: Range<u32>,
 }
 

@@ -49,7 +49,7 @@ struct PieceElement {
 }
 
 impl PieceList {
-    /// Opens the list at `path`; `None` for a file that is no list, by its extension.
+    /// Opens the list at `path`; `None` for a file that is not a list, by its extension.
     ///
     /// # Errors
     /// It cannot be read, or raycost did not write it.

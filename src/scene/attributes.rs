@@ -40,7 +40,7 @@ pub(super) struct CornerAttributes {
 /// A kind of attributes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AttributeKind {
-    /// Those of corners that there are; perhaps none.
+    /// Attributes of corners, possibly none.
     Corners {
         /// Normals.
         normals: bool,

@@ -224,7 +224,7 @@ impl Geometries {
     }
 }
 
-/// What of a file is read besides shapes.
+/// The part of a file that is read besides shapes.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Extra<'a> {
     /// The numbers of an array, if one is given.

@@ -11,7 +11,7 @@ use crate::simd::{Real, Vector};
 /// Where less arrives, a light is chosen as if this did.
 const LEAST_ARRIVAL: f32 = 1e-20;
 
-/// What light comes from.
+/// A source of light.
 #[derive(Debug, Clone)]
 pub(super) enum LightSource {
     Light(Light),

@@ -17,7 +17,7 @@ use crate::yaml::{Fault, FieldPath};
 /// Most triangles of all instances of a material that emits light: each is a light of its own.
 const MAX_EMITTING: u64 = 1 << 20;
 
-/// What the objects of instances add to a scene, until all objects are placed.
+/// Additions of the objects of instances to a scene, until all objects are placed.
 #[derive(Default)]
 pub(super) struct LowerLevel {
     instances: Instances,

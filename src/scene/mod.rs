@@ -65,7 +65,7 @@ pub struct Scene {
     pub image_plane: ImagePlane,
     /// The part of the scene that a camera ray stands for, if a material has a picture.
     pub cone: Option<RayCone>,
-    /// What rays see that hit nothing.
+    /// The radiance of rays without a hit.
     pub background: Background,
     /// How surfaces are shaded.
     pub shading: Shading,

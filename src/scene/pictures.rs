@@ -18,7 +18,7 @@ use crate::yaml::{Fault, FieldPath, Folders};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Pictures {
     read: HashMap<PictureSource, Arc<Picture>>,
-    /// Those of each material, by its name.
+    /// Pictures of each material, by its name.
     of_materials: HashMap<String, Vec<PictureSource>>,
     of_background: Option<PictureSource>,
 }

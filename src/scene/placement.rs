@@ -24,7 +24,7 @@ pub(super) struct Placement<'a> {
     path: &'a FieldPath,
 }
 
-/// What the materials of an object need at the corners of triangles.
+/// Attributes that the materials of an object need at the corners of triangles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Needs {
     /// Texture coordinates.
@@ -237,7 +237,7 @@ fn world_normals(mut vectors: Vec<Vec3>, transform: &Transform) -> Vec<Vec3> {
     vectors
 }
 
-/// Those of the triangles that are kept.
+/// The triangles that are kept.
 fn only(mut triangles: Vec<[u32; 3]>, kept: &[bool]) -> Vec<[u32; 3]> {
     let mut kept = kept.iter();
     triangles.retain(|_| kept.next().copied().unwrap_or(false));

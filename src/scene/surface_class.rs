@@ -4,7 +4,7 @@ use super::attributes::AttributeKind;
 use super::primitive::{MaterialId, Primitive};
 use crate::geometry::ShapeKind;
 
-/// What decides how a point of a primitive is computed and shaded: the kind of the
+/// The class by which a point of a primitive is computed and shaded: the kind of the
 /// shape, the attributes and the material, in one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SurfaceClass(u32);

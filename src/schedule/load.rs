@@ -1,9 +1,9 @@
-//! How evenly the threads were busy.
+//! The load balance of the threads.
 
 use super::TileRun;
 
 /// How evenly the work was distributed. A thread is busy while it renders a tile.
-/// The rendering lasts from the begin of the first tile to the end of the last.
+/// The rendering lasts from the start of the first tile to the end of the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// The longest busy time of a thread over the mean of all threads, minus 1: how

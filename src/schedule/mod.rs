@@ -2,7 +2,7 @@
 //! them when.
 //!
 //! A [`TileGrid`] divides the image into tiles. A [`Schedule`] is the record of a
-//! rendering: the thread, the begin and the end of each tile.
+//! rendering: the thread, the start and the end of each tile.
 
 mod grid;
 mod hilbert;
@@ -49,9 +49,9 @@ pub struct TileRun {
     pub thread: u32,
     /// Number of tiles that were taken before it.
     pub position: u32,
-    /// When it began, in nanoseconds since the begin of the first tile.
+    /// When it began, in nanoseconds since the start of the first tile.
     pub start_ns: u64,
-    /// When all of its pixels were in the film, in nanoseconds since the begin of
+    /// When all of its pixels were in the film, in nanoseconds since the start of
     /// the first tile.
     pub end_ns: u64,
     /// The part of its duration that the write to the film took, in nanoseconds:
@@ -134,7 +134,7 @@ impl Schedule {
         self.rendered().count() == self.runs.len()
     }
 
-    /// From the begin of the first tile to the end of the last one.
+    /// From the start of the first tile to the end of the last one.
     pub fn span(&self) -> Duration {
         let end_ns = self.runs.iter().map(|run| run.end_ns).max();
         Duration::from_nanos(end_ns.unwrap_or(0))

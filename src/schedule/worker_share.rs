@@ -1,4 +1,4 @@
-//! How many tiles a worker is dealt at a time, and how often ranks look for messages.
+//! The number of tiles that a worker is dealt at a time, and the pauses of ranks between messages.
 
 use std::time::Duration;
 

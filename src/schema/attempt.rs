@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 
 use crate::yaml::{FieldPath, Step, refusal};
 
-/// What the parser made of a value.
+/// The parser's answer to a value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Outcome {
     /// It accepts the value; that the file lacks others is no fault of the value.

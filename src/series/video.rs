@@ -12,7 +12,7 @@ use crate::text::numbers::shell_word;
 /// The program.
 const FFMPEG: &str = "ffmpeg";
 
-/// What became of the video.
+/// The outcome of encoding the video.
 #[derive(Debug)]
 pub enum Video {
     /// It was written, as a file of this name.

@@ -1,4 +1,4 @@
-//! Why there is no rendering.
+//! Errors of a rendering.
 
 use std::fmt;
 

@@ -145,7 +145,7 @@ pub(crate) fn contents_of(
     let mut hasher = Hasher::new();
     for file in files {
         let file = file.as_ref();
-        // What is no file cannot be one of the scene: it was read before.
+        // Not a regular file: skipped; the scene's own files were read earlier.
         if file.is_file() {
             let sum = checksum_of(file).map_err(|error| {
                 let shown = file.display();

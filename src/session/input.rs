@@ -27,7 +27,7 @@ impl Input {
     /// Reads a frame of an animated scene, as [`read`](Self::read) does.
     ///
     /// # Errors
-    /// Those of [`read`](Self::read).
+    /// The errors of [`read`](Self::read).
     pub(crate) fn read_frame(
         document: Document,
         config: Config,

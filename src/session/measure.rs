@@ -37,7 +37,7 @@ impl Session {
             stages.end("order");
         }
         let n_pixels = config.image.n_pixels() as u64;
-        // Before there is a film: two would take more memory than one.
+        // Measured before the film is allocated, so that two never exist at once.
         let overhead = options.measure_overhead.then(|| {
             let work = |report: Report| Overhead::measure(scene, accel, &plan, report);
             let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);

@@ -67,7 +67,7 @@ pub struct Session {
     base: OnceLock<FrameBase>,
     /// A hash of the contents of that frame, if the structure may be refitted.
     base_contents: OnceLock<Checksum>,
-    /// Those of the first rendering, which has the time to read the scene.
+    /// The stages of the first rendering, which has the time to read the scene.
     stages: Mutex<Option<Stages>>,
 }
 
@@ -87,7 +87,7 @@ impl Session {
     /// sizes of the image and of tiles are checked.
     ///
     /// # Errors
-    /// Those of [`Self::open`].
+    /// The errors of [`Self::open`].
     pub fn open_with(
         path: impl AsRef<Path>,
         change: impl FnOnce(&mut Config),
@@ -105,7 +105,7 @@ impl Session {
     /// paths in the scene start from the current folder.
     ///
     /// # Errors
-    /// Those of [`Self::open`], with a line of the scene as JSON.
+    /// The errors of [`Self::open`], with a line of the scene as JSON.
     pub fn of(name: &str, scene: &impl Serialize) -> Result<Self, Diagnostic> {
         let stages = Stages::default();
         let cannot = |error| Diagnostic::new(format!("cannot serialize the scene: {error}"));
@@ -200,7 +200,7 @@ impl Session {
     /// other runs. Attributes no cost to objects for a part.
     ///
     /// # Errors
-    /// Those of [`Self::render`]; or tiles cannot be read or kept.
+    /// The errors of [`Self::render`]; or tiles cannot be read or kept.
     pub(crate) fn render_within(
         &self,
         options: &Options,

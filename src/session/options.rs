@@ -1,4 +1,4 @@
-//! How a session renders.
+//! Options of a rendering.
 
 use std::fmt;
 

@@ -154,7 +154,7 @@ impl Rendering<'_> {
         Bands::new(picture, rows)
     }
 
-    /// What is missing because the rendering ended at a deadline; `None` if nothing is.
+    /// The missing part of a rendering that ended at a deadline; `None` if it is complete.
     pub(crate) fn partial(&self) -> Option<Partial> {
         let Measured {
             film,
@@ -167,7 +167,7 @@ impl Rendering<'_> {
         Partial::of([n_rendered, *n_tiles], [film.n_repeats, asked])
     }
 
-    /// What is known of all pixels together.
+    /// Statistics of all pixels together.
     fn survey(&self) -> &Survey {
         let survey = || Survey::of(&self.measured.film);
         self.survey.get_or_init(|| self.pool.install(survey))

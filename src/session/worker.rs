@@ -12,7 +12,7 @@ impl Session {
     /// Renders the tiles that rank 0 deals to this rank.
     ///
     /// # Errors
-    /// Those of [`Self::render`].
+    /// The errors of [`Self::render`].
     pub(crate) fn work(&self, options: &Options, ranks: &Ranks) -> Result<(), RenderError> {
         options.thread_pool()?.install(|| {
             let accel = self.accel(options, &mut Stages::default())?;

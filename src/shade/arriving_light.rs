@@ -53,10 +53,10 @@ impl ArrivingLight {
 /// The light of one light sample.
 #[derive(Clone, Copy)]
 pub(super) enum SampledLight<'a> {
-    /// That of a [plain](crate::scene::Lights::plain) light, which is computed where it is
+    /// The light of a [plain](crate::scene::Lights::plain) light, which is computed where it is
     /// needed.
     Plain(&'a Light),
-    /// That which was stored for each point.
+    /// The light that was stored for each point.
     Stored(&'a ArrivingLight),
 }
 

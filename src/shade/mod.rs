@@ -312,8 +312,8 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The ray after a distance: with the weight that is left, and its path as long; and the
-    /// light that it gains on the way.
+    /// Attenuates `path` over `distance`, by which it becomes longer; returns it with the light
+    /// that it gains on the way.
     fn weakened(&self, path: &PathRay, distance: f32) -> (PathRay, Vec3) {
         let mut weight = path.weight * path.media.transmittance(distance, &self.scene.materials);
         let mut gained = Vec3::ZERO;

@@ -1,4 +1,4 @@
-//! What a shading model consists of.
+//! The trait of shading models.
 
 use glam::Vec3;
 

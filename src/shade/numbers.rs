@@ -81,7 +81,7 @@ pub(super) struct WaveNumbers<'a> {
 }
 
 impl WaveNumbers<'_> {
-    /// Those of the points that eight rays have hit.
+    /// Numbers of the points that eight rays have hit.
     #[inline(always)]
     pub(super) fn of_rays<I: InstructionSet>(
         &self,

@@ -1,4 +1,4 @@
-//! What an instruction set gives to kernels: eight lanes, and masks of them.
+//! Eight lanes and their masks, which an instruction set gives to kernels.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! What AVX2 and AVX-512 do differently in 256-bit registers.
+//! Operations that differ between AVX2 and AVX-512 in 256-bit registers.
 
 use std::arch::x86_64::__m256;
 

@@ -42,7 +42,7 @@ pub fn scene_beside(mesh: &Path) -> Result<Source, Diagnostic> {
 /// The text of a scene that shows a mesh, which its scene file finds at `path_in_scene`.
 ///
 /// # Errors
-/// Those of [`scene_beside`].
+/// The errors of [`scene_beside`].
 pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic> {
     let of_file = |fault: FileFault| {
         Diagnostic::new(fault.message()).with_help(format!("expected {}", fault.expected))
@@ -57,7 +57,7 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
     Ok(text_of(&subject, file))
 }
 
-/// What the scene of a mesh shows, which finds it at `file`.
+/// The subject of a mesh's scene, which finds the mesh at `file`.
 fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
     let fault = match import::read_mesh_with_materials(mesh, available_memory() / 2) {
         Ok(mesh) => return Ok(Subject::surface(mesh, file)),
@@ -91,7 +91,7 @@ struct Subject {
     geometry: String,
 }
 
-/// What gives a subject its colors.
+/// The source of a subject's colors.
 enum SubjectColors {
     /// One for all of it.
     One,

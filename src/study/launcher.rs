@@ -51,7 +51,7 @@ impl Launcher {
         if self.0.contains(RANKS) && !others.contains(['{', '}']) {
             return Ok(());
         }
-        let message = "the `launcher` is no command with the number of ranks";
+        let message = "`launcher` must contain `{ranks}` and no other braces";
         let expected = "expected a command such as `mpirun -n {ranks}`";
         Err(Fault::new(path, message, expected))
     }

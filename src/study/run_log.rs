@@ -193,7 +193,7 @@ fn duplicate_run(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {
 
 fn invalid_run(path: &Path, line: usize, error: &serde_json::Error) -> Diagnostic {
     Diagnostic::new(format!(
-        "line {line} of `{}` is no run: {error}",
+        "line {line} of `{}` is not a run: {error}",
         path.display()
     ))
     .with_help("remove the line to have it measured again")

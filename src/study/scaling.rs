@@ -1,4 +1,4 @@
-//! How well more threads or ranks are used: speedup and efficiency.
+//! Speedup and efficiency of more threads or ranks.
 
 use serde_json::{Map, Value};
 

@@ -11,7 +11,7 @@ use crate::checkpoint::{Checkpoint, TileSource};
 pub struct OtherRuns {
     /// The number of these tiles, of all renderings.
     pub n_tiles: u64,
-    /// A file of tiles each.
+    /// One entry per file of tiles.
     pub files: Vec<OtherRunsOfFile>,
 }
 

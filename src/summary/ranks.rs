@@ -12,11 +12,11 @@ pub struct RanksSection {
     /// The number of ranks.
     pub n: u32,
     /// The longest busy time of a rank's threads over the mean of all threads, minus 1; the
-    /// busy time of a rank is that of its threads in the mean.
+    /// busy time of a rank is the mean of its threads.
     pub load_imbalance: f64,
     /// Bytes of all messages with tiles.
     pub sent_bytes: u64,
-    /// A rank each.
+    /// One entry per rank.
     pub of_rank: Vec<RankEntry>,
 }
 

@@ -59,7 +59,7 @@ pub fn duration(elapsed: Duration) -> String {
 /// Reads a duration such as `90s`, `30m`, `1.5h` or `2d`: a number above 0 and its unit.
 ///
 /// # Errors
-/// What is expected.
+/// The expected form.
 pub(crate) fn parse_duration(text: &str) -> Result<Duration, String> {
     const UNITS: [(&str, f64); 5] = [
         ("ms", 1e-3),
@@ -85,7 +85,7 @@ pub(crate) fn parse_duration(text: &str) -> Result<Duration, String> {
 /// powers of 1000.
 ///
 /// # Errors
-/// What is expected.
+/// The expected form.
 pub(crate) fn parse_bytes(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let digits = text

@@ -36,7 +36,7 @@ struct LaneHits {
 }
 
 impl LaneHits {
-    /// What the hit in a lane is on.
+    /// The primitive that was hit in a lane.
     #[inline(always)]
     fn placed(&self, lane: usize) -> PlacedPrimitive {
         PlacedPrimitive {

@@ -101,7 +101,7 @@ impl Tracer<'_> {
         shadowed.extend(hits.iter().enumerate().map(is_shadowed));
     }
 
-    /// The ray that goes on behind the hit of a ray, if that is in a hole before `limit`.
+    /// The ray that goes on past the hit of a ray, if that is in a hole before `limit`.
     fn behind_hole(
         &self,
         Passage { ray, length }: &Passage,

@@ -182,7 +182,7 @@ impl Points {
         (point != NO_POINT).then_some(point as usize)
     }
 
-    /// What shading reads of eight points.
+    /// The part of eight points that shading reads.
     #[inline(always)]
     pub(crate) fn shading<I: InstructionSet>(
         &self,

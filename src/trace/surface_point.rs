@@ -35,11 +35,11 @@ pub struct SurfacePoint {
     /// Whether both normals are opposite to the surface's own, because the ray came
     /// from its other side.
     pub is_flipped: bool,
-    /// What pictures say about its material there.
+    /// Factors of its material by pictures there.
     pub factors: PictureFactors<f32>,
 }
 
-/// What shading reads of a surface point, or of one per lane.
+/// The part of a surface point, or of one per lane, that shading reads.
 #[derive(Debug, Clone, Copy)]
 pub struct ShadingPoint<R> {
     /// The point, on the surface.
@@ -54,7 +54,7 @@ pub struct ShadingPoint<R> {
     pub error: R,
     /// -1 where both normals are opposite to the surface's own, else 1.
     pub side: R,
-    /// What pictures say about its material there.
+    /// Factors of its material by pictures there.
     pub factors: PictureFactors<R>,
 }
 
@@ -78,7 +78,7 @@ impl SurfacePoint {
         }
     }
 
-    /// What was hit.
+    /// The primitive that was hit.
     pub fn placed(&self) -> PlacedPrimitive {
         PlacedPrimitive {
             primitive: self.primitive,
@@ -86,7 +86,7 @@ impl SurfacePoint {
         }
     }
 
-    /// What shading reads of it.
+    /// The part that shading reads.
     #[inline(always)]
     pub fn shading(&self) -> ShadingPoint<f32> {
         ShadingPoint {

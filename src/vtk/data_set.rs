@@ -37,7 +37,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// That of so many columns and rows, at least one each.
+    /// The extent of `width` columns and `height` rows, at least one each.
     pub(crate) fn of_size([width, height]: [u32; 2]) -> Self {
         Self {
             columns: [0, width - 1],

@@ -1,9 +1,9 @@
-//! How a file is written, whatever data set it holds.
+//! Encoding of a file, for any data set.
 
 use super::{Codec, Field};
 use crate::provenance::RunId;
 
-/// How a file is written, whatever data set it holds.
+/// Encoding of a file, for any data set.
 #[derive(Debug, Clone)]
 pub struct Encoding {
     /// The codec of its arrays.

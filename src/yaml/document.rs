@@ -87,7 +87,7 @@ impl Document {
     /// Sets a value, as in `camera.look_at.fov_y_deg=30`.
     ///
     /// # Errors
-    /// The text is no setting, or the scene has no such value.
+    /// The text is not a setting, or the scene has no such value.
     pub fn set(&mut self, setting: &str) -> Result<(), Diagnostic> {
         self.set_source(Source::setting(setting)?)
     }
@@ -181,7 +181,7 @@ impl Document {
     /// Deserializes a `T`, as [`Source::parse`] does.
     ///
     /// # Errors
-    /// Those of [`Source::parse`].
+    /// The errors of [`Source::parse`].
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
         let Some(composition) = &self.composition else {
             return self.sources[0].parse();
@@ -373,7 +373,7 @@ fn no_such_value(setting: &SettingText, depth: usize, above: &Tree) -> Fault {
             )
         }
         (_, Step::Index(_)) => fault(
-            format!("`{above_path}` is no list"),
+            format!("`{above_path}` is not a list"),
             "expected `.` and a key, or `=`".to_owned(),
         ),
         (Tree::Scalar { text, .. }, Step::Key(_)) => {

@@ -10,9 +10,9 @@ use crate::text::Diagnostic;
 pub struct Fault {
     /// Where the mistake is.
     pub spot: Spot,
-    /// What is wrong, in one line.
+    /// The fault, in one line.
     pub message: String,
-    /// What is expected; the label beside the caret.
+    /// The expected value; the label beside the caret.
     pub expected: String,
     /// How to correct it, if that needs to be said.
     pub help: Option<String>,

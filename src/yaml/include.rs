@@ -115,7 +115,7 @@ impl Files<'_> {
         let canonical = files::canonical(file);
         let reason = match &canonical {
             Ok(found) if files::is_file(found) => None,
-            Ok(_) => Some("it is no file".to_owned()),
+            Ok(_) => Some("it is not a file".to_owned()),
             Err(error) => Some(error.to_string()),
         };
         let (Ok(canonical), None) = (canonical, &reason) else {

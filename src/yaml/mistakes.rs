@@ -80,7 +80,7 @@ pub(super) fn of<T: DeserializeOwned>(
     first.with_others(found.collect())
 }
 
-/// What is left of a tree.
+/// The rest of a tree.
 struct Remains {
     tree: Tree,
     /// What was removed, by its path in the whole tree.

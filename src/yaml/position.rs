@@ -20,7 +20,7 @@ pub(super) struct Location {
 }
 
 impl Location {
-    /// The position of a step of a path that is no value of its own.
+    /// The position of a step of a path that is not a value of its own.
     pub fn of_step(step: Range<usize>) -> Self {
         Self {
             is_exact: true,

@@ -137,7 +137,7 @@ fn a_mesh_that_cannot_be_read_gets_its_message() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.obj"), "v 1 x\n").unwrap();
     for (mesh, expected) in [
-        ("a.obj", "`a.obj`, line 1: `x` is no number"),
+        ("a.obj", "`a.obj`, line 1: `x` is not a number"),
         ("b.ply", "`b.ply`: cannot read it"),
     ] {
         for arguments in [

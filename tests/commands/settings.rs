@@ -115,7 +115,7 @@ image={ width: 10, heigth: 3 } | 20 | unknown key `heigth` | no such key here | 
 image={ width: 1_000, height: 3 } | 16 | `image.width` cannot be the text "1_000" | expected a whole number | did you mean `1000`?
 objects[2].name=x | 8 | the scene has no `objects[2]` | expected [0] to [1]
 objects.name=x | 9 | `objects` is a list | expected the number of an item
-image[0]=1 | 6 | `image` is no list | expected `.` and a key, or `=`
+image[0]=1 | 6 | `image` is not a list | expected `.` and a key, or `=`
 acceleration.quality=high | 14 | `acceleration` is `bvh`, which has no keys | no such key | --set 'acceleration={ … }'
 objects[0].material=chrme | 21 | unknown material `chrme` | expected a key of `materials` | did you mean `chrome`?
 objects[0].material=[chrome, x] | 21 | a sphere has one material, not 2 | expected one name

@@ -444,7 +444,7 @@ fn a_mistake_is_reported_with_its_place() {
         (
             "/images/0/bufferView",
             json!(0),
-            "`images[0]`: it is no picture of a known format",
+            "`images[0]`: it is not a picture of a known format",
         ),
         (
             "/images/0",

@@ -245,13 +245,13 @@ fn a_mistake_in_materials_is_reported_with_file_and_line() {
             library,
             "Ns 90",
             "Ns ninety",
-            "`wood and glass.mtl`, line 5: `ninety` is no number, expected a finite number",
+            "`wood and glass.mtl`, line 5: `ninety` is not a number, expected a finite number",
         ),
         (
             library,
             "Kd 0.5 1 1",
             "Kd 0.5 nan",
-            "`wood and glass.mtl`, line 3: `nan` is no number, expected a finite number",
+            "`wood and glass.mtl`, line 3: `nan` is not a number, expected a finite number",
         ),
         (
             library,
@@ -263,7 +263,7 @@ fn a_mistake_in_materials_is_reported_with_file_and_line() {
             library,
             "wood.png",
             "chair.obj",
-            "`wood and glass.mtl`, line 7: `chair.obj`: it is no picture of a known format, \
+            "`wood and glass.mtl`, line 7: `chair.obj`: it is not a picture of a known format, \
              expected a PNG, JPEG, Radiance HDR or OpenEXR picture",
         ),
         (

@@ -104,7 +104,7 @@ fn a_file_that_rank_0_cannot_read_is_one_message() {
         (
             "brick.png",
             Some("no picture"),
-            "brick.png`: it is no picture",
+            "brick.png`: it is not a picture",
         ),
         ("red bricks.mtl", None, "there is no such file"),
         ("matte.yaml", Some("materials: 3"), "linked/matte.yaml"),

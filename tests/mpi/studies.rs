@@ -88,19 +88,19 @@ fn a_launcher_that_is_no_program_is_shown_at_its_line() {
         (
             "./launch",
             "`./launch` cannot be executed",
-            "is no program",
+            "is not a program",
             "make it executable: `chmod +x`",
         ),
         (
             "./none",
             "there is no program `./none`",
-            "is no file",
+            "is not a file",
             "install MPI, or give its path",
         ),
         (
             "./",
             "there is no program `./`",
-            "is no file",
+            "is not a file",
             "install MPI, or give its path",
         ),
     ] {

@@ -44,7 +44,7 @@ pub(super) struct Forests {
     kind: Option<LeafKind>,
 }
 
-/// What a subtree becomes, as one root of a forest or as several.
+/// The forms of a subtree, as one root of a forest or as several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Zeroable)]
 pub(super) struct ForestChoices(u32);
 
@@ -88,7 +88,7 @@ fn leaf_time(kind: LeafKind, n: usize) -> f32 {
 }
 
 impl Forests {
-    /// Those of a single reference: a leaf.
+    /// The forests of a single reference: a leaf.
     #[inline(always)]
     pub(super) fn of_reference(reference: &Reference) -> Self {
         let kind = reference.kind();
@@ -102,7 +102,7 @@ impl Forests {
         }
     }
 
-    /// Those of references of one kind of which no forest costs less than one leaf, and
+    /// The forests of references of one kind, none of which costs less than one leaf, and
     /// the choices that lead to them.
     #[inline(always)]
     pub(super) fn of_leaf(kind: LeafKind, n: usize, half_area: f32) -> (Self, ForestChoices) {
@@ -119,8 +119,8 @@ impl Forests {
         (forests, choices)
     }
 
-    /// Those of two references that are tested at once in a leaf, given their surface
-    /// areas and that of their box; and the choices that lead to them.
+    /// The forests of two references that are tested at once in a leaf, given the surface areas
+    /// of both and of their box; and the choices that lead to them.
     #[inline(always)]
     pub(super) fn of_pair(
         kind: LeafKind,

@@ -16,7 +16,7 @@ pub(super) struct BinaryNode {
     /// How many nodes and references further on its second child begins. The two
     /// highest bits mark the children that are leaves.
     link: u32,
-    /// What becomes of its subtree.
+    /// The form of its subtree.
     pub(super) choices: ForestChoices,
     /// Cache lines of its subtree in the arena if it becomes a node or a leaf
     /// there.

@@ -28,7 +28,7 @@ impl Subset {
         centers: LaneBounds::EMPTY,
     };
 
-    /// That of these references.
+    /// Measures these references.
     pub(super) fn of(simd: Simd, references: &[Reference]) -> Self {
         let chunks = references.par_chunks(CHUNK);
         let of_chunk = |references: &[Reference]| simd.run(Enclose(references));
@@ -44,12 +44,12 @@ impl Subset {
         self.centers = LaneBounds::of(self.centers.lanes(set).max(center(lanes)));
     }
 
-    /// That of no references.
+    /// Empty, without references.
     pub(super) fn empty() -> Self {
         Self::EMPTY
     }
 
-    /// That of the references of both.
+    /// The union of the references of both.
     pub(super) fn union(self, other: Self) -> Self {
         Self {
             n: self.n + other.n,

@@ -80,7 +80,7 @@ struct Refitter<'a> {
 }
 
 impl Refitter<'_> {
-    /// Refits the node at the begin of `lines`, the first of which is number `first_line` of the
+    /// Refits the node at the start of `lines`, the first of which is number `first_line` of the
     /// arena, and the subtree below it; returns its box.
     fn node(&self, lines: &mut [CacheLine], first_line: usize) -> Option<Aabb> {
         let n_lines = lines.len();
@@ -127,7 +127,7 @@ impl Refitter<'_> {
         Some(all)
     }
 
-    /// Refits the leaf at the begin of `lines`; returns its box, or `None` if its primitives are
+    /// Refits the leaf at the start of `lines`; returns its box, or `None` if its primitives are
     /// of another kind.
     fn leaf(&self, leaf: NodeRef, lines: &mut [CacheLine]) -> Option<Aabb> {
         let (kind, indices) = contents(leaf, bytemuck::cast_slice(lines));

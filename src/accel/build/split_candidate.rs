@@ -13,7 +13,7 @@ pub(super) const MIN_SPATIAL_SPLIT: usize = 9;
 /// than this fraction of the root's surface area (Stich et al., section 4.2).
 const SMALL_OVERLAP: f32 = 1e-5;
 
-/// What the choice depends on besides the references.
+/// Inputs of the choice besides the references.
 pub(super) struct SplitContext<'a> {
     pub(super) primitives: &'a [Primitive],
     pub(super) simd: Simd,

@@ -10,7 +10,7 @@ use crate::accel::search::Search;
 use crate::geometry::{AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear};
 use crate::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 
-/// What the tests of a ray against all leaves share.
+/// Set-up of a ray that its tests against all leaves share.
 pub(super) struct LeafIntersector {
     pub(super) ray: Ray,
     /// The direction's squared length.

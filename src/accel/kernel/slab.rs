@@ -26,7 +26,7 @@ const ROWS: [[u32; 3]; 8] = {
     rows
 };
 
-/// What the tests of a ray against all boxes share.
+/// Set-up of a ray that its tests against all boxes share.
 ///
 /// The test enlarges the boxes by a margin that exceeds the rounding error of
 /// every primitive's own test, so that no box hides a hit that brute force

@@ -8,7 +8,7 @@ use super::SceneArguments;
 use crate::cli::shell_word;
 use crate::text::{Diagnostic, keyword_name};
 
-/// A command line of a scene and its settings alone.
+/// The arguments of a scene, parsed on their own.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
 struct SceneCommand {

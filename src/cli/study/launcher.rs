@@ -43,7 +43,7 @@ pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     let program = launcher.program();
     let path = Path::new(program);
     let (is_found, expected) = if program.contains('/') {
-        (is_executable(path), "is no file")
+        (is_executable(path), "is not a file")
     } else {
         let folders = std::env::var_os("PATH").unwrap_or_default();
         let mut folders = std::env::split_paths(&folders);
@@ -55,7 +55,11 @@ pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     }
     if program.contains('/') && path.is_file() {
         let message = format!("`{program}` cannot be executed");
-        return fault(message, "is no program", "make it executable: `chmod +x`");
+        return fault(
+            message,
+            "is not a program",
+            "make it executable: `chmod +x`",
+        );
     }
     let message = format!("there is no program `{program}`");
     fault(message, expected, "install MPI, or give its path")

@@ -24,7 +24,7 @@ impl SceneFiles {
     /// Reads the files of these points, which `files_of` names.
     ///
     /// # Errors
-    /// Those of `files_of`; or a file cannot be read.
+    /// The errors of `files_of`; or a file cannot be read.
     pub(super) fn read<E: From<Diagnostic>>(
         points: &[StudyPoint],
         files_of: impl Fn(&StudyPoint) -> Result<Vec<PathBuf>, E>,

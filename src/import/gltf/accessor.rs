@@ -61,7 +61,7 @@ impl Accessors<'_> {
     /// The whole numbers of an accessor of indices.
     ///
     /// # Errors
-    /// Those of [`vectors`](Self::vectors), and numbers that are not whole.
+    /// The errors of [`vectors`](Self::vectors), and numbers that are not whole.
     pub(super) fn indices(&self, index: Index<Accessor>, budget: &mut Budget) -> Result<Vec<u32>> {
         let (accessor, n) = self.shape(index, budget, size_of::<u32>())?;
         let is_whole = matches!(

@@ -53,7 +53,7 @@ impl<'a> FlatScene<'a> {
     /// Takes the memory of all meshes, which nodes may share.
     ///
     /// # Errors
-    /// So much is not left.
+    /// Not enough is left.
     pub(super) fn take_memory(&self, placed: &[PlacedMesh], budget: &mut Budget) -> Result<()> {
         let root = self.accessors.root;
         let meshes = placed.iter().filter_map(|placed| root.get(placed.mesh));

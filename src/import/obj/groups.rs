@@ -18,7 +18,7 @@ pub(super) struct MaterialGroups {
     used: Vec<(String, u64)>,
     /// The index of the name that faces use at present.
     present: Option<u32>,
-    /// That of each triangle; `u32::MAX` for none.
+    /// The group of each triangle; `u32::MAX` for none.
     of_triangles: Vec<u32>,
 }
 

@@ -77,9 +77,9 @@ struct Reader {
     mesh: Mesh,
     vertices: Vec<DVec3>,
     normals: CornerValues<Vec3>,
-    /// Those of the triangles of all faces; [`MISSING`] for those without any.
+    /// Texture coordinates of the triangles of all faces; [`MISSING`] for triangles without any.
     uvs: CornerValues<Vec2>,
-    /// Those of all vertices, as long as all vertices have them.
+    /// Colors of all vertices, as long as all vertices have them.
     colors: Vec<Vec3>,
     /// Vertices, normals and texture coordinates of one face's corners.
     face: Vec<u32>,
@@ -252,7 +252,7 @@ fn texture_coordinates<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec2>
 
 fn number<T: FromStr>(word: &str) -> Result<T> {
     word.parse()
-        .map_err(|_| FileFault::new(format!("`{}` is no number", cut(word)), "a coordinate"))
+        .map_err(|_| FileFault::new(format!("`{}` is not a number", cut(word)), "a coordinate"))
 }
 
 /// Parses the first three words as numbers.
@@ -289,7 +289,7 @@ fn index(word: &str, kind: &str, n: usize) -> Result<u32> {
 }
 
 fn no_corner(word: &str) -> FileFault {
-    FileFault::new(format!("`{}` is no corner", cut(word)), CORNER)
+    FileFault::new(format!("`{}` is not a corner", cut(word)), CORNER)
 }
 
 fn unknown_statement(keyword: &str) -> FileFault {

@@ -140,7 +140,7 @@ impl Statements {
             .unwrap_or(MeshMaterial::default().color)
             .min(Vec3::ONE);
         if self.picture.is_some() && color == Vec3::ZERO {
-            // Programs write black where the picture alone counts.
+            // Programs write black where only the picture counts.
             color = Vec3::ONE;
         }
         let mut load = |map: Option<&MapStatement>, transfer, tint| {
@@ -310,5 +310,10 @@ fn color(text: &str) -> Result<Vec3> {
 fn number(text: &str) -> Result<f32> {
     let word = text.split_ascii_whitespace().next().unwrap_or_default();
     let number = word.parse().ok().filter(|number: &f32| number.is_finite());
-    number.ok_or_else(|| FileFault::new(format!("`{}` is no number", cut(word)), "a finite number"))
+    number.ok_or_else(|| {
+        FileFault::new(
+            format!("`{}` is not a number", cut(word)),
+            "a finite number",
+        )
+    })
 }

@@ -162,7 +162,7 @@ impl Cells {
         connectivity: &Numbers,
         budget: &mut Budget,
     ) -> Result<()> {
-        // Some files give the begin of the first cell too.
+        // Some files give the start of the first cell too.
         let n_before = usize::from(ends.len() > n_cells);
         ends.check("offsets", n_cells + n_before)?;
         budget.take_of::<[u32; 4]>(n_cells)?;

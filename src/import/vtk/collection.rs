@@ -8,7 +8,7 @@ pub(in crate::import) fn read(bytes: &[u8]) -> Result<Vec<(String, f64)>> {
     let (root, _) = parse(bytes)?;
     let collection = root.child("Collection").ok_or_else(|| {
         FileFault::new(
-            "it is no collection of files",
+            "it is not a collection of files",
             "a `.pvd` as ParaView writes it",
         )
     })?;

@@ -46,7 +46,7 @@ impl Element<'_> {
     /// The number of things that an attribute gives; 0 without it.
     ///
     /// # Errors
-    /// It is no number.
+    /// It is not a number.
     pub(super) fn number(&self, name: &str) -> Result<usize> {
         match self.attribute(name) {
             None => Ok(0),

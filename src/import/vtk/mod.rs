@@ -124,7 +124,7 @@ pub(super) fn read_tubes(
     tubes.at_least_one()
 }
 
-/// Refuses an array of colors for shapes that take numbers alone.
+/// Refuses an array of colors for shapes that take only numbers.
 fn refuse_colors(array: Option<&ArrayChoice>, shapes: &str) -> Result<()> {
     match array.filter(|array| array.is_color) {
         None => Ok(()),
@@ -200,11 +200,11 @@ fn read_file(path: &Path, wanted: &Wanted, budget: &mut Budget) -> Result<Conten
         return xml::read(&bytes, wanted, budget);
     }
     let problem = format!(
-        "it is no VTK file, although it ends in `.{}`",
+        "it is not a VTK file, although its name ends in `.{}`",
         extension(path)
     );
     Err(FileFault::new(
         problem,
-        "`# vtk DataFile Version` or `<VTKFile` at its begin",
+        "`# vtk DataFile Version` or `<VTKFile` at the start of the file",
     ))
 }

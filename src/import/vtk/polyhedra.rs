@@ -19,7 +19,7 @@ pub(super) struct Polyhedra {
 }
 
 impl Polyhedra {
-    /// Those of the four arrays that VTK has written since version 9.4: the points of faces
+    /// Polyhedra of the four arrays that VTK has written since version 9.4: the points of faces
     /// and where those of each face end, the faces of cells and where those of each cell end.
     ///
     /// # Errors
@@ -39,12 +39,12 @@ impl Polyhedra {
         })
     }
 
-    /// Those of the two arrays that older versions write: for each cell the number of its
+    /// Polyhedra of the two arrays that older versions write: for each cell the number of its
     /// faces, and for each face the number of its points and the points; and where that of
     /// each cell ends, or -1 for cells of other types.
     ///
     /// # Errors
-    /// Those of [`of_arrays`](Self::of_arrays).
+    /// The errors of [`of_arrays`](Self::of_arrays).
     pub(super) fn of_stream(
         [stream, ends]: [&Numbers; 2],
         n_points: usize,

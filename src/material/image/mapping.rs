@@ -1,4 +1,4 @@
-//! How pictures lie on surfaces.
+//! Mappings of pictures onto surfaces.
 
 use std::fmt;
 

@@ -45,7 +45,7 @@ pub(super) trait Scatters: Copy {
     }
 
     /// Scattering from a direction in front of the surface, or from any if it is lit from all
-    /// sides; only of what light samples contribute to. `boundary` is read for media alone.
+    /// sides; only of what light samples contribute to. `boundary` is read only for media.
     fn evaluate<R: Real>(
         &self,
         at: &Leaving<R>,
@@ -54,7 +54,7 @@ pub(super) trait Scatters: Copy {
     ) -> Scattering<R>;
 
     /// Chooses a direction: two numbers in [0, 1) choose it, a third one chooses among the
-    /// ways in which the surface scatters. `boundary` is read for media alone.
+    /// ways in which the surface scatters. `boundary` is read only for media.
     fn sample<R: Real>(
         &self,
         at: &Leaving<R>,
@@ -146,7 +146,7 @@ impl<'a> Bsdf<'a> {
 }
 
 impl<R: Real> Boundary<R> {
-    /// That of a surface of no medium.
+    /// The boundary of a surface without a medium.
     #[inline(always)]
     pub(super) fn of_no_medium(like: R) -> Self {
         let one = like.splat(1.0);

@@ -33,7 +33,7 @@ pub(crate) const IS_BUILT: bool = cfg!(feature = "hdf5");
 /// Writes a data set, an image of points or a grid, to a new file.
 ///
 /// # Errors
-/// Those of HDF5.
+/// The errors of HDF5.
 pub(crate) fn write(data_set: &DataSet, fields: &[Field], path: &Path) -> io::Result<()> {
     let mut file = HdfWriter::create(path, None)?;
     let units = Field::units(data_set);

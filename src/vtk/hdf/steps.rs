@@ -1,4 +1,4 @@
-//! What readers have to know of each step: how many points and cells, and where they begin.
+//! The numbers of points and cells of each step, and their offsets.
 
 use hdf5_metno::{Group, H5Type};
 use ndarray::{ArrayView, Dimension, arr2, aview1};

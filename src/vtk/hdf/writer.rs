@@ -179,7 +179,7 @@ impl HdfWriter {
                     write(&self.root, "Connectivity", &wide(array, false), first)?;
                 }
                 "offsets" => {
-                    // Each step has one more than cells: the begin of the first.
+                    // Each step has one more than cells: the start of the first.
                     let first = lengths(|step| step.n_cells + 1);
                     write(&self.root, "Offsets", &wide(array, true), first)?;
                 }

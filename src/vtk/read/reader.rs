@@ -41,7 +41,7 @@ pub(crate) struct ArrayLocation {
     pub(super) n_numbers: u64,
     pub(super) n_bytes: u64,
     pub(super) storage: Storage,
-    /// The positions of its begin and its end in the file.
+    /// Its byte range in the file.
     span: [u64; 2],
 }
 

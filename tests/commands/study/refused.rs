@@ -148,7 +148,7 @@ fn mistakes_about_the_launcher_are_shown_at_their_lines() {
         ),
         (
             "vary: { ranks: [1] }\nlauncher: mpirun -n {n}",
-            "error: the `launcher` is no command with the number of ranks
+            "error: `launcher` must contain `{ranks}` and no other braces
  --> study.yaml:4:11
   |
 4 | launcher: mpirun -n {n}

@@ -29,7 +29,7 @@ fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
         (
             "a.obj",
             "# x\nv 1 b 2\n",
-            ", line 2: `b` is no number, expected a coordinate",
+            ", line 2: `b` is not a number, expected a coordinate",
         ),
         (
             "a.obj",
@@ -61,13 +61,13 @@ fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
         (
             "a.obj",
             "v 0 0 0\rf 1/x/1 1 1\r",
-            ", line 2: `1/x/1` is no corner, \
+            ", line 2: `1/x/1` is not a corner, \
              expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
         ),
         (
             "a.obj",
             "v 0 0 0\r\nf 1/1/1/1 1 1\r\n",
-            ", line 2: `1/1/1/1` is no corner, \
+            ", line 2: `1/1/1/1` is not a corner, \
              expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
         ),
         (
@@ -240,7 +240,7 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         ),
         (
             "x,y,z,r\n1,2,3,\n",
-            ", line 2: `` is no number, expected a number",
+            ", line 2: `` is not a number, expected a number",
         ),
         (
             "x,y,z,r\n1,inf,3,4\n",
@@ -256,7 +256,7 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         ),
         (
             "x,y,z,r,color\n1,2,3,1,red\n",
-            ", line 2: `red` is no color, expected `#rrggbb`",
+            ", line 2: `red` is not a color, expected `#rrggbb`",
         ),
     ];
     for (text, expected) in cases {
@@ -282,7 +282,7 @@ fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
         (
             "vertex 1 0 0",
             "vertex 1 0 b",
-            ", line 5: `b` is no number, expected a coordinate",
+            ", line 5: `b` is not a number, expected a coordinate",
         ),
         (
             "vertex 1 0 0",
@@ -312,7 +312,7 @@ fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
         (
             "0 0 nan",
             "0 0",
-            ", line 2: `` is no number, expected a normal: three numbers",
+            ", line 2: `` is not a number, expected a normal: three numbers",
         ),
         (
             "endsolid a b",

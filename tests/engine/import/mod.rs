@@ -213,7 +213,7 @@ fn what_is_no_file_is_refused() {
     }
     assert_eq!(
         message(raycost::import::max_bytes(folder.path())),
-        ": it is no file, expected a file"
+        ": it is not a file, expected a file"
     );
 }
 
@@ -308,7 +308,7 @@ fn the_columns_of_a_table_are_arrays() {
         ),
         (
             column("color"),
-            ", line 2: `#000000` is no number, expected a number",
+            ", line 2: `#000000` is not a number, expected a number",
         ),
         (
             ArrayChoice {
@@ -347,6 +347,6 @@ fn the_columns_of_a_table_of_tubes_are_arrays() {
     assert!(numbers[1][0] == 3.0 && numbers[1][1].is_nan() && numbers.len() == 2);
     assert_eq!(
         message(read(&radius)),
-        ", line 6: `` is no number, expected a number"
+        ", line 6: `` is not a number, expected a number"
     );
 }

@@ -206,7 +206,7 @@ fn damaged_files_of_pieces_are_refused_or_meshes() {
         let path = folder.path().join("a.pvtu");
         std::fs::write(&path, pieces.replace("'a.vtu'", "'/dev/zero'")).unwrap();
         let fault = read_mesh(&path).unwrap_err().to_string();
-        assert!(fault.contains("`/dev/zero`: it is no file"), "{fault}");
+        assert!(fault.contains("`/dev/zero`: it is not a file"), "{fault}");
     }
 }
 
@@ -275,7 +275,7 @@ fn each_mistake_of_a_vtk_file_is_reported() {
         (
             "3 4 0 0",
             "3 x 0 0",
-            ": the array `velocity`: `x` is no number, expected a number",
+            ": the array `velocity`: `x` is not a number, expected a number",
         ),
         (
             "0 0 1</",
@@ -311,7 +311,7 @@ fn each_mistake_of_a_vtk_file_is_reported() {
         (
             "<?xml",
             "xml",
-            ": it is no VTK file, although it ends in `.vtu`, expected `# vtk DataFile Version` or `<VTKFile` at its begin",
+            ": it is not a VTK file, although its name ends in `.vtu`, expected `# vtk DataFile Version` or `<VTKFile` at the start of the file",
         ),
         (
             ">10<",

@@ -41,7 +41,7 @@ impl HdfReader<'_> {
         let (faces_before, n_faces) = sizes("NumberOfFaces")?;
         let (points_before, n_points) = sizes("NumberOfFaceConnectivityIds")?;
         let (ids_before, n_ids) = sizes("NumberOfPolyhedronToFaceIds")?;
-        // Each list of ends begins with the begin of the first.
+        // Each list of ends begins with the start of the first.
         let first_face_end = sum([faces_before, part.index, 1])?;
         let first_end = sum([part.cells_before, part.index, 1])?;
         let arrays = [
@@ -94,7 +94,7 @@ impl HdfReader<'_> {
         let n_ids = entry(&ids_of_parts, part.index, "NumberOfConnectivityIds")?;
         let cells_before = sum(before(&of_parts, "NumberOfCells")?)?;
         let ids_before = sum(before(&ids_of_parts, "NumberOfConnectivityIds")?)?;
-        // Each part has one end more than cells: the begin of the first.
+        // Each part has one end more than cells: the start of the first.
         let first_end = sum([first_cell, first_of_step, cells_before, part.of_step])?;
         let ends = self.numbers(group, "Offsets", first_end, sum([n_cells, 1])?)?;
         let ids = self.numbers(group, "Connectivity", sum([first_id, ids_before])?, n_ids)?;

@@ -1,4 +1,4 @@
-//! What the sections of a legacy file give, and the piece that they make.
+//! The contents of a legacy file's sections, and the piece that they make.
 
 use super::super::budget::Budget;
 use super::super::cells::{Cells, POLY_LINE, POLY_VERTEX, POLYGON, STRIP};
@@ -112,7 +112,7 @@ impl Parts {
         ] {
             let sections = self.cells.iter().filter(|(known, _)| known == name);
             for (_, CellArray { ends, points }) in sections {
-                // The first end is the begin of the first cell.
+                // The first end is the start of the first cell.
                 let n_cells = ends.len().saturating_sub(1);
                 let types = match cell_type {
                     Some(cell_type) => vec![f64::from(cell_type); n_cells],

@@ -163,7 +163,7 @@ fn ascii(text: &[u8], budget: &mut Budget) -> Result<Numbers> {
         .filter(|word| !word.is_empty());
     let numbers = words.map(|word| {
         let word = String::from_utf8_lossy(word);
-        let no_number = |_| FileFault::new(format!("`{}` is no number", cut(&word)), "a number");
+        let no_number = |_| FileFault::new(format!("`{}` is not a number", cut(&word)), "a number");
         word.parse::<f64>().map_err(no_number)
     });
     Ok(Numbers::of_text(&numbers.collect::<Result<Vec<f64>>>()?))
