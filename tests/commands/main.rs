@@ -10,6 +10,7 @@ mod book;
 mod choices;
 mod configs;
 mod cost_law;
+mod course;
 mod diff;
 mod errors;
 mod examples;
