@@ -17,6 +17,7 @@ mod examples;
 mod exit_codes;
 mod figures;
 mod fuzz;
+mod gallery;
 mod include;
 mod limits;
 mod mutations;

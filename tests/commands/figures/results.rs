@@ -25,7 +25,15 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("attributed-time", Results::attributed_time),
     ("vtk-write", Results::vtk_write),
     ("embree", Results::embree),
+    ("embree-single", |of| of.embree_ratios("single rays")),
+    ("embree-packets", |of| {
+        of.embree_ratios("stream / packets of 16")
+    }),
     ("povray", Results::povray),
+    ("povray-ratio", |of| {
+        let ratio = &of.0.get("povray")?["ratios"]["POV-Ray"]["median"];
+        ratio.as_f64().map(digits)
+    }),
     ("numpy", Results::numpy),
     ("mirrors-pixels", |of| {
         of.share("hall_of_mirrors", "mirrors", "primary", "pixels")
@@ -166,6 +174,19 @@ impl Results {
         )
     }
 
+    /// The ratios of the rays a second on two threads to Embree's, in one kind of race.
+    fn embree_ratios(&self, race: &str) -> Option<String> {
+        let rows = self.list("embree", "rows")?.iter();
+        let raced = rows.filter(|row| {
+            let is_race = race_of(&row["outcome"]["discipline"]).is_some_and(|(of, _)| of == race);
+            row["n_threads"] == 2 && row["quality"][0] == "high" && is_race
+        });
+        range(
+            raced.map(|row| row["outcome"]["ratio"]["estimate"].as_f64()),
+            "",
+        )
+    }
+
     /// A table: rays a second on two threads beside Embree's.
     fn embree(&self) -> Option<String> {
         let rows = self.list("embree", "rows")?.iter();
@@ -199,7 +220,7 @@ impl Results {
                 .map(|ms| digits(ms / 1e3))
         };
         Some(format!(
-            "POV-Ray {} takes {} s, raycost with all of its files {} s and with the picture alone {} s, \
+            "POV-Ray {} takes {} s, raycost with all of its files {} s and without costs {} s, \
              at {} x {} pixels on {} threads",
             race["povray"].as_str()?,
             seconds("POV-Ray")?,
