@@ -1,14 +1,10 @@
 //! Sets the variables `RAYCOST_…` that the crate reads by `env!` and `option_env!` to describe the build:
-//! compiler, profile, flags and commit. Collects the doc comments that `raycost schema`
-//! shows.
+//! compiler, profile, flags and commit.
 
-#[path = "build/doc_comments.rs"]
-mod doc_comments;
 #[path = "build/package.rs"]
 mod package;
 
 use std::env;
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -24,27 +20,7 @@ const SOURCES: [&str; 7] = [
     package::INFO,
 ];
 
-/// The folders whose doc comments describe the keys of scene files.
-const DOCUMENTED: [&str; 13] = [
-    "src/animation",
-    "src/background",
-    "src/config",
-    "src/camera",
-    "src/color",
-    "src/fog",
-    "src/geometry",
-    "src/light",
-    "src/material",
-    "src/material/image",
-    "src/sampling",
-    "src/study",
-    "src/vtk/codec",
-];
-
 fn main() {
-    let out = env::var("OUT_DIR").expect("cargo sets it");
-    let comments = doc_comments::collect(&DOCUMENTED.map(Path::new));
-    fs::write(Path::new(&out).join("doc_comments.tsv"), comments).expect("a file in OUT_DIR");
     let compiler = env::var("RUSTC").ok();
     let version = compiler.and_then(|rustc| output_of(&rustc, &["--version"]));
     set_variable("COMPILER", &version.unwrap_or_default());

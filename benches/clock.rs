@@ -26,7 +26,7 @@ mod x86_64 {
     use std::hint::black_box;
     use std::time::Instant;
 
-    use raycost::statistics::median;
+    use math::statistics::median;
 
     const N_ROUNDS: usize = 401;
     const N_PIXELS: u32 = 20_000;

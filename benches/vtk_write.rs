@@ -14,18 +14,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Parser;
-use raycost::accel::Accel;
-use raycost::config::{Config, CostMode};
-use raycost::cost::Meter;
-use raycost::film::Film;
-use raycost::output::{write_frame, write_hits};
-use raycost::render::{TilePlan, render};
-use raycost::results::{FrameFile, HitsFile};
-use raycost::scene::{Geometries, Scene};
-use raycost::statistics::{Ratio, SampleStatistics};
-use raycost::vtk::Codec;
-use raycost::yaml::Source;
+use math::statistics::{Ratio, SampleStatistics};
+use output::results::{FrameFile, HitsFile};
+use output::writers::{write_frame, write_hits};
+use render::film::Film;
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, CostMode};
+use scene::world::{Geometries, Scene};
+use scene::yaml::Source;
 use serde_json::{Value, json};
+use tracer::accel::Accel;
+use tracer::cost::Meter;
+use vtk::Codec;
 
 const N_ROUNDS: usize = 9;
 

@@ -15,18 +15,18 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use base::text::Diagnostic;
 use clap::Parser;
 use cpu_time::ThreadTime;
-use raycost::accel::Accel;
-use raycost::config::{Config, CostMode, Repeats};
-use raycost::cost::Meter;
-use raycost::film::Film;
-use raycost::render::{TilePlan, render, repeat};
-use raycost::scene::{Geometries, Scene};
-use raycost::schedule::TileRun;
-use raycost::text::Diagnostic;
-use raycost::yaml::Source;
+use render::film::Film;
+use render::schedule::TileRun;
+use render::tiles::{TilePlan, render, repeat};
+use scene::config::{Config, CostMode, Repeats};
+use scene::world::{Geometries, Scene};
+use scene::yaml::Source;
 use serde_json::{Value, json};
+use tracer::accel::Accel;
+use tracer::cost::Meter;
 
 /// Pixels along a window's side.
 const SIDE: u32 = 32;
@@ -90,7 +90,7 @@ fn compare_all(options: &Options) -> Result<(), String> {
         rows.push(row.map_err(|error| error.to_string())?);
     }
     if let Some(path) = &options.json {
-        let made_by = raycost::summary::Build::current();
+        let made_by = output::summary::Build::current();
         let results = json!({ "rows": rows, "made_by": made_by });
         fs::write(path, format!("{results:#}"))
             .map_err(|error| format!("{}: {error}", path.display()))?;
@@ -159,7 +159,7 @@ impl World<'_> {
             with_clock = with_clock.min(ns);
             sums.push(film.total_time_ns() / ns);
         }
-        let sum = raycost::statistics::median(&mut sums).unwrap_or_default();
+        let sum = math::statistics::median(&mut sums).unwrap_or_default();
         (with_clock / with_counters, sum)
     }
 

@@ -17,102 +17,33 @@
 //!
 //! # How the data flows
 //!
-//! The modules stand in the order of the data; each uses only those above it.
+//! The crates below `src/` stand in the order of the data; each uses only those above it.
 //!
-//! 1. `yaml` and `config` check the values of a scene file, `import` reads the files
-//!    that it names, and `scene` places everything in world space.
-//! 2. `accel` finds hits, `trace` and `shade` make colors of them, and `schedule` and
-//!    `render` do so tile by tile on all threads. `cost` counts and times.
-//! 3. `film` holds the pixels, and `attribution` the cost of objects and nodes.
-//! 4. `output` writes files, by way of `vtk`, `chart`, `paraview` and `folder`.
-//! 5. `results` reads them again, for `view`, `diff` and `study`.
+//! 1. `base` has files and folders, `math` numbers and SIMD lanes, `vtk` files of VTK.
+//! 2. `scene` reads a YAML file and the files that it names, and places everything in
+//!    render space.
+//! 3. `tracer` finds hits and makes colors of them, and counts and times both.
+//! 4. `render` does so tile by tile on all threads, onto a film.
+//! 5. `output` writes files: pictures, VTK files, ParaView states and the summary.
+//! 6. `tools` reads them again, for `view`, `diff` and `study`.
 //!
-//! `session` runs these steps; `cli` is its command line. The modules that this
-//! documentation leaves out are public only for the tests and the benchmarks, and
-//! change without notice.
+//! [`session`] runs these steps; `cli` is its command line. The crates are public for the
+//! tests and the benchmarks; programs use what is named here.
 
-#[doc(hidden)]
-pub mod stop;
-#[doc(hidden)]
-pub mod host;
-#[doc(hidden)]
-pub mod text;
-#[doc(hidden)]
-pub mod files;
-#[doc(hidden)]
-pub mod provenance;
-#[doc(hidden)]
-pub mod folder;
-#[doc(hidden)]
-pub mod vtk;
-#[doc(hidden)]
-pub mod yaml;
-#[doc(hidden)]
-pub mod simd;
-#[doc(hidden)]
-pub mod sampling;
-#[doc(hidden)]
-pub mod optics;
-#[doc(hidden)]
-pub mod statistics;
-pub mod color;
-pub mod picture;
-pub mod geometry;
-#[doc(hidden)]
-pub mod import;
-pub mod camera;
-pub mod light;
-pub mod fog;
-pub mod material;
-pub mod background;
-pub mod animation;
-pub mod config;
-pub mod scene;
-pub mod cost;
-#[doc(hidden)]
-pub mod accel;
-#[doc(hidden)]
-pub mod trace;
-#[doc(hidden)]
-pub mod shade;
-pub mod schedule;
-pub mod film;
-#[doc(hidden)]
-pub mod checkpoint;
-#[doc(hidden)]
-pub mod ranks;
-#[doc(hidden)]
-pub mod render;
-pub mod attribution;
-#[doc(hidden)]
-pub mod instruments;
-#[doc(hidden)]
-pub mod chart;
-#[doc(hidden)]
-pub mod paraview;
-#[doc(hidden)]
-pub mod summary;
-#[doc(hidden)]
-pub mod output;
-#[doc(hidden)]
-pub mod memory;
-mod prediction;
-pub mod results;
-#[doc(hidden)]
-pub mod view;
-#[doc(hidden)]
-pub mod diff;
-#[doc(hidden)]
-pub mod study;
-#[doc(hidden)]
-pub mod series;
-#[doc(hidden)]
-pub mod schema;
-#[doc(hidden)]
-pub mod starter;
 pub mod session;
 #[doc(hidden)]
 pub mod cli;
+
+#[doc(inline)]
+pub use ::{
+    output::results,
+    render::{attribution, film, schedule},
+    scene::{
+        animation, background, camera, color, config, fog, geometry, light, material, picture,
+        world, yaml,
+    },
+    tracer::cost,
+};
 
 pub use cost::Metric;
 pub use session::{Options, Session};

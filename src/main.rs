@@ -2,8 +2,10 @@
 
 use std::process::ExitCode;
 
-use raycost::host::{self, Allocator};
-use raycost::{cli, ranks, text};
+use base::host::{self, Allocator};
+use base::text;
+use raycost::cli;
+use render::ranks;
 
 #[global_allocator]
 static ALLOCATOR: Allocator = Allocator;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raycost::accel::Hit;
+use tracer::accel::Hit;
 
 use crate::kernel::Kernel;
 use crate::rays::Rays;

@@ -3,11 +3,11 @@
 use std::iter;
 use std::time::Instant;
 
-use raycost::accel::Accel;
-use raycost::config::{self, Acceleration};
-use raycost::geometry::Shape;
-use raycost::scene::Primitive;
-use raycost::simd::Simd;
+use math::simd::Simd;
+use scene::config::{self, Acceleration};
+use scene::geometry::Shape;
+use scene::world::Primitive;
+use tracer::accel::Accel;
 
 use crate::agreement::Agreement;
 use crate::contest::{self, fastest, rivals};

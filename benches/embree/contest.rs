@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raycost::accel::Accel;
+use tracer::accel::Accel;
 
 use crate::device::{Mode, Scene};
 use crate::kernel::{BareStream, CountingStream, Kernel, Single};

@@ -5,8 +5,8 @@
 use std::collections::HashMap;
 use std::ffi::{CString, c_int};
 
-use raycost::geometry::Shape;
-use raycost::scene::Primitive;
+use scene::geometry::Shape;
+use scene::world::Primitive;
 
 use crate::ffi::{self, Functions, Handle, Quality};
 

@@ -1,8 +1,8 @@
 //! The interface of all kernels: they trace batches of rays.
 
-use raycost::accel::{Accel, Hit, ShadowRay, ShadowStream};
-use raycost::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
-use raycost::geometry::RayStream;
+use scene::geometry::RayStream;
+use tracer::accel::{Accel, Hit, ShadowRay, ShadowStream};
+use tracer::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
 
 /// Traces batches of rays, on several threads at once.
 pub trait Kernel: Sync {

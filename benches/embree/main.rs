@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use raycost::scene::Primitive;
+use scene::world::Primitive;
 
 use arena::Arena;
 use device::Device;

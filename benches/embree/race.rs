@@ -5,7 +5,7 @@ use std::thread;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use raycost::statistics::upper_median;
+use math::statistics::upper_median;
 
 use crate::kernel::Kernel;
 use crate::rays::Rays;

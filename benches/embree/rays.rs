@@ -3,11 +3,11 @@
 use std::f32::consts::TAU;
 
 use glam::Vec3;
-use raycost::accel::{Accel, ShadowRay, ShadowStream};
-use raycost::cost::NoProbe;
-use raycost::geometry::{Aabb, Ray, RayStream};
-use raycost::sampling::uniform;
-use raycost::scene::Primitive;
+use math::sampling::uniform;
+use scene::geometry::{Aabb, Ray, RayStream};
+use scene::world::Primitive;
+use tracer::accel::{Accel, ShadowRay, ShadowStream};
+use tracer::cost::NoProbe;
 
 use crate::scenes::View;
 

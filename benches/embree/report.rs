@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raycost::statistics::{Ratio, SampleStatistics};
+use math::statistics::{Ratio, SampleStatistics};
 use serde::Serialize;
 
 use crate::ffi::Quality;

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use raycost::simd::Simd;
+use math::simd::Simd;
 
 /// The race of the builds, among those of rays.
 pub const BUILD: &str = "build";

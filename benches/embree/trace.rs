@@ -5,8 +5,8 @@
 use std::array::from_fn;
 use std::ptr;
 
-use raycost::accel::{Hit, ShadowStream};
-use raycost::geometry::{Ray, RayStream};
+use scene::geometry::{Ray, RayStream};
+use tracer::accel::{Hit, ShadowStream};
 
 use crate::device::Scene;
 use crate::ffi::{

@@ -8,15 +8,15 @@ use std::hint::black_box;
 use std::path::Path;
 
 use glam::Vec3;
-use raycost::accel::{Accel, ShadowRay, ShadowStream};
-use raycost::config::Acceleration;
-use raycost::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};
-use raycost::geometry::{Ray, RayStream, Shape, Sphere, Triangle};
-use raycost::import::read_mesh;
-use raycost::sampling::uniform;
-use raycost::scene::{MaterialId, ObjectId, Primitive};
-use raycost::simd::Simd;
+use math::sampling::uniform;
+use math::simd::Simd;
+use scene::config::Acceleration;
+use scene::geometry::{Ray, RayStream, Shape, Sphere, Triangle};
+use scene::import::read_mesh;
+use scene::world::{MaterialId, ObjectId, Primitive};
 use serde_json::json;
+use tracer::accel::{Accel, ShadowRay, ShadowStream};
+use tracer::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};
 
 /// The file of the scene `mesh`.
 const MESH: &str = "configs/meshes/spot.obj";
@@ -47,7 +47,7 @@ fn main() {
         }
     }
     let n_primitives = primitives.len();
-    let made_by = raycost::summary::Build::current();
+    let made_by = raycost::session::this_build();
     println!(
         "{}",
         json!({ "n_rays": 2 * N_RAYS, "n_primitives": n_primitives, "made_by": made_by })

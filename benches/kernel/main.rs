@@ -15,15 +15,15 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::Vec3;
-use raycost::accel::Accel;
-use raycost::config::{Acceleration, Quality};
-use raycost::cost::{Cost, NoProbe, Probe};
-use raycost::geometry::Ray;
-use raycost::sampling::uniform;
-use raycost::scene::Primitive;
-use raycost::simd::Simd;
-use raycost::statistics::upper_median;
+use math::sampling::uniform;
+use math::simd::Simd;
+use math::statistics::upper_median;
+use scene::config::{Acceleration, Quality};
+use scene::geometry::Ray;
+use scene::world::Primitive;
 use scenes::View;
+use tracer::accel::Accel;
+use tracer::cost::{Cost, NoProbe, Probe};
 
 const N_ROUNDS: usize = 9;
 const N_BUILDS: usize = 3;

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use glam::Vec3;
-use raycost::geometry::{Ray, Shape, Sphere, Triangle};
-use raycost::import::read_mesh;
-use raycost::sampling::uniform;
-use raycost::scene::{MaterialId, ObjectId, Primitive};
+use math::sampling::uniform;
+use scene::geometry::{Ray, Shape, Sphere, Triangle};
+use scene::import::read_mesh;
+use scene::world::{MaterialId, ObjectId, Primitive};
 
 /// A camera that looks at a point, and a light.
 pub struct View {

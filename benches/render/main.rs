@@ -14,16 +14,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use base::text::Diagnostic;
 use clap::Parser;
-use raycost::accel::Accel;
-use raycost::config::{Config, CostMode};
-use raycost::cost::Meter;
-use raycost::render::{TilePlan, render};
-use raycost::scene::{Geometries, Scene};
-use raycost::statistics::median;
-use raycost::text::Diagnostic;
-use raycost::yaml::Source;
+use math::statistics::median;
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, CostMode};
+use scene::world::{Geometries, Scene};
+use scene::yaml::Source;
 use serde_json::{Value, json};
+use tracer::accel::Accel;
+use tracer::cost::Meter;
 
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 4] = [
@@ -67,7 +67,7 @@ fn race() -> Result<(), String> {
         rows.push(row.map_err(|error| error.to_string())?);
     }
     if let Some(path) = options.json {
-        let made_by = raycost::summary::Build::current();
+        let made_by = raycost::session::this_build();
         let results = json!({ "rows": rows, "made_by": made_by });
         fs::write(&path, format!("{results:#}"))
             .map_err(|error| format!("{}: {error}", path.display()))?;

@@ -3,21 +3,21 @@
 
 use std::path::{Path, PathBuf};
 
-use raycost::config::Config;
-use raycost::diff::{Diff, Side};
-use raycost::import::{
+use base::text::Diagnostic;
+use output::memory::Memory;
+use output::results::{self, FrameFile, HitsFile};
+use scene::config::Config;
+use scene::import::{
     ArrayChoice, IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface,
     read_lines, read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,
 };
-use raycost::memory::Memory;
-use raycost::results::{self, FrameFile, HitsFile};
-use raycost::scene::{Geometries, Scene};
-use raycost::study::{self, StudyPlan, statistics_rows, write_csv};
-use raycost::text::Diagnostic;
-use raycost::view::Page;
-use raycost::yaml::Source;
+use scene::world::{Geometries, Scene};
+use scene::yaml::Source;
 use serde_json::Value;
 use tempfile::TempDir;
+use tools::diff::{Diff, Side};
+use tools::study::{self, StudyPlan, statistics_rows, write_csv};
+use tools::view::Page;
 
 /// Memory that a scene may take, in bytes.
 const AVAILABLE: u64 = 64 << 20;

@@ -1,9 +1,9 @@
 //! Tables of the cost of objects and materials for the terminal.
 
-use crate::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
-use crate::cost::Metric;
-use crate::output::{Group, RenderingView};
-use crate::text::one_line;
+use base::text::one_line;
+use output::writers::{Group, RenderingView};
+use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
+use tracer::cost::Metric;
 
 /// Most rows of a table; the last one sums up the rest.
 const MAX_ROWS: usize = 10;

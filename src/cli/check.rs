@@ -8,18 +8,18 @@ use super::run_summary::{left_out, primitives};
 use super::scene::SceneArguments;
 use super::verify_output::{outputs_in, verified};
 use super::{Failure, on_threads, shown, study};
-use crate::color::{ToneCurve, Transfer};
-use crate::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
-use crate::memory::{self, Memory};
-use crate::output::{self, Request};
-use crate::prediction::{ArrayFile, DiskUse, Prediction};
-use crate::render::most_repeats;
-use crate::scene::Scene;
-use crate::schedule::TileGrid;
 use crate::session::{Frames, Input};
-use crate::stop;
-use crate::text::numbers::{bytes, count, counted, parse_bytes};
-use crate::text::{self, Diagnostic};
+use base::stop;
+use base::text::numbers::{bytes, count, counted, parse_bytes};
+use base::text::{self, Diagnostic};
+use output::memory::{self, Memory};
+use output::prediction::{ArrayFile, DiskUse, Prediction};
+use output::writers::{self, Request};
+use render::schedule::TileGrid;
+use render::tiles::most_repeats;
+use scene::color::{ToneCurve, Transfer};
+use scene::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
+use scene::world::Scene;
 
 /// Check scenes and studies without rendering them, or verify output folders
 ///
@@ -297,7 +297,7 @@ fn files(config: &Config, memory: &Memory, out: &Path) -> String {
         is_profiled: false,
         is_stored: memory.band_rows.is_some(),
     };
-    let wanted = output::files().filter(|file| file.is_wanted(&request));
+    let wanted = writers::files().filter(|file| file.is_wanted(&request));
     let names: Vec<&str> = wanted.map(|file| file.name).collect();
     let of_bands = memory.band_rows.map_or(String::new(), |n_rows| {
         let n_pieces = config.image.height.div_ceil(n_rows);

@@ -4,7 +4,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::{Cli, Failure};
-use crate::text;
+use base::text;
 
 /// Print a completion script for a shell
 #[derive(Debug, clap::Args)]

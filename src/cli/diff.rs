@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::{Failure, on_threads, shell_word, shown};
-use crate::diff::{self, Diff, Gate, Limit, Side};
-use crate::folder::{OutputFolder, Written};
-use crate::results::read_unchanged;
-use crate::text::numbers::bytes;
-use crate::text::{self, Diagnostic};
+use base::folder::{OutputFolder, Written};
+use base::text::numbers::bytes;
+use base::text::{self, Diagnostic};
+use output::results::read_unchanged;
+use tools::diff::{self, Diff, Gate, Limit, Side};
 
 /// Compare the costs of two outputs
 #[derive(Debug, clap::Args)]

@@ -1,9 +1,9 @@
 //! The failure of a command: its message and its exit code.
 
-use crate::folder::WriteError;
 use crate::session::RenderError;
-use crate::stop::Stopped;
-use crate::text::Diagnostic;
+use base::folder::WriteError;
+use base::stop::Stopped;
+use base::text::Diagnostic;
 
 /// Why a command failed.
 #[derive(Debug)]

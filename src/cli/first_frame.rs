@@ -2,13 +2,13 @@
 
 use super::Failure;
 use super::open_scene::OpenScene;
-use crate::accel::FrameBase;
-use crate::animation::HierarchyUpdate;
-use crate::instruments::Stages;
-use crate::memory::Memory;
-use crate::provenance::Checksum;
 use crate::session::{Frames, Options, Session};
-use crate::text::Diagnostic;
+use base::provenance::Checksum;
+use base::text::Diagnostic;
+use output::memory::Memory;
+use render::instruments::Stages;
+use scene::animation::HierarchyUpdate;
+use tracer::accel::FrameBase;
 
 /// The first frame of a scene whose other frames may have its hierarchy.
 pub(super) struct FirstFrame {

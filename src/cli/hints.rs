@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use crate::background::Background;
-use crate::config::{Config, ShadingModel};
-use crate::prediction::{Look, Prediction};
+use output::prediction::{Look, Prediction};
+use scene::background::Background;
+use scene::config::{Config, ShadingModel};
 
 /// Most names in a hint.
 const MOST_NAMES: usize = 5;

@@ -3,13 +3,13 @@
 use super::progress::with_bar;
 use super::scene::SceneArguments;
 use super::{Failure, shell_word};
-use crate::accel::Accel;
-use crate::config::{Config, CostMode, Repeats};
-use crate::cost::{Meter, Metric, MetricUnit};
-use crate::film::{Film, HotPixel};
-use crate::render::{TilePlan, least_repeats, repeat};
-use crate::scene::Scene;
-use crate::text::Diagnostic;
+use base::text::Diagnostic;
+use render::film::{Film, HotPixel};
+use render::tiles::{TilePlan, least_repeats, repeat};
+use scene::config::{Config, CostMode, Repeats};
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::cost::{Meter, Metric, MetricUnit};
 
 /// The most expensive pixel by a metric.
 type Hottest = (Metric, HotPixel);

@@ -33,11 +33,11 @@ use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
 
-use crate::import;
 use crate::session;
-use crate::stop::{self, Cancellation};
-use crate::text::numbers::shell_word;
-use crate::text::{self, Diagnostic, one_line};
+use base::stop::{self, Cancellation};
+use base::text::numbers::shell_word;
+use base::text::{self, Diagnostic, one_line};
+pub use scene::import;
 
 /// A ray tracer that shows its work
 ///

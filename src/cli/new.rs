@@ -5,9 +5,9 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
 
 use super::{Failure, shell_word, shown};
-use crate::schema::SchemaKind;
-use crate::starter;
-use crate::text::{self, Diagnostic};
+use base::text::{self, Diagnostic};
+use tools::schema::SchemaKind;
+use tools::starter;
 
 /// The file of the schema, beside the scene.
 const SCHEMA: &str = "scene.schema.json";

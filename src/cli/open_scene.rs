@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use super::scene::SceneArguments;
-use crate::config::Config;
-use crate::memory::Memory;
-use crate::scene::Geometries;
 use crate::session::{Frames, Input, scene_files};
-use crate::text::Diagnostic;
-use crate::yaml::{Document, Fault, Source};
+use base::text::Diagnostic;
+use output::memory::Memory;
+use scene::config::Config;
+use scene::world::Geometries;
+use scene::yaml::{Document, Fault, Source};
 
 /// A scene whose text was read: a still, or all frames of an animation.
 pub(super) struct OpenScene<'a> {

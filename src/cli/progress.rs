@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::instruments::TimeLeft;
-use crate::render::Progress;
 use crate::session::{Event, Report};
-use crate::text::one_line;
+use base::text::one_line;
+use render::instruments::TimeLeft;
+use render::tiles::Progress;
 
 /// A build shows no bar before this time.
 const BAR_DELAY: Duration = Duration::from_secs(1);

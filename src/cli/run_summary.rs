@@ -4,14 +4,14 @@ use std::time::Duration;
 
 use super::scene::SceneArguments;
 use super::{charges, hottest, shell_word, shown, timing_quality};
-use crate::config::{OptionalOutput, Outputs};
-use crate::folder::Written;
-use crate::instruments::Stages;
-use crate::output::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
-use crate::scene::Scene;
-use crate::schedule::Schedule;
-use crate::summary::RanksSection;
-use crate::text::numbers::{bytes, count, counted, duration};
+use base::folder::Written;
+use base::text::numbers::{bytes, count, counted, duration};
+use output::summary::RanksSection;
+use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
+use render::instruments::Stages;
+use render::schedule::Schedule;
+use scene::config::{OptionalOutput, Outputs};
+use scene::world::Scene;
 
 /// Returns the summary of a rendered scene and the files written.
 pub(super) fn lines(

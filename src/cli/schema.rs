@@ -1,8 +1,8 @@
 //! `raycost schema`.
 
 use super::Failure;
-use crate::schema::SchemaKind;
-use crate::text;
+use base::text;
+use tools::schema::SchemaKind;
 
 /// Print the JSON Schema of scene files or of studies
 ///

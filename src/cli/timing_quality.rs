@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use crate::output::{RenderingView, thread_time};
-use crate::render::{N_ROUNDS, Overhead};
-use crate::summary::ThreadTime;
-use crate::text::numbers;
+use base::text::numbers;
+use output::summary::ThreadTime;
+use output::writers::{RenderingView, thread_time};
+use render::tiles::{N_ROUNDS, Overhead};
 
 /// Least time without a CPU, in percent of the time at work, that has a line.
 const LEAST_WAITING_PERCENT: f64 = 0.1;

@@ -9,20 +9,20 @@ use super::scene::SceneArguments;
 use super::thread_pool;
 use super::tree::Trees;
 use super::{Failure, hottest, shell_word, shown};
-use crate::accel::Accel;
-use crate::attribution::{ObservedPixel, Observer, TooManyRays};
-use crate::config::{Config, Image, Tiling, WrittenArrays};
-use crate::cost::{Meter, Metric};
-use crate::film::HotPixel;
-use crate::folder::{OutputFolder, Written};
-use crate::memory::{self, Memory};
-use crate::output::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
-use crate::render::{Progress, TilePlan, render};
-use crate::scene::{Geometries, Scene, World};
 use crate::session::{Input, Options};
-use crate::stop;
-use crate::text::numbers::{bytes, counted};
-use crate::text::{self, Diagnostic};
+use base::folder::{OutputFolder, Written};
+use base::stop;
+use base::text::numbers::{bytes, counted};
+use base::text::{self, Diagnostic};
+use output::memory::{self, Memory};
+use output::writers::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
+use render::attribution::{ObservedPixel, Observer, TooManyRays};
+use render::film::HotPixel;
+use render::tiles::{Progress, TilePlan, render};
+use scene::config::{Config, Image, Tiling, WrittenArrays};
+use scene::world::{Geometries, Scene, World};
+use tracer::accel::Accel;
+use tracer::cost::{Meter, Metric};
 
 /// Show all rays of some pixels and the cost of each
 ///

@@ -5,13 +5,13 @@ use std::time::Duration;
 use clap::builder::styling::{AnsiColor, Style};
 use glam::Vec3;
 
-use crate::attribution::{ObservedPixel, RayTree, TracedRay};
-use crate::config::Config;
-use crate::cost::RayKind;
-use crate::output::Traced;
-use crate::scene::LightOrigin;
-use crate::text::numbers::{count, counted, duration};
-use crate::text::one_line;
+use base::text::numbers::{count, counted, duration};
+use base::text::one_line;
+use output::writers::Traced;
+use render::attribution::{ObservedPixel, RayTree, TracedRay};
+use scene::config::Config;
+use scene::world::LightOrigin;
+use tracer::cost::RayKind;
 
 /// Most pixels that are shown.
 const MAX_PIXELS: usize = 3;

@@ -5,12 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{Failure, shown};
-use crate::folder::SUMMARY;
-use crate::results::{read_unchanged, verify};
-use crate::series::{FRAMES, FrameSeries, frame_folder};
-use crate::summary::Summary;
-use crate::text::numbers::counted;
-use crate::text::{self, Diagnostic};
+use base::folder::SUMMARY;
+use base::text::numbers::counted;
+use base::text::{self, Diagnostic};
+use output::results::{read_unchanged, verify};
+use output::summary::Summary;
+use tools::series::{FRAMES, FrameSeries, frame_folder};
 
 /// The outputs in a folder: itself, or the folders of its frames; `None` if it has none.
 pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {

@@ -2,8 +2,8 @@
 
 use std::sync::LazyLock;
 
-use crate::simd::Simd;
-use crate::summary::Build;
+use crate::session::this_build;
+use math::simd::Simd;
 
 /// The cargo features, and whether this program was built with them.
 const FEATURES: [(&str, bool); 3] = [
@@ -14,7 +14,7 @@ const FEATURES: [(&str, bool); 3] = [
 
 /// The version with commit, features, instruction set, compiler and profile, one line for each.
 pub(super) static LONG: LazyLock<String> = LazyLock::new(|| {
-    let build = Build::current();
+    let build = this_build();
     let built_in = FEATURES.iter().filter(|(_, is_built_in)| *is_built_in);
     let features: Vec<&str> = built_in.map(|(name, _)| *name).collect();
     let features = match &features[..] {

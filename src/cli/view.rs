@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use super::{Failure, on_threads, shown};
-use crate::folder::{Replace, target, write_file};
-use crate::results::{Results, read_unchanged};
-use crate::text;
-use crate::text::numbers::bytes;
-use crate::view::{self, Page};
+use base::folder::{Replace, target, write_file};
+use base::text;
+use base::text::numbers::bytes;
+use output::results::{Results, read_unchanged};
+use tools::view::{self, Page};
 
 /// Write a page that shows an output folder in a browser
 ///

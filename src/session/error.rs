@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::ranks::RankFailure;
-use crate::stop::Stopped;
-use crate::text::Diagnostic;
+use base::stop::Stopped;
+use base::text::Diagnostic;
+use render::ranks::RankFailure;
 
 /// Why a scene was not rendered.
 pub enum RenderError {

@@ -4,18 +4,20 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use super::Session;
-use crate::background::Background;
-use crate::checkpoint::{Header, PicturePart, RecordLayout};
-use crate::config::{Config, Geometry};
-use crate::film;
-use crate::folder::checksum_of;
-use crate::import;
-use crate::provenance::{Checksum, Hasher};
-use crate::render::least_repeats;
-use crate::scene::SceneFrame;
-use crate::summary::{Build, FrameSection};
-use crate::text::Diagnostic;
-use crate::yaml::{Document, FieldPath, Folders};
+use base::folder::checksum_of;
+use base::provenance::{Checksum, Hasher};
+use output::summary::{Build, FrameSection};
+use render::checkpoint::{Header, PicturePart, RecordLayout};
+use render::film;
+use render::tiles::least_repeats;
+use scene::background::Background;
+use scene::config::{Config, Geometry};
+use scene::import;
+use scene::world::SceneFrame;
+
+use super::this_build;
+use base::text::Diagnostic;
+use scene::yaml::{Document, FieldPath, Folders};
 
 impl Session {
     /// A hash of the contents of the scene and of its files.
@@ -62,7 +64,7 @@ impl Session {
         let base = self.base_contents.get().copied();
         let Build {
             version, commit, ..
-        } = Build::current();
+        } = this_build();
         let folder = std::env::current_dir().unwrap_or_default();
         let n_bytes = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
         Ok(Header {
@@ -101,7 +103,7 @@ pub(super) fn section_of(
     } = frame;
     let Build {
         version, commit, ..
-    } = Build::current();
+    } = this_build();
     let settings: Vec<&str> = document.settings().collect();
     let scene = (document.name(), settings, config);
     let program = (version, commit, flags);

@@ -1,14 +1,14 @@
 //! The frames of an animated scene, each of which is a scene.
 
 use super::fingerprint;
-use crate::animation::{self, HierarchyUpdate};
-use crate::config::Config;
-use crate::memory;
-use crate::provenance::Checksum;
-use crate::scene::{SceneFrame, Timeline};
-use crate::summary::FrameSection;
-use crate::text::Diagnostic;
-use crate::yaml::Document;
+use base::provenance::Checksum;
+use base::text::Diagnostic;
+use output::memory;
+use output::summary::FrameSection;
+use scene::animation::{self, HierarchyUpdate};
+use scene::config::Config;
+use scene::world::{SceneFrame, Timeline};
+use scene::yaml::Document;
 
 /// A scene that changes over time.
 #[derive(Debug)]

@@ -1,12 +1,12 @@
 //! A scene that was read, before it is placed.
 
 use super::Memory;
-use crate::config::Config;
-use crate::memory;
-use crate::scene::Geometries;
-use crate::summary::FrameSection;
-use crate::text::Diagnostic;
-use crate::yaml::Document;
+use base::text::Diagnostic;
+use output::memory;
+use output::summary::FrameSection;
+use scene::config::Config;
+use scene::world::Geometries;
+use scene::yaml::Document;
 
 /// A scene's text, its config, and the geometries of the files that it names.
 #[derive(Debug)]

@@ -6,16 +6,16 @@ use super::options::{Event, Options, Report};
 use super::rendering::Measured;
 use super::scope::Scope;
 use super::{RenderError, Session};
-use crate::accel::Accel;
-use crate::attribution::CostAttribution;
-use crate::config::SimdSet;
-use crate::cost::Meter;
-use crate::instruments::Stages;
-use crate::memory;
-use crate::render::{N_RENDERINGS, Overhead, estimate_times, least_repeats, repeat_within};
-use crate::simd::Simd;
-use crate::stop;
-use crate::summary::RanksSection;
+use base::stop;
+use math::simd::Simd;
+use output::memory;
+use output::summary::RanksSection;
+use render::attribution::CostAttribution;
+use render::instruments::Stages;
+use render::tiles::{N_RENDERINGS, Overhead, estimate_times, least_repeats, repeat_within};
+use scene::config::SimdSet;
+use tracer::accel::Accel;
+use tracer::cost::Meter;
 
 impl Session {
     /// Renders and measures on the current rayon pool.

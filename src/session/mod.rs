@@ -4,6 +4,7 @@
 //! whose pixels and costs a program reads, and which [`Rendering::write`] writes as
 //! `raycost render` does: the command line is a user of this module, too.
 
+mod build;
 mod error;
 mod fingerprint;
 mod frames;
@@ -19,34 +20,35 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use serde::Serialize;
 
-use crate::accel::{AccelIndex, BvhStatistics, FrameBase};
-use crate::animation::HierarchyUpdate;
-use crate::config::Config;
-use crate::film::{self, written_columns};
-use crate::folder::OutputFolder;
-use crate::memory::Memory;
-use crate::output::{self, BandRows};
-use crate::provenance::Checksum;
-use crate::scene::Scene;
-use crate::summary::{FrameSection, OtherRuns, Threads};
-use crate::yaml::{Document, Source};
+use base::folder::OutputFolder;
+use base::provenance::Checksum;
+use output::memory::Memory;
+use output::summary::{FrameSection, OtherRuns, Threads};
+use output::writers::{self, BandRows};
+use render::film::{self, written_columns};
+use scene::animation::HierarchyUpdate;
+use scene::config::Config;
+use scene::world::Scene;
+use scene::yaml::{Document, Source};
+use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 
 #[doc(inline)]
-pub use crate::folder::{WriteError, Written};
+pub use base::folder::{WriteError, Written};
 #[doc(inline)]
-pub use crate::instruments::{Stage, Stages};
+pub use base::stop::{Cancellation, Stopped};
 #[doc(inline)]
-pub use crate::render::{Overhead, Progress};
-#[doc(inline)]
-pub use crate::stop::{Cancellation, Stopped};
-#[doc(inline)]
-pub use crate::text::Diagnostic;
+pub use base::text::Diagnostic;
+pub use build::this_build;
 pub use error::RenderError;
 pub(crate) use fingerprint::{contents_of, scene_files, states_of};
 pub(crate) use frames::Frames;
 pub(crate) use input::Input;
 pub use options::{Event, Options};
 pub(crate) use options::{Report, thread_pool};
+#[doc(inline)]
+pub use render::instruments::{Stage, Stages};
+#[doc(inline)]
+pub use render::tiles::{Overhead, Progress};
 pub use rendering::Rendering;
 pub(crate) use scope::Scope;
 
@@ -174,7 +176,7 @@ impl Session {
     pub(crate) fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
         let of_tiles = self.bands().map_or(0, |_| stored_bytes(&self.config));
         let folder = OutputFolder::create(path, least_bytes(&self.config) + of_tiles)?;
-        output::refuse_foreign(&folder, self.bands())?;
+        writers::refuse_foreign(&folder, self.bands())?;
         Ok(folder)
     }
 

@@ -3,10 +3,10 @@
 use std::fmt;
 
 use super::RenderError;
-use crate::config::{SimdSet, Traversal};
-use crate::render::Progress;
-use crate::stop::Cancellation;
-use crate::text::Diagnostic;
+use base::stop::Cancellation;
+use base::text::Diagnostic;
+use render::tiles::Progress;
+use scene::config::{SimdSet, Traversal};
 
 /// Receives progress, from any thread.
 pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);

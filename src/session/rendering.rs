@@ -4,22 +4,22 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use super::options::{Options, Report};
-use super::{RenderError, Session};
-use crate::accel::BvhStatistics;
-use crate::attribution::CostAttribution;
-use crate::checkpoint::Checkpoint;
-use crate::config::Traversal;
-use crate::cost::Meter;
-use crate::film::Film;
-use crate::folder::{OutputFolder, WriteError, Written};
-use crate::instruments::{Profiler, Stages};
-use crate::output::{self, BandRows, Bands, Survey};
-use crate::render::{Overhead, Repeat, StoredPicture, least_repeats};
-use crate::schedule::Schedule;
-use crate::simd::Simd;
-use crate::stop;
-use crate::summary::{OtherRuns, Partial, RanksSection, Threads};
-use crate::text::Diagnostic;
+use super::{RenderError, Session, this_build};
+use base::folder::{OutputFolder, WriteError, Written};
+use base::stop;
+use base::text::Diagnostic;
+use math::simd::Simd;
+use output::summary::{OtherRuns, Partial, RanksSection, Threads};
+use output::writers::{self, BandRows, Bands, Survey};
+use render::attribution::CostAttribution;
+use render::checkpoint::Checkpoint;
+use render::film::Film;
+use render::instruments::{Profiler, Stages};
+use render::schedule::Schedule;
+use render::tiles::{Overhead, Repeat, StoredPicture, least_repeats};
+use scene::config::Traversal;
+use tracer::accel::BvhStatistics;
+use tracer::cost::Meter;
 
 /// The pixels of a scene, what they cost, and how they were rendered.
 #[derive(Debug)]
@@ -101,7 +101,7 @@ impl Rendering<'_> {
     ) -> Result<Vec<Written>, WriteError> {
         let mut stages = std::mem::take(&mut self.stages);
         let view = self.view(profiler);
-        let written = (self.pool).install(|| output::write(&view, folder, &mut stages));
+        let written = (self.pool).install(|| writers::write(&view, folder, &mut stages));
         stages.end("commit");
         self.stages = stages;
         written
@@ -135,11 +135,11 @@ impl Rendering<'_> {
         let mut stages = std::mem::take(&mut self.stages);
         stages.end("survey");
         let written = options.reported("write", n_pixels, |report: Report| {
-            let view = output::RenderingView {
+            let view = writers::RenderingView {
                 bands: Some(self.bands(checkpoint, rows).reporting(report)),
                 ..self.view(profiler)
             };
-            (self.pool).install(|| output::write(&view, folder, &mut stages))
+            (self.pool).install(|| writers::write(&view, folder, &mut stages))
         });
         stages.end("commit");
         self.stages = stages;
@@ -178,9 +178,10 @@ impl Rendering<'_> {
     }
 
     /// Borrows the rendering for the writers.
-    pub(crate) fn view<'a>(&'a self, profiler: Option<&'a Profiler>) -> output::RenderingView<'a> {
+    pub(crate) fn view<'a>(&'a self, profiler: Option<&'a Profiler>) -> writers::RenderingView<'a> {
         let measured = &self.measured;
-        output::RenderingView {
+        writers::RenderingView {
+            build: this_build(),
             scene_file: self.session.scene_file(),
             settings: self.session.settings(),
             name: self.session.name(),

@@ -1,13 +1,13 @@
 //! Which tiles a session renders.
 
 use super::RenderError;
-use crate::accel::Accel;
-use crate::checkpoint::{CheckpointFailure, PicturePart};
-use crate::config::Config;
-use crate::ranks::Team;
-use crate::render::{Limits, TilePlan};
-use crate::scene::Scene;
-use crate::text::Diagnostic;
+use base::text::Diagnostic;
+use render::checkpoint::{CheckpointFailure, PicturePart};
+use render::ranks::Team;
+use render::tiles::{Limits, TilePlan};
+use scene::config::Config;
+use scene::world::Scene;
+use tracer::accel::Accel;
 
 /// The tiles that a rendering renders, takes over and keeps.
 #[derive(Debug, Clone, Copy, Default)]

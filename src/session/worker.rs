@@ -1,12 +1,12 @@
 //! A session of a worker: it renders what rank 0 deals to it.
 
 use super::{Options, RenderError, Session};
-use crate::config::{TileOrder, Tiling};
-use crate::cost::Meter;
-use crate::instruments::Stages;
-use crate::ranks::Ranks;
-use crate::render::{self, TilePlan};
-use crate::stop;
+use base::stop;
+use render::instruments::Stages;
+use render::ranks::Ranks;
+use render::tiles::{self, TilePlan};
+use scene::config::{TileOrder, Tiling};
+use tracer::cost::Meter;
 
 impl Session {
     /// Renders the tiles that rank 0 deals to this rank.
@@ -23,7 +23,7 @@ impl Session {
                 ..self.config.tiles
             };
             let plan = TilePlan::new(&self.scene, &accel, &self.config.image, tiling);
-            render::work(ranks, (&self.scene, &accel), &plan, &meter);
+            tiles::work(ranks, (&self.scene, &accel), &plan, &meter);
             Ok(stop::check()?)
         })
     }

@@ -21,7 +21,7 @@ const N_BLANKS: usize = 2 * 4096;
 ///
 /// # Errors
 /// An array has the wrong length, or `out` fails.
-pub(crate) fn write(
+pub fn write(
     data_set: &DataSet,
     encoding: Encoding,
     out: &mut (impl Write + Seek),
@@ -95,8 +95,8 @@ mod tests {
     use vtkio::model::ScalarType;
 
     use super::*;
-    use crate::vtk::Codec;
-    use crate::vtk::data_set::Extent;
+    use crate::Codec;
+    use crate::data_set::Extent;
 
     fn image(arrays: &[u64]) -> DataSet<'static> {
         let array = |&n_bytes| Array {

@@ -13,19 +13,19 @@ const CHUNK: usize = 1 << 14;
 pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// An array whose bytes are generated while the file is written.
-pub(crate) struct Array<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) scalar: ScalarType,
-    pub(crate) n_components: usize,
-    pub(crate) n_bytes: u64,
+pub struct Array<'a> {
+    pub name: &'a str,
+    pub scalar: ScalarType,
+    pub n_components: usize,
+    pub n_bytes: u64,
     /// The unit of its numbers; `None` for colors, ids and flags.
-    pub(crate) unit: Option<&'static str>,
+    pub unit: Option<&'static str>,
     /// Writes exactly `n_bytes`, in native byte order.
-    pub(crate) write: WriteBytes<'a>,
+    pub write: WriteBytes<'a>,
 }
 
 /// The type of an entry of an array: a number, or several components.
-pub(crate) trait Entry: NoUninit {
+pub trait Entry: NoUninit {
     /// The type of its components.
     const SCALAR: ScalarType;
     /// The number of components.
@@ -53,7 +53,7 @@ where
 impl<'a> Array<'a> {
     /// Creates an array of `n` entries; `entries` is called each time the array is
     /// written.
-    pub(crate) fn of<E: Entry, I: Iterator<Item = E>>(
+    pub fn of<E: Entry, I: Iterator<Item = E>>(
         name: &'a str,
         n: usize,
         entries: impl Fn() -> I + 'a,
@@ -96,12 +96,12 @@ impl<'a> Array<'a> {
     }
 
     /// Its number of entries.
-    pub(crate) fn n_tuples(&self) -> u64 {
+    pub fn n_tuples(&self) -> u64 {
         self.n_bytes / (self.scalar.size() * self.n_components) as u64
     }
 
     /// Sets the unit of its numbers.
-    pub(crate) fn in_unit(self, unit: &'static str) -> Self {
+    pub fn in_unit(self, unit: &'static str) -> Self {
         let unit = Some(unit);
         Self { unit, ..self }
     }
@@ -110,14 +110,14 @@ impl<'a> Array<'a> {
 /// The narrowest integer type of an array: ParaView loads 32-bit cells a third faster
 /// than 64-bit ones.
 #[derive(Clone, Copy)]
-pub(crate) enum Integers {
+pub enum Integers {
     I32,
     I64,
 }
 
 impl Integers {
     /// Returns the type for numbers from -1 to `largest`.
-    pub(crate) fn up_to(largest: usize) -> Self {
+    pub fn up_to(largest: usize) -> Self {
         match i32::try_from(largest) {
             Ok(_) => Self::I32,
             Err(_) => Self::I64,
@@ -125,7 +125,7 @@ impl Integers {
     }
 
     /// Creates an array of `n` integers, which `write` writes.
-    pub(crate) fn array<'a>(
+    pub fn array<'a>(
         self,
         name: &'static str,
         n: usize,
@@ -146,7 +146,7 @@ impl Integers {
     }
 
     /// Writes the product of `factor` and each of the numbers.
-    pub(crate) fn write_multiples(
+    pub fn write_multiples(
         self,
         factor: usize,
         numbers: Range<usize>,
@@ -171,7 +171,7 @@ impl Integers {
 
 /// Returns the arrays `connectivity` (0, 1, …) and `offsets` (the ends of the cells) of
 /// `n` cells with `n_corners` points each, none of them shared, in the order of the cells.
-pub(crate) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
+pub fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
     let n_points = n_corners * n;
     let ids = Integers::up_to(n_points);
     [
@@ -185,7 +185,7 @@ pub(crate) fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] 
 }
 
 /// Returns the array `types` of `n` cells of one type.
-pub(crate) fn types_of(cell: CellType, n: usize) -> Array<'static> {
+pub fn types_of(cell: CellType, n: usize) -> Array<'static> {
     Array::of("types", n, move || std::iter::repeat_n(cell as u8, n))
 }
 

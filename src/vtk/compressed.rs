@@ -18,7 +18,7 @@ const WINDOW: usize = 16 * BLOCK;
 
 /// Upper bound of the bytes of memory to compress an array: a window of blocks,
 /// and the compressed ones.
-pub(crate) const BYTES_PER_ARRAY: u64 = 3 * WINDOW as u64;
+pub const BYTES_PER_ARRAY: u64 = 3 * WINDOW as u64;
 
 /// Returns what precedes the lengths of an array's compressed blocks: the number
 /// of blocks, the size of a block, and that of the last one if it is shorter,
@@ -104,7 +104,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
-    use crate::vtk::codec::{Codec, compressors};
+    use crate::codec::{Codec, compressors};
 
     #[test]
     fn heads_count_the_last_block() {

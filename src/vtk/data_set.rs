@@ -5,7 +5,7 @@ use std::fmt;
 use super::array::Array;
 
 /// A data set with its arrays.
-pub(crate) enum DataSet<'a> {
+pub enum DataSet<'a> {
     /// A regular grid of points with spacing 1, or a piece of one, whose first point is at the
     /// origin.
     Image {
@@ -31,14 +31,14 @@ pub(crate) enum DataSet<'a> {
 /// The first and the last column and row of a plane of points, both included. VTK orders rows
 /// from bottom to top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Extent {
-    pub(crate) columns: [u32; 2],
-    pub(crate) rows: [u32; 2],
+pub struct Extent {
+    pub columns: [u32; 2],
+    pub rows: [u32; 2],
 }
 
 impl Extent {
     /// The extent of `width` columns and `height` rows, at least one each.
-    pub(crate) fn of_size([width, height]: [u32; 2]) -> Self {
+    pub fn of_size([width, height]: [u32; 2]) -> Self {
         Self {
             columns: [0, width - 1],
             rows: [0, height - 1],
@@ -55,21 +55,21 @@ impl fmt::Display for Extent {
 }
 
 /// Points and cells with their arrays.
-pub(crate) struct CellMesh<'a> {
-    pub(crate) n_points: usize,
-    pub(crate) n_cells: usize,
-    pub(crate) point_data: Vec<Array<'a>>,
-    pub(crate) cell_data: Vec<Array<'a>>,
+pub struct CellMesh<'a> {
+    pub n_points: usize,
+    pub n_cells: usize,
+    pub point_data: Vec<Array<'a>>,
+    pub cell_data: Vec<Array<'a>>,
     /// The points' coordinates.
-    pub(crate) points: Array<'a>,
+    pub points: Array<'a>,
     /// `connectivity` and `offsets`, see
     /// [`separate_cells`](super::array::separate_cells).
-    pub(crate) cells: Vec<Array<'a>>,
+    pub cells: Vec<Array<'a>>,
 }
 
 impl<'a> DataSet<'a> {
     /// Returns all arrays in the order of the file.
-    pub(crate) fn arrays(&self) -> Vec<&Array<'a>> {
+    pub fn arrays(&self) -> Vec<&Array<'a>> {
         match self {
             Self::Image { point_data, .. } => point_data.iter().collect(),
             Self::ImageCells { cell_data, .. } => cell_data.iter().collect(),

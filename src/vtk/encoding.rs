@@ -1,7 +1,7 @@
 //! Encoding of a file, for any data set.
 
 use super::{Codec, Field};
-use crate::provenance::RunId;
+use base::provenance::RunId;
 
 /// Encoding of a file, for any data set.
 #[derive(Debug, Clone)]

@@ -28,7 +28,7 @@ pub enum FieldValues {
 
 impl Field {
     /// Numbers.
-    pub(crate) fn floats<F: Into<f64>>(
+    pub fn floats<F: Into<f64>>(
         name: impl Into<String>,
         numbers: impl IntoIterator<Item = F>,
     ) -> Self {
@@ -37,12 +37,12 @@ impl Field {
     }
 
     /// Whole numbers.
-    pub(crate) fn integers(name: impl Into<String>, numbers: impl Into<Vec<i32>>) -> Self {
+    pub fn integers(name: impl Into<String>, numbers: impl Into<Vec<i32>>) -> Self {
         Self::new(name, FieldValues::Integers(numbers.into()))
     }
 
     /// Texts.
-    pub(crate) fn texts<T: Into<String>>(
+    pub fn texts<T: Into<String>>(
         name: impl Into<String>,
         texts: impl IntoIterator<Item = T>,
     ) -> Self {

@@ -12,7 +12,7 @@ use super::data_set::DataSet;
 use super::elements::{DataElement, FieldDataElement, content};
 use super::encoding::Encoding;
 use super::field::Field;
-use crate::provenance::RunId;
+use base::provenance::RunId;
 
 /// A data set with the field data of its file and the ID of its run.
 pub(crate) struct LabeledDataSet<'a> {
@@ -26,7 +26,7 @@ pub(crate) struct LabeledDataSet<'a> {
 }
 
 /// The offset of each array after the underscore, in the order of the arrays.
-pub(crate) enum Offsets<'a> {
+pub enum Offsets<'a> {
     /// Of raw arrays.
     OfRaw(Vec<u64>),
     /// Of compressed arrays, padded so that the header's length does not depend on them.
@@ -35,7 +35,7 @@ pub(crate) enum Offsets<'a> {
 
 impl<'a> LabeledDataSet<'a> {
     /// A data set whose field data are those of `encoding`, and units.
-    pub(crate) fn new(data_set: &'a DataSet<'a>, encoding: &'a Encoding) -> Self {
+    pub fn new(data_set: &'a DataSet<'a>, encoding: &'a Encoding) -> Self {
         let fields = &encoding.fields;
         let is_text = |field: &&Field| field.array().is_none();
         Self {
@@ -48,7 +48,7 @@ impl<'a> LabeledDataSet<'a> {
     }
 
     /// Returns all arrays of numbers in the order of the file.
-    pub(crate) fn arrays(&self) -> Vec<&Array<'a>> {
+    pub fn arrays(&self) -> Vec<&Array<'a>> {
         let numbers = self.numbers.iter();
         numbers.chain(self.data_set.arrays()).collect()
     }
@@ -57,7 +57,7 @@ impl<'a> LabeledDataSet<'a> {
     ///
     /// # Errors
     /// The elements cannot be serialized.
-    pub(crate) fn xml(&self, offsets: &Offsets) -> io::Result<String> {
+    pub fn xml(&self, offsets: &Offsets) -> io::Result<String> {
         let (data_set_type, content) = content(self.data_set, self.field_data());
         let file = VtkFile {
             data_set_type,

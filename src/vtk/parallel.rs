@@ -6,10 +6,10 @@ use std::io::{self, Write};
 use super::array::Array;
 use super::data_set::Extent;
 use super::header::byte_order;
-use crate::provenance::{KEY, RunId};
+use base::provenance::{KEY, RunId};
 
 /// The pieces of a data set, by their files in the same folder.
-pub(crate) enum PieceFiles {
+pub enum PieceFiles {
     /// Parts of an image of so many columns and rows, with spacing 1 and the first point at the
     /// origin.
     Image {
@@ -21,7 +21,7 @@ pub(crate) enum PieceFiles {
 }
 
 /// Writes the file of pieces that all have these arrays of points.
-pub(crate) fn write(
+pub fn write(
     pieces: &PieceFiles,
     arrays: &[Array],
     run: RunId,

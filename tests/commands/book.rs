@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use serde_yaml::{Mapping, Value};
 
 use crate::common::{film, in_repository, parse};
-use raycost::config::{Config, CostMode, Repeats};
-use raycost::film::columns;
-use raycost::study::StudyPlan;
-use raycost::yaml::{Document, Source};
+use render::film::columns;
+use scene::config::{Config, CostMode, Repeats};
+use scene::yaml::{Document, Source};
+use tools::study::StudyPlan;
 
 /// The README and all pages of the book, by their paths in the repository.
 pub fn pages() -> Vec<(String, String)> {

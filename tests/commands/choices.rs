@@ -2,20 +2,20 @@
 //! and each subcommand.
 
 use clap::CommandFactory;
-use raycost::camera::Camera;
 use raycost::cli::Cli;
-use raycost::color::{ColorMap, ToneCurve, Transfer};
-use raycost::config::{
+use scene::camera::Camera;
+use scene::color::{ColorMap, ToneCurve, Transfer};
+use scene::config::{
     CostMode, Object, Outputs, PixelArray, PixelFilter, PixelPattern, ShadingModel, TileOrder,
 };
-use raycost::cost::Metric;
-use raycost::import::read_mesh;
-use raycost::light::Light;
-use raycost::material::{ArrayScale, Mapping, Texture};
-use raycost::picture::{TexelFilter, Wrap};
-use raycost::vtk::Codec;
-use raycost::yaml::from_str;
+use scene::import::read_mesh;
+use scene::light::Light;
+use scene::material::{ArrayScale, Mapping, Texture};
+use scene::picture::{TexelFilter, Wrap};
+use scene::yaml::from_str;
 use serde::de::DeserializeOwned;
+use tracer::cost::Metric;
+use vtk::Codec;
 
 use crate::book::pages;
 

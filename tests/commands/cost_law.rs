@@ -1,9 +1,9 @@
 //! Fitted cost laws are the true ones: with and without a fixed cost, with noise, and with
 //! the minimum number of samples.
 
+use math::sampling::uniform;
 use proptest::prelude::*;
-use raycost::sampling::uniform;
-use raycost::study::{CostLaw, CostSample};
+use tools::study::{CostLaw, CostSample};
 
 /// Samples of `fixed + factor * n^exponent` with relative, approximately normal noise and the
 /// confidence interval that repeats would give.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-use raycost::results::Results;
+use output::results::Results;
 
 use crate::common::in_repository;
 

@@ -19,11 +19,11 @@
 
 use std::path::PathBuf;
 
-use raycost::config::Config;
-use raycost::memory::Memory;
-use raycost::scene::{Geometries, Scene, Timeline};
-use raycost::text::Diagnostic;
-use raycost::yaml::Source;
+use base::text::Diagnostic;
+use output::memory::Memory;
+use scene::config::Config;
+use scene::world::{Geometries, Scene, Timeline};
+use scene::yaml::Source;
 
 /// A scene without a mistake, a section a line.
 const FINE: &str = "\

@@ -4,10 +4,10 @@
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use raycost::config::{Config, CostMode};
-use raycost::cost::Metric;
-use raycost::results::Results;
+use output::results::Results;
 use raycost::session::{Cancellation, Event, Options, RenderError, Session, Stopped};
+use scene::config::{Config, CostMode};
+use tracer::cost::Metric;
 
 use serde_json::json;
 

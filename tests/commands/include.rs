@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use raycost::config::Config;
-use raycost::text::Diagnostic;
-use raycost::yaml::{Document, Source};
+use base::text::Diagnostic;
+use scene::config::Config;
+use scene::yaml::{Document, Source};
 
 use crate::common::{assert_success, film, in_repository, raycost};
 use crate::settings::{SCENE, stderr_of};

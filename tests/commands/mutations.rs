@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::path::Path;
 
+use base::text::Diagnostic;
+use output::memory::Memory;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use raycost::config::Config;
-use raycost::memory::Memory;
-use raycost::scene::{Geometries, Scene};
-use raycost::text::Diagnostic;
-use raycost::yaml::Source;
+use scene::config::Config;
+use scene::world::{Geometries, Scene};
+use scene::yaml::Source;
 
 /// Tokens that break YAML or change a value.
 const TOKENS: &[&str] = &[

@@ -112,7 +112,7 @@ fn the_camera_sees_all_of_a_mesh() {
         }
         obj += "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
         fs::write(folder.path().join("cube.obj"), obj).unwrap();
-        let source = raycost::starter::scene_beside(&folder.path().join("cube.obj")).unwrap();
+        let source = tools::starter::scene_beside(&folder.path().join("cube.obj")).unwrap();
         let name = serde_json::json!(folder.path().join("cube.obj")).to_string();
         let mut config = parse(&source.text().replace("\"cube.obj\"", &name));
         (config.image.width, config.image.height) = (80, 60);

@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use raycost::config::Config;
-use raycost::schema::SchemaKind;
-use raycost::study::StudyPlan;
-use raycost::yaml::Source;
 use rayon::prelude::*;
+use scene::config::Config;
+use scene::yaml::Source;
 use serde_json::{Value, json};
+use tools::schema::SchemaKind;
+use tools::study::StudyPlan;
 
 use crate::common::in_repository;
 
@@ -45,7 +45,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
                 .is_none_or(|text| text.chars().count() <= n(rule)),
             "pattern" => value.as_str().is_none_or(|text| {
                 assert_eq!(rule, "^#[0-9a-fA-F]{6}$");
-                raycost::yaml::hex_color(text).is_some()
+                scene::yaml::hex_color(text).is_some()
             }),
             "items" => list.is_none_or(|list| list.iter().all(|item| of(rule, item))),
             "minItems" => list.is_none_or(|list| list.len() >= n(rule)),
@@ -391,7 +391,7 @@ fn mistakes_of_studies_are_refused() {
     let study =
         "title: x\nscenes: [a.yaml]\nvary: { threads: [1, 2], camera.look_at.fov_y_deg: [20] }\n";
     assert!(is_valid(&schema, study));
-    raycost::yaml::from_str::<StudyPlan>(study).unwrap();
+    scene::yaml::from_str::<StudyPlan>(study).unwrap();
     for (old, new) in [
         ("[a.yaml]", "[]"),
         ("[1, 2]", "[0]"),

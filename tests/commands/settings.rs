@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use raycost::config::Config;
-use raycost::text::Diagnostic;
-use raycost::yaml::{Document, Source};
+use base::text::Diagnostic;
+use scene::config::Config;
+use scene::yaml::{Document, Source};
 
 use crate::common::{assert_success, raycost};
 

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use raycost::simd::Simd;
+use math::simd::Simd;
 
 use crate::common::{in_repository, raycost};
 

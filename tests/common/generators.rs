@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::geometry::{Capsule, Ray, Shape, Sphere, Triangle};
-use raycost::scene::{MaterialId, ObjectId, Primitive};
+use scene::geometry::{Capsule, Ray, Shape, Sphere, Triangle};
+use scene::world::{MaterialId, ObjectId, Primitive};
 
 /// A number, often one of a few round ones, so that some rays are parallel to
 /// axes or pass through edges, and some primitives coincide.

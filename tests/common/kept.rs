@@ -1,12 +1,12 @@
 //! Films with their cost attributions.
 
-use raycost::accel::Accel;
-use raycost::attribution::CostAttribution;
-use raycost::config::{Config, OptionalOutput};
-use raycost::cost::Meter;
-use raycost::film::Film;
-use raycost::render::{TilePlan, render};
-use raycost::scene::Scene;
+use render::attribution::CostAttribution;
+use render::film::Film;
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, OptionalOutput};
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::cost::Meter;
 
 use super::scene_of;
 

@@ -18,16 +18,16 @@ use std::process::{Command, Output};
 use glam::Vec3;
 use serde_json::Value;
 
-use raycost::accel::Accel;
-use raycost::config::{Config, CostMode, OptionalOutput};
-use raycost::cost::{self, Counter, Meter, Metric};
-use raycost::film::{Film, Strip};
-use raycost::geometry::RenderSpace;
-use raycost::render::{TilePlan, render};
-use raycost::scene::{Geometries, Scene};
-use raycost::schedule::Schedule;
-use raycost::simd::Simd;
-use raycost::yaml::Source;
+use math::simd::Simd;
+use render::film::{Film, Strip};
+use render::schedule::Schedule;
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, CostMode, OptionalOutput};
+use scene::geometry::RenderSpace;
+use scene::world::{Geometries, Scene};
+use scene::yaml::Source;
+use tracer::accel::Accel;
+use tracer::cost::{self, Counter, Meter, Metric};
 
 /// The names of the counters, as arrays and totals have them; all but the last add up.
 pub const COUNTERS: [&str; 8] = [

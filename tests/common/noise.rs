@@ -1,10 +1,10 @@
 //! Films of noise.
 
 use bytemuck::cast_slice_mut;
-use raycost::config::{CostMode, ExtraArrays, Repeats, WrittenArrays};
-use raycost::cost::{Cost, Counters};
-use raycost::film::{Film, PackedCounters, RenderedTile};
-use raycost::schedule::TileGrid;
+use render::film::{Film, PackedCounters, RenderedTile};
+use render::schedule::TileGrid;
+use scene::config::{CostMode, ExtraArrays, Repeats, WrittenArrays};
+use tracer::cost::{Cost, Counters};
 
 /// Returns a film of noise: all arrays differ, and NaN occurs with many bit patterns.
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
-use raycost::config::Config;
+use scene::config::Config;
 
 use super::parse;
 

@@ -2,13 +2,13 @@
 
 use std::fmt::Debug;
 
+use math::simd::Simd;
 use proptest::prelude::*;
-use raycost::accel::{Accel, Hit, ShadowRay, ShadowStream};
-use raycost::config::{Acceleration, Quality};
-use raycost::cost::{Cost, StreamProbe, Traversals};
-use raycost::geometry::{Ray, RayStream};
-use raycost::scene::{ObjectId, World};
-use raycost::simd::Simd;
+use scene::config::{Acceleration, Quality};
+use scene::geometry::{Ray, RayStream};
+use scene::world::{ObjectId, World};
+use tracer::accel::{Accel, Hit, ShadowRay, ShadowStream};
+use tracer::cost::{Cost, StreamProbe, Traversals};
 
 /// A query's answer and its cost.
 type Answer<A> = (A, Cost);

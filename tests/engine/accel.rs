@@ -4,15 +4,13 @@ use crate::common::generators::{self, bundle, ray, triple};
 use crate::common::twins::{QUALITIES, compare};
 use crate::common::{parse, scene_in_world};
 use glam::{DAffine3, DVec3, Vec3};
+use math::sampling::uniform;
 use proptest::prelude::*;
-use raycost::accel::Accel;
-use raycost::config::{Acceleration, Quality};
-use raycost::cost::{Cost, NoProbe};
-use raycost::geometry::{
-    Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object,
-};
-use raycost::sampling::uniform;
-use raycost::scene::{MaterialId, ObjectId, Primitive, Scene};
+use scene::config::{Acceleration, Quality};
+use scene::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
+use scene::world::{MaterialId, ObjectId, Primitive, Scene};
+use tracer::accel::Accel;
+use tracer::cost::{Cost, NoProbe};
 
 fn list([x, y, z]: [f32; 3]) -> String {
     format!("[{x}, {y}, {z}]")

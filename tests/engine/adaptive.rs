@@ -1,9 +1,9 @@
 //! Adaptive sampling: noisy pixels get more samples, until they are not noisy.
 
 use crate::common::{config, counts, film, lasting, parse, sum, with_cost};
-use raycost::config::{Adaptive, Config, CostMode};
-use raycost::cost::{Counter, RayKind};
-use raycost::film::Film;
+use render::film::Film;
+use scene::config::{Adaptive, Config, CostMode};
+use tracer::cost::{Counter, RayKind};
 
 /// The marbles behind a lens as a small picture.
 fn marbles(samples: u32, adaptive: Option<Adaptive>) -> Config {

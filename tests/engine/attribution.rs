@@ -2,10 +2,10 @@
 
 use crate::common::kept::kept;
 use crate::common::{config, counts, parse, rays, with_cost};
-use raycost::attribution::{AttributedCost, AttributionRule, CostAttribution, Visits, Work};
-use raycost::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern};
-use raycost::cost::{Counter, RayKind};
-use raycost::film::Strip;
+use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Visits, Work};
+use render::film::Strip;
+use scene::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern};
+use tracer::cost::{Counter, RayKind};
 
 const SCENES: [&str; 6] = [
     "seed_extended",

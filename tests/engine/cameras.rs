@@ -1,8 +1,8 @@
 //! Lenses and other cameras against closed forms.
 
 use crate::common::{film, lasting, parse};
-use raycost::config::Config;
-use raycost::film::Film;
+use render::film::Film;
+use scene::config::Config;
 
 /// A white sphere in front of black, seen from the origin toward -z.
 fn sphere(depth: f32, radius: f32, lens: &str) -> Config {

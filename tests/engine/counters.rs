@@ -1,8 +1,8 @@
 //! The counters are exact.
 
 use crate::common::{config, counts, film, parse, rays, scene_of, sum, tiles_and_threads, total};
-use raycost::config::Acceleration;
-use raycost::cost::Counter;
+use scene::config::Acceleration;
+use tracer::cost::Counter;
 
 const SCENE: &str = "
 image: { width: 60, height: 45, samples_per_pixel: 3, seed: 9 }
@@ -72,7 +72,7 @@ fn brute_force_traces_the_same_rays_and_finds_the_same_hits() {
         bvh.values(|strip| &strip.rgb)
             .eq(brute.values(|strip| &strip.rgb))
     );
-    let bits = |film: &raycost::film::Film| -> Vec<u32> {
+    let bits = |film: &render::film::Film| -> Vec<u32> {
         film.values(|strip| &strip.distance)
             .map(f32::to_bits)
             .collect()

@@ -4,12 +4,12 @@ use std::fmt::Write;
 
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::{Accel, ShadowRay};
-use raycost::config::Acceleration;
-use raycost::cost::{Cost, NoProbe, RayKind};
-use raycost::geometry::{Ray, RenderSpace};
-use raycost::scene::{Geometries, Scene};
-use raycost::trace::Tracer;
+use scene::config::Acceleration;
+use scene::geometry::{Ray, RenderSpace};
+use scene::world::{Geometries, Scene};
+use tracer::accel::{Accel, ShadowRay};
+use tracer::cost::{Cost, NoProbe, RayKind};
+use tracer::trace::Tracer;
 
 use crate::common::parse;
 

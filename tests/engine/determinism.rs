@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 
 use crate::common::{config, film, lasting};
-use raycost::config::CostMode;
-use raycost::film::Film;
+use render::film::Film;
+use scene::config::CostMode;
 
 #[test]
 fn the_number_of_threads_changes_no_byte() {

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use raycost::config::OptionalOutput;
-use raycost::scene::{LightNumbers, Scene};
-use raycost::simd::Vector;
+use math::simd::Vector;
+use scene::config::OptionalOutput;
+use scene::world::{LightNumbers, Scene};
 
 use crate::common::{film, in_repository, parse, scene_of};
 

@@ -5,13 +5,13 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
-use raycost::accel::Accel;
-use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::{Ray, RenderSpace};
-use raycost::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
-use raycost::scene::{Geometries, Scene};
-use raycost::trace::Tracer;
+use scene::geometry::{Ray, RenderSpace};
+use scene::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
+use scene::world::{Geometries, Scene};
 use serde_json::{Value, json};
+use tracer::accel::Accel;
+use tracer::cost::{NoProbe, RayKind};
+use tracer::trace::Tracer;
 
 use crate::common::parse;
 
@@ -282,7 +282,7 @@ fn json_with_a_buffer_inside_or_beside_it_is_the_same() {
     std::fs::write(&path, file.gltf("a%20sign.bin")).unwrap();
     assert_eq!(read_mesh_with_materials(&path, 1 << 20).unwrap(), binary);
     assert_eq!(
-        raycost::import::pieces_of(&path).len(),
+        scene::import::pieces_of(&path).len(),
         0,
         "its name is encoded"
     );

@@ -5,13 +5,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use raycost::animation::Animation;
-use raycost::config::Config;
-use raycost::import::{
+use scene::animation::Animation;
+use scene::config::Config;
+use scene::import::{
     ArrayChoice, PlaceArrays, RadiusChoice, read_mesh, read_mesh_with, read_places, read_series,
     read_spheres, read_tubes,
 };
-use raycost::yaml::{Document, Source};
+use scene::yaml::{Document, Source};
 
 /// Most doublings of the time for a doubling of the length: between those of `n log n` and of
 /// the square, with room for noise.

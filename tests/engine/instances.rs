@@ -6,15 +6,15 @@ use crate::common::generators::{ray, triple};
 use crate::common::twins::{compare, compare_built};
 use crate::common::{film, mean, parse, radiance, scene_in_world, with_cost};
 use glam::Vec3;
+use math::sampling::uniform;
 use proptest::prelude::*;
-use raycost::accel::{Accel, TraversalStep};
-use raycost::config::{Acceleration, Config, CostMode};
-use raycost::cost::{Cost, NoProbe, RayKind};
-use raycost::geometry::{InstanceTransform, Ray};
-use raycost::import::{self, ArrayChoice, RadiusChoice};
-use raycost::sampling::uniform;
-use raycost::scene::{Geometries, InstanceId, PlacedPrimitive, Scene};
-use raycost::trace::{SurfacePoint, Tracer};
+use scene::config::{Acceleration, Config, CostMode};
+use scene::geometry::{InstanceTransform, Ray};
+use scene::import::{self, ArrayChoice, RadiusChoice};
+use scene::world::{Geometries, InstanceId, PlacedPrimitive, Scene};
+use tracer::accel::{Accel, TraversalStep};
+use tracer::cost::{Cost, NoProbe, RayKind};
+use tracer::trace::{SurfacePoint, Tracer};
 
 const MESHES: [&str; 3] = [
     "{ file: ../tests/files/tile.obj }",

@@ -1,8 +1,8 @@
 //! A scene of any size, at any place, has the same picture.
 
 use proptest::prelude::*;
-use raycost::config::{Config, CostMode, ShadingModel};
-use raycost::film::{Film, Strip};
+use render::film::{Film, Strip};
+use scene::config::{Config, CostMode, ShadingModel};
 
 use crate::common::moved::Similarity;
 use crate::common::scenes::{RandomScene, scenes as random_scenes};

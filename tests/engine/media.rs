@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 use crate::common::{mean, parse, radiance, scene_of};
-use raycost::accel::Accel;
-use raycost::attribution::{Observer, RayTree};
-use raycost::cost::RayKind;
+use render::attribution::{Observer, RayTree};
+use tracer::accel::Accel;
+use tracer::cost::RayKind;
 
 /// The rays of the pixel in the middle of five, which sees a medium under a white sky.
 fn under_white_sky(max_depth: u32, medium: &str, objects: &str) -> RayTree {

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use crate::common::parse;
 use glam::Vec3;
-use raycost::accel::Accel;
-use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::{Ray, RenderSpace};
-use raycost::scene::{Geometries, Scene};
-use raycost::trace::{SurfacePoint, Tracer};
+use scene::geometry::{Ray, RenderSpace};
+use scene::world::{Geometries, Scene};
+use tracer::accel::Accel;
+use tracer::cost::{NoProbe, RayKind};
+use tracer::trace::{SurfacePoint, Tracer};
 
 /// Rows and columns of the sphere's quads.
 const N: usize = 24;
@@ -66,7 +66,7 @@ fn surface_points(scene: &Scene) -> Vec<(Ray, SurfacePoint)> {
     let accel = Accel::new(scene, Default::default());
     let tracer = Tracer::new(scene, &accel);
     let ray = |i: u64| {
-        let [x, y, z, w] = raycost::sampling::uniform([7, i, 0]);
+        let [x, y, z, w] = math::sampling::uniform([7, i, 0]);
         let origin = 9.0 * (Vec3::new(x, y, z) - 0.5).normalize();
         let target = 0.3 * w * Vec3::new(y, z, x);
         Ray {

@@ -4,11 +4,11 @@ use crate::common::scenes::scenes;
 use crate::common::{config, counts, film, parse, rays, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::{Accel, TraversalStep};
-use raycost::attribution::{Observer, RayTree, TooManyRays};
-use raycost::config::{Config, CostMode, ShadingModel};
-use raycost::cost::{Clock, Cost, Counter, RayKind};
-use raycost::film::Film;
+use render::attribution::{Observer, RayTree, TooManyRays};
+use render::film::Film;
+use scene::config::{Config, CostMode, ShadingModel};
+use tracer::accel::{Accel, TraversalStep};
+use tracer::cost::{Clock, Cost, Counter, RayKind};
 
 /// Calls `check` with the tree and the index of each pixel, and with the film.
 fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {

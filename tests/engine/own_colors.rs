@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::Vec3;
-use raycost::accel::Accel;
-use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::{Ray, RenderSpace};
-use raycost::import::{Finish, read_mesh_with_materials};
-use raycost::scene::{Geometries, Scene};
-use raycost::trace::Tracer;
+use scene::geometry::{Ray, RenderSpace};
+use scene::import::{Finish, read_mesh_with_materials};
+use scene::world::{Geometries, Scene};
+use tracer::accel::Accel;
+use tracer::cost::{NoProbe, RayKind};
+use tracer::trace::Tracer;
 
 use crate::common::parse;
 
@@ -86,7 +86,7 @@ fn colors_out_of_range_are_refused_in_ply_and_none_in_obj() {
     let read = |name: &str, text: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        raycost::import::read_mesh(&path)
+        scene::import::read_mesh(&path)
     };
     let fault = read("a.ply", &ply("float", ["255", "0"]))
         .unwrap_err()
@@ -219,7 +219,7 @@ fn fault_of(name: &str, old: &str, new: &str) -> String {
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(old), "{old}");
     std::fs::write(&path, text.replacen(old, new, 1)).unwrap();
-    let read = raycost::import::read_mesh_with_materials(&folder.path().join("chair.obj"), 1 << 20);
+    let read = scene::import::read_mesh_with_materials(&folder.path().join("chair.obj"), 1 << 20);
     let place = folder.path().display().to_string() + "/";
     read.unwrap_err().to_string().replace(&place, "")
 }
@@ -300,7 +300,7 @@ fn damaged_materials_never_panic() {
             let whole = std::fs::read(&path).unwrap();
             std::fs::write(&path, bytes).unwrap();
             let mesh = folder.path().join("chair.obj");
-            match raycost::import::read_mesh_with_materials(&mesh, 1 << 20) {
+            match scene::import::read_mesh_with_materials(&mesh, 1 << 20) {
                 Ok(mesh) => {
                     let parts = mesh.into_parts();
                     assert!(parts.iter().all(|(_, part)| !part.triangles.is_empty()));

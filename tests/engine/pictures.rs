@@ -6,15 +6,15 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageFormat};
 use proptest::prelude::*;
-use raycost::accel::Accel;
-use raycost::color::Transfer;
-use raycost::config::CostMode;
-use raycost::cost::{NoProbe, RayKind};
-use raycost::geometry::{Ray, RenderSpace};
-use raycost::import::{FileFault, Mesh, read_mesh, read_picture};
-use raycost::picture::{Picture, Sampling, TexelFilter, Wrap};
-use raycost::scene::{Geometries, Scene};
-use raycost::trace::{SurfacePoint, Tracer};
+use scene::color::Transfer;
+use scene::config::CostMode;
+use scene::geometry::{Ray, RenderSpace};
+use scene::import::{FileFault, Mesh, read_mesh, read_picture};
+use scene::picture::{Picture, Sampling, TexelFilter, Wrap};
+use scene::world::{Geometries, Scene};
+use tracer::accel::Accel;
+use tracer::cost::{NoProbe, RayKind};
+use tracer::trace::{SurfacePoint, Tracer};
 
 use crate::common::{film, in_repository, parse};
 
@@ -221,7 +221,7 @@ fn surface_points(scene: &Scene) -> Vec<SurfacePoint> {
     let accel = Accel::new(scene, Default::default());
     let tracer = Tracer::new(scene, &accel);
     let trace = |i: u64| {
-        let [x, y, z, w] = raycost::sampling::uniform([3, i, 0]);
+        let [x, y, z, w] = math::sampling::uniform([3, i, 0]);
         let origin = 9.0 * (Vec3::new(x, y, z) - 0.5).normalize();
         let direction = (w * Vec3::new(y, z, x) - origin).normalize();
         tracer.trace(&Ray { origin, direction }, RayKind::Camera, &mut NoProbe)
@@ -355,7 +355,7 @@ fn a_ray_sees_as_much_of_a_picture_as_its_cone_is_wide() {
     let tracer = Tracer::new(&scene, &accel);
     let (up, across) = (Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.0, -0.8, 0.6));
     for i in 0..500 {
-        let [x, y, z, length] = raycost::sampling::uniform([5, i, 0]);
+        let [x, y, z, length] = math::sampling::uniform([5, i, 0]);
         let origin = 4.0 * (Vec3::new(x, y, z) - 0.5).normalize();
         let direction = (0.5 * Vec3::new(y, z, x) - origin).normalize();
         let ray = Ray { origin, direction };

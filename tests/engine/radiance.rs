@@ -1,9 +1,9 @@
 //! A film keeps the light of its pixels as it is, whatever its picture shows.
 
 use glam::Vec3;
-use raycost::color::{Development, ToneCurve, Transfer};
-use raycost::config::{Config, CostMode, ExtraArrays, OptionalOutput};
-use raycost::film::Film;
+use render::film::Film;
+use scene::color::{Development, ToneCurve, Transfer};
+use scene::config::{Config, CostMode, ExtraArrays, OptionalOutput};
 
 use crate::common::{config, film, parse, with_cost};
 

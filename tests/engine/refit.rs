@@ -4,10 +4,10 @@ use crate::common::generators::{point, ray, shape};
 use crate::common::twins::{QUALITIES, compare_built};
 use glam::Vec3;
 use proptest::prelude::*;
-use raycost::accel::Accel;
-use raycost::config::{Acceleration, Quality};
-use raycost::geometry::{Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
-use raycost::scene::{MaterialId, ObjectId, Primitive};
+use scene::config::{Acceleration, Quality};
+use scene::geometry::{Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
+use scene::world::{MaterialId, ObjectId, Primitive};
+use tracer::accel::Accel;
 
 /// A shape, where it moves in a unit of time, and the factor by which it grows.
 type Moving = (Shape, Vec3, f32);

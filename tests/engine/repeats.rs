@@ -14,11 +14,11 @@ use serde_json::{Value, json};
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, in_repository, lasting, raycost, scene_of, with_cost};
-use raycost::accel::Accel;
-use raycost::config::{Config, CostMode, Repeats};
-use raycost::cost::Meter;
-use raycost::film::Film;
-use raycost::render::{Repeat, TilePlan, render, repeat};
+use render::film::Film;
+use render::tiles::{Repeat, TilePlan, render, repeat};
+use scene::config::{Config, CostMode, Repeats};
+use tracer::accel::Accel;
+use tracer::cost::Meter;
 
 fn small(name: &str) -> Config {
     let mut config = config(name);
@@ -76,7 +76,7 @@ fn each_repeat_reports_its_pixels() {
     let meter = Meter::new(config.cost);
     let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
     let n_pixels = std::sync::atomic::AtomicU64::new(0);
-    let report = |progress: raycost::render::Progress| {
+    let report = |progress: render::tiles::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
     };
     repeat(exactly(3), &scene, &accel, &plan, &meter, report);

@@ -12,11 +12,11 @@ use crate::common::{
     assert_success, config, counts, film, in_repository, lasting, raycost, rays, rendered,
     tiles_and_threads,
 };
-use raycost::config::{Config, CostMode, TileOrder, Tiling};
-use raycost::cost::{Cost, Counter};
-use raycost::film::Film;
-use raycost::schedule::Schedule;
-use raycost::simd::Simd;
+use math::simd::Simd;
+use render::film::Film;
+use render::schedule::Schedule;
+use scene::config::{Config, CostMode, TileOrder, Tiling};
+use tracer::cost::{Cost, Counter};
 
 fn tiled(name: &str, order: TileOrder, size: u32) -> Config {
     let mut config = config(name);

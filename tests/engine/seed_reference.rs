@@ -2,8 +2,8 @@
 //! are compared by `tests/with-numpy`.
 
 use crate::common::{config, film, in_repository, parse, rays, sum, total};
-use raycost::cost::Counter;
-use raycost::film::Film;
+use render::film::Film;
+use tracer::cost::Counter;
 
 /// The share of pixels that differ from the reference by at most 1/255 in
 /// every channel.

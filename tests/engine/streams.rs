@@ -2,13 +2,13 @@
 
 use crate::common::scenes::{BACKGROUNDS, CAMERAS, CHECKER, RandomScene, scenes};
 use crate::common::{config, film, film_on, lasting, parse, rays, scene_of, sum, with_cost};
+use math::simd::Simd;
 use proptest::prelude::*;
-use raycost::accel::Accel;
-use raycost::config::{Config, CostMode, OptionalOutput, Traversal};
-use raycost::cost::{Counter, Meter};
-use raycost::film::Film;
-use raycost::render::{TilePlan, render};
-use raycost::simd::Simd;
+use render::film::Film;
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, CostMode, OptionalOutput, Traversal};
+use tracer::accel::Accel;
+use tracer::cost::{Counter, Meter};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]

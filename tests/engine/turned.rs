@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use raycost::geometry::{Capsule, Cone, Cylinder, Intersectable, Ray, Shape};
+use scene::geometry::{Capsule, Cone, Cylinder, Intersectable, Ray, Shape};
 
 use crate::common::generators::direction;
 

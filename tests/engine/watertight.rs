@@ -4,12 +4,12 @@ use crate::common::generators::primitives;
 use crate::common::in_repository;
 use crate::common::twins::{QUALITIES, kernels};
 use glam::Vec3;
-use raycost::accel::Accel;
-use raycost::cost::NoProbe;
-use raycost::geometry::{Ray, Shape, Triangle};
-use raycost::import::read_mesh;
-use raycost::sampling::uniform;
+use math::sampling::uniform;
 use rayon::prelude::*;
+use scene::geometry::{Ray, Shape, Triangle};
+use scene::import::read_mesh;
+use tracer::accel::Accel;
+use tracer::cost::NoProbe;
 
 /// Rays per stream.
 const N_IN_STREAM: usize = 10_000;

@@ -1,13 +1,13 @@
 //! A window has the pixels of the whole picture.
 
 use crate::common::{config, counts, film, with_cost};
-use raycost::config::CostMode;
-use raycost::cost::Counter;
-use raycost::film::Film;
+use render::film::Film;
+use scene::config::CostMode;
+use tracer::cost::Counter;
 
 /// The bytes of all arrays that a rendering stores, and the counters, of a pixel.
 fn pixel(film: &Film, (x, y): (u32, u32)) -> (Vec<u8>, Vec<u32>) {
-    let strip = &film.strips[y as usize / raycost::film::STRIP_ROWS as usize];
+    let strip = &film.strips[y as usize / render::film::STRIP_ROWS as usize];
     let i = ((y - strip.first_row) * film.grid.width + x) as usize;
     let columns = film.kept_columns().filter(|column| {
         column.is_in_strips() && !["time_ns", "time_mad_ns", "n_rejected"].contains(&column.name)

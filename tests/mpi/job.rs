@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use raycost::checkpoint::CheckpointFile;
+use render::checkpoint::CheckpointFile;
 use tempfile::TempDir;
 
 use crate::common::{assert_success, in_repository, raycost};

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Output;
 
 use clap::ValueEnum;
-use raycost::config::PixelArray;
+use scene::config::PixelArray;
 
 use crate::common::data_set::DataSet;
 use crate::common::paraview::{load, render, screenshot};

@@ -11,14 +11,14 @@ use crate::common::data_set::{Array, DataSet, units};
 use crate::common::kept::kept;
 use crate::common::{assert_success, config, in_repository, parse, raycost, with_cost};
 use glam::Vec3;
-use raycost::attribution::{Hierarchy, Visits};
-use raycost::config::{BvhLimits, Config, CostMode};
-use raycost::cost::RayKind;
-use raycost::geometry::RenderSpace;
-use raycost::geometry::Shape;
-use raycost::output::{write_nodes, write_surface};
-use raycost::scene::Scene;
-use raycost::vtk::Codec;
+use output::writers::{write_nodes, write_surface};
+use render::attribution::{Hierarchy, Visits};
+use scene::config::{BvhLimits, Config, CostMode};
+use scene::geometry::RenderSpace;
+use scene::geometry::Shape;
+use scene::world::Scene;
+use tracer::cost::RayKind;
+use vtk::Codec;
 
 read_both_ways! {
     triangles: small("spot", CostMode::Time);
@@ -141,7 +141,7 @@ fn expected_surface(scene: &Scene, visits: &[Visits], cost: CostMode) -> DataSet
         .filter(|(_, primitive)| !primitive.is_unbounded())
         .collect();
     let shown = || shown.iter();
-    let radius = |primitive: &raycost::scene::Primitive| match primitive.world_shape() {
+    let radius = |primitive: &scene::world::Primitive| match primitive.world_shape() {
         Some(Shape::Sphere(sphere)) => scene.space.world_length(sphere.radius),
         _ => 0.0,
     };

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use raycost::results::{LoadedArray, Results};
+use output::results::{LoadedArray, Results};
 
 use super::parts::Folder;
 use crate::common::data_set::{Array, DataSet};

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
-use raycost::config::CostMode;
-use raycost::output::write_frame;
-use raycost::results::{FrameFile, Results};
-use raycost::vtk::Codec;
+use output::results::{FrameFile, Results};
+use output::writers::write_frame;
+use scene::config::CostMode;
+use vtk::Codec;
 
 /// Opens a frame whose header `change` has edited; returns the error, or `fine`.
 fn frame(folder: &Path, change: impl FnOnce(&str) -> String) -> String {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, Text, read};
-use raycost::results::{FrameFile, Results};
+use output::results::{FrameFile, Results};
 
 use crate::common::{assert_success, in_repository, raycost};
 

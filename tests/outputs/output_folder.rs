@@ -8,9 +8,9 @@ use clap::ValueEnum;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use raycost::config::{Config, CostMode, OptionalOutput};
-use raycost::output::{Request, files};
-use raycost::yaml::Source;
+use output::writers::{Request, files};
+use scene::config::{Config, CostMode, OptionalOutput};
+use scene::yaml::Source;
 
 use crate::common::data_set::DataSet;
 use crate::common::{COUNTERS, assert_success, in_repository, names, raycost};

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use raycost::checkpoint::{Checkpoint, CheckpointFile};
+use render::checkpoint::{Checkpoint, CheckpointFile};
 use tempfile::TempDir;
 
 use crate::common::same_output::{assert_same_output, summary};

@@ -3,7 +3,7 @@
 use std::fs;
 
 use image::DynamicImage;
-use raycost::results::Results;
+use output::results::Results;
 
 use crate::common::{assert_success, in_repository, raycost};
 

@@ -8,12 +8,12 @@ use proptest::prelude::*;
 
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
-use raycost::config::CostMode;
-use raycost::film::Film;
-use raycost::output::{write_frame, write_hits};
-use raycost::results::{FrameFile, HitsFile, Results};
-use raycost::schedule::TileGrid;
-use raycost::vtk::Codec;
+use output::results::{FrameFile, HitsFile, Results};
+use output::writers::{write_frame, write_hits};
+use render::film::Film;
+use render::schedule::TileGrid;
+use scene::config::CostMode;
+use vtk::Codec;
 
 const MODES: [CostMode; 3] = [CostMode::None, CostMode::Counters, CostMode::Time];
 proptest! {

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use raycost::checkpoint::CheckpointFile;
+use render::checkpoint::CheckpointFile;
 
 use super::parts::Folder;
 use crate::common::data_set::DataSet;

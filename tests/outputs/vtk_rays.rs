@@ -5,15 +5,15 @@ use std::path::Path;
 
 use crate::common::data_set::{DataSet, assert_same, integers};
 use crate::common::{config, scene_in_world};
-use raycost::accel::Accel;
-use raycost::attribution::{Observer, TracedRay};
-use raycost::config::{Config, CostMode};
-use raycost::cost::Clock;
-use raycost::film::Film;
-use raycost::output::{Traced, write_rays};
-use raycost::scene::Primitive;
-use raycost::schedule::TileGrid;
-use raycost::vtk::Codec;
+use output::writers::{Traced, write_rays};
+use render::attribution::{Observer, TracedRay};
+use render::film::Film;
+use render::schedule::TileGrid;
+use scene::config::{Config, CostMode};
+use scene::world::Primitive;
+use tracer::accel::Accel;
+use tracer::cost::Clock;
+use vtk::Codec;
 
 /// Two tests of the rays of some pixels.
 macro_rules! rays {

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use raycost::import::{
+use scene::import::{
     ArrayChoice, DataFile, Mesh, RadiusChoice, Spheres, read_isosurface, read_mesh_with,
     read_points,
 };
-use raycost::import::{FileFault, IsosurfaceChoice, time_steps};
+use scene::import::{FileFault, IsosurfaceChoice, time_steps};
 
 use serde_json::json;
 

@@ -9,20 +9,20 @@ use super::part::{self, PartDone};
 use super::picture::{FinishedPicture, Until};
 use super::tiles;
 use super::{RenderArguments, start_profiler};
-use crate::checkpoint::{PARTS, PicturePart};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, shell_word, shown};
-use crate::config::Config;
-use crate::instruments::Stages;
-use crate::memory::Memory;
-use crate::results::complete_frame;
-use crate::series::{FrameSeries, Video, frame_folder};
 use crate::session::{Frames, Input, Session};
-use crate::stop;
-use crate::summary::{FrameSection, Partial};
-use crate::text::numbers::{counted, duration};
-use crate::text::{self, Diagnostic};
-use crate::yaml::Document;
+use base::stop;
+use base::text::numbers::{counted, duration};
+use base::text::{self, Diagnostic};
+use output::memory::Memory;
+use output::results::complete_frame;
+use output::summary::{FrameSection, Partial};
+use render::checkpoint::{PARTS, PicturePart};
+use render::instruments::Stages;
+use scene::config::Config;
+use scene::yaml::Document;
+use tools::series::{FrameSeries, Video, frame_folder};
 
 /// Renders the frames that are not complete, and writes what plays all complete ones.
 pub(super) fn render(

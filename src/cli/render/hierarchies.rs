@@ -6,12 +6,12 @@
 
 use std::sync::Arc;
 
-use crate::accel::{AccelIndex, BvhStatistics, FrameBase};
 use crate::cli::Failure;
 use crate::cli::first_frame::FirstFrame;
 use crate::cli::open_scene::OpenScene;
-use crate::provenance::Checksum;
 use crate::session::{Options, Session};
+use base::provenance::Checksum;
+use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 
 /// What the frames so far leave for those behind them.
 pub(super) struct FrameHierarchies<'a> {

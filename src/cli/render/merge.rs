@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::{ExtraFormat, RenderArguments};
-use crate::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, shell_word, shown};
-use crate::ranks::n_launched;
-use crate::series::FRAMES;
 use crate::session::Session;
-use crate::text::Diagnostic;
-use crate::text::numbers::parse_bytes;
+use base::text::Diagnostic;
+use base::text::numbers::parse_bytes;
+use render::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
+use render::ranks::n_launched;
+use tools::series::FRAMES;
 
 /// Merge the parts of a picture that `raycost render --part` wrote
 ///

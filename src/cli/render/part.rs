@@ -5,15 +5,15 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::{RenderArguments, tiles};
-use crate::checkpoint::{Checkpoint, CheckpointFile, PARTS, PicturePart};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
-use crate::folder::WriteError;
-use crate::render::Limits;
 use crate::session::{Scope, Session};
-use crate::summary::Partial;
-use crate::text::Diagnostic;
-use crate::text::numbers::{count, counted, duration};
+use base::folder::WriteError;
+use base::text::Diagnostic;
+use base::text::numbers::{count, counted, duration};
+use output::summary::Partial;
+use render::checkpoint::{Checkpoint, CheckpointFile, PARTS, PicturePart};
+use render::tiles::Limits;
 
 /// The extension of a file that is not complete.
 const UNFINISHED: &str = "unfinished";

@@ -7,12 +7,12 @@ use super::RenderArguments;
 use super::tiles::Tiles;
 use crate::cli::Failure;
 use crate::cli::progress::Bars;
-use crate::folder::Written;
-use crate::instruments::Profiler;
-use crate::ranks::Team;
 use crate::session::{Options, Rendering, Scope, Session};
-use crate::stop;
-use crate::summary::Partial;
+use base::folder::Written;
+use base::stop;
+use output::summary::Partial;
+use render::instruments::Profiler;
+use render::ranks::Team;
 
 /// A picture whose files are written.
 pub(super) struct FinishedPicture<'a> {

@@ -3,15 +3,15 @@
 use super::RenderArguments;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, thread_pool};
-use crate::files::{self, SharedFiles};
-use crate::instruments::{HardwareCounters, Stages};
-use crate::memory::Memory;
-use crate::ranks::{Hello, RankFailure, Ranks, SceneText, Team};
+use crate::session::this_build;
 use crate::session::{Options, RenderError, Session};
-use crate::stop;
-use crate::summary::Build;
-use crate::text::Diagnostic;
-use crate::yaml::Source;
+use base::files::{self, SharedFiles};
+use base::stop;
+use base::text::Diagnostic;
+use output::memory::Memory;
+use render::instruments::{HardwareCounters, Stages};
+use render::ranks::{Hello, RankFailure, Ranks, SceneText, Team};
+use scene::yaml::Source;
 
 /// Renders what rank 0 deals to this rank. It writes no file and prints nothing: rank 0
 /// prints why it fails.
@@ -90,7 +90,7 @@ fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
         host: ranks.host(),
         n_threads: n_threads as u32,
         scene: arguments.scene.scene.to_string_lossy().into_owned(),
-        program: Build::current().title(),
+        program: this_build().title(),
         flags: arguments.scene.all_flags(),
     })
 }

@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::{RenderArguments, merge};
-use crate::checkpoint::{Checkpoint, CheckpointFile, Damage};
 use crate::cli::{Failure, shell_word, shown};
-use crate::folder::{WriteError, lock_folder, refuse_file};
-use crate::ranks::Team;
-use crate::render::Limits;
 use crate::session::{Scope, Session};
-use crate::summary::Partial;
-use crate::text::Diagnostic;
-use crate::text::numbers::{count, counted};
+use base::folder::{WriteError, lock_folder, refuse_file};
+use base::text::Diagnostic;
+use base::text::numbers::{count, counted};
+use output::summary::Partial;
+use render::checkpoint::{Checkpoint, CheckpointFile, Damage};
+use render::ranks::Team;
+use render::tiles::Limits;
 
 /// The file of finished tiles, in the output folder until that is complete.
 const UNFINISHED: &str = "unfinished.tiles";

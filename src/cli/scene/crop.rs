@@ -3,8 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::config::Image;
-use crate::text::Diagnostic;
+use base::text::Diagnostic;
+use scene::config::Image;
 
 /// A window of a picture: its first column and row, its width and its height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use clap::{Parser, ValueEnum};
 
 use super::SceneArguments;
 use crate::cli::shell_word;
-use crate::text::{Diagnostic, keyword_name};
+use base::text::{Diagnostic, keyword_name};
 
 /// The arguments of a scene, parsed on their own.
 #[derive(Debug, Parser)]

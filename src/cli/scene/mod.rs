@@ -6,17 +6,17 @@ mod flags;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{shell_word, shown};
-use crate::color::ToneCurve;
-use crate::config::{
+use base::text::Diagnostic;
+use crop::Crop;
+use scene::color::ToneCurve;
+use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats,
     Structure, TileOrder, Tiling,
 };
-use crate::import;
-use crate::starter;
-use crate::text::Diagnostic;
-use crate::vtk::Codec;
-use crate::yaml::{self, Document, Fault, Source};
-use crop::Crop;
+pub use scene::import;
+use scene::yaml::{self, Document, Fault, Source};
+use tools::starter;
+use vtk::Codec;
 
 /// The name of standard input as a scene.
 const STANDARD_INPUT: &str = "-";

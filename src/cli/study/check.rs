@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::{Failure, Study};
-use crate::study::StudyPlan;
-use crate::text::numbers::{count, counted};
-use crate::text::{Diagnostic, one_line};
-use crate::yaml::Source;
+use base::text::numbers::{count, counted};
+use base::text::{Diagnostic, one_line};
+use scene::yaml::Source;
+use tools::study::StudyPlan;
 
 /// The key that every study has, and no scene.
 const SCENES: &str = "scenes";

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::text::Diagnostic;
+use base::text::Diagnostic;
 
 /// The default: the studies of the repository.
 const DEFAULT_FOLDER: &str = "configs/studies";

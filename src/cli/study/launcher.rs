@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::ranks;
-use crate::study::{Launcher, StudyPlan};
-use crate::yaml::{Fault, FieldPath};
+use render::ranks;
+use scene::yaml::{Fault, FieldPath};
+use tools::study::{Launcher, StudyPlan};
 
 /// Checks that the launcher starts nothing but ranks of this program.
 ///

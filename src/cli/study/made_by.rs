@@ -3,16 +3,17 @@
 use serde_json::{Value, json};
 
 use crate::cli::Failure;
-use crate::folder::checksum_of;
-use crate::instruments::HardwareCounters;
-use crate::summary::{Build, Machine};
-use crate::text::Diagnostic;
+use crate::session::this_build;
+use base::folder::checksum_of;
+use base::text::Diagnostic;
+use output::summary::Machine;
+use render::instruments::HardwareCounters;
 
 /// The provenance of tables: machine and build.
 pub(super) fn of_tables() -> Value {
     json!({
         "machine": Machine::current(),
-        "build": Build::current(),
+        "build": this_build(),
         "no_hardware_counters": HardwareCounters::start().why_not(),
     })
 }

@@ -21,15 +21,15 @@ use scene_files::SceneFiles;
 
 use super::progress::StudyBar;
 use super::{Cli, Failure, thread_pool};
-use crate::folder::{Replace, lock_folder, refuse_file, write_file};
-use crate::instruments::MachineLimits;
-use crate::stop;
-use crate::study::{
+use base::folder::{Replace, lock_folder, refuse_file, write_file};
+use base::stop;
+use base::text::{self, Diagnostic, numbers};
+use render::instruments::MachineLimits;
+use scene::yaml::{self, Fault, Source};
+use tools::study::{
     Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyMetric,
     StudyPlan, StudyPoint, roofline_points, scaling_rows, statistics_rows,
 };
-use crate::text::{self, Diagnostic, numbers};
-use crate::yaml::{self, Fault, Source};
 
 /// Measure how the cost of scenes depends on what you vary
 #[derive(Debug, clap::Args)]

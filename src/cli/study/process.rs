@@ -7,11 +7,11 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::cli::Failure;
-use crate::folder::Scratch;
-use crate::stop;
-use crate::study::{RunMetrics, StudyPlan, StudyPoint};
-use crate::summary::{self, Summary};
-use crate::text::Diagnostic;
+use base::folder::Scratch;
+use base::stop;
+use base::text::Diagnostic;
+use output::summary::{self, Summary};
+use tools::study::{RunMetrics, StudyPlan, StudyPoint};
 
 /// Renders a point in a process of its own, into a temporary folder in `out`. `folder` is
 /// that of the study file. The process ends when this one does, even if this one is killed.

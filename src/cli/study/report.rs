@@ -8,13 +8,13 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use crate::cli::{Failure, shown};
-use crate::folder::{Replace, write_file};
-use crate::study::{
+use base::folder::{Replace, write_file};
+use base::text::numbers::duration;
+use base::text::one_line;
+use tools::study::{
     Figure, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan, bottleneck_report, label_of,
     write_csv,
 };
-use crate::text::numbers::duration;
-use crate::text::one_line;
 
 /// Writes the tables and plots of a study; `points` if it requests a roofline. Returns the
 /// numbers of the plots that have no values.
@@ -179,7 +179,7 @@ pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::SampleStatistics;
+    use math::statistics::SampleStatistics;
 
     fn row(values: &[f64], first_is_slow: bool) -> StatisticsRow {
         StatisticsRow {

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use indexmap::{IndexMap, IndexSet};
 use serde_json::{Value, json};
 
-use crate::provenance::Checksum;
 use crate::session::{contents_of, states_of};
-use crate::study::StudyPoint;
-use crate::text::Diagnostic;
+use base::provenance::Checksum;
+use base::text::Diagnostic;
+use tools::study::StudyPoint;
 
 /// The files of all scenes of a study, by the names of the scenes.
 pub(super) struct SceneFiles(IndexMap<String, FileSet>);
@@ -94,8 +94,8 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::study::StudyPlan;
-    use crate::yaml;
+    use scene::yaml;
+    use tools::study::StudyPlan;
 
     #[test]
     fn a_scene_that_changes_during_a_study_stops_it() {

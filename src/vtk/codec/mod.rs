@@ -12,13 +12,13 @@ use std::io;
 use clap::ValueEnum;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::text;
+use base::text;
 
 /// The compression of the arrays in VTK files. All of them are lossless.
 ///
 /// ```
-/// # use raycost::vtk::Codec;
-/// let compress: Codec = raycost::yaml::from_str("zlib").unwrap();
+/// # use vtk::Codec;
+/// let compress: Codec = scene::yaml::from_str("zlib").unwrap();
 /// # assert_eq!(compress, Codec::Zlib);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ValueEnum)]
@@ -36,7 +36,7 @@ pub enum Codec {
 
 impl Codec {
     /// Returns its compressor; `None` for raw arrays.
-    pub(crate) fn compressor(self) -> Option<&'static dyn Compressor> {
+    pub fn compressor(self) -> Option<&'static dyn Compressor> {
         match self {
             Self::None => None,
             Self::Lz4 => Some(&lz4::Lz4),
@@ -62,7 +62,7 @@ impl<'de> Deserialize<'de> for Codec {
 }
 
 /// Compresses blocks, each independently of the others.
-pub(crate) trait Compressor: Debug + Sync {
+pub trait Compressor: Debug + Sync {
     /// The VTK class that reads the blocks.
     fn vtk_class(&self) -> &'static str;
 
@@ -82,7 +82,7 @@ pub(crate) trait Compressor: Debug + Sync {
 
 impl dyn Compressor {
     /// Returns the compressor with the VTK class `name`, if raycost has it.
-    pub(crate) fn of_vtk_class(name: &str) -> Option<&'static Self> {
+    pub fn of_vtk_class(name: &str) -> Option<&'static Self> {
         let codecs = Codec::value_variants().iter();
         let mut compressors = codecs.filter_map(|codec| codec.compressor());
         compressors.find(|compressor| compressor.vtk_class() == name)
@@ -92,7 +92,7 @@ impl dyn Compressor {
     ///
     /// # Errors
     /// `InvalidData` if `compressed` is not a block of `block.len()` bytes.
-    pub(crate) fn decompress_exact(&self, compressed: &[u8], block: &mut [u8]) -> io::Result<()> {
+    pub fn decompress_exact(&self, compressed: &[u8], block: &mut [u8]) -> io::Result<()> {
         if self.decompress(compressed, block) == Some(block.len()) {
             Ok(())
         } else {
@@ -110,7 +110,7 @@ pub(crate) fn compressors() -> impl Iterator<Item = &'static dyn Compressor> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vtk::compressed::BLOCK;
+    use crate::compressed::BLOCK;
 
     #[test]
     fn a_block_of_another_length_or_content_is_refused() {

@@ -4,7 +4,7 @@ use hdf5_metno::Group;
 use hdf5_metno::types::{StringError, VarLenAscii};
 
 use super::steps::{table, write_list};
-use crate::vtk::field::{Field, FieldValues};
+use crate::field::{Field, FieldValues};
 
 /// The field data of all steps.
 #[derive(Default)]

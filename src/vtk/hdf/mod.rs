@@ -20,21 +20,21 @@ use std::io;
 use std::path::Path;
 
 #[cfg(not(feature = "hdf5"))]
-pub(crate) use absent::NoHdfWriter as HdfWriter;
+pub use absent::NoHdfWriter as HdfWriter;
 #[cfg(feature = "hdf5")]
-pub(crate) use writer::HdfWriter;
+pub use writer::HdfWriter;
 
 use super::data_set::DataSet;
 use super::field::Field;
 
 /// Whether this program was built with HDF5.
-pub(crate) const IS_BUILT: bool = cfg!(feature = "hdf5");
+pub const IS_BUILT: bool = cfg!(feature = "hdf5");
 
 /// Writes a data set, an image of points or a grid, to a new file.
 ///
 /// # Errors
 /// The errors of HDF5.
-pub(crate) fn write(data_set: &DataSet, fields: &[Field], path: &Path) -> io::Result<()> {
+pub fn write(data_set: &DataSet, fields: &[Field], path: &Path) -> io::Result<()> {
     let mut file = HdfWriter::create(path, None)?;
     let units = Field::units(data_set);
     let fields: Vec<Field> = fields.iter().cloned().chain(units).collect();

@@ -8,8 +8,8 @@ use hdf5_metno::{Dataset, Extent, Group, H5Type, Hyperslab, Location, Selection,
 use ndarray::{ArrayView, IxDyn};
 use vtkio::model::ScalarType;
 
-use crate::stop;
-use crate::vtk::array::Array;
+use crate::array::Array;
+use base::stop;
 
 /// Bytes of a chunk, about: readers of a part inflate whole chunks.
 const CHUNK: usize = 1 << 18;

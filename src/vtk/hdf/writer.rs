@@ -10,16 +10,16 @@ use super::rows::{self, Place};
 use super::steps::{
     StepSize, begins, write_offsets, write_point_offsets, write_sizes, write_times,
 };
-use crate::vtk::array::Array;
-use crate::vtk::data_set::{CellMesh, DataSet};
-use crate::vtk::field::Field;
+use crate::array::Array;
+use crate::data_set::{CellMesh, DataSet};
+use crate::field::Field;
 
 /// The point array that VTK uses as normals.
 const NORMALS: &str = "Normals";
 
 /// A file that is being written: a step for each data set, all of one kind and with the
 /// same arrays.
-pub(crate) struct HdfWriter {
+pub struct HdfWriter {
     file: File,
     root: Group,
     points: Group,
@@ -35,7 +35,7 @@ pub(crate) struct HdfWriter {
 impl HdfWriter {
     /// Creates the file for a step at each of these times, or for a single data set; fails
     /// if it exists.
-    pub(crate) fn create(path: &Path, times: Option<&[f64]>) -> io::Result<Self> {
+    pub fn create(path: &Path, times: Option<&[f64]>) -> io::Result<Self> {
         let create = || -> hdf5_metno::Result<Self> {
             let file = File::create_excl(path)?;
             let root = file.create_group("VTKHDF")?;
@@ -58,7 +58,7 @@ impl HdfWriter {
     ///
     /// # Errors
     /// It is of another kind or has other arrays than the first, or the errors of HDF5.
-    pub(crate) fn append(&mut self, data_set: &DataSet, fields: &[Field]) -> io::Result<()> {
+    pub fn append(&mut self, data_set: &DataSet, fields: &[Field]) -> io::Result<()> {
         let step = match data_set {
             DataSet::Image { extent, point_data } => {
                 self.begin(data_set, point_data)?;
@@ -101,7 +101,7 @@ impl HdfWriter {
     }
 
     /// Completes the file.
-    pub(crate) fn finish(self) -> io::Result<()> {
+    pub fn finish(self) -> io::Result<()> {
         let finish = || {
             let times = self.times.as_deref();
             let version = if times.is_some() { [2_i64, 0] } else { [1, 0] };

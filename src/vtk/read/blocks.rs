@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
-use crate::vtk::codec::Compressor;
-use crate::vtk::compressed::{BLOCK, table_head};
+use crate::codec::Compressor;
+use crate::compressed::{BLOCK, table_head};
 
 /// Most bytes of a compressed block: noise grows a little when it is compressed.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
@@ -134,11 +134,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::vtk::Codec;
-    use crate::vtk::appended;
-    use crate::vtk::array::Array;
-    use crate::vtk::data_set::{CellMesh, DataSet};
-    use crate::vtk::read::{DataArraysElement, VtkReader};
+    use crate::Codec;
+    use crate::appended;
+    use crate::array::Array;
+    use crate::data_set::{CellMesh, DataSet};
+    use crate::read::{DataArraysElement, VtkReader};
 
     /// Lengths around multiples of the block size, and any others.
     fn lengths() -> impl Strategy<Value = usize> {

@@ -5,23 +5,19 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 use super::reader::{ArrayLocation, LENGTH_BYTES, Storage, VtkReader, cannot_read};
 use super::values::{ArrayValues, Selection};
-use crate::host::{available_memory, may_fail};
-use crate::text::Diagnostic;
-use crate::text::numbers::{self, count};
+use base::host::{available_memory, may_fail};
+use base::text::Diagnostic;
+use base::text::numbers::{self, count};
 
 impl VtkReader {
     /// Reads an array that the file stores in `n_rows` equal rows, the last row first.
-    pub(crate) fn read(
-        &self,
-        place: &ArrayLocation,
-        n_rows: usize,
-    ) -> Result<ArrayValues, Diagnostic> {
+    pub fn read(&self, place: &ArrayLocation, n_rows: usize) -> Result<ArrayValues, Diagnostic> {
         let fill = |values: &mut ArrayValues, from: &mut dyn Read| values.read_rows(n_rows, from);
         self.read_by(place, place.n_numbers, fill)
     }
 
     /// Reads the selected pixels of an array of an image.
-    pub(crate) fn read_selected(
+    pub fn read_selected(
         &self,
         place: &ArrayLocation,
         selection: &Selection,

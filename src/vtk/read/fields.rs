@@ -2,13 +2,13 @@
 
 use super::header::{FieldElements, TextElement};
 use super::reader::VtkReader;
-use crate::text::Diagnostic;
-use crate::vtk::field::{Field, FieldValues};
-use crate::vtk::read::ArrayValues;
+use crate::field::{Field, FieldValues};
+use crate::read::ArrayValues;
+use base::text::Diagnostic;
 
 impl VtkReader {
     /// Reads field data: numbers of 64-bit floats or 32-bit integers, and texts.
-    pub(crate) fn fields(&self, elements: &FieldElements) -> Result<Vec<Field>, Diagnostic> {
+    pub fn fields(&self, elements: &FieldElements) -> Result<Vec<Field>, Diagnostic> {
         let mut fields = Vec::new();
         for array in &elements.arrays {
             let place = self.place(array, array.n_tuples.unwrap_or(0))?;

@@ -13,70 +13,70 @@ const MAX_COMPONENTS: u32 = 9;
 
 /// The root element, `VTKFile`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct VtkHeader {
+pub struct VtkHeader {
     #[serde(rename = "@byte_order")]
-    pub(crate) byte_order: String,
+    pub byte_order: String,
     #[serde(rename = "@header_type")]
-    pub(crate) header_type: Option<String>,
+    pub header_type: Option<String>,
     #[serde(rename = "@compressor")]
-    pub(crate) compressor: Option<String>,
+    pub compressor: Option<String>,
     /// The id of the run that wrote the file.
     #[serde(rename = "@raycost_run")]
-    pub(crate) run: Option<String>,
+    pub run: Option<String>,
     #[serde(rename = "ImageData")]
-    pub(crate) image: Option<ImageDataElement>,
+    pub image: Option<ImageDataElement>,
     #[serde(rename = "UnstructuredGrid")]
-    pub(crate) grid: Option<UnstructuredGridElement>,
+    pub grid: Option<UnstructuredGridElement>,
 }
 
 /// The element `ImageData`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct ImageDataElement {
+pub struct ImageDataElement {
     #[serde(rename = "FieldData", default)]
-    pub(crate) field_data: FieldElements,
+    pub field_data: FieldElements,
     #[serde(rename = "Piece")]
-    pub(crate) piece: ImagePieceElement,
+    pub piece: ImagePieceElement,
 }
 
 /// The element `Piece` of an `ImageData`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct ImagePieceElement {
+pub struct ImagePieceElement {
     #[serde(rename = "@Extent")]
-    pub(crate) extent: String,
+    pub extent: String,
     #[serde(rename = "PointData", default)]
-    pub(crate) point_data: DataArraysElement,
+    pub point_data: DataArraysElement,
 }
 
 /// The element `UnstructuredGrid`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct UnstructuredGridElement {
+pub struct UnstructuredGridElement {
     #[serde(rename = "FieldData", default)]
-    pub(crate) field_data: FieldElements,
+    pub field_data: FieldElements,
     #[serde(rename = "Piece")]
-    pub(crate) piece: GridPieceElement,
+    pub piece: GridPieceElement,
 }
 
 /// The element `Piece` of an `UnstructuredGrid`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct GridPieceElement {
+pub struct GridPieceElement {
     #[serde(rename = "@NumberOfPoints")]
-    pub(crate) n_points: u64,
+    pub n_points: u64,
     #[serde(rename = "PointData", default)]
-    pub(crate) point_data: DataArraysElement,
+    pub point_data: DataArraysElement,
     #[serde(rename = "Points")]
-    pub(crate) points: DataArraysElement,
+    pub points: DataArraysElement,
 }
 
 /// The elements `PointData` and `Points`: lists of arrays.
 #[derive(Debug, Default, Deserialize)]
-pub(crate) struct DataArraysElement {
+pub struct DataArraysElement {
     #[serde(rename = "DataArray", default)]
-    pub(crate) arrays: Vec<DataArrayElement>,
+    pub arrays: Vec<DataArrayElement>,
 }
 
 /// The element `FieldData`: arrays of numbers and of texts.
 #[derive(Debug, Default, Deserialize)]
-pub(crate) struct FieldElements {
+pub struct FieldElements {
     #[serde(rename = "DataArray", default)]
     pub(super) arrays: Vec<DataArrayElement>,
     #[serde(rename = "Array", default)]
@@ -94,18 +94,18 @@ pub(super) struct TextElement {
 
 /// The element `DataArray`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct DataArrayElement {
+pub struct DataArrayElement {
     #[serde(rename = "@type")]
-    pub(crate) scalar: String,
+    pub scalar: String,
     #[serde(rename = "@Name")]
-    pub(crate) name: String,
+    pub name: String,
     #[serde(rename = "@NumberOfComponents", default = "one")]
-    pub(crate) n_components: u32,
+    pub n_components: u32,
     /// Of field data.
     #[serde(rename = "@NumberOfTuples")]
     pub(super) n_tuples: Option<u64>,
     #[serde(rename = "@offset")]
-    pub(crate) offset: Option<u64>,
+    pub offset: Option<u64>,
 }
 
 fn one() -> u32 {
@@ -117,7 +117,7 @@ impl VtkHeader {
     ///
     /// # Errors
     /// The fault, as the end of a sentence.
-    pub(crate) fn read(xml: &[u8]) -> Result<Self, String> {
+    pub fn read(xml: &[u8]) -> Result<Self, String> {
         let xml = String::from_utf8_lossy(xml) + "</VTKFile>";
         check_size(&xml)?;
         let damaged = |error| format!("its header is damaged: {error}");
@@ -170,12 +170,12 @@ fn check_size(xml: &str) -> Result<(), String> {
 impl ImagePieceElement {
     /// The first and the last column and row; `None` unless the extent is that of an image
     /// with one layer.
-    pub(crate) fn extent(&self) -> Option<[u32; 4]> {
+    pub fn extent(&self) -> Option<[u32; 4]> {
         extent_of(&self.extent)
     }
 
     /// Columns and rows, as [`extent`](Self::extent).
-    pub(crate) fn size(&self) -> Option<(u32, u32)> {
+    pub fn size(&self) -> Option<(u32, u32)> {
         let [width, height] = size_of_extent(self.extent()?);
         Some((width, height))
     }
@@ -183,7 +183,7 @@ impl ImagePieceElement {
 
 /// Parses the first and the last column and row of an extent, none of them negative; `None`
 /// unless there is one layer.
-pub(crate) fn extent_of(text: &str) -> Option<[u32; 4]> {
+pub fn extent_of(text: &str) -> Option<[u32; 4]> {
     let ends = text.split_ascii_whitespace().map(str::parse);
     let ends: Vec<u32> = ends.collect::<Result<_, _>>().ok()?;
     let [x0, x1, y0, y1, z0, z1] = ends[..] else {
@@ -194,6 +194,6 @@ pub(crate) fn extent_of(text: &str) -> Option<[u32; 4]> {
 }
 
 /// Columns and rows of an extent.
-pub(crate) fn size_of_extent([x0, x1, y0, y1]: [u32; 4]) -> [u32; 2] {
+pub fn size_of_extent([x0, x1, y0, y1]: [u32; 4]) -> [u32; 2] {
     [x1 - x0 + 1, y1 - y0 + 1]
 }

@@ -11,9 +11,9 @@ mod header;
 mod reader;
 mod values;
 
-pub(crate) use header::{
+pub use header::{
     DataArrayElement, DataArraysElement, ImagePieceElement, VtkHeader, extent_of, size_of_extent,
 };
-pub(crate) use reader::{ArrayLocation, VtkReader};
+pub use reader::{ArrayLocation, VtkReader};
 pub use values::{ArrayValues, Scalar};
-pub(crate) use values::{Selection, scalar_of};
+pub use values::{Selection, scalar_of};

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use super::blocks::CompressedBlocks;
 use super::header::{DataArrayElement, VtkHeader};
 use super::values::n_bytes;
-use crate::files;
-use crate::text::Diagnostic;
-use crate::text::numbers::count;
-use crate::vtk::codec::Compressor;
+use crate::codec::Compressor;
+use base::files;
+use base::text::Diagnostic;
+use base::text::numbers::count;
 
 /// Most bytes of a header; raycost's headers have a few thousand.
 const MAX_HEADER: u64 = 1 << 16;
@@ -21,21 +21,21 @@ pub(super) const LENGTH_BYTES: u64 = size_of::<u64>() as u64;
 
 /// An open VTK file.
 #[derive(Debug)]
-pub(crate) struct VtkReader {
-    pub(crate) path: PathBuf,
+pub struct VtkReader {
+    pub path: PathBuf,
     pub(super) file: File,
     n_bytes: u64,
     /// The position in the file that offsets of arrays are relative to.
     begin: u64,
     /// The id of the run that wrote the file, if the file has one.
-    pub(crate) run: Option<String>,
+    pub run: Option<String>,
     /// The compressor of its arrays; `None` if they are uncompressed.
     compressor: Option<&'static dyn Compressor>,
 }
 
 /// The location of an array in the file.
 #[derive(Debug)]
-pub(crate) struct ArrayLocation {
+pub struct ArrayLocation {
     pub(super) name: String,
     pub(super) vtk_type: String,
     pub(super) n_numbers: u64,
@@ -56,7 +56,7 @@ pub(super) enum Storage {
 
 impl VtkReader {
     /// Opens a file and reads its header.
-    pub(crate) fn open(path: &Path) -> Result<(Self, VtkHeader), Diagnostic> {
+    pub fn open(path: &Path) -> Result<(Self, VtkHeader), Diagnostic> {
         let failure = |error: io::Error| cannot_read(path, &error);
         let file = files::open(path).map_err(failure)?;
         let n_bytes = file.metadata().map_err(failure)?.len();
@@ -121,7 +121,7 @@ impl VtkReader {
     }
 
     /// Locates an array of `n_tuples` and checks that the file contains all of it.
-    pub(crate) fn place(
+    pub fn place(
         &self,
         array: &DataArrayElement,
         n_tuples: u64,
@@ -168,7 +168,7 @@ impl VtkReader {
 
     /// Checks that no two arrays share bytes of the file: otherwise a small file
     /// could stand for any number of large arrays.
-    pub(crate) fn check_overlap(&self, places: &[ArrayLocation]) -> Result<(), Diagnostic> {
+    pub fn check_overlap(&self, places: &[ArrayLocation]) -> Result<(), Diagnostic> {
         let mut spans: Vec<(&[u64; 2], &str)> = places
             .iter()
             .map(|place| (&place.span, place.name.as_str()))
@@ -207,7 +207,7 @@ impl VtkReader {
     }
 
     /// The error for a file that raycost did not write.
-    pub(crate) fn foreign(&self, why: &str) -> Diagnostic {
+    pub fn foreign(&self, why: &str) -> Diagnostic {
         let shown = self.path.display();
         Diagnostic::new(format!("`{shown}` is not as raycost writes it: {why}"))
             .with_help("render the scene again; files that other programs saved are not read")

@@ -25,7 +25,7 @@ macro_rules! values {
             ///
             /// # Errors
             /// There is not enough memory.
-            pub(crate) fn zeros(vtk: &str, n: usize) -> Result<Option<Self>, TryReserveError> {
+            pub fn zeros(vtk: &str, n: usize) -> Result<Option<Self>, TryReserveError> {
                 Ok(match vtk {
                     $($vtk => Some(Self::$kind(zeros(n)?)),)*
                     _ => None,
@@ -33,13 +33,13 @@ macro_rules! values {
             }
 
             /// No numbers of the same type.
-            pub(crate) fn none_of_type(&self) -> Self {
+            pub fn none_of_type(&self) -> Self {
                 match self { $(Self::$kind(_) => Self::$kind(Vec::new()),)* }
             }
 
             /// Appends the numbers of `other` from `first` on; false if they have another
             /// type.
-            pub(crate) fn append(&mut self, other: &Self, first: usize) -> bool {
+            pub fn append(&mut self, other: &Self, first: usize) -> bool {
                 match (self, other) {
                     $((Self::$kind(numbers), Self::$kind(others)) => {
                         numbers.extend_from_slice(&others[first..]);
@@ -87,7 +87,7 @@ macro_rules! values {
         })*
 
         /// The type of numbers of the VTK type `vtk`; `None` if raycost does not write it.
-        pub(crate) fn scalar_of(vtk: &str) -> Option<ScalarType> {
+        pub fn scalar_of(vtk: &str) -> Option<ScalarType> {
             match vtk {
                 $($vtk => Some(ScalarType::$kind),)*
                 _ => None,
@@ -96,7 +96,7 @@ macro_rules! values {
 
         /// The bytes of a number of the VTK type `vtk`; `None` if raycost does not
         /// write this type.
-        pub(crate) fn n_bytes(vtk: &str) -> Option<u64> {
+        pub fn n_bytes(vtk: &str) -> Option<u64> {
             match vtk {
                 $($vtk => Some(size_of::<$number>() as u64),)*
                 _ => None,
@@ -116,20 +116,20 @@ values! {
 }
 
 /// A selection of pixels of an image.
-pub(crate) struct Selection<'a> {
+pub struct Selection<'a> {
     /// Columns and rows of the image.
-    pub(crate) size: [usize; 2],
+    pub size: [usize; 2],
     /// Numbers per pixel.
-    pub(crate) n_components: usize,
+    pub n_components: usize,
     /// The columns of the selection, ascending.
-    pub(crate) columns: &'a [u32],
+    pub columns: &'a [u32],
     /// The rows of the selection, ascending.
-    pub(crate) rows: &'a [u32],
+    pub rows: &'a [u32],
 }
 
 impl Selection<'_> {
     /// The number of selected numbers.
-    pub(crate) fn n_numbers(&self) -> u64 {
+    pub fn n_numbers(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64 * self.n_components as u64
     }
 }
@@ -160,11 +160,7 @@ impl ArrayValues {
 
     /// Reads the selected pixels from a file that stores all rows of the image, the
     /// last one first; one row is in memory at a time.
-    pub(crate) fn read_selected(
-        &mut self,
-        selection: &Selection,
-        from: &mut dyn Read,
-    ) -> io::Result<()> {
+    pub fn read_selected(&mut self, selection: &Selection, from: &mut dyn Read) -> io::Result<()> {
         let [n_columns, n_rows] = selection.size;
         let n_selected = selection.columns.len() * selection.rows.len();
         let bytes = self.bytes_mut();

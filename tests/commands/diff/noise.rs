@@ -30,7 +30,7 @@ fn the_ratio_of_the_time_lies_within_its_interval() {
     for seed in 0..4 {
         let times = |salt: u64| -> Value {
             let time = |i: u64| {
-                let [u, ..] = raycost::sampling::uniform([seed, salt, i]);
+                let [u, ..] = math::sampling::uniform([seed, salt, i]);
                 f64::from(u).mul_add(3e8, 1e9)
             };
             (0..4 + seed + salt).map(time).collect()

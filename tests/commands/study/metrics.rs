@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use raycost::study::StudyMetric;
+use tools::study::StudyMetric;
 
 use super::{STUDY, folder, lines, run, stderr_of};
 use crate::common::{assert_success, raycost};

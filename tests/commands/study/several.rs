@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use raycost::study::{FlagFactor, StudyPlan};
-use raycost::yaml::Source;
+use scene::yaml::Source;
 use serde_json::Value;
+use tools::study::{FlagFactor, StudyPlan};
 
 use super::{STUDY, folder, stderr_of};
 use crate::common::{assert_success, in_repository, raycost};

@@ -5,8 +5,8 @@ use std::process::Command;
 use super::trace;
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, counts, film, in_repository, raycost, with_cost};
-use raycost::config::CostMode;
-use raycost::cost::Counter;
+use scene::config::CostMode;
+use tracer::cost::Counter;
 
 /// The slow twin: sorts all pixels by their counts; equal counts keep the order of the
 /// picture.

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, counts, film, in_repository, raycost, with_cost};
-use raycost::config::CostMode;
-use raycost::cost::Counter;
-use raycost::text::numbers::count;
+use base::text::numbers::count;
+use scene::config::CostMode;
+use tracer::cost::Counter;
 
 /// Traces pixels of a scene of `configs/` into a folder and returns the printed text.
 fn trace(scene: &str, out: &Path, arguments: &[&str]) -> String {

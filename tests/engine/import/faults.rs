@@ -1,6 +1,6 @@
 //! The messages about faults in geometry files, and their positions.
 
-use raycost::import::read_spheres;
+use scene::import::read_spheres;
 
 use super::{mesh_of, message, reading};
 

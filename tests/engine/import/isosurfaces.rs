@@ -7,7 +7,7 @@ use std::process::Command;
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use raycost::import::{ArrayChoice, ArrayOf, FileFault, IsosurfaceChoice, Mesh, read_isosurface};
+use scene::import::{ArrayChoice, ArrayOf, FileFault, IsosurfaceChoice, Mesh, read_isosurface};
 
 use super::{message, reading};
 use crate::common::in_repository;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use glam::Vec3;
-use raycost::geometry::{Capsule, Shape};
-use raycost::import::{ArrayChoice, ArrayOf, RadiusChoice, Tubes, read_lines, read_tubes};
+use scene::geometry::{Capsule, Shape};
+use scene::import::{ArrayChoice, ArrayOf, RadiusChoice, Tubes, read_lines, read_tubes};
 
 use super::{message, reading};
 use crate::common::in_repository;

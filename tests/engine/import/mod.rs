@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use raycost::import::{
+use scene::import::{
     ArrayChoice, ArrayOf, CornerValues, FileFault, Mesh, RadiusChoice, read_mesh, read_spheres,
     read_tubes,
 };
@@ -208,11 +208,11 @@ fn a_face_without_normals_keeps_its_own_among_others() {
 fn what_is_no_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().join("none.obj"), PathBuf::from("none.csv")] {
-        let error = message(raycost::import::max_bytes(&path));
+        let error = message(scene::import::max_bytes(&path));
         assert!(error.starts_with(": cannot read it: "), "{error}");
     }
     assert_eq!(
-        message(raycost::import::max_bytes(folder.path())),
+        message(scene::import::max_bytes(folder.path())),
         ": it is not a file, expected a file"
     );
 }

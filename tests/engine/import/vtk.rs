@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
-use raycost::import::{
+use scene::import::{
     ArrayChoice, ArrayOf, FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points,
 };
 

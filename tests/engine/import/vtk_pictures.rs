@@ -66,7 +66,7 @@ const VIEWS: [View; 5] = [
 
 impl View {
     /// The scene in white light, which shows the colors of an array alone.
-    fn scene(&self) -> raycost::config::Config {
+    fn scene(&self) -> scene::config::Config {
         let Self {
             object,
             array,

@@ -4,10 +4,10 @@ use glam::Vec3;
 
 use crate::common::data_set::{Array, DataSet, integers, units};
 use crate::common::{counts, rays};
-use raycost::config::{CostMode, Repeats};
-use raycost::cost::Counter;
-use raycost::film::{Film, RenderedTile, STRIP_ROWS, Strip};
-use raycost::schedule::TileGrid;
+use render::film::{Film, RenderedTile, STRIP_ROWS, Strip};
+use render::schedule::TileGrid;
+use scene::config::{CostMode, Repeats};
+use tracer::cost::Counter;
 
 /// The expected `tiles.vti`: the lower row of tiles first.
 pub fn expected_tiles(cost: CostMode) -> DataSet {

@@ -14,12 +14,12 @@ use expected::{expected_frame, expected_hits, expected_tiles};
 use crate::common::data_set::{Array, DataSet, assert_same};
 use crate::common::noise::noise;
 use crate::common::{assert_success, config, film, in_repository, parse, raycost, with_cost};
-use raycost::config::{Config, CostMode, TileOrder};
-use raycost::cost::Cost;
-use raycost::film::Film;
-use raycost::output::{write_frame, write_hits, write_tiles};
-use raycost::schedule::{Schedule, TileGrid, TileRun};
-use raycost::vtk::Codec;
+use output::writers::{write_frame, write_hits, write_tiles};
+use render::film::Film;
+use render::schedule::{Schedule, TileGrid, TileRun};
+use scene::config::{Config, CostMode, TileOrder};
+use tracer::cost::Cost;
+use vtk::Codec;
 
 read_both_ways! {
     seed_extended: film(&config("seed_extended"), 2);

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use crate::common::chromium::Chromium;
 use crate::view::SIZE;
-use raycost::results::{LoadedArray, Results};
+use output::results::{LoadedArray, Results};
 
 /// The size of a typical window.
 pub const WINDOW: [u32; 2] = [1400, 1000];

@@ -6,7 +6,7 @@ use super::{OBJECTS, WINDOW, array, arrays, choose, pixels, point_at_pixel, prob
 use crate::common::chromium::Chromium;
 use crate::common::replace_file;
 use crate::view::{SIZE, rendered, viewed};
-use raycost::results::LoadedArray;
+use output::results::LoadedArray;
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]

@@ -1,0 +1,286 @@
+//! The output folder. A run replaces all of its files, or none.
+//!
+//! A run takes these steps, and may be killed between any two of them:
+//!
+//! 1. It locks the folder (`lock`). A second run is refused.
+//! 2. It rolls back the commit of a killed run (`journal`), and removes its
+//!    temporary files (`workspace`).
+//! 3. It checks that each file that it will write or remove was written by raycost
+//!    (`own`). A file of another program is refused before the first ray.
+//! 4. It writes all files into a workspace (`staged`), each with its checksum.
+//! 5. It commits them. If the system supports it, the folder of new files and the
+//!    output folder exchange their names (`exchange`): a reader sees either all old
+//!    files or all new ones. Otherwise, or if the output folder contains folders of
+//!    others, is a mount point or the current directory of a process, the run moves
+//!    the files one by one with a `journal`. If it is interrupted, the next command
+//!    rolls it back. Commands that read wait for a journal, or roll it back.
+//! 6. It removes the old files last, because freeing a large file may take long.
+//!
+//! Files of others remain, and so do the permissions of the folder and of replaced
+//! files. Without `sync`, a power cut may lose the newest files or parts of them;
+//! lengths, run IDs and checksums reveal that (see
+//! [`provenance`](crate::provenance)).
+
+mod disk;
+mod error;
+mod exchange;
+mod journal;
+mod lock;
+mod own;
+mod single;
+mod staged;
+mod staging;
+mod workspace;
+mod writer;
+#[cfg(test)]
+mod tests;
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+pub use error::WriteError;
+pub use own::{Own, foreign as refuse_file};
+pub use single::{Replace, target, write_file, write_file_at};
+pub use staged::StagedFile;
+pub use staging::Staging;
+pub use writer::{FileWriter, checksum_of};
+
+use workspace::Workspace;
+
+use crate::provenance::Checksum;
+use crate::text::numbers;
+
+/// The name of the file that lists the others of its folder.
+pub const SUMMARY: &str = "summary.json";
+
+/// A file that was written.
+#[derive(Debug, Clone)]
+pub struct Written {
+    /// Its name in the folder.
+    pub file: String,
+    /// Its length in bytes.
+    pub bytes: u64,
+    /// Its checksum.
+    pub checksum: Checksum,
+    /// Wall time from the first byte to the last, in milliseconds; other files were
+    /// written at the same time.
+    pub write_ms: f64,
+}
+
+/// An output folder, locked for this run.
+#[derive(Debug)]
+pub struct OutputFolder {
+    /// The absolute path that the user gave.
+    path: PathBuf,
+    /// The canonical path, without symbolic links.
+    place: PathBuf,
+    /// Whether files are flushed to the disk.
+    sync: bool,
+    /// The lock on the folder that has its name.
+    lock: Mutex<Option<File>>,
+}
+
+/// Longest time that a reader waits for a commit of another run.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Longest time that a run waits for its turn to write files.
+const PATIENCE_OF_WRITERS: Duration = Duration::from_secs(60);
+
+impl OutputFolder {
+    /// Creates the folder if it does not exist, locks it, rolls back a killed run, and
+    /// checks that it is writable and that `n_bytes` are free.
+    ///
+    /// # Errors
+    /// The reason why files cannot be written.
+    pub fn create(path: &Path, n_bytes: u64) -> Result<Self, WriteError> {
+        let fail = |error| WriteError::new(path, error);
+        let place = created(path)?;
+        let lock = lock_of(path, &place)?;
+        journal::roll_back(&place)?;
+        workspace::remove_left(&place);
+        let this = Self {
+            // Absolute, because ParaView may be started in any folder.
+            path: std::path::absolute(path).map_err(fail)?,
+            place,
+            sync: false,
+            lock: Mutex::new(Some(lock)),
+        };
+        // Creates temporary files as the run will: an error shows now.
+        this.stage_files()?;
+        let free = fs4::available_space(&this.place).map_err(fail)?;
+        if free < n_bytes {
+            let message = format!(
+                "{} are free, {} or more are needed",
+                numbers::bytes(free),
+                numbers::bytes(n_bytes)
+            );
+            return Err(fail(io::Error::new(io::ErrorKind::StorageFull, message)));
+        }
+        Ok(this)
+    }
+
+    /// Sets whether files are flushed to the disk before the commit, so that they
+    /// survive a power cut.
+    pub fn synced(self, sync: bool) -> Self {
+        Self { sync, ..self }
+    }
+
+    /// The absolute path of a file in the folder.
+    pub fn path_of(&self, file: &str) -> PathBuf {
+        self.path.join(file)
+    }
+
+    /// Checks that a command would not overwrite a file of another program.
+    ///
+    /// # Errors
+    /// The first such file.
+    pub fn refuse_foreign(&self, own: &Own) -> Result<(), WriteError> {
+        own.find(&self.place).map(|_| ())
+    }
+
+    /// Creates a workspace for new files.
+    ///
+    /// # Errors
+    /// An error of the system.
+    pub fn stage_files(&self) -> Result<Staging<'_>, WriteError> {
+        let name = self.place.file_name().unwrap_or_default();
+        let beside = exchange::parent_of(&self.place)
+            .and_then(|parent| Workspace::create(&parent, name).ok());
+        let fail = |error| WriteError::new(&self.path, error);
+        let workspace = match beside {
+            Some(workspace) => workspace,
+            None => Workspace::create(&self.place, name).map_err(fail)?,
+        };
+        let lock = lock::lock(&workspace.new_files()).map_err(fail)?;
+        Ok(Staging {
+            folder: self,
+            workspace,
+            lock,
+        })
+    }
+}
+
+/// A temporary folder in a folder, such as for the output of a study's run.
+#[derive(Debug)]
+pub struct Scratch(Workspace);
+
+impl Scratch {
+    /// Creates one.
+    ///
+    /// # Errors
+    /// An error of the system.
+    pub fn create(folder: &Path) -> Result<Self, WriteError> {
+        let workspace = Workspace::create(folder, folder.file_name().unwrap_or_default());
+        Ok(Self(
+            workspace.map_err(|error| WriteError::new(folder, error))?,
+        ))
+    }
+
+    /// Its path; the folder is empty at first.
+    pub fn path(&self) -> PathBuf {
+        self.0.new_files()
+    }
+}
+
+/// Creates a folder for files that are written one by one, locks it for the lifetime
+/// of the returned file, and removes temporary files of killed runs.
+///
+/// # Errors
+/// The folder is locked by another run, or an error of the system.
+pub fn lock_folder(path: &Path) -> Result<File, WriteError> {
+    let place = created(path)?;
+    let lock = lock_of(path, &place)?;
+    workspace::remove_left(&place);
+    Ok(lock)
+}
+
+/// Locks a folder as [`lock_folder`] does, but waits while another run has locked it.
+///
+/// # Errors
+/// Another run holds the lock for a minute, or an error of the system.
+pub fn lock_folder_in_turn(path: &Path) -> Result<File, WriteError> {
+    let begin = Instant::now();
+    loop {
+        match lock_folder(path) {
+            Err(error) if error.is_locked() && begin.elapsed() < PATIENCE_OF_WRITERS => {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            other => return other,
+        }
+    }
+}
+
+/// Creates a folder if it does not exist; returns its canonical path.
+fn created(path: &Path) -> Result<PathBuf, WriteError> {
+    let fail = |error| WriteError::new(path, error);
+    refuse_unprintable(path)?;
+    refuse_root(path)?;
+    fs::create_dir_all(path).map_err(fail)?;
+    fs::canonicalize(path).map_err(fail)
+}
+
+/// Checks that a path is not that of the root of the file system.
+///
+/// # Errors
+/// It is.
+pub fn refuse_root(path: &Path) -> Result<(), WriteError> {
+    match fs::canonicalize(path) {
+        Ok(place) if place.parent().is_none() => {
+            let why = "it is the root of the file system";
+            let help = "name a folder for the output with `--out`";
+            Err(WriteError::refused(path, why, help))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn lock_of(path: &Path, place: &Path) -> Result<File, WriteError> {
+    let lock = lock::lock(place).map_err(|error| WriteError::new(path, error))?;
+    lock.ok_or_else(|| {
+        let help = "wait for it, or choose another folder with `--out`";
+        WriteError::refused(path, error::LOCKED, help)
+    })
+}
+
+/// Prepares a folder for reading: waits for the commit of another run, and rolls back
+/// that of a killed one.
+///
+/// # Errors
+/// A commit that takes too long, or an error of the system.
+pub fn settle(folder: &Path) -> Result<(), WriteError> {
+    let begin = Instant::now();
+    while journal::is_in(folder) {
+        let lock = lock::lock(folder).map_err(|error| WriteError::new(folder, error))?;
+        if let Some(_lock) = lock {
+            return journal::roll_back(folder);
+        }
+        if begin.elapsed() > PATIENCE {
+            let why = "another run is putting its files in place";
+            return Err(WriteError::refused(
+                folder,
+                why,
+                "try again when it has ended",
+            ));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Ok(())
+}
+
+/// Checks that ParaView states, which are XML, can hold the path of the folder.
+fn refuse_unprintable(path: &Path) -> Result<(), WriteError> {
+    let path = std::path::absolute(path).map_err(|error| WriteError::new(path, error))?;
+    let is_printable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
+    let why = match path.to_str() {
+        None => "its path is not UTF-8, and ParaView's states have to hold it",
+        Some(text) if text.chars().all(is_printable) => return Ok(()),
+        Some(_) => "its path has a control character, and ParaView's states have to hold it",
+    };
+    Err(WriteError::refused(
+        path,
+        why,
+        "choose a folder of another name with `--out`",
+    ))
+}

@@ -1,0 +1,131 @@
+//! The files of a folder that raycost may replace.
+//!
+//! A rendering replaces the files that the `summary.json` of an earlier one lists.
+//! Other commands replace files that contain raycost's mark. A file with one of
+//! raycost's names that is neither belongs to another program: raycost writes nothing
+//! to such a folder.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::SUMMARY;
+use super::error::WriteError;
+use crate::files;
+use crate::provenance;
+
+/// The number of bytes at the start of a file that contain the mark.
+const MARKED: u64 = 1 << 16;
+/// Longest summary that is read, in bytes.
+const MAX_SUMMARY: u64 = 256 << 20;
+
+/// The names of files that a command writes or removes, and how raycost recognizes
+/// those of an earlier run.
+#[derive(Debug, Clone)]
+pub enum Own {
+    /// `summary.json` lists them.
+    Listed {
+        /// The names that a rendering may write.
+        names: Vec<String>,
+        /// Whether a name is one of any number of files with numbers, of which there may be
+        /// more or fewer in an earlier run.
+        is_numbered: fn(&str) -> bool,
+    },
+    /// They contain the key of a run's ID.
+    Marked(Vec<&'static str>),
+}
+
+/// The part of `summary.json` that lists files.
+///
+/// Not the whole summary: this module stands below it, and a
+/// damaged section elsewhere in the file must not turn raycost's own files into
+/// foreign ones.
+#[derive(Deserialize)]
+struct Listing {
+    #[serde(rename = "raycost")]
+    _version: String,
+    files: Vec<Listed>,
+}
+
+#[derive(Deserialize)]
+struct Listed {
+    file: String,
+}
+
+impl Own {
+    /// Returns the names that exist in the folder.
+    ///
+    /// # Errors
+    /// The first file that belongs to another program.
+    pub(super) fn find(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
+        let (names, listed) = match self {
+            Self::Listed { names, is_numbered } => {
+                let listed = listed(folder);
+                let is_other = |name: &&String| is_numbered(name) && !names.contains(name);
+                let others = listed.iter().filter(is_other);
+                (names.iter().chain(others).cloned().collect(), listed)
+            }
+            Self::Marked(names) => {
+                let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+                (names, Vec::new())
+            }
+        };
+        let mut found = Vec::new();
+        for name in names {
+            let path = folder.join(&name);
+            let is_own = match fs::symlink_metadata(&path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) => return Err(WriteError::new(path, error)),
+                Ok(at) if !at.is_file() => false,
+                Ok(_) => match self {
+                    Self::Listed { .. } => listed.contains(&name),
+                    Self::Marked(_) => {
+                        is_marked(&path).map_err(|error| WriteError::new(&path, error))?
+                    }
+                },
+            };
+            if !is_own {
+                return Err(foreign(&path));
+            }
+            found.push(name);
+        }
+        Ok(found)
+    }
+}
+
+/// The error that this path belongs to another program.
+pub fn foreign(path: &Path) -> WriteError {
+    let why = match fs::symlink_metadata(path) {
+        Ok(at) if at.is_dir() => "a folder of this name is in the way",
+        Ok(at) if at.is_symlink() => "a symbolic link of this name is in the way",
+        Ok(at) if !at.is_file() => "it is not a regular file",
+        _ => "raycost did not write the file that is there",
+    };
+    let help = if path.is_file() {
+        "move it away, or choose another place with `--out`"
+    } else {
+        "choose another place with `--out`"
+    };
+    WriteError::refused(path, why, help)
+}
+
+/// Returns the names that the folder's summary lists, and its own; none if raycost
+/// did not write the summary.
+fn listed(folder: &Path) -> Vec<String> {
+    let text = files::read(&folder.join(SUMMARY), MAX_SUMMARY).ok();
+    let listing = text.and_then(|text| serde_json::from_slice::<Listing>(&text).ok());
+    listing.map_or_else(Vec::new, |listing| {
+        let files = listing.files.into_iter().map(|listed| listed.file);
+        files.chain([SUMMARY.to_owned()]).collect()
+    })
+}
+
+/// Whether a file contains raycost's mark.
+pub(super) fn is_marked(path: &Path) -> io::Result<bool> {
+    let mut begin = Vec::new();
+    files::open(path)?.take(MARKED).read_to_end(&mut begin)?;
+    let key = provenance::KEY.as_bytes();
+    Ok(begin.windows(key.len()).any(|bytes| bytes == key))
+}

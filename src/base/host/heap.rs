@@ -1,0 +1,121 @@
+//! The heap of the GNU C library: how it grows, and what it keeps.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::may_fail;
+
+/// How much the heap grows at a time.
+const GROWTH: usize = 4 << 20;
+
+/// A block of this size is not part of the heap.
+const LEAST_MAPPED: usize = 32 << 20;
+
+/// How much free memory the heap keeps at its end.
+const MOST_FREE: usize = 128 << 20;
+
+/// How much memory a thread maps at a time.
+const MAPPED: usize = 4 << 20;
+
+/// Whether the program has called [`configure_heap`].
+static IS_CONFIGURED: AtomicBool = AtomicBool::new(false);
+
+/// Lets all threads share one heap, which grows by megabytes and keeps large blocks. Otherwise
+/// each thread has a heap that grows by a page at a time, with a system call that locks the
+/// whole process.
+pub fn configure_heap() {
+    set(libc::M_ARENA_MAX, 1);
+    set(libc::M_TOP_PAD, GROWTH);
+    set(libc::M_MMAP_THRESHOLD, LEAST_MAPPED);
+    set(libc::M_TRIM_THRESHOLD, MOST_FREE);
+    IS_CONFIGURED.store(true, Ordering::Relaxed);
+}
+
+/// Grows the heap by the bytes that will be allocated next, in blocks of any size, and maps its
+/// new pages on all threads of the current rayon pool: to write to pages that are not mapped, one
+/// after the other, takes twice as long on two threads. Does nothing for a few bytes, or if the
+/// program has not called [`configure_heap`].
+pub fn grow_heap(n_bytes: usize) {
+    // Small films, as those of one tile, are made often.
+    if n_bytes < MAPPED || !IS_CONFIGURED.load(Ordering::Relaxed) {
+        return;
+    }
+    let info = info();
+    let n_missing = n_bytes.saturating_sub(info.fordblks);
+    if n_missing < MAPPED {
+        return;
+    }
+    // Otherwise the system takes back what is not allocated yet.
+    set(libc::M_TRIM_THRESHOLD, n_bytes.saturating_add(MOST_FREE));
+    set(libc::M_TOP_PAD, n_missing);
+    set(libc::M_MMAP_THRESHOLD, usize::MAX);
+    let begin = end_of_heap();
+    // A block for which the heap has no room makes it grow.
+    drop(may_fail(|| {
+        let mut block = Vec::<u8>::new();
+        block.try_reserve_exact(info.keepcost + 1).map(|()| block)
+    }));
+    set(libc::M_MMAP_THRESHOLD, LEAST_MAPPED);
+    set(libc::M_TOP_PAD, GROWTH);
+    let n_new = n_missing.min(end_of_heap().saturating_sub(begin));
+    let parts = (0..n_new.div_ceil(MAPPED)).into_par_iter();
+    parts.for_each(|part| {
+        let first = part * MAPPED;
+        map(begin + first, MAPPED.min(n_new - first));
+    });
+}
+
+/// What the allocator knows of the heap, in bytes: `fordblks` are free, of which `keepcost` are
+/// at its end.
+fn info() -> libc::mallinfo2 {
+    #[expect(unsafe_code, reason = "a function of the C library")]
+    // SAFETY: it takes nothing and returns numbers.
+    unsafe {
+        libc::mallinfo2()
+    }
+}
+
+/// Sets a parameter of the allocator.
+fn set(parameter: libc::c_int, value: usize) {
+    let value = libc::c_int::try_from(value).unwrap_or(libc::c_int::MAX);
+    #[expect(unsafe_code, reason = "a function of the C library")]
+    // SAFETY: the parameters that are set here take any number of bytes or heaps; values out
+    // of range are ignored.
+    unsafe {
+        libc::mallopt(parameter, value);
+    }
+}
+
+/// The address behind the heap, at the end of a page.
+fn end_of_heap() -> usize {
+    #[expect(unsafe_code, reason = "a function of the C library")]
+    // SAFETY: an increment of 0 changes nothing.
+    let end = unsafe { libc::sbrk(0) };
+    end.addr()
+}
+
+/// Maps pages of the heap from the start of one.
+fn map(begin: usize, n_bytes: usize) {
+    let begin = std::ptr::without_provenance_mut(begin);
+    #[expect(unsafe_code, reason = "a function of the C library")]
+    // SAFETY: this changes no contents, and an error, as of Linux before 5.14, has no effect.
+    unsafe {
+        libc::madvise(begin, n_bytes, libc::MADV_POPULATE_WRITE);
+    }
+}
+
+/// The resident bytes that the allocator keeps for later.
+pub fn free_heap() -> u64 {
+    let in_use = info().uordblks as u64;
+    let maps = std::fs::read_to_string("/proc/self/smaps").unwrap_or_default();
+    resident_heap(&maps).saturating_sub(in_use)
+}
+
+/// The resident bytes of the heap, from the text of `/proc/PID/smaps`: proc_pid_smaps(5).
+fn resident_heap(maps: &str) -> u64 {
+    let mut lines = maps.lines().skip_while(|line| !line.ends_with("[heap]"));
+    let resident = lines.find_map(|line| line.strip_prefix("Rss:"));
+    let kib = resident.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+    kib.unwrap_or(0) << 10
+}

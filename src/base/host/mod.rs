@@ -1,0 +1,119 @@
+//! The operating system: available memory, the end of the program if an allocation
+//! fails, and advice on other errors.
+
+mod advice;
+mod allocator;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod heap;
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+mod no_gnu_heap;
+mod cgroup;
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use sysinfo::System;
+
+pub use advice::advice;
+pub use allocator::{Allocator, may_fail};
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub use heap::configure_heap;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub use heap::{free_heap, grow_heap};
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub use no_gnu_heap::configure_heap;
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub use no_gnu_heap::{free_heap, grow_heap};
+
+/// The limit that the user has set, in bytes.
+static LIMIT: OnceLock<u64> = OnceLock::new();
+
+/// Limits what [`available_memory`] returns from now on, so that the program uses no more
+/// than so many bytes. Only the first limit counts.
+pub fn limit_memory(n_bytes: u64) {
+    let _ = LIMIT.set(n_bytes);
+}
+
+/// Returns the limit that the user has set, in bytes.
+pub fn memory_limit() -> Option<u64> {
+    LIMIT.get().copied()
+}
+
+/// Returns the memory available to the program in bytes: the least of the free memory
+/// of the machine, the rest of the process's limits (`ulimit -v` and `-d`), the rest of
+/// the limits of its control groups, and the rest of [its own](limit_memory). `u64::MAX`
+/// if there is no limit.
+pub fn available_memory() -> u64 {
+    let mut system = System::new();
+    system.refresh_memory();
+    let of_machine = match system.available_memory() {
+        0 => u64::MAX,
+        n_bytes => n_bytes,
+    };
+    let own = memory_limit().map(|limit| limit.saturating_sub(resident_bytes()));
+    of_machine
+        .min(within_limits())
+        .min(within_groups())
+        .min(own.unwrap_or(u64::MAX))
+}
+
+/// Returns the bytes of memory that the process uses; 0 if the system does not report them.
+fn resident_bytes() -> u64 {
+    bytes_of_status(["VmRSS:"])[0]
+}
+
+/// Returns the bytes available within the process's own limits.
+#[cfg(unix)]
+fn within_limits() -> u64 {
+    use nix::sys::resource::{Resource, getrlimit};
+    let n_used = bytes_in_use();
+    let left = |(resource, n_used): (Resource, u64)| {
+        let (limit, _) = getrlimit(resource).ok()?;
+        Some(limit.saturating_sub(n_used))
+    };
+    let limits = [Resource::RLIMIT_AS, Resource::RLIMIT_DATA];
+    let left = limits.into_iter().zip(n_used).filter_map(left);
+    left.min().unwrap_or(u64::MAX)
+}
+
+/// Returns no limit: other systems have none.
+#[cfg(not(unix))]
+fn within_limits() -> u64 {
+    u64::MAX
+}
+
+/// Returns the resident memory of this process in bytes; `None` if the system does not
+/// report it.
+pub fn resident_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kib: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kib << 10)
+}
+
+/// Returns the bytes of address space, and of data and stack within it, that the
+/// process uses; 0 if the system does not report them.
+#[cfg(unix)]
+fn bytes_in_use() -> [u64; 2] {
+    let [size, data, stack] = bytes_of_status(["VmSize:", "VmData:", "VmStk:"]);
+    [size, data + stack]
+}
+
+/// Returns values of the process's status on Linux, in bytes; 0 for those that the system
+/// does not report.
+fn bytes_of_status<const N: usize>(keys: [&str; N]) -> [u64; N] {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    keys.map(|key| {
+        let line = status.lines().find_map(|line| line.strip_prefix(key));
+        let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+        kib.unwrap_or(0) << 10
+    })
+}
+
+/// Returns the bytes available within the limits of the process's control groups.
+fn within_groups() -> u64 {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    cgroup::free(Path::new("/sys/fs/cgroup"), &groups).unwrap_or(u64::MAX)
+}

@@ -1,0 +1,17 @@
+//! Text for people: numbers, error messages, tables, and what is safe on a
+//! terminal.
+
+mod cell;
+mod diagnostic;
+mod keyword;
+pub mod numbers;
+mod suggestion;
+mod terminal;
+
+pub use cell::{text_cell, text_of_cell};
+pub use diagnostic::Diagnostic;
+pub use diagnostic::line_start;
+pub use keyword::{keyword, keyword_name};
+pub use suggestion::did_you_mean;
+pub use suggestion::number_meant;
+pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json};

@@ -1,0 +1,127 @@
+//! AVX-512, mostly on 256-bit registers: masks are integers.
+#![expect(unsafe_code, reason = "intrinsics, proved by `Avx512::detect`")]
+
+use std::arch::x86_64::*;
+use std::ops::{BitAnd, BitOr, Not};
+
+use super::avx2::Avx2;
+use super::lanes::SimdKernel;
+use super::real::Mask;
+use super::registers::Registers;
+use super::wide::Sixteen;
+use super::zmm::{WideMask16, WideRegisters, Zmm};
+
+/// Proof that the CPU has AVX2, AVX-512F and AVX-512VL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Avx512(());
+
+impl Avx512 {
+    /// The proof, if the CPU has the instructions.
+    pub fn detect() -> Option<Self> {
+        let is_available =
+            is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
+        Avx2::detect().filter(|_| is_available).map(|_| Self(()))
+    }
+
+    /// Runs the kernel with these instructions.
+    #[inline]
+    pub fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
+        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,avx512f,avx512vl")]
+        fn with_avx512<K: SimdKernel>(set: Avx512, kernel: K) -> K::Output {
+            kernel.run(set)
+        }
+        // SAFETY: `self` proves what `Avx2` does, AVX-512F and AVX-512VL.
+        unsafe { with_avx512(self, kernel) }
+    }
+}
+
+/// One boolean per lane: bit `i` for lane `i`.
+#[derive(Clone, Copy)]
+pub struct MaskRegister(__mmask8);
+
+impl Mask for MaskRegister {
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == u8::MAX
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        self.0
+    }
+}
+
+impl BitAnd for MaskRegister {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for MaskRegister {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for MaskRegister {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+impl WideRegisters for Avx512 {}
+
+impl Registers for Avx512 {
+    type Mask = MaskRegister;
+    type Wide = Zmm<Self>;
+
+    #[inline(always)]
+    fn wide_of(self, value: f32) -> Zmm<Self> {
+        Zmm::splat(self, value)
+    }
+
+    #[inline(always)]
+    fn wide_from(self, numbers: &Sixteen, _: usize) -> Zmm<Self> {
+        Zmm::load(self, numbers)
+    }
+
+    #[inline(always)]
+    fn wide_mask_of(self, bits: u16) -> WideMask16 {
+        WideMask16(bits)
+    }
+
+    #[inline(always)]
+    fn mask_of(self, bits: u8) -> MaskRegister {
+        MaskRegister(bits)
+    }
+
+    #[inline(always)]
+    fn lt(self, a: __m256, b: __m256) -> MaskRegister {
+        // SAFETY: `self` proves AVX-512.
+        MaskRegister(unsafe { _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })
+    }
+
+    #[inline(always)]
+    fn le(self, a: __m256, b: __m256) -> MaskRegister {
+        // SAFETY: `self` proves AVX-512.
+        MaskRegister(unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
+    }
+
+    #[inline(always)]
+    fn select(self, mask: MaskRegister, this: __m256, other: __m256) -> __m256 {
+        // SAFETY: `self` proves AVX-512.
+        unsafe { _mm256_mask_blend_ps(mask.0, other, this) }
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: MaskRegister, lanes: __m256) -> __m256 {
+        // SAFETY: `self` proves AVX-512.
+        unsafe { _mm256_maskz_compress_ps(mask.0, lanes) }
+    }
+}

@@ -1,0 +1,155 @@
+//! Eight lanes and their masks, which an instruction set gives to kernels.
+
+use glam::Vec3;
+
+use super::real::{Integer, LookupTable, Mask, Real};
+use super::vector::Vector;
+use super::wide::{Arithmetic, Sixteen, Wide};
+
+/// Number of lanes.
+pub const N_LANES: usize = 8;
+
+/// A computation that is compiled once for each instruction set.
+pub trait SimdKernel {
+    /// Its result.
+    type Output;
+    /// Runs it. Implementations are `#[inline(always)]`: they must be inlined
+    /// into the function that has the target features.
+    fn run<I: InstructionSet>(self, set: I) -> Self::Output;
+}
+
+/// The source of [`Lanes`]. A value of it is the proof that the CPU has the
+/// instructions.
+pub trait InstructionSet: Copy {
+    /// Its eight lanes.
+    type Lanes: Lanes;
+    /// A part of the numbers of a packet.
+    type Wide: Wide;
+    /// The same number in all lanes of a part.
+    fn splat_wide(self, value: f32) -> Self::Wide;
+    /// This part of the numbers of a packet.
+    fn load_wide(self, numbers: &Sixteen, part: usize) -> Self::Wide;
+    /// The mask of a part with bit `i` for lane `i`.
+    fn wide_mask(self, bits: u16) -> <Self::Wide as Arithmetic>::Mask;
+    /// The same number in all lanes.
+    fn splat(self, value: f32) -> Self::Lanes;
+    /// The same vector in all lanes.
+    #[inline(always)]
+    fn splat_vector(self, v: Vec3) -> Vector<Self::Lanes> {
+        Vector::splat(self.splat(0.0), v)
+    }
+    /// One number per lane.
+    fn load(self, values: &[f32; N_LANES]) -> Self::Lanes;
+    /// One vector per lane, with these coordinates x, y and z.
+    #[inline(always)]
+    fn load_vector(self, [x, y, z]: &[[f32; N_LANES]; 3]) -> Vector<Self::Lanes> {
+        Vector {
+            x: self.load(x),
+            y: self.load(y),
+            z: self.load(z),
+        }
+    }
+    /// One bit pattern per lane: to be permuted, not to be computed with.
+    fn load_bits(self, bits: &[u32; N_LANES]) -> Self::Lanes;
+    /// The same bit pattern in all lanes.
+    fn splat_bits(self, bits: u32) -> Self::Lanes;
+    /// One integer per lane.
+    #[inline(always)]
+    fn load_integers(self, integers: &[u32; N_LANES]) -> <Self::Lanes as Real>::Integer {
+        self.load_bits(integers).to_integer_bits()
+    }
+    /// The mask with bit `i` for lane `i`.
+    fn mask(self, bits: u8) -> <Self::Lanes as Real>::Mask;
+    /// Adds `n` to those counts whose bits are set.
+    fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32);
+    /// Prefetches the cache line at this address, which need not be valid, into
+    /// all levels of the cache.
+    fn prefetch<T>(self, address: *const T);
+}
+
+/// Eight numbers.
+pub trait Lanes: Real {
+    /// The numbers, lane by lane.
+    fn to_array(self) -> [f32; N_LANES];
+    /// Other numbers, lane by lane.
+    fn with_numbers(self, numbers: &[f32; N_LANES]) -> Self;
+    /// The sign bits: bit `i` for lane `i`.
+    fn signs(self) -> u8;
+    /// The bit patterns, lane by lane.
+    fn to_bits(self) -> [u32; N_LANES];
+    /// Lanes 4 to 7, then lanes 0 to 3.
+    fn swap_halves(self) -> Self;
+    /// Lane `i` of the result is lane `(order[i] >> shift[i]) % 8`; the shifts
+    /// are bit patterns less than 32.
+    fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self;
+    /// Moves the lanes of `mask` to the front, in their order. The lanes behind
+    /// them have no meaning.
+    fn compress(self, mask: Self::Mask) -> Self;
+}
+
+/// [`Real::look_up`] for lanes.
+#[inline(always)]
+pub(super) fn look_up<L, const N: usize, const M: usize, T>(table: &T, at: [L; N]) -> [L; M]
+where
+    L: Lanes,
+    T: LookupTable<N, M> + ?Sized,
+{
+    const { assert!(N > 0) }
+    let mut points = [[0.0; N]; N_LANES];
+    for i in 0..N {
+        for (point, number) in points.iter_mut().zip(at[i].to_array()) {
+            point[i] = number;
+        }
+    }
+    let mut columns = [[0.0; N_LANES]; M];
+    for (lane, point) in points.into_iter().enumerate() {
+        for (column, value) in columns.iter_mut().zip(table.values_at(point)) {
+            column[lane] = value;
+        }
+    }
+    let mut found = [at[0]; M];
+    for i in 0..M {
+        found[i] = at[0].with_numbers(&columns[i]);
+    }
+    found
+}
+
+impl<L: Lanes> Wide for L {
+    const N_PARTS: usize = 2;
+
+    #[inline(always)]
+    fn le(self, other: Self) -> L::Mask {
+        Real::le(self, other)
+    }
+
+    #[inline(always)]
+    fn bits(mask: L::Mask) -> u16 {
+        mask.bits().into()
+    }
+
+    #[inline(always)]
+    fn select(mask: L::Mask, this: Self, other: Self) -> Self {
+        Real::select(mask, this, other)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Real::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn flip_sign_by(self, other: Self) -> Self {
+        Real::flip_sign_by(self, other)
+    }
+
+    #[inline(always)]
+    fn next_up(self) -> Self {
+        let bits = self.to_integer_bits();
+        Self::from_integer_bits(bits.plus(bits.splat(1)))
+    }
+
+    #[inline(always)]
+    fn to_arrays(self) -> Sixteen {
+        [self.to_array(), [0.0; N_LANES]]
+    }
+}

@@ -1,0 +1,142 @@
+//! Eight `f32` at a time, or sixteen, with the instruction sets that the CPU has.
+//!
+//! The kernels are generic over `Lanes`, of which there are three kinds:
+//! plain arrays, AVX2 and AVX-512. All do the same IEEE operations in the same
+//! order and never contract a product and a sum into one rounding, so that
+//! hits and counters agree to the last bit on every path.
+//!
+//! [`Simd::available`] detects the instruction sets of the CPU. Each value of a
+//! set is a proof of that detection, lanes carry it along, and the unsafe code
+//! of this folder rests on it.
+
+mod real;
+mod lanes;
+mod portable;
+mod turns;
+mod vector;
+mod column;
+mod wide;
+mod sum;
+#[cfg(target_arch = "x86_64")]
+mod registers;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+#[cfg(target_arch = "x86_64")]
+mod x86_wide;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod zmm;
+
+use std::fmt;
+
+#[cfg(target_arch = "x86_64")]
+use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+use avx512::Avx512;
+pub use column::{VectorColumn, bits_of, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays};
+pub use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
+use portable::Portable;
+pub use real::{Double, Integer, LookupTable, Mask, Real};
+pub use turns::{cos_sin, cos_sin_of_eighths, turns_of};
+pub use vector::Vector;
+pub use wide::{Arithmetic, Wide};
+
+/// An instruction set that the CPU has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Simd(DetectedSet);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum DetectedSet {
+    Portable(Portable),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512),
+}
+
+impl Simd {
+    /// All instruction sets that the CPU has, at least one, the fastest one last.
+    pub fn available() -> Vec<Self> {
+        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut))]
+        let mut sets = vec![DetectedSet::Portable(Portable)];
+        #[cfg(target_arch = "x86_64")]
+        {
+            sets.extend(Avx2::detect().map(DetectedSet::Avx2));
+            sets.extend(Avx512::detect().map(DetectedSet::Avx512));
+        }
+        sets.into_iter().map(Self).collect()
+    }
+
+    /// The fastest instruction set that the CPU has.
+    pub fn best() -> Self {
+        *Self::available()
+            .last()
+            .expect("the portable set is always available")
+    }
+
+    /// Runs the kernel with this instruction set.
+    #[inline]
+    pub fn run<K: SimdKernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            DetectedSet::Portable(portable) => kernel.run(portable),
+            #[cfg(target_arch = "x86_64")]
+            DetectedSet::Avx2(avx2) => avx2.run(kernel),
+            #[cfg(target_arch = "x86_64")]
+            DetectedSet::Avx512(avx512) => avx512.run(kernel),
+        }
+    }
+}
+
+impl fmt::Display for Simd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.0 {
+            DetectedSet::Portable(_) => "portable",
+            #[cfg(target_arch = "x86_64")]
+            DetectedSet::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            DetectedSet::Avx512(_) => "avx512",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{InstructionSet, Lanes, Mask, N_LANES, Real, Simd, SimdKernel};
+
+    const BITS: [u32; N_LANES] = [10, 11, 12, 13, 14, 15, 16, 17];
+    const DISTANCES: [f32; N_LANES] = [3.0, 0.0, 7.5, 3.0, f32::INFINITY, 1e-30, 2.0, 0.0];
+
+    /// The bit patterns of the lanes whose distance is at most 3, from the first
+    /// to the last and the other way round.
+    struct Compress;
+
+    impl SimdKernel for Compress {
+        type Output = [Vec<u32>; 2];
+
+        #[inline(always)]
+        fn run<I: InstructionSet>(self, set: I) -> Self::Output {
+            let reversed = [7, 6, 5, 4, 3, 2, 1, 0].map(|lane: u32| lane << 6 | 0b101);
+            let (bits, distances) = (set.load_bits(&BITS), set.load(&DISTANCES));
+            let limit = set.splat(3.0);
+            let kept = bits.compress(distances.le(limit));
+            let last_first = distances.permute(&reversed, set.splat_bits(6)).le(limit);
+            let kept_last_first = bits
+                .permute(&reversed, set.splat_bits(6))
+                .compress(last_first);
+            let n = last_first.bits().count_ones() as usize;
+            [kept, kept_last_first].map(|lanes| lanes.to_bits()[..n].to_vec())
+        }
+    }
+
+    #[test]
+    fn every_set_compresses_lanes_in_the_same_way() {
+        for simd in Simd::available() {
+            let [kept, kept_last_first] = simd.run(Compress);
+            assert_eq!(kept, [10, 11, 13, 15, 16, 17], "{simd}");
+            assert_eq!(kept_last_first, [17, 16, 15, 13, 11, 10], "{simd}");
+        }
+    }
+}

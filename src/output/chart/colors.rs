@@ -1,0 +1,175 @@
+//! Color maps. For cost, Inferno over a logarithmic range: from dark for cheap to light for expensive, with
+//! monotone lightness. For changes a diverging map, ColorBrewer's RdBu: blue for cheaper, red for
+//! more expensive.
+
+use image::Rgb;
+
+use super::range::{Range, Scale};
+use scene::color::{ColorMap, Palette, rgb8};
+
+/// The color of pixels without a value on the scale; no color map contains this gray.
+pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
+
+/// The color map of a range of values.
+///
+/// The bits of positive floats sort like the floats, so that a table over intervals of bits replaces
+/// one logarithm per pixel. An interval spans less than a fifth of a step of color; a test compares
+/// the table with the logarithm.
+pub struct Colors {
+    range: Range,
+    /// Colors at equal steps of position from 0 to 1.
+    by_position: Vec<Rgb<u8>>,
+    /// Colors by interval of bits; empty unless the scale is logarithmic.
+    by_interval: Vec<Rgb<u8>>,
+    low_bits: u32,
+    high_bits: u32,
+    /// Binary logarithm of the number of floats in an interval.
+    interval_log2: u32,
+}
+
+impl Colors {
+    /// Creates a map from the first color at `range.low` to the last color at `range.high`.
+    pub fn over(range: &Range) -> Self {
+        let (low_bits, high_bits) = ((range.low as f32).to_bits(), (range.high as f32).to_bits());
+        let color_at = |position| match range.scale {
+            Scale::Logarithmic => ColorMap::Inferno.at(position),
+            Scale::Linear => ColorMap::RedBlue.at(1.0 - position),
+        };
+        let mut colors = Self {
+            range: *range,
+            by_position: sampled(color_at),
+            by_interval: Vec::new(),
+            low_bits,
+            high_bits,
+            interval_log2: 0,
+        };
+        if range.scale == Scale::Logarithmic {
+            colors.fill_intervals();
+        }
+        colors
+    }
+
+    /// Creates the colors of a map for data, which are looked up by position alone.
+    pub fn of_map(range: &Range, map: &Palette) -> Self {
+        Self {
+            range: *range,
+            by_position: sampled(|position| map.at(position)),
+            by_interval: Vec::new(),
+            low_bits: 0,
+            high_bits: 0,
+            interval_log2: 0,
+        }
+    }
+
+    fn fill_intervals(&mut self) {
+        let (low_bits, high_bits) = (self.low_bits, self.high_bits);
+        let n_floats = high_bits - low_bits + 1;
+        self.interval_log2 = (n_floats / N_INTERVALS).checked_ilog2().unwrap_or(0);
+        let middle = (1 << self.interval_log2) / 2;
+        self.by_interval = (low_bits..=high_bits)
+            .step_by(1 << self.interval_log2)
+            .map(|bits| f32::from_bits((bits + middle).min(high_bits)))
+            .map(|value| self.at(self.range.position(value.into()) as f32))
+            .collect();
+    }
+
+    /// Returns the color of a value; outside the range that of the nearer end.
+    pub fn of(&self, value: f32) -> Rgb<u8> {
+        if !self.range.can_show(value) {
+            return NO_VALUE;
+        }
+        if self.by_interval.is_empty() {
+            return self.at(self.range.position(value.into()) as f32);
+        }
+        let bits = value.to_bits().clamp(self.low_bits, self.high_bits);
+        self.by_interval[((bits - self.low_bits) >> self.interval_log2) as usize]
+    }
+
+    /// Returns the color at `position` between the low (0) and the high (1) end of the range.
+    pub fn at(&self, position: f32) -> Rgb<u8> {
+        let step = position * (N_COLORS - 1) as f32;
+        // The cast saturates: below the range to 0.
+        self.by_position[((step + 0.5) as usize).min(N_COLORS - 1)]
+    }
+}
+
+/// Samples a color map in equal steps.
+fn sampled(color_at: impl Fn(f64) -> [f64; 3]) -> Vec<Rgb<u8>> {
+    let position = |i| i as f64 / (N_COLORS - 1) as f64;
+    let colors = (0..N_COLORS).map(|i| color_at(position(i)));
+    colors.map(|color| Rgb(rgb8(color))).collect()
+}
+
+/// Finer than 8 bits per channel, so that colors that are interpolated show no bands.
+const N_COLORS: usize = 1024;
+/// At most twice as many intervals are used: 96 KiB of colors.
+const N_INTERVALS: u32 = 1 << 14;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn inferno(t: f64) -> Rgb<u8> {
+        Rgb(rgb8(ColorMap::Inferno.at(t)))
+    }
+
+    #[test]
+    fn the_ends_have_the_end_colors() {
+        for (low, high) in [(1.0, 2.0), (100.0, 101.5), (37.0, 9.1e6), (2e-38, f32::MAX)] {
+            let colors = Colors::over(&Range::of(&[low, high]));
+            assert_eq!(
+                [colors.of(low), colors.of(high)],
+                [inferno(0.0), inferno(1.0)]
+            );
+            assert_eq!(
+                [colors.at(0.0), colors.at(1.0)],
+                [inferno(0.0), inferno(1.0)]
+            );
+        }
+    }
+
+    #[test]
+    fn values_and_positions_agree() {
+        let range = Range::of(&[20.0, 70_000.0]);
+        let colors = Colors::over(&range);
+        for i in 0..=200 {
+            let position = f64::from(i) / 200.0;
+            let value = range.low * (range.high / range.low).powf(position);
+            let apart = |a: Rgb<u8>, b: Rgb<u8>| (0..3).map(|c| a[c].abs_diff(b[c])).max();
+            assert!(apart(colors.of(value as f32), colors.at(position as f32)) <= Some(2));
+            assert!(apart(colors.of(value as f32), inferno(position)) <= Some(6));
+        }
+    }
+
+    #[test]
+    fn expensive_is_lighter() {
+        let colors = Colors::over(&Range::of(&[1.0, 1e6]));
+        let lightness = |v: f32| colors.of(v).0.into_iter().map(u32::from).sum::<u32>();
+        let ladder: Vec<u32> = (0..20)
+            .map(|i| lightness(10f32.powf(i as f32 * 0.3)))
+            .collect();
+        assert!(ladder.is_sorted_by(|a, b| a < b), "{ladder:?}");
+    }
+
+    #[test]
+    fn decreases_are_blue_and_increases_are_red() {
+        let colors = Colors::over(&Range::around_zero(&[-50.0, 20.0]));
+        let [cheaper, same, costlier] = [-50.0, 0.0, 50.0].map(|change| colors.of(change).0);
+        assert!(cheaper[2] > 2 * cheaper[0] && costlier[0] > 2 * costlier[2]);
+        assert!(same.iter().all(|&channel| channel > 230), "{same:?}");
+        assert_eq!([colors.of(-1e9).0, colors.of(1e9).0], [cheaper, costlier]);
+        assert_eq!(colors.of(f32::NAN), NO_VALUE);
+    }
+
+    #[test]
+    fn outside_the_scale_is_gray() {
+        let colors = Colors::over(&Range::of(&[1.0, 10.0]));
+        for value in [f32::NAN, f32::INFINITY, -f32::INFINITY, 0.0, -1.0, 1e-40] {
+            assert_eq!(colors.of(value), NO_VALUE);
+        }
+        assert_eq!(
+            [colors.of(0.5), colors.of(20.0)],
+            [inferno(0.0), inferno(1.0)]
+        );
+    }
+}

@@ -1,0 +1,234 @@
+//! Color bars on a picture: what the colors of its surfaces mean.
+
+use image::{Rgb, RgbImage};
+
+use super::bar::Bar;
+use super::canvas::{self, Rect, px};
+use super::colors::Colors;
+use super::label::Unit;
+use super::range::{Range, Scale};
+use super::swatches::{Swatch, Swatches};
+use super::text::{CAP_HEIGHT_EM, Style};
+use scene::color::Palette;
+
+/// A color bar with a title.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorLegend {
+    /// What the numbers are.
+    pub title: String,
+    /// What the colors mean.
+    pub key: LegendKey,
+}
+
+/// What colors mean.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LegendKey {
+    /// Numbers of a range.
+    Range {
+        /// The colors.
+        map: Palette,
+        /// The numbers of the first and the last color, ascending; positive on a logarithmic
+        /// scale.
+        ends: [f32; 2],
+        /// The scale of the numbers.
+        scale: Scale,
+        /// Whether there are numbers below the first and above the last.
+        clips: [bool; 2],
+    },
+    /// Categories, the first on top.
+    Categories(Vec<Swatch>),
+}
+
+/// Pictures with a shorter side have no room for a color bar.
+const MIN_SIDE_PX: u32 = 96;
+/// The length of a bar as a fraction of the picture's height.
+const LENGTH: f32 = 0.5;
+/// The length of a list of categories, at most.
+const MAX_LENGTH: f32 = 0.8;
+/// The height of a picture in ems, at least.
+const MIN_HEIGHT_EM: f32 = 24.0;
+/// How much of the picture the paper below a bar hides.
+const OPACITY: f32 = 0.75;
+
+/// Draws color bars from the right edge of a picture on, unless it is too small.
+pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
+    let (width, height) = picture.dimensions();
+    if width.min(height) < MIN_SIDE_PX {
+        return;
+    }
+    let em_px = (width.max(height) as f32 / 55.0).min(height as f32 / MIN_HEIGHT_EM);
+    let margin = px(em_px);
+    let mut right = width;
+    for legend in legends {
+        let room = [right.saturating_sub(4 * margin), height];
+        let drawing = Drawing::of(&legend.key, room, em_px);
+        let [inner, length] = drawing.size();
+        let style = Style::new(em_px, canvas::INK);
+        let title = style.fitted(&legend.title, room[0]);
+        let inner = inner.max(px(style.width(&title).ceil()));
+        let Some(left) = right.checked_sub(inner + 3 * margin) else {
+            return;
+        };
+        let title_px = px(em_px * (CAP_HEIGHT_EM + 1.0));
+        let paper = Rect {
+            x: left,
+            y: ((height - length).saturating_sub(title_px) / 2).saturating_sub(margin),
+            width: inner + 2 * margin,
+            height: length + title_px + 2 * margin,
+        };
+        pale(picture, paper);
+        let baseline = paper.y + margin + px(em_px * CAP_HEIGHT_EM);
+        style.paint(picture, &title, left + margin, baseline);
+        drawing.paint(picture, [left + margin, paper.y + margin + title_px]);
+        right = left;
+    }
+}
+
+/// The drawing of a key.
+enum Drawing {
+    Bar(Bar, Colors),
+    Swatches(Swatches),
+}
+
+impl Drawing {
+    /// The drawing of a key on a picture of this height, which may be so wide.
+    fn of(key: &LegendKey, [width, height]: [u32; 2], em_px: f32) -> Self {
+        match key {
+            LegendKey::Range {
+                map,
+                ends,
+                scale,
+                clips,
+            } => {
+                let range = range(*ends, *scale, *clips);
+                let length = px(LENGTH * height as f32);
+                let bar = Bar::beside([1, length], &range, Unit::named(""), em_px);
+                Self::Bar(bar, Colors::of_map(&range, map))
+            }
+            LegendKey::Categories(all) => {
+                let height = px(MAX_LENGTH * height as f32);
+                Self::Swatches(Swatches::within(all, [width, height], em_px))
+            }
+        }
+    }
+
+    fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Bar(bar, _) => bar.size(),
+            Self::Swatches(swatches) => swatches.size(),
+        }
+    }
+
+    fn paint(&self, picture: &mut RgbImage, corner: [u32; 2]) {
+        match self {
+            Self::Bar(bar, colors) => bar.paint(picture, corner, colors),
+            Self::Swatches(swatches) => swatches.paint(picture, corner),
+        }
+    }
+}
+
+fn range([low, high]: [f32; 2], scale: Scale, clips: [bool; 2]) -> Range {
+    let [n_below, n_above] = clips.map(u64::from);
+    Range {
+        scale,
+        low: low.into(),
+        high: high.into(),
+        min: low,
+        max: high,
+        n_below,
+        n_above,
+        n_undrawable: 0,
+    }
+}
+
+fn pale(picture: &mut RgbImage, rect: Rect) {
+    for y in rect.y..rect.bottom() {
+        for x in rect.x..rect.right() {
+            canvas::blend(
+                picture,
+                x.into(),
+                y.into(),
+                Rgb([canvas::PAPER; 3]),
+                OPACITY,
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each category has its color in the list, or else the list says how many more there are.
+    #[test]
+    fn every_category_that_has_room_has_its_swatch() {
+        for (n, n_shown) in [(1_u8, 1), (5, 5), (40, 16)] {
+            let swatch = |i: u8| Swatch {
+                label: i.to_string(),
+                color: [200, i, 7],
+            };
+            let mut picture = RgbImage::new(400, 300);
+            let key = LegendKey::Categories((0..n).map(swatch).collect());
+            let title = String::new();
+            draw_legends(&mut picture, &[ColorLegend { title, key }]);
+            let tops = |i: u8| {
+                picture
+                    .enumerate_pixels()
+                    .find(|(.., p)| p.0 == [200, i, 7])
+            };
+            let shown: Vec<u32> = (0..n).map_while(|i| tops(i).map(|(_, y, _)| y)).collect();
+            assert_eq!(shown.len(), n_shown, "{n}");
+            assert!(shown.is_sorted_by(|a, b| a < b), "{shown:?}");
+        }
+    }
+
+    #[test]
+    fn bars_stay_in_the_picture_whatever_its_size() {
+        let legend = |title: &str, ends, scale| ColorLegend {
+            title: title.to_owned(),
+            key: LegendKey::Range {
+                map: Palette::default(),
+                ends,
+                scale,
+                clips: [true, true],
+            },
+        };
+        let swatches = |n: u8| ColorLegend {
+            title: "rock".to_owned(),
+            key: LegendKey::Categories(
+                (0..n)
+                    .map(|i| Swatch {
+                        label: "a long name of a kind of rock ".repeat(usize::from(i)),
+                        color: [i; 3],
+                    })
+                    .collect(),
+            ),
+        };
+        let legends = [
+            legend("temperature (K)", [290.0, 345.0], Scale::Linear),
+            legend(
+                "a title that is too long for any picture",
+                [1e-9, 1e20],
+                Scale::Logarithmic,
+            ),
+            legend("", [-1e30, 1e30], Scale::Linear),
+            legend("speed", [3.0, 3.1], Scale::Linear),
+            swatches(0),
+            swatches(1),
+            swatches(200),
+        ];
+        for (width, height) in [
+            (1, 1),
+            (96, 96),
+            (96, 4000),
+            (4000, 96),
+            (400, 300),
+            (1920, 1080),
+        ] {
+            let mut picture = RgbImage::new(width, height);
+            draw_legends(&mut picture, &legends);
+            let is_drawn = picture.pixels().any(|pixel| pixel.0 != [0; 3]);
+            assert!(is_drawn || width.min(height) < 300, "{width} x {height}");
+        }
+    }
+}

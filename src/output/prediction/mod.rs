@@ -1,0 +1,171 @@
+//! Predicts the peak memory and the disk space of a rendering.
+//!
+//! [`memory`](crate::memory) has an upper bound, which refuses what may not fit; this is
+//! what to expect. What precedes the film is not estimated but done: the scene is read and
+//! its hierarchy built as for the rendering, and the memory of this process is that of the
+//! rendering so far. A small picture of the scene shows what depends on the camera: how many
+//! pixels have a hit, and how large their counters are. The rest are the film's arrays and
+//! the copies of some of them while files are written.
+
+mod length;
+mod preview;
+mod sample;
+mod bands;
+mod disk;
+
+pub use disk::{ArrayFile, DiskUse};
+
+use crate::writers;
+use base::host::{free_heap, resident_memory};
+pub use preview::Look;
+use preview::Preview;
+use render::attribution::Visits;
+use render::film;
+use render::instruments::peak_memory_bytes;
+use render::schedule::{self, TileGrid};
+use render::tiles::most_repeats;
+use sample::RowSample;
+use scene::config::{Config, OptionalOutput, Repeats};
+use scene::world::{Scene, World};
+use tracer::accel::{Accel, BvhNode, TooLarge};
+
+/// The predicted resources of a rendering.
+#[derive(Debug, Clone)]
+pub struct Prediction {
+    /// Bytes of resident memory at the peak; `None` where the system does not report that of
+    /// this process.
+    pub peak_memory: Option<u64>,
+    /// The files.
+    pub disk: DiskUse,
+    /// The camera's view.
+    pub look: Look,
+}
+
+impl Prediction {
+    /// Predicts the rendering of a scene that was read and placed, in bands of so many rows if
+    /// it is larger than memory, on the current rayon pool. Builds the hierarchy and renders a
+    /// small picture, and some rows.
+    ///
+    /// # Errors
+    /// The hierarchy is too large.
+    pub fn of(
+        config: &Config,
+        scene: &mut Scene,
+        band_rows: Option<u32>,
+    ) -> Result<Self, TooLarge> {
+        let world = World {
+            primitives: &scene.primitives,
+            instances: scene.instances.as_ref(),
+        };
+        let accel = Accel::build(world, config.acceleration, |_| {})?;
+        let small = preview::image(&config.image);
+        scene.image_plane = config
+            .camera
+            .image_plane(small.picture_size(), &scene.space);
+        let preview = Preview::of(config, small, scene, &accel);
+        let has_nodes = config.output.has(OptionalOutput::Bvh);
+        // Before the list of nodes takes memory itself.
+        let so_far = MemorySoFar::so_far();
+        let nodes = if has_nodes { accel.nodes() } else { Vec::new() };
+        let peak_memory = so_far.map(|so_far| {
+            let (film, later) = match band_rows {
+                None => (
+                    of_film(config, &preview),
+                    of_attribution(config, scene, &nodes) + of_files(config, &preview),
+                ),
+                Some(n_rows) => (bands::of_bands(config, &preview, n_rows), 0),
+            };
+            let filled = film.saturating_sub(so_far.free);
+            so_far.peak.max(so_far.resident + filled + later)
+        });
+        let n_pieces = band_rows.map_or(1, |n_rows| config.image.height.div_ceil(n_rows));
+        let is_repeated = n_repeats(config, &preview) > 1;
+        scene.image_plane = config
+            .camera
+            .image_plane(config.image.picture_size(), &scene.space);
+        let sample = RowSample::of(config, scene, &accel, is_repeated);
+        Ok(Self {
+            peak_memory,
+            look: preview.look,
+            disk: DiskUse::of(config, scene, (&preview, &sample), nodes, n_pieces),
+        })
+    }
+}
+
+/// The memory of this process, in bytes.
+struct MemorySoFar {
+    resident: u64,
+    /// The part of it that allocations use next.
+    free: u64,
+    peak: u64,
+}
+
+impl MemorySoFar {
+    fn so_far() -> Option<Self> {
+        Some(Self {
+            resident: resident_memory()?,
+            free: free_heap(),
+            peak: peak_memory_bytes()?,
+        })
+    }
+}
+
+/// The film, and the times of all renderings: the memory of these is free before the files are
+/// written, but the deviations, which take their place, leave no room for larger blocks.
+fn of_film(config: &Config, preview: &Preview) -> u64 {
+    let stored = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+    let has_samples = config.cost.has_time() && config.repeats.has_spread();
+    let of_samples = if has_samples {
+        size_of::<f32>() * usize::from(n_repeats(config, preview))
+    } else {
+        0
+    };
+    let per_pixel = (stored + of_samples) as f64 + preview.counter_bytes;
+    let grid = TileGrid::new(config.image.width, config.image.height, config.tiles.size);
+    let per_tile = film::BYTES_PER_TILE + schedule::BYTES_PER_TILE;
+    let of_tiles = u64::from(grid.n_tiles()) * per_tile as u64;
+    (config.image.n_pixels() as f64 * per_pixel) as u64 + of_tiles
+}
+
+/// How often the picture will be rendered.
+fn n_repeats(config: &Config, preview: &Preview) -> u8 {
+    match config.repeats {
+        Repeats::Exactly(n) => n.get(),
+        Repeats::Auto => {
+            let n_pixels = config.image.n_pixels() as f64;
+            let samples = f64::from(config.image.samples_per_pixel);
+            let fitting = 0.5 / (preview.seconds_per_sample * samples * n_pixels);
+            (fitting as u8).clamp(1, most_repeats(config))
+        }
+    }
+}
+
+/// The costs attributed to primitives and nodes, and the lists of nodes that file and state
+/// need, each with a reference to the node, one to its visits, and its cost.
+fn of_attribution(config: &Config, scene: &Scene, nodes: &[BvhNode]) -> u64 {
+    let of_surface = if config.output.has(OptionalOutput::Surface) {
+        scene.primitives.len() * size_of::<Visits>()
+    } else {
+        0
+    };
+    let listed = size_of::<(&BvhNode, &Visits, f32)>() + size_of::<Visits>();
+    let per_node = size_of::<BvhNode>() + size_of::<Visits>() + listed;
+    (of_surface + nodes.len() * per_node) as u64
+}
+
+/// What is copied to write the files: by their states before, or by their writers.
+fn of_files(config: &Config, preview: &Preview) -> u64 {
+    let n_pixels = config.image.n_pixels() as f64;
+    let number = size_of::<f32>() as f64;
+    let of_map = if config.cost.has_counters() {
+        number
+    } else {
+        0.0
+    };
+    // The distances of hits, for their median, and beside them the values of the cost map and
+    // those of the second cost, larger than the room that the distances leave.
+    let of_states = number * preview.hit_share + 2.0 * of_map;
+    let of_pictures = of_map + 3.0 * preview.map_pixels;
+    let of_writers = (n_pixels * of_pictures) as u64 + writers::expected_write_bytes(config);
+    of_writers.max((n_pixels * of_states) as u64)
+}

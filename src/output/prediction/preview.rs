@@ -1,0 +1,147 @@
+//! A small picture of a scene, rendered for what depends on the camera.
+
+use std::time::Instant;
+
+use crate::chart;
+use render::film::Film;
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, CostMode, Image, Tiling};
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::cost::{Counter, Meter};
+
+/// Most pixels of the picture: a hundredth of a second of rays, and the share of hits to
+/// about 0.5 %.
+const MOST_PIXELS: usize = 1 << 16;
+
+/// The camera's view in the small picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Whether it sees any object.
+    pub has_hit: bool,
+    /// Whether all pixels are black.
+    pub is_black: bool,
+    /// The object that all pixels show, if it is the same.
+    pub only_object: Option<u32>,
+}
+
+/// What the small picture shows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Preview {
+    pub(super) look: Look,
+    /// The share of pixels with a hit.
+    pub(super) hit_share: f64,
+    /// The bytes of a pixel's packed counters in the film.
+    pub(super) counter_bytes: f64,
+    /// Wall time.
+    pub(super) seconds_per_sample: f64,
+    /// Pixels of the cost map for each of the picture; 0 if there is none.
+    pub(super) map_pixels: f64,
+}
+
+/// The image of the small picture: a part of the columns and rows, with one sample each.
+pub(super) fn image(image: &Image) -> Image {
+    let stride = stride(image);
+    image.shrunk(|side| side.div_ceil(stride))
+}
+
+/// Columns and rows of the picture for each of the small one.
+fn stride(image: &Image) -> u32 {
+    let share = image.n_pixels() as f64 / MOST_PIXELS as f64;
+    (share.sqrt().ceil() as u32).max(1)
+}
+
+impl Preview {
+    /// Renders the small picture on the current rayon pool.
+    pub(super) fn of(config: &Config, small: Image, scene: &Scene, accel: &Accel) -> Self {
+        // Tiles that show as much as those of the picture.
+        let tiling = Tiling {
+            size: (config.tiles.size / stride(&config.image)).max(Tiling::MIN_SIZE),
+            ..config.tiles
+        };
+        let meter = match config.cost {
+            CostMode::None => Meter::Off,
+            _ => Meter::new(CostMode::Counters),
+        };
+        let plan = TilePlan::new(scene, accel, &small, tiling);
+        let begin = Instant::now();
+        let (film, _) = render(scene, accel, &plan, &meter, |_| {});
+        let n_pixels = small.n_pixels() as f64;
+        Self {
+            look: Look::of(&film),
+            hit_share: film.n_hits() as f64 / n_pixels,
+            counter_bytes: counter_bytes(&film, &config.image),
+            seconds_per_sample: begin.elapsed().as_secs_f64() / n_pixels,
+            map_pixels: match config.cost {
+                CostMode::None => 0.0,
+                _ => {
+                    let scale = chart::magnification([config.image.width, config.image.height]);
+                    f64::from(scale).powi(2)
+                }
+            },
+        }
+    }
+}
+
+impl Look {
+    fn of(film: &Film) -> Self {
+        let colors = film.strips.iter().flat_map(|strip| &strip.rgb);
+        let mut objects = film.strips.iter().flat_map(|strip| &strip.object);
+        let first = objects
+            .next()
+            .and_then(|&object| u32::try_from(object).ok());
+        let is_first = |&object: &i32| u32::try_from(object).ok() == first;
+        Self {
+            has_hit: film.n_hits() > 0,
+            is_black: colors.flatten().all(|&channel| channel == 0),
+            only_object: first.filter(|_| objects.all(is_first)),
+        }
+    }
+}
+
+/// The bytes of a pixel's counters, packed as in the tiles of the picture: each takes as many
+/// bytes as the greatest one of its tile needs.
+fn counter_bytes(film: &Film, image: &Image) -> f64 {
+    if !film.cost.has_counters() {
+        return 0.0;
+    }
+    let of_counter = |counter: Counter| {
+        let n_samples = match counter {
+            Counter::Depth => 1,
+            _ => image.samples_per_pixel,
+        };
+        match counter {
+            Counter::Samples if image.adaptive.is_none() => 0.0,
+            Counter::Samples => n_bytes(n_samples),
+            _ => mean_bytes(film, counter, n_samples),
+        }
+    };
+    Counter::ALL.into_iter().map(of_counter).sum()
+}
+
+/// The mean bytes of a counter of so many samples.
+fn mean_bytes(film: &Film, counter: Counter, n_samples: u32) -> f64 {
+    let grid = &film.grid;
+    let mut greatest = vec![0; grid.n_tiles() as usize];
+    let mut counts = Vec::new();
+    for strip in &film.strips {
+        film.counter(strip, counter, &mut counts);
+        for (y, row) in (strip.first_row..).zip(counts.chunks_exact(grid.width as usize)) {
+            let first = (y / grid.tile_size * grid.n_columns) as usize;
+            let tiles = greatest[first..].iter_mut();
+            for (tile, pixels) in tiles.zip(row.chunks(grid.tile_size as usize)) {
+                *tile = pixels.iter().copied().fold(*tile, u32::max);
+            }
+        }
+    }
+    let n_tiles = greatest.len() as f64;
+    let bytes = greatest
+        .into_iter()
+        .map(|count| n_bytes(count.saturating_mul(n_samples)));
+    bytes.sum::<f64>() / n_tiles
+}
+
+/// The bytes of a number.
+fn n_bytes(number: u32) -> f64 {
+    f64::from((u32::BITS - number.leading_zeros()).div_ceil(u8::BITS))
+}

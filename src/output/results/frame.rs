@@ -1,0 +1,24 @@
+//! Frames of animated scenes that are complete.
+
+use std::path::Path;
+
+use crate::summary::{self, FrameSection, Summary};
+use base::folder::settle;
+
+/// The summary of a frame's folder if its files are complete and are those that the same
+/// scene would give again; their lengths are checked, not their checksums.
+pub fn complete_frame(folder: &Path, expected: &FrameSection) -> Option<Summary> {
+    let path = folder.join(summary::FILE);
+    if !path.is_file() {
+        return None;
+    }
+    settle(folder).ok()?;
+    let summary = Summary::read(&path).ok()?;
+    let found = summary.frame.as_ref()?;
+    let is_same = found.fingerprint == expected.fingerprint;
+    let is_whole = summary.files.iter().all(|file| {
+        let at = folder.join(&file.name).symlink_metadata();
+        at.is_ok_and(|at| at.is_file() && at.len() == file.bytes)
+    });
+    (is_same && is_whole && summary.partial.is_none()).then_some(summary)
+}

@@ -1,0 +1,71 @@
+//! Verifies an output folder by the lengths and checksums in its summary.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::Results;
+use crate::summary::{self, FileEntry, is_whole, read_json};
+use base::folder::checksum_of;
+use base::text::Diagnostic;
+use base::text::numbers::count;
+
+/// The result for one file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// Its name in the folder.
+    pub name: String,
+    /// How the file differs from the one that was written; `None` if it does not.
+    pub fault: Option<String>,
+}
+
+/// Verifies every file that the folder's summary lists, and the summary itself.
+///
+/// # Errors
+/// The folder does not hold an output, or its summary cannot be read.
+pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
+    let results = Results::open(folder)?;
+    let files = results.summary.files.par_iter();
+    let verdict = |file: &FileEntry| Verdict {
+        name: file.name.clone(),
+        fault: fault(folder, file).err(),
+    };
+    let mut verdicts: Vec<Verdict> = files.map(verdict).collect();
+    verdicts.push(Verdict {
+        name: summary::FILE.to_owned(),
+        fault: fault_of_summary(folder),
+    });
+    Ok(verdicts)
+}
+
+fn fault(folder: &Path, listed: &FileEntry) -> Result<(), String> {
+    let is_name = Path::new(&listed.name).file_name() == Some(listed.name.as_ref());
+    if !is_name {
+        return Err("this is not a file name".to_owned());
+    }
+    let path = folder.join(&listed.name);
+    let at = path.symlink_metadata().map_err(|_| "it is missing")?;
+    if !at.is_file() {
+        return Err("it is not a regular file".to_owned());
+    }
+    if at.len() != listed.bytes {
+        let (found, expected) = (count(at.len()), count(listed.bytes));
+        return Err(format!("it has {found} bytes instead of {expected}"));
+    }
+    let Some(expected) = listed.checksum else {
+        return Ok(());
+    };
+    match checksum_of(&path) {
+        Ok(found) if found == expected => Ok(()),
+        Ok(found) => Err(format!("its checksum is {found} instead of {expected}")),
+        Err(error) => Err(format!("it cannot be read: {error}")),
+    }
+}
+
+fn fault_of_summary(folder: &Path) -> Option<String> {
+    match read_json(&folder.join(summary::FILE), summary::MAX_BYTES) {
+        Err(error) => Some(format!("it cannot be read: {error}")),
+        // Summaries of older versions have no checksum.
+        Ok(text) => (is_whole(&text) == Some(false)).then(|| "it was changed".to_owned()),
+    }
+}

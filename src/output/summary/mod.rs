@@ -1,0 +1,122 @@
+//! `summary.json`: what was rendered, on which machine, and what it cost in
+//! total.
+//!
+//! One set of types describes the file: [`crate::writers`] fills them in and
+//! writes them, and whatever reads an output folder gets them back from
+//! [`Summary::read`]. A reader ignores unknown keys. An optional field is null or
+//! absent in files whose run did not measure it, or whose raycost did not write
+//! it.
+
+mod cost;
+mod other_runs;
+mod partial;
+mod program;
+mod ranks;
+mod read;
+mod scene;
+mod timing;
+mod write;
+
+pub use cost::{ClockSection, CostSection, FileEntry, ScheduleSection};
+pub use other_runs::{OtherRuns, OtherRunsOfFile};
+pub use partial::Partial;
+pub use program::{Build, Machine, Threads};
+pub use ranks::{RankEntry, RanksSection};
+pub use read::MAX_BYTES;
+pub(crate) use read::read_json;
+pub use scene::{
+    AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry,
+    SceneSection,
+};
+pub use timing::{OverheadSection, RepeatsSection, StageEntry, ThreadTime};
+pub use write::is_whole;
+
+use serde::{Deserialize, Serialize};
+
+pub use base::folder::SUMMARY as FILE;
+use base::provenance::RunId;
+use vtk::Codec;
+
+/// The contents of `summary.json`, in the order of its keys. The file has one
+/// more key at its end: the checksum of all bytes before it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The version of raycost that rendered.
+    pub raycost: String,
+    /// The ID of the run, which its other files also have.
+    #[serde(rename = "raycost_run")]
+    pub run: Option<RunId>,
+    /// The scene file.
+    pub scene: SceneSection,
+    /// The frame of an animated scene; left out for a still.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameSection>,
+    /// What is missing; left out if the output is complete.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partial: Option<Partial>,
+    /// Size and sampling of the picture.
+    pub image: ImageSection,
+    /// How light became the numbers of the picture; left out if they are proportional to
+    /// it, with the factor 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<FilmSection>,
+    /// Positions of the pixels in world space.
+    pub camera: Option<CameraSection>,
+    /// The objects in the order of the scene file. The array `object` of the
+    /// pixels holds indices into this list.
+    pub objects: Vec<ObjectEntry>,
+    /// The names of the materials. The array `material` of the pixels holds
+    /// indices into this list.
+    pub materials: Vec<String>,
+    /// The number of primitives in the scene.
+    pub n_primitives: u64,
+    /// The number of instances of meshes that are placed many times, whose triangles are among
+    /// the primitives once; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_instances: Option<u64>,
+    /// The number of triangles without area, which are not in the scene.
+    pub n_degenerate_triangles: Option<u64>,
+    /// The acceleration structure.
+    pub acceleration: AccelerationSection,
+    /// The machine that rendered.
+    pub machine: Machine,
+    /// The build of raycost that rendered.
+    pub build: Option<Build>,
+    /// The number of threads.
+    pub threads: Threads,
+    /// The ranks of MPI that rendered; left out if one process did that no launcher has started.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranks: Option<RanksSection>,
+    /// The tiles of other runs; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_runs: Option<OtherRuns>,
+    /// The stages of the run in their order.
+    pub stages: Vec<StageEntry>,
+    /// The repeated renderings of the picture.
+    pub repeats: Option<RepeatsSection>,
+    /// The breakdown of the threads' time; `None` if pixels were not timed.
+    pub thread_time: Option<ThreadTime>,
+    /// The overhead of measurement; `None` if it was not measured.
+    pub overhead: Option<OverheadSection>,
+    /// Why there are no hardware counters; `None` if there are.
+    pub no_hardware_counters: Option<String>,
+    /// Peak resident memory of the process in bytes; `None` if the system does
+    /// not report it.
+    pub peak_memory_bytes: Option<u64>,
+    /// The number of pixels.
+    pub n_pixels: Option<u64>,
+    /// The number of pixels whose camera rays hit an object.
+    pub n_hits: u64,
+    /// The measured cost of the whole picture.
+    pub cost: CostSection,
+    /// The distribution of tiles to threads.
+    pub schedule: Option<ScheduleSection>,
+    /// The compression of the VTK files.
+    pub compress: Option<Codec>,
+    /// The arrays of the cloud and the frame that the scene chose; left out if they have all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrays: Option<Vec<String>>,
+    /// The files of the run except the summary itself.
+    #[serde(default)]
+    pub files: Vec<FileEntry>,
+}

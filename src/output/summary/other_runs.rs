@@ -1,0 +1,60 @@
+//! The section on tiles that other runs rendered.
+
+use serde::{Deserialize, Serialize};
+
+use render::checkpoint::{Checkpoint, TileSource};
+
+/// The tiles that were taken over from other runs: parts of the picture, or what an
+/// interrupted rendering has finished. The stages are those of the run that wrote the
+/// summary alone; the renderings in `repeats` and the schedule have the tiles of all.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OtherRuns {
+    /// The number of these tiles, of all renderings.
+    pub n_tiles: u64,
+    /// One entry per file of tiles.
+    pub files: Vec<OtherRunsOfFile>,
+}
+
+/// The runs that wrote a file of tiles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OtherRunsOfFile {
+    /// The part of the picture, as `3/16`; left out for a whole picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    /// The number of tiles.
+    pub n_tiles: u64,
+    /// The number of runs, which continued each other.
+    pub n_runs: usize,
+    /// The most threads of a run.
+    pub threads: u32,
+    /// Wall time of rendering, all runs together, in milliseconds.
+    pub wall_ms: f64,
+    /// CPU time of rendering, all threads and runs together, in milliseconds.
+    pub cpu_ms: f64,
+}
+
+impl OtherRuns {
+    /// The runs whose tiles a rendering has taken over; `None` if it has none.
+    pub fn of(checkpoint: &Checkpoint) -> Option<Self> {
+        let files = checkpoint.sources().iter().map(Into::into);
+        let this = Self {
+            n_tiles: checkpoint.n_restored() as u64,
+            files: files.collect(),
+        };
+        (this.n_tiles > 0).then_some(this)
+    }
+}
+
+impl From<&TileSource> for OtherRunsOfFile {
+    fn from(source: &TileSource) -> Self {
+        let [wall_ms, cpu_ms] = source.spent_ns().map(|ns| ns as f64 / 1e6);
+        Self {
+            part: source.file.header.part.map(|part| part.to_string()),
+            n_tiles: source.file.n_tiles() as u64,
+            n_runs: source.file.sessions.len(),
+            threads: source.n_threads(),
+            wall_ms,
+            cpu_ms,
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! The section on what a rendering has left out.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use base::text::numbers::count;
+
+/// What is missing in the output of a rendering that ended before it was complete.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Partial {
+    /// The number of tiles that were not rendered: their pixels are black, hit nothing and
+    /// cost nothing.
+    pub n_missing_tiles: u64,
+    /// The number of all tiles.
+    pub n_tiles: u64,
+    /// How often the picture was rendered.
+    pub n_renderings: u8,
+    /// How often it was to be rendered.
+    pub n_renderings_asked: u8,
+}
+
+impl Partial {
+    /// What is missing if so many of so many tiles were rendered, in so many of so many
+    /// renderings; `None` if nothing is.
+    pub fn of(tiles: [u32; 2], renderings: [u8; 2]) -> Option<Self> {
+        let this = Self {
+            n_missing_tiles: (tiles[1] - tiles[0]).into(),
+            n_tiles: tiles[1].into(),
+            n_renderings: renderings[0],
+            n_renderings_asked: renderings[1],
+        };
+        let is_whole = this.n_missing_tiles == 0 && renderings[0] >= renderings[1];
+        (!is_whole).then_some(this)
+    }
+}
+
+impl fmt::Display for Partial {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.n_missing_tiles {
+            0 => write!(
+                f,
+                "partial: {} of {} renderings",
+                self.n_renderings, self.n_renderings_asked
+            ),
+            n => write!(
+                f,
+                "partial: {} of {} tiles are missing",
+                count(n),
+                count(self.n_tiles)
+            ),
+        }
+    }
+}

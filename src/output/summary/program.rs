@@ -1,0 +1,66 @@
+//! The sections on machine and program.
+
+use serde::{Deserialize, Serialize};
+use sysinfo::System;
+
+use base::provenance;
+
+/// The machine that rendered, as far as the system reports it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    /// The operating system with its version.
+    pub os: Option<String>,
+    /// `x86_64`, `aarch64`, …
+    pub arch: String,
+    /// The name of the processor.
+    pub cpu: Option<String>,
+    /// The number of logical CPUs that the process may use.
+    pub logical_cpus: Option<u64>,
+}
+
+/// The build of raycost that rendered.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Build {
+    /// The version of the crate.
+    pub version: String,
+    /// The commit, if the build was given one.
+    pub commit: Option<String>,
+    /// The version of the compiler.
+    pub compiler: String,
+    /// The Cargo profile.
+    pub profile: String,
+    /// The compiler flags.
+    pub flags: String,
+}
+
+/// The number of threads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Threads {
+    /// Threads that rendered.
+    pub used: usize,
+    /// Threads that the machine can run at once.
+    pub available: usize,
+}
+
+impl Machine {
+    /// Describes the machine that runs this process.
+    pub fn current() -> Self {
+        let mut system = System::new();
+        system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
+        let cpu = system.cpus().first().map(|cpu| cpu.brand().trim());
+        let logical_cpus = std::thread::available_parallelism().ok();
+        Self {
+            os: System::long_os_version(),
+            arch: std::env::consts::ARCH.to_owned(),
+            cpu: cpu.map(str::to_owned),
+            logical_cpus: logical_cpus.map(|n| n.get() as u64),
+        }
+    }
+}
+
+impl Build {
+    /// The program with its version and its commit.
+    pub fn title(&self) -> String {
+        provenance::program(&self.version, self.commit.as_deref())
+    }
+}

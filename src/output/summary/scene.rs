@@ -1,0 +1,233 @@
+//! The sections on the scene.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use base::provenance::Checksum;
+use base::text::keyword_name;
+use math::simd::Simd;
+use scene::camera::{ImagePlane, Projection};
+use scene::color::{Development, ToneCurve, Transfer};
+use scene::config::{
+    Acceleration, Adaptive, FilmSettings, Image, PictureWindow, PixelFilter, PixelPattern, Quality,
+    ShadingModel, Traversal,
+};
+use tracer::accel::BvhStatistics;
+
+/// The scene file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneSection {
+    /// The file's stem.
+    pub name: String,
+    /// The path as the user typed it.
+    pub file: String,
+    /// The values that the command line set, such as `image.seed=7`; left out if none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+}
+
+/// The frame of an animated scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameSection {
+    /// Its number; that of the first is 0.
+    pub number: u32,
+    /// The number of all frames.
+    pub n_frames: u32,
+    /// Its time, by the data series or in seconds of the video.
+    pub time: f64,
+    /// A hash of all that determines its files: a frame with another one is rendered again.
+    pub fingerprint: Checksum,
+    /// The values of its ParaView states, of which those of the series are made.
+    #[serde(default)]
+    pub states: serde_json::Value,
+}
+
+/// Size and sampling of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ImageSection {
+    /// The number of columns.
+    pub width: u32,
+    /// The number of rows.
+    pub height: u32,
+    /// The number of camera rays through each pixel.
+    pub samples_per_pixel: u32,
+    /// Seed of the sampling pattern.
+    pub seed: u64,
+    /// The pattern of the samples in a pixel; left out if stratified.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub sampler: PixelPattern,
+    /// The pixel filter; left out if a box.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub filter: PixelFilter,
+    /// The radius of the filter in pixels; left out if it is the filter's usual one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filter_radius: Option<f32>,
+    /// Adaptive sampling, with the samples per pixel as the most; left out without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adaptive>,
+    /// Where it is in a larger picture; left out if it is a whole picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<PictureWindow>,
+}
+
+/// How light became the numbers of the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FilmSection {
+    /// Stops.
+    pub exposure: f32,
+    /// The tone curve: `none`, `agx` or `aces`.
+    pub tone_curve: String,
+    /// The transfer function: `srgb` or `linear`.
+    pub transfer: String,
+}
+
+/// Positions of the pixels in world space. Either `eye` or `direction` is given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CameraSection {
+    /// The origin of all camera rays, of a perspective camera, or the center of its lens.
+    pub eye: Option<[f64; 3]>,
+    /// The direction of all camera rays, a unit vector, of an orthographic camera.
+    pub direction: Option<[f32; 3]>,
+    /// The sample point of the top left pixel.
+    pub origin: [f64; 3],
+    /// The step from one column to the next.
+    pub right: [f32; 3],
+    /// The step from one row to the row below.
+    pub down: [f32; 3],
+    /// Whether these are those of a panorama's map, whose lengths are angles in radians.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub panorama: bool,
+    /// The lens of a camera that has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<LensSection>,
+}
+
+/// The lens of a camera, in world units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LensSection {
+    /// Its radius.
+    pub radius: f32,
+    /// The distance of the plane in focus.
+    pub focus_distance: f32,
+}
+
+/// An object of the scene file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ObjectEntry {
+    /// Its name, if the scene file gives one.
+    pub name: Option<String>,
+    /// Its shape: `sphere`, `mesh`, …
+    pub kind: String,
+    /// The names of its materials.
+    pub materials: Vec<String>,
+}
+
+/// The acceleration structure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AccelerationSection {
+    /// `bvh` or `brute_force`.
+    pub kind: String,
+    /// The quality of a BVH.
+    pub quality: Option<Quality>,
+    /// The size of a BVH.
+    pub bvh: Option<BvhStatistics>,
+    /// The vector instructions: `portable`, `avx2` or `avx512`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simd: Option<String>,
+    /// How the rays of a wave were traced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traversal: Option<Traversal>,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl From<&Image> for ImageSection {
+    fn from(image: &Image) -> Self {
+        Self {
+            width: image.width,
+            height: image.height,
+            samples_per_pixel: image.samples_per_pixel,
+            seed: image.seed,
+            sampler: image.sampler,
+            filter: image.filter,
+            filter_radius: image.filter_radius,
+            adaptive: image.adaptive,
+            window: image.window,
+        }
+    }
+}
+
+impl FilmSection {
+    /// Describes the film of a scene with this shading model; `None` if light stays as
+    /// it is.
+    pub fn new(film: &FilmSettings, model: ShadingModel) -> Option<Self> {
+        let plain = Development::new(0.0, ToneCurve::None, Transfer::Linear);
+        (film.development(model) != plain).then(|| Self {
+            exposure: film.exposure,
+            tone_curve: keyword_name(&film.tone_curve),
+            transfer: keyword_name(&film.transfer(model)),
+        })
+    }
+}
+
+impl CameraSection {
+    /// The camera in coordinates relative to its `origin`.
+    pub fn relative_to_origin(&self) -> Self {
+        let from_origin = |point: [f64; 3]| [0, 1, 2].map(|axis| point[axis] - self.origin[axis]);
+        Self {
+            eye: self.eye.map(from_origin),
+            origin: [0.0; 3],
+            ..*self
+        }
+    }
+}
+
+impl From<&ImagePlane> for CameraSection {
+    fn from(plane: &ImagePlane) -> Self {
+        let space = &plane.space;
+        let legible = |point| space.legible(point);
+        let (eye, direction) = match plane.projection {
+            Projection::Perspective | Projection::Panorama { .. } => {
+                (Some(legible(plane.eye_in_world)), None)
+            }
+            Projection::Parallel { direction } => (None, Some(direction.to_array())),
+        };
+        let steps = |vector: Vec3| vector.to_array().map(|step| space.world_length(step));
+        Self {
+            eye,
+            direction,
+            origin: legible(plane.eye_in_world + space.unit() * plane.to_first.as_dvec3()),
+            right: steps(plane.right),
+            down: steps(plane.down),
+            panorama: matches!(plane.projection, Projection::Panorama { .. }),
+            lens: plane.lens.map(|lens| LensSection {
+                radius: space.world_length(lens.radius),
+                focus_distance: space.world_length(lens.focus_distance),
+            }),
+        }
+    }
+}
+
+impl AccelerationSection {
+    /// Describes a structure; `bvh` is the size of a BVH.
+    pub fn new(
+        acceleration: Acceleration,
+        bvh: Option<BvhStatistics>,
+        simd: Simd,
+        traversal: Traversal,
+    ) -> Self {
+        let (kind, quality) = match acceleration {
+            Acceleration::Bvh(quality) => ("bvh", Some(quality)),
+            Acceleration::BruteForce => ("brute_force", None),
+        };
+        Self {
+            kind: kind.to_owned(),
+            quality,
+            simd: Some(simd.to_string()),
+            traversal: Some(traversal),
+            bvh,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The sections on time.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use render::instruments::Stage;
+use render::tiles::{N_ROUNDS, Overhead};
+use scene::config::Repeats;
+
+/// A stage of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageEntry {
+    /// Its name.
+    pub name: String,
+    /// Wall time in milliseconds.
+    pub wall_ms: f64,
+    /// CPU time of all threads in milliseconds.
+    pub cpu_ms: f64,
+    /// Page faults, minor and major, if the system reports them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page_faults: Option<u64>,
+    /// Context switches, voluntary and involuntary, if the system reports them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub context_switches: Option<u64>,
+    /// Hardware counters by name; empty if there are none.
+    #[serde(default)]
+    pub events: IndexMap<String, u64>,
+}
+
+/// The repeated renderings of the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RepeatsSection {
+    /// The requested number.
+    pub asked: Option<Repeats>,
+    /// The number of renderings.
+    pub n: usize,
+    /// The time of all pixels in each rendering, in nanoseconds; empty if pixels
+    /// were not timed.
+    pub busy_ns: Vec<f64>,
+    /// The wall time of each rendering in milliseconds.
+    pub wall_ms: Vec<f64>,
+    /// The number of pixel times without an undisturbed measurement.
+    pub n_rejected: Option<u64>,
+}
+
+/// The busy time of the threads over all renderings and its parts, which sum to
+/// `busy_ns`. All times are in nanoseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ThreadTime {
+    /// Time from the start to the end of each tile in which its thread had a CPU.
+    pub busy_ns: f64,
+    /// The pixels' own times.
+    pub pixels_ns: f64,
+    /// One reading of the clock per pixel, at the measured cost of a reading.
+    pub clock_ns: f64,
+    /// Writing pixels to the film.
+    pub film_ns: f64,
+    /// Rendering pixels that count for nothing: warm-up, before a tile's first pixel is timed,
+    /// and pixels that are timed again.
+    pub warm_up_ns: f64,
+    /// The remainder.
+    pub unexplained_ns: f64,
+    /// The remainder in percent of the busy time.
+    pub unexplained_percent: f64,
+    /// Time from the start to the end of each tile in which its thread waited for a CPU; it is
+    /// not part of the busy time.
+    #[serde(default)]
+    pub waiting_ns: f64,
+}
+
+/// The overhead of measurement: CPU time of one rendering in milliseconds, and
+/// differences in percent. A percentage of no time is null.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OverheadSection {
+    /// Rounds of renderings, whose medians follow.
+    pub rounds: usize,
+    /// Rays in streams, nothing measured.
+    pub none_ms: f64,
+    /// Rays in streams, counted.
+    pub counters_ms: f64,
+    /// Rays in streams, counted, and their waves timed.
+    pub time_ms: f64,
+    /// Rays one by one, counted, and each pixel timed.
+    pub single_ray_ms: f64,
+    /// The overhead of counters in streams.
+    pub counters_percent: Option<f64>,
+    /// The overhead of the clock of waves on top of that.
+    pub clock_percent: Option<f64>,
+    /// The overhead of both.
+    pub time_percent: Option<f64>,
+    /// The overhead of tracing and timing rays one by one instead of in counted streams.
+    pub single_ray_percent: Option<f64>,
+}
+
+impl From<&Stage> for StageEntry {
+    fn from(stage: &Stage) -> Self {
+        let events = stage.events.iter();
+        Self {
+            name: stage.name.to_owned(),
+            wall_ms: stage.wall_ms,
+            cpu_ms: stage.cpu_ms,
+            page_faults: stage.system.map(|work| work.page_faults),
+            context_switches: stage.system.map(|work| work.context_switches),
+            events: events.map(|(name, n)| ((*name).to_owned(), *n)).collect(),
+        }
+    }
+}
+
+impl ThreadTime {
+    /// Computes the remainder of the busy time, given its known parts.
+    pub fn new(busy_ns: f64, pixels_ns: f64, clock_ns: f64, film_ns: f64, warm_up_ns: f64) -> Self {
+        let mut time = Self {
+            busy_ns,
+            pixels_ns,
+            clock_ns,
+            film_ns,
+            warm_up_ns,
+            unexplained_ns: busy_ns - pixels_ns - clock_ns - film_ns - warm_up_ns,
+            unexplained_percent: 0.0,
+            waiting_ns: 0.0,
+        };
+        time.unexplained_percent = time.percent(time.unexplained_ns);
+        time
+    }
+
+    /// Returns a part in percent of the busy time; 0 without any.
+    pub fn percent(&self, part_ns: f64) -> f64 {
+        match self.busy_ns {
+            0.0 => 0.0,
+            busy_ns => 100.0 * part_ns / busy_ns,
+        }
+    }
+}
+
+impl From<&Overhead> for OverheadSection {
+    fn from(overhead: &Overhead) -> Self {
+        Self {
+            rounds: N_ROUNDS,
+            none_ms: overhead.none_ms,
+            counters_ms: overhead.counters_ms,
+            time_ms: overhead.time_ms,
+            single_ray_ms: overhead.single_ray_ms,
+            counters_percent: Some(overhead.counters_percent()),
+            clock_percent: Some(overhead.clock_percent()),
+            time_percent: Some(overhead.time_percent()),
+            single_ray_percent: Some(overhead.single_ray_percent()),
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! A picture that is larger than memory, in pieces of some rows each.
+//!
+//! The pixels are read twice: once to survey them, and once to write the pieces and the
+//! picture.
+
+use std::fmt;
+use std::io;
+use std::ops::Range;
+
+use super::file::{FileContent, Job, OutputFile};
+use super::{Survey, Surveyor, frame, hits, picture};
+use base::folder::{StagedFile, Staging, WriteError};
+use base::stop;
+use render::film::Film;
+use render::tiles::{Progress, StoredPicture};
+use vtk::data_set::DataSet;
+use vtk::parallel::{self, PieceFiles};
+
+/// The frame.
+pub const FRAME: OutputFile = OutputFile {
+    name: "frame.pvti",
+    is_wanted: |request| request.is_stored,
+    content: FileContent::Written(|job, out| {
+        let (Some(bands), film) = (job.rendering.bands, job.rendering.film) else {
+            return Ok(());
+        };
+        let pieces = bands.rows.ranges().enumerate().map(|(i, rows)| {
+            let overlapping = rows.start.saturating_sub(1)..rows.end;
+            (
+                bands.rows.name(i, FRAME_PIECE),
+                frame::extent(film, &overlapping),
+            )
+        });
+        let pieces = PieceFiles::Image {
+            size: [film.grid.width, film.grid.height],
+            files: pieces.collect(),
+        };
+        match frame::image(film, 0..0) {
+            DataSet::Image { point_data, .. } => {
+                parallel::write(&pieces, &point_data, job.run, out)
+            }
+            _ => Ok(()),
+        }
+    }),
+};
+
+/// The cloud.
+pub const HITS: OutputFile = OutputFile {
+    name: "hits.pvtu",
+    is_wanted: |request| request.is_stored,
+    content: FileContent::Written(|job, out| {
+        let (Some(bands), film) = (job.rendering.bands, job.rendering.film) else {
+            return Ok(());
+        };
+        let files = (0..bands.rows.ranges().len()).map(|i| bands.rows.name(i, HITS_PIECE));
+        let pieces = PieceFiles::Grids {
+            files: files.collect(),
+        };
+        let distances = &job.rendering.survey.distances;
+        hits::with_cloud((film, 0..0), distances, |cloud| match cloud {
+            DataSet::Grid(mesh) => parallel::write(&pieces, &mesh.point_data, job.run, out),
+            _ => Ok(()),
+        })
+    }),
+};
+
+/// Names of pieces, without their numbers.
+const FRAME_PIECE: [&str; 2] = ["frame_", ".vti"];
+const HITS_PIECE: [&str; 2] = ["hits_", ".vtu"];
+
+/// Whether a file of this name is a piece.
+pub fn is_piece(name: &str) -> bool {
+    [FRAME_PIECE, HITS_PIECE].iter().any(|[begin, end]| {
+        let number = name
+            .strip_prefix(begin)
+            .and_then(|name| name.strip_suffix(end));
+        number
+            .is_some_and(|number| !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit()))
+    })
+}
+
+/// The rows of the pieces of a picture.
+#[derive(Debug, Clone, Copy)]
+pub struct BandRows {
+    /// Rows of the picture.
+    pub height: u32,
+    /// Rows of each piece but the last one: a multiple of the
+    /// [unit](StoredPicture::row_unit).
+    pub n_rows: u32,
+}
+
+impl BandRows {
+    /// The rows of the pieces, from top to bottom.
+    fn ranges(&self) -> impl ExactSizeIterator<Item = Range<u32>> + use<> {
+        let Self { height, n_rows } = *self;
+        let range = move |first: u32| first..height.min(first.saturating_add(n_rows));
+        (0..height).step_by(n_rows as usize).map(range)
+    }
+
+    /// The name of the file of a piece: numbers have as many digits as the last one.
+    fn name(&self, i: usize, [begin, end]: [&str; 2]) -> String {
+        let n_digits = (self.ranges().len() - 1).to_string().len();
+        format!("{begin}{i:0n_digits$}{end}")
+    }
+
+    /// The names of all pieces.
+    pub(super) fn names(&self) -> Vec<String> {
+        let names = |i| [FRAME_PIECE, HITS_PIECE].map(|piece| self.name(i, piece));
+        (0..self.ranges().len()).flat_map(names).collect()
+    }
+}
+
+/// A picture and its pieces.
+#[derive(Clone, Copy)]
+pub struct Bands<'a> {
+    picture: StoredPicture<'a>,
+    pub(super) rows: BandRows,
+    /// Called after each piece that was written.
+    report: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl fmt::Debug for Bands<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { picture, rows, .. } = self;
+        let mut debug = f.debug_struct("Bands");
+        debug
+            .field("picture", picture)
+            .field("rows", rows)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Bands<'a> {
+    /// A picture in pieces of these rows.
+    pub fn new(picture: StoredPicture<'a>, rows: BandRows) -> Self {
+        let report = &|_| {};
+        Self {
+            picture,
+            rows,
+            report,
+        }
+    }
+
+    /// The same, which calls `report` after each piece that was written.
+    pub fn reporting(self, report: &'a (dyn Fn(Progress) + Sync)) -> Self {
+        Self { report, ..self }
+    }
+
+    /// Surveys all pixels on the current rayon pool; `None` if they cannot be read again, or
+    /// after a request to stop.
+    pub fn survey(&self, report: impl Fn(Progress)) -> Option<Survey> {
+        let mut surveyor = Surveyor::new(self.picture.film);
+        for rows in self.rows.ranges() {
+            surveyor.add(&self.band(&rows).ok()?);
+            report(self.progress(&rows));
+        }
+        Some(surveyor.finish())
+    }
+
+    /// Writes the picture and all pieces.
+    pub(super) fn stage(
+        &self,
+        job: &Job,
+        staging: &Staging,
+    ) -> Result<Vec<StagedFile>, WriteError> {
+        let mut pieces = Vec::new();
+        let mut failure = None;
+        let staged = staging.stage(picture::NAME, |out| {
+            picture::write_bands(job, out, |take| {
+                for (i, rows) in self.rows.ranges().enumerate() {
+                    let band = self.band(&self.with_row_above(&rows))?;
+                    take(&band, rows.clone())?;
+                    let progress = self.progress(&rows);
+                    match self.stage_pieces(i, rows, &band, job, staging) {
+                        Ok(staged) => pieces.extend(staged),
+                        Err(error) => {
+                            failure = Some(error);
+                            return Err(io::Error::other("a piece cannot be written"));
+                        }
+                    }
+                    (self.report)(progress);
+                }
+                Ok(())
+            })
+        });
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        pieces.insert(0, staged?);
+        Ok(pieces)
+    }
+
+    fn stage_pieces(
+        &self,
+        i: usize,
+        rows: Range<u32>,
+        band: &Film,
+        job: &Job,
+        staging: &Staging,
+    ) -> Result<[StagedFile; 2], WriteError> {
+        let encoding = job.encoding_of_pixels();
+        // Pieces of an image share their rows of points at the edge.
+        let overlapping = rows.start.saturating_sub(1)..rows.end;
+        let (frame, hits) = rayon::join(
+            || {
+                staging.stage(self.rows.name(i, FRAME_PIECE), |out| {
+                    frame::write_rows(band, overlapping, encoding.clone(), out)
+                })
+            },
+            || {
+                staging.stage(self.rows.name(i, HITS_PIECE), |out| {
+                    let distances = &job.rendering.survey.distances;
+                    hits::write_rows((band, rows), distances, encoding.clone(), out)
+                })
+            },
+        );
+        Ok([frame?, hits?])
+    }
+
+    /// The rows of a piece with those above that are read together with its first.
+    fn with_row_above(&self, rows: &Range<u32>) -> Range<u32> {
+        let unit = StoredPicture::row_unit(&self.picture.film.grid);
+        rows.start.saturating_sub(unit)..rows.end
+    }
+
+    fn band(&self, rows: &Range<u32>) -> io::Result<Film> {
+        if stop::is_requested() {
+            return Err(io::ErrorKind::Interrupted.into());
+        }
+        let band = self.picture.band(rows.clone());
+        band.ok_or_else(|| io::Error::other("the finished tiles cannot be read again"))
+    }
+
+    fn progress(&self, rows: &Range<u32>) -> Progress {
+        let width = u64::from(self.picture.film.grid.width);
+        Progress::of_pixels(width * rows.len() as u64, 0)
+    }
+}

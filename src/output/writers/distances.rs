@@ -1,0 +1,67 @@
+//! Distances of the hits.
+
+use math::statistics::{FineHistogram, floats_at, lower_edge};
+use render::film::Film;
+
+/// A view of all points shows nothing of a scene whose plane reaches to its horizon: at so
+/// many times the median distance, most of the picture is still that of the scene.
+const HORIZON: f32 = 4.0;
+
+/// The quantiles of the distances.
+const PERCENT: [u64; 4] = [1, 50, 99, 100];
+
+/// The distances of the hits along their camera rays, to .05 %.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Distances {
+    /// The lower median; `None` without hits.
+    pub(super) median: Option<f32>,
+    /// Largest distance that states show. ParaView clips points 1000 times nearer than
+    /// the farthest one, and a plane has hits up to its horizon.
+    pub(super) max_shown: f64,
+}
+
+impl Distances {
+    /// The distances of a film.
+    pub(super) fn of(film: &Film) -> Self {
+        let mut distances = Vec::with_capacity(film.n_hits());
+        for row in film.rows(|strip| &strip.distance) {
+            distances.extend(row.iter().filter(|distance| distance.is_finite()));
+        }
+        let last = distances.len().saturating_sub(1);
+        let indices = PERCENT.map(|percent| last * percent as usize / 100);
+        let quantiles = floats_at(&distances, indices);
+        Self::of_quantiles(quantiles.map(|quantiles| quantiles.map(lower_edge)))
+    }
+
+    /// The distances that a histogram counts.
+    pub(super) fn of_histogram(distances: &FineHistogram) -> Self {
+        let last = distances.n.saturating_sub(1);
+        let quantiles = PERCENT.map(|percent| distances.at(last * percent / 100));
+        let [Some(a), Some(b), Some(c), Some(d)] = quantiles else {
+            return Self::of_quantiles(None);
+        };
+        Self::of_quantiles(Some([a, b, c, d]))
+    }
+
+    /// The distances with these [`PERCENT`] quantiles.
+    fn of_quantiles(quantiles: Option<[f32; 4]>) -> Self {
+        let Some([near, median, far, farthest]) = quantiles else {
+            return Self {
+                median: None,
+                max_shown: 1.0,
+            };
+        };
+        let cut = f64::from(near) * 300.0;
+        Self {
+            median: Some(median),
+            max_shown: cut.max(far.into()).min(2.0 * f64::from(farthest)),
+        }
+    }
+
+    /// Whether a hit at this distance belongs to the horizon: it is more than four times
+    /// as far as the median.
+    pub(super) fn is_horizon(&self, distance: f32) -> bool {
+        self.median
+            .is_some_and(|median| distance > HORIZON * median)
+    }
+}

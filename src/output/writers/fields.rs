@@ -1,0 +1,61 @@
+//! The field data of VTK files: the scene, the run, the camera and the time.
+
+use super::Survey;
+use crate::paraview::ViewCamera;
+use base::provenance::{self, RunId};
+use scene::camera::{ImagePlane, Projection};
+use vtk::Field;
+
+/// VTK's name of the time of a data set.
+const TIME: &str = "TimeValue";
+
+/// The field data of a run: the scenes' names, raycost's version and the run's ID.
+pub fn of_run(scenes: &[&str], run: RunId) -> Vec<Field> {
+    vec![
+        Field::texts("scene", scenes.iter().copied()),
+        Field::texts("raycost_version", [env!("CARGO_PKG_VERSION")]),
+        Field::texts(provenance::KEY, [run.to_string()]),
+    ]
+}
+
+/// The camera: position, direction and upward direction, which are unit vectors, in world
+/// space; columns and rows of the picture; the horizontal and the vertical angle that
+/// contain the picture, in degrees, or its width and height if the rays are parallel.
+pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
+    let camera = ViewCamera::of(plane, None);
+    let [_, up, forward] = camera.axes();
+    let vector = |name, v: glam::Vec3| Field::floats(name, v.to_array());
+    let extent = match plane.projection {
+        Projection::Perspective => {
+            let degrees = camera.half().map(|half| 2.0 * half.atan().to_degrees());
+            Field::floats("camera_fov_deg", degrees)
+        }
+        Projection::Parallel { .. } => {
+            Field::floats("camera_size", camera.half().map(|half| 2.0 * half))
+        }
+        Projection::Panorama { .. } => Field::floats("camera_fov_deg", [360.0, 180.0]),
+    };
+    [
+        Field::floats("camera_position", camera.position().to_array()),
+        vector("camera_direction", forward),
+        vector("camera_up", up),
+        extent,
+        Field::integers("resolution", plane.size.map(|n| n as i32)),
+    ]
+}
+
+/// The time of a frame, as VTK and ParaView know it.
+pub(super) fn of_time(time: f64) -> Field {
+    Field::floats(TIME, [time])
+}
+
+/// The range of the colors of `cost.png`, which leaves out outliers, as `time_ns_range`;
+/// `None` without cost, and where the files leave it out.
+pub(super) fn of_cost(survey: &Survey) -> Option<Field> {
+    let [metric, _] = survey.metrics?;
+    let range = survey.range;
+    (survey.shown[0] == Some(metric)).then(|| {
+        let name = format!("{}_range", metric.name);
+        Field::floats(name, [range.low, range.high])
+    })
+}

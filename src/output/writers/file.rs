@@ -1,0 +1,141 @@
+//! The row of an output file: its name, when it is wanted, and how it is written.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::RenderingView;
+use super::fields;
+use super::states::States;
+use base::folder::{FileWriter, StagedFile, Staging, WriteError, Written};
+use base::provenance::{RunId, stamped};
+use render::film::{Column, written_columns};
+use render::instruments::Stages;
+use scene::config::{Config, OptionalOutput};
+use tracer::cost::Metric;
+use vtk::{Codec, Encoding, Field};
+
+/// A file of the output folder. Its source file defines it; [`files`](super::files)
+/// lists all.
+#[derive(Debug, Clone, Copy)]
+pub struct OutputFile {
+    /// Its name in the folder.
+    pub name: &'static str,
+    pub(super) is_wanted: fn(&Request) -> bool,
+    pub(super) content: FileContent,
+}
+
+/// How an output file is written.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum FileContent {
+    /// By a function.
+    Written(fn(&Job, &mut FileWriter) -> io::Result<()>),
+    /// By a function that writes to a path itself.
+    AtPath(fn(&Job, &Path) -> io::Result<()>),
+    /// As a ParaView state: a template whose keys [`States`] fills in.
+    State(&'static str),
+}
+
+/// The settings that decide which files a run writes.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The scene file's settings.
+    pub config: &'a Config,
+    /// Whether a profiler watches the run.
+    pub is_profiled: bool,
+    /// Whether cloud and frame are also written as VTKHDF.
+    pub vtkhdf: bool,
+    /// Whether the picture is larger than memory: cloud and frame are written in pieces.
+    pub is_stored: bool,
+}
+
+/// Inputs of a writer.
+pub(super) struct Job<'a> {
+    pub(super) rendering: &'a RenderingView<'a>,
+    /// The stages that have ended.
+    pub(super) stages: &'a Stages,
+    pub(super) states: &'a States<'a>,
+    /// The ID that the file has to hold.
+    pub(super) run: RunId,
+    /// The files of earlier groups.
+    pub(super) written: &'a [Written],
+}
+
+impl OutputFile {
+    /// Whether a run writes the file.
+    pub fn is_wanted(&self, request: &Request) -> bool {
+        (self.is_wanted)(request)
+    }
+
+    /// Writes the new file.
+    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<StagedFile, WriteError> {
+        match self.content {
+            FileContent::Written(write) => staging.stage(self.name, |out| write(job, out)),
+            FileContent::AtPath(write) => staging.stage_at(self.name, |path| write(job, path)),
+            FileContent::State(template) => staging.stage(self.name, |out| {
+                let state = job.states.filled(template);
+                let comment = job.partial_comment();
+                out.write_all(stamped(&format!("{state}{comment}"), job.run).as_bytes())
+            }),
+        }
+    }
+}
+
+impl Request<'_> {
+    /// Whether the optional output is requested.
+    pub(super) fn has(&self, output: OptionalOutput) -> bool {
+        self.config.output.has(output)
+    }
+
+    /// Whether cloud and frame have all these arrays.
+    pub(super) fn has_arrays(&self, names: &[&str]) -> bool {
+        self.config.output.written_arrays().has_all(names)
+    }
+
+    /// The number of costs that the frame has for each pixel.
+    pub(super) fn n_costs(&self) -> usize {
+        let is_cost = |column: &Column| Metric::ALL.iter().any(|m| m.name == column.name);
+        written_columns(self.config).filter(is_cost).count()
+    }
+
+    /// Whether node visits, primitive tests and rays are counted.
+    pub(super) fn has_counters(&self) -> bool {
+        self.config.cost.has_counters()
+    }
+}
+
+impl Job<'_> {
+    /// Reserves space for so many bytes of arrays, unless they are compressed.
+    pub(super) fn reserve(&self, n_bytes: u64, out: &FileWriter) {
+        if self.rendering.config.compress == Codec::None {
+            out.reserve(n_bytes);
+        }
+    }
+
+    /// An XML comment on what is missing; empty if nothing is.
+    fn partial_comment(&self) -> String {
+        let partial = self.rendering.partial;
+        partial.map_or(String::new(), |partial| format!("<!-- {partial} -->\n"))
+    }
+
+    /// The encoding of VTK files.
+    pub(super) fn encoding(&self) -> Encoding {
+        let rendering = self.rendering;
+        let mut fields = fields::of_run(&[rendering.name], self.run);
+        fields.extend(fields::of_camera(&rendering.image_plane()));
+        let partial = rendering.partial.map(|partial| partial.to_string());
+        fields.extend(partial.map(|partial| Field::texts("partial", [partial])));
+        fields.extend(rendering.frame.map(|frame| fields::of_time(frame.time)));
+        Encoding {
+            codec: rendering.config.compress,
+            run: Some(self.run),
+            fields,
+        }
+    }
+
+    /// The encoding of VTK files that hold the pixels.
+    pub(super) fn encoding_of_pixels(&self) -> Encoding {
+        let mut encoding = self.encoding();
+        (encoding.fields).extend(fields::of_cost(self.rendering.survey));
+        encoding
+    }
+}

@@ -1,0 +1,378 @@
+//! A rendering → the files of [`files`] in a folder, one writer per file.
+//!
+//! The files are written to a temporary folder and moved together at the end: a run
+//! that fails or is killed leaves the old files.
+
+mod file;
+mod bands;
+mod bounding_sphere;
+mod distances;
+mod fields;
+mod frame;
+mod hdf;
+mod heatmap;
+mod hits;
+mod layers;
+mod nodes;
+mod objects;
+mod picture;
+mod points;
+mod profile;
+mod rays;
+mod run;
+mod state_files;
+mod states;
+mod summary;
+mod surface;
+mod survey;
+mod surveyor;
+mod thread_time;
+mod tiles;
+mod trace_events;
+mod traced;
+
+use std::time::Duration;
+
+pub(crate) use bands::HITS as HITS_PVTU;
+pub use bands::{BandRows, Bands};
+pub use bands::{FRAME as FRAME_PVTI, is_piece};
+pub use fields::of_run as run_fields;
+pub use file::{OutputFile, Request};
+pub use frame::FILE as FRAME_VTI;
+pub use frame::write as write_frame;
+pub(crate) use heatmap::write_bare as write_bare_map;
+pub(crate) use hits::FILE as HITS_VTU;
+pub use hits::vertices;
+pub use hits::write as write_hits;
+pub use nodes::write as write_nodes;
+pub use objects::Group;
+pub(crate) use objects::{FILE as OBJECTS_CSV, rows_per_thing};
+pub(crate) use picture::write_bare as write_bare_picture;
+pub use rays::Traced;
+pub use state_files::{GEOMETRY, HEATMAP};
+pub use surface::write as write_surface;
+pub use survey::Survey;
+pub(crate) use surveyor::Surveyor;
+pub use thread_time::thread_time;
+pub use tiles::write as write_tiles;
+pub use traced::STATE as RAYS_STATE;
+pub use traced::{refuse_foreign_traced, write_rays, write_traced};
+
+use rayon::prelude::*;
+
+use file::{FileContent, Job};
+pub use states::StateValues;
+use states::States;
+
+use crate::summary::{Build, FrameSection, OtherRuns, Partial, RanksSection, Threads};
+use base::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use math::simd::Simd;
+use math::statistics::upper_median;
+use render::attribution::CostAttribution;
+use render::film::Film;
+use render::instruments::{Profiler, Stages};
+use render::schedule::Schedule;
+use render::tiles::{Overhead, Repeat};
+use scene::camera::ImagePlane;
+use scene::config::{Config, CostMode, Traversal};
+use scene::world::Scene;
+use tracer::accel::BvhStatistics;
+use tracer::cost::Meter;
+use vtk::{Codec, compressed};
+
+/// Upper bound of the bytes per pixel to write pictures and files: a copy of the
+/// times or counts, another one to find their median, the cost map and its PNG.
+pub(crate) const BYTES_PER_PIXEL: u64 = 20;
+
+/// Upper bound of the bytes to compress the VTK files, at most five of which are
+/// written in parallel.
+pub(crate) fn compression_bytes(codec: Codec) -> u64 {
+    let per_file = codec.label().map_or(0, |_| compressed::BYTES_PER_ARRAY);
+    5 * per_file
+}
+
+/// Upper bound of the bytes to write files, besides those for each pixel.
+pub(crate) fn write_bytes(config: &Config) -> u64 {
+    compression_bytes(config.compress) + layers::write_bytes(config) + picture::write_bytes(config)
+}
+
+/// Upper bound of the bytes to write a picture in bands, besides those of their rows.
+pub(crate) fn bytes_beside_bands(config: &Config) -> u64 {
+    compression_bytes(config.compress)
+        + picture::bytes_beside_bands(config)
+        + Surveyor::bytes(&config.image)
+}
+
+/// Upper bound of the bytes to write a pixel of a band.
+pub(crate) fn bytes_per_band_pixel(config: &Config) -> u64 {
+    BYTES_PER_PIXEL + picture::bytes_per_band_pixel(config)
+}
+
+/// The same, of a typical rendering: the two files of pixels are compressed at a time.
+pub(crate) fn expected_write_bytes(config: &Config) -> u64 {
+    let of_two = 2 * (compression_bytes(config.compress) / 5);
+    of_two + layers::write_bytes(config) + picture::write_bytes(config)
+}
+
+/// The same, of a typical picture in bands, the largest of so many pixels.
+pub(crate) fn expected_band_bytes(config: &Config, n_pixels: u64) -> u64 {
+    let of_two = 2 * (compression_bytes(config.compress) / 5);
+    // Without costs there is a map that is never written to.
+    let of_map = match config.cost {
+        CostMode::None => 0,
+        _ => Surveyor::bytes(&config.image),
+    };
+    let of_pixels = n_pixels * picture::bytes_per_band_pixel(config);
+    of_two + of_pixels + picture::bytes_beside_bands(config) + of_map
+}
+
+/// The bytes of the layers of a scene's picture before compression; 0 if they are not asked
+/// for.
+pub(crate) fn layer_bytes(config: &Config) -> u64 {
+    layers::raw_bytes(config)
+}
+
+/// The bytes of the texts in the picture of a rendering with this config.
+pub(crate) fn picture_texts(config: &Config) -> u64 {
+    let has_state = config
+        .output
+        .written_arrays()
+        .has_all(&state_files::SHOWN_OF_CLOUD);
+    if has_state {
+        state_files::GEOMETRY_TEMPLATE.len() as u64
+    } else {
+        0
+    }
+}
+
+/// Pixels along the side of a block of the map of a picture of this size in pieces.
+pub(crate) fn map_side(picture: [u32; 2]) -> u32 {
+    survey::ReducedMap::side(picture)
+}
+
+/// The bytes of the ParaView states that a rendering with this config writes, as templates.
+pub(crate) fn state_bytes(config: &Config) -> u64 {
+    let request = Request {
+        config,
+        is_profiled: false,
+        vtkhdf: false,
+        is_stored: false,
+    };
+    let wanted = files().filter(|file| file.is_wanted(&request));
+    let of_file = |file: &OutputFile| match file.content {
+        FileContent::State(template) => template.len() as u64,
+        FileContent::Written(_) | FileContent::AtPath(_) => 0,
+    };
+    wanted.map(of_file).sum()
+}
+
+/// Files that are written in parallel.
+struct FileGroup {
+    /// The stage that ends with them, if any.
+    stage: Option<&'static str>,
+    files: &'static [OutputFile],
+}
+
+/// All output files in the order of the summary. A group is written when the
+/// groups before it are.
+const GROUPS: [FileGroup; 3] = [
+    FileGroup {
+        stage: Some("write"),
+        files: &[
+            picture::FILE,
+            heatmap::FILE,
+            hits::FILE,
+            frame::FILE,
+            bands::HITS,
+            bands::FRAME,
+            hdf::HITS,
+            hdf::FRAME,
+            state_files::GEOMETRY,
+            state_files::HEATMAP,
+            state_files::OVERVIEW,
+            layers::FILE,
+            tiles::FILE,
+            trace_events::FILE,
+            state_files::SCHEDULE,
+            objects::FILE,
+            surface::FILE,
+            state_files::SURFACE,
+            nodes::FILE,
+            state_files::BVH,
+        ],
+    },
+    // Shows the writing of the others.
+    FileGroup {
+        stage: Some("profile"),
+        files: &[profile::FILE],
+    },
+    // Lists the others.
+    FileGroup {
+        stage: None,
+        files: &[summary::FILE],
+    },
+];
+
+/// All files that a rendering may have, in the order of the summary.
+pub fn files() -> impl Iterator<Item = &'static OutputFile> {
+    GROUPS.iter().flat_map(|group| group.files)
+}
+
+/// The template of a ParaView state; `None` for another file.
+pub fn state_template(name: &str) -> Option<&'static str> {
+    match files().find(|file| file.name == name)?.content {
+        FileContent::State(template) => Some(template),
+        FileContent::Written(_) | FileContent::AtPath(_) => None,
+    }
+}
+
+/// A finished rendering with its inputs and measurements, as the writers see it.
+#[derive(Debug)]
+pub struct RenderingView<'a> {
+    /// The program that renders.
+    pub build: Build,
+    /// The path of the scene file as the user typed it.
+    pub scene_file: &'a str,
+    /// The values that the command line set.
+    pub settings: Vec<String>,
+    /// The scene's name: the file's stem.
+    pub name: &'a str,
+    /// The frame of an animated scene.
+    pub frame: Option<&'a FrameSection>,
+    /// The settings of the scene file, as changed by the command line.
+    pub config: &'a Config,
+    /// The scene in world space.
+    pub scene: &'a Scene,
+    /// The hierarchy's size, if there is one.
+    pub bvh: Option<BvhStatistics>,
+    /// The instruction set.
+    pub simd: Simd,
+    /// How the rays of waves were traced.
+    pub traversal: Traversal,
+    /// The meter of the pixels.
+    pub meter: &'a Meter,
+    /// The pixels and their cost.
+    pub film: &'a Film,
+    /// Statistics of all pixels together.
+    pub survey: &'a Survey,
+    /// The pieces of a picture that is larger than memory, whose film has no pixels.
+    pub bands: Option<Bands<'a>>,
+    /// The time span and the thread of each tile.
+    pub schedule: &'a Schedule,
+    /// The repeated renderings.
+    pub repeats: &'a [Repeat],
+    /// The missing part, if there is one.
+    pub partial: Option<Partial>,
+    /// The tiles of other runs, if there are any.
+    pub other_runs: Option<&'a OtherRuns>,
+    /// The ranks, if there were several.
+    pub ranks: Option<&'a RanksSection>,
+    /// The overhead of measurement, if requested.
+    pub overhead: Option<Overhead>,
+    /// The cost attribution, if requested.
+    pub attribution: Option<&'a CostAttribution>,
+    /// Whether cloud and frame are also written as VTKHDF.
+    pub vtkhdf: bool,
+    /// The profiler, if requested.
+    pub profiler: Option<&'a Profiler>,
+    /// The number of threads.
+    pub threads: Threads,
+}
+
+impl RenderingView<'_> {
+    /// The image plane of the pixels: a part of the scene's if they are a window.
+    pub fn image_plane(&self) -> ImagePlane {
+        let (plane, image) = (self.scene.image_plane, &self.config.image);
+        match image.window {
+            None => plane,
+            Some(window) => plane.part(window.origin, [image.width, image.height]),
+        }
+    }
+
+    /// Wall time of one rendering: the [upper median](upper_median) of several.
+    pub fn median_wall(&self) -> Duration {
+        let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();
+        upper_median(&mut walls, Ord::cmp).unwrap_or_default()
+    }
+}
+
+/// Writes every file of the rendering on the current rayon pool, and removes files of
+/// an earlier run that this one does not write. Returns the files in the order of
+/// [`files`], and the stages with those of writing.
+///
+/// # Errors
+/// The first file that could not be written; then no file has changed.
+pub fn write(
+    rendering: &RenderingView,
+    folder: &OutputFolder,
+    stages: &mut Stages,
+) -> Result<Vec<Written>, WriteError> {
+    let states = States::new(rendering, folder);
+    let run = run::id_of(rendering);
+    let staging = folder.stage_files()?;
+    let request = Request {
+        config: rendering.config,
+        is_profiled: rendering.profiler.is_some(),
+        vtkhdf: rendering.vtkhdf,
+        is_stored: rendering.bands.is_some(),
+    };
+    let mut files = match rendering.bands {
+        None => Vec::new(),
+        Some(bands) => {
+            let job = Job {
+                rendering,
+                stages,
+                states: &states,
+                run,
+                written: &[],
+            };
+            bands.stage(&job, &staging)?
+        }
+    };
+    let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
+    for group in &GROUPS {
+        let wanted: Vec<&OutputFile> = group
+            .files
+            .iter()
+            .filter(|file| file.is_wanted(&request))
+            .collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let job = Job {
+            rendering,
+            stages,
+            states: &states,
+            run,
+            written: &written,
+        };
+        let stage = |file: &&OutputFile| file.stage(&job, &staging);
+        let staged: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
+        written.extend(staged.iter().map(StagedFile::written));
+        files.extend(staged);
+        if let Some(name) = group.stage {
+            stages.end(name);
+        }
+    }
+    staging.commit(&files, &own(rendering.bands.map(|bands| bands.rows)))?;
+    Ok(written)
+}
+
+/// Checks that [`write()`] would not overwrite or remove a file of another program:
+/// only files that the `summary.json` of an earlier run lists are raycost's.
+///
+/// # Errors
+/// The first such file.
+pub fn refuse_foreign(folder: &OutputFolder, pieces: Option<BandRows>) -> Result<(), WriteError> {
+    folder.refuse_foreign(&own(pieces))
+}
+
+/// All files that a run may have written or writes, in these pieces.
+fn own(pieces: Option<BandRows>) -> Own {
+    let names = files().map(|file| file.name.to_owned());
+    let pieces = pieces.map_or(Vec::new(), |rows| rows.names());
+    Own::Listed {
+        names: names.chain(pieces).collect(),
+        is_numbered: bands::is_piece,
+    }
+}

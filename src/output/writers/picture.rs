@@ -1,0 +1,244 @@
+//! `image.png`: the picture, with the geometry state inside.
+//!
+//! ParaView 5.12 and later opens a PNG as a state when its text chunk
+//! `ParaViewState` holds one.
+
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::ops::Range;
+
+use image::RgbImage;
+use rayon::prelude::*;
+
+use super::file::{FileContent, Job, OutputFile};
+use super::state_files::SHOWN_OF_CLOUD;
+use crate::chart::png;
+use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
+use base::folder::FileWriter;
+use base::provenance;
+use render::film::{Film, STRIP_ROWS, Strip};
+use scene::color::rgb8;
+use scene::config::Config;
+use scene::material::{ArrayScale, ArrayTexture};
+use scene::world::Scene;
+
+/// The file's name.
+pub(super) const NAME: &str = "image.png";
+
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: NAME,
+    is_wanted: |request| !request.is_stored,
+    content: FileContent::Written(|job, out| {
+        let film = job.rendering.film;
+        let legends = legends(job.rendering.scene);
+        if !legends.is_empty() {
+            write_with_legends(job, &legends, out)
+        } else {
+            let bits = job.rendering.config.film.bits;
+            job.write_png(bits, out, |rows| write_rows(film, 0, bits, rows))
+        }
+    }),
+};
+
+/// Writes the pixels of a film as a picture without color bars and texts.
+pub(crate) fn write_bare(film: &Film, bits: u8, out: &mut impl Write) -> io::Result<()> {
+    let size = [film.grid.width, film.grid.height];
+    let write_rows = |rows: &mut dyn Write| write_rows(film, 0, bits, rows);
+    png::write(size, pixel_bytes(bits), &[], out, write_rows)
+}
+
+/// Bytes of a pixel of this number of bits per channel.
+fn pixel_bytes(bits: u8) -> usize {
+    if bits == 8 { 3 } else { size_of::<Rgb16>() }
+}
+
+/// Writes the pixels of a film of 8 or 16 bits per channel, after the first `n_skipped` rows.
+fn write_rows(film: &Film, n_skipped: usize, bits: u8, out: &mut dyn Write) -> io::Result<()> {
+    if bits == 8 {
+        let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+        return (rows.skip(n_skipped)).try_for_each(|row| out.write_all(row));
+    }
+    let pixels = developed(film);
+    out.write_all(pixels[n_skipped * film.grid.width as usize..].as_flattened())
+}
+
+/// Writes the picture of a film that comes in bands, from top to bottom: `for_each` calls its
+/// function with each.
+pub(super) fn write_bands(
+    job: &Job,
+    out: &mut FileWriter,
+    for_each: impl FnOnce(&mut dyn FnMut(&Film, Range<u32>) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
+    let legends = legends(job.rendering.scene);
+    if !legends.is_empty() {
+        let grid = &job.rendering.film.grid;
+        let mut picture = RgbImage::new(grid.width, grid.height);
+        for_each(&mut |band, rows| {
+            copy_rows(band, rows, &mut picture);
+            Ok(())
+        })?;
+        draw_legends(&mut picture, &legends);
+        return job.write_png(8, out, |rows| rows.write_all(&picture));
+    }
+    let bits = job.rendering.config.film.bits;
+    job.write_png(bits, out, |out| {
+        for_each(&mut |band, rows| {
+            let n_skipped = (rows.start - band.row_range().start) as usize;
+            write_rows(band, n_skipped, bits, out)
+        })
+    })
+}
+
+/// Copies the last rows of a film, from this one on, into the picture.
+fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
+    let row_bytes = 3 * film.grid.width as usize;
+    let skipped = (rows.start - film.row_range().start) as usize;
+    let from = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
+    let into = picture
+        .chunks_exact_mut(row_bytes)
+        .skip(rows.start as usize);
+    for (into, row) in into.zip(from.skip(skipped)) {
+        into.copy_from_slice(row);
+    }
+}
+
+/// A pixel of 16 bits per channel, the high byte first.
+type Rgb16 = [u8; 6];
+
+/// Upper bound of the memory to write a picture of 16 bits besides that of one of 8, and that of a picture
+/// with color bars.
+pub(super) fn write_bytes(config: &Config) -> u64 {
+    let of_bands = bytes_per_band_pixel(config) * config.image.n_pixels() as u64;
+    of_bands + bytes_beside_bands(config)
+}
+
+/// Upper bound of the memory of a pixel of the picture while its band is written, besides that
+/// of one of 8 bits.
+pub(super) fn bytes_per_band_pixel(config: &Config) -> u64 {
+    match config.film.bits {
+        8 => 0,
+        _ => size_of::<Rgb16>() as u64,
+    }
+}
+
+/// Upper bound of the memory to write a picture besides that of its bands.
+pub(super) fn bytes_beside_bands(config: &Config) -> u64 {
+    let mut arrays = config
+        .materials
+        .values()
+        .filter_map(|material| material.color.array());
+    if arrays.any(|array| array.bar.is_some()) {
+        (size_of::<[u8; 3]>() * config.image.n_pixels()) as u64
+    } else {
+        0
+    }
+}
+
+/// The color bars of the scene's materials, each once.
+fn legends(scene: &Scene) -> Vec<ColorLegend> {
+    let mut legends = Vec::new();
+    let materials = scene.materials.iter();
+    for array in materials.filter_map(|material| material.color.array()) {
+        let Some(title) = &array.bar else { continue };
+        let legend = ColorLegend {
+            title: title.clone(),
+            key: key(array),
+        };
+        if !legends.contains(&legend) {
+            legends.push(legend);
+        }
+    }
+    legends
+}
+
+/// The legend of an array's colors.
+fn key(array: &ArrayTexture) -> LegendKey {
+    let Some(n_colors) = array.map.n_categories() else {
+        return LegendKey::Range {
+            map: array.map.clone(),
+            ends: array.table.ends,
+            scale: match array.scale {
+                ArrayScale::Linear => Scale::Linear,
+                ArrayScale::Log => Scale::Logarithmic,
+            },
+            clips: array.table.clips,
+        };
+    };
+    let labeled = 0..array.labels.len() as i64;
+    let present = array.table.categories.iter().copied();
+    let all: BTreeSet<i64> = labeled.chain(present).collect();
+    let swatch = |category: i64| {
+        let label = usize::try_from(category).ok();
+        let label = label.and_then(|i| array.labels.get(i)).cloned();
+        let turn = category.rem_euclid(n_colors as i64) as f64;
+        let color = array.map.at((turn + 0.5) / n_colors as f64);
+        Swatch {
+            label: label.unwrap_or_else(|| category.to_string().replace('-', "−")),
+            color: rgb8(color),
+        }
+    };
+    LegendKey::Categories(all.into_iter().map(swatch).collect())
+}
+
+/// Writes the picture with color bars.
+fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) -> io::Result<()> {
+    let film = job.rendering.film;
+    let (width, height) = (film.grid.width, film.grid.height);
+    let mut picture = RgbImage::new(width, height);
+    copy_rows(film, film.row_range(), &mut picture);
+    draw_legends(&mut picture, legends);
+    if job.rendering.config.film.bits == 8 {
+        return job.write_png(8, out, |rows| rows.write_all(&picture));
+    }
+    let mut developed = developed(film);
+    let before = film.rows(|strip| &strip.rgb).flatten();
+    let (drawn, _) = picture.as_chunks::<3>();
+    for ((place, before), drawn) in developed.iter_mut().zip(before).zip(drawn) {
+        if before != drawn {
+            // 257 times as much of 16 bits is as bright.
+            let [r, g, b] = *drawn;
+            *place = [r, r, g, g, b, b];
+        }
+    }
+    job.write_png(16, out, |rows| rows.write_all(developed.as_flattened()))
+}
+
+/// The picture of a film that keeps its radiance.
+fn developed(film: &Film) -> Vec<Rgb16> {
+    let n_pixels = film.grid.width as usize * film.row_range().len();
+    let mut pixels = vec![[0; 6]; n_pixels];
+    let strips = pixels.par_chunks_mut(film.grid.width as usize * STRIP_ROWS as usize);
+    let develop = |(places, strip): (&mut [Rgb16], &Strip)| {
+        for (place, radiance) in places.iter_mut().zip(&strip.radiance) {
+            let [r, g, b] = film.development.rgb16(*radiance).map(u16::to_be_bytes);
+            *place = [r[0], r[1], g[0], g[1], b[0], b[1]];
+        }
+    };
+    strips.zip(&film.strips).for_each(develop);
+    pixels
+}
+
+impl Job<'_> {
+    /// Writes the picture with this number of bits per channel; `write_rows` writes the bytes of
+    /// all rows.
+    fn write_png(
+        &self,
+        bits: u8,
+        out: &mut impl Write,
+        write_rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let run = self.run.to_string();
+        let written = self.rendering.film.extra.written;
+        let state = written
+            .has_all(&SHOWN_OF_CLOUD)
+            .then(|| self.states.geometry());
+        let mut texts = vec![(provenance::KEY, &*run)];
+        texts.extend(state.iter().map(|state| ("ParaViewState", &**state)));
+        let partial = self.rendering.partial.map(|partial| partial.to_string());
+        texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
+        let grid = &self.rendering.film.grid;
+        let size = [grid.width, grid.height];
+        png::write(size, pixel_bytes(bits), &texts, out, write_rows)
+    }
+}

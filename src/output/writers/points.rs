@@ -1,0 +1,25 @@
+//! Points of render space → points of files, in world space.
+
+use glam::Vec3;
+
+use scene::geometry::{LENGTH_UNIT, RenderSpace};
+use vtk::array::Array;
+
+/// The array of `n` points: of 64 bits where the coordinates in world space need more than 32.
+pub(super) fn points<'a, I: Iterator<Item = Vec3> + 'a>(
+    space: &RenderSpace,
+    n: usize,
+    points: impl Fn() -> I + 'a,
+) -> Array<'a> {
+    let space = *space;
+    let array = if space.is_centered() {
+        Array::of("Points", n, move || {
+            points().map(move |point| space.world_point(point).as_vec3().to_array())
+        })
+    } else {
+        Array::of("Points", n, move || {
+            points().map(move |point| space.world_point(point).to_array())
+        })
+    };
+    array.in_unit(LENGTH_UNIT)
+}

@@ -1,0 +1,219 @@
+//! The values of the keys in ParaView states.
+
+mod attribution;
+mod tiles;
+mod rays;
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use attribution::AttributionValues;
+pub(super) use rays::of_rays;
+use tiles::TileValues;
+
+use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files};
+use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
+use base::folder::OutputFolder;
+use base::text::numbers::capitalized;
+use tracer::cost::Metric;
+
+/// The template of `geometry.pvsm`.
+pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("../../../../paraview/geometry.pvsm");
+
+/// The states of a rendering's folder.
+pub(super) struct States<'a> {
+    folder: &'a OutputFolder,
+    values: StateValues,
+    /// Whether cloud and frame are in pieces.
+    is_in_pieces: bool,
+}
+
+/// The values of a rendering, or of several, for all states.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StateValues {
+    /// The axis of the preferred cost metric of the files, or of the distance if they
+    /// have none.
+    cost: Axis,
+    counter: Option<Axis>,
+    camera: ViewCamera,
+    /// Width and height of the picture.
+    size: [f64; 2],
+    schedule: TileValues,
+    has_hits: bool,
+    /// Whether tiles or renderings are missing.
+    #[serde(default)]
+    is_partial: bool,
+    /// Largest distance of hits that are shown.
+    max_distance: f64,
+    attribution: AttributionValues,
+}
+
+impl<'a> States<'a> {
+    /// Computes the values for this rendering's files in this folder.
+    pub(super) fn new(rendering: &RenderingView, folder: &'a OutputFolder) -> Self {
+        Self {
+            folder,
+            values: StateValues::of(rendering),
+            is_in_pieces: rendering.bands.is_some(),
+        }
+    }
+
+    /// The values without the paths of the files.
+    pub(super) fn values(&self) -> &StateValues {
+        &self.values
+    }
+
+    /// The state `geometry.pvsm`.
+    pub(super) fn geometry(&self) -> String {
+        self.filled(GEOMETRY_TEMPLATE)
+    }
+
+    /// Returns a template with its keys replaced by values, in ASCII.
+    pub(super) fn filled(&self, template: &str) -> String {
+        let path_of = |file: &str| self.folder.path_of(file);
+        if self.is_in_pieces {
+            self.values.filled(&of_pieces(template), path_of)
+        } else {
+            self.values.filled(template, path_of)
+        }
+    }
+}
+
+impl StateValues {
+    /// The values of a rendering.
+    fn of(rendering: &RenderingView) -> Self {
+        let (film, survey) = (rendering.film, rendering.survey);
+        let size = [film.grid.width, film.grid.height].map(f64::from);
+        let n_labels = Panels::of(3, size).n_labels();
+        let distances = &survey.distances;
+        let counter = survey.shown[1];
+        let counter = counter.map(|second| counter_axis(second, survey.counter_ends));
+        Self {
+            cost: cost_axis(survey).with_labels(n_labels),
+            counter: counter.map(|counter| counter.with_labels(n_labels)),
+            camera: ViewCamera::of(&rendering.image_plane(), distances.median),
+            size,
+            schedule: TileValues::of(rendering.schedule, n_labels),
+            has_hits: distances.median.is_some(),
+            is_partial: rendering.partial.is_some(),
+            max_distance: distances.max_shown,
+            attribution: AttributionValues::of(rendering),
+        }
+    }
+
+    /// The values for the files of both: axes that span all values, and the camera of the
+    /// first.
+    pub fn spanning(&self, other: &Self) -> Self {
+        let counters = self.counter.as_ref().zip(other.counter.as_ref());
+        Self {
+            cost: self.cost.spanning(&other.cost),
+            counter: counters.map(|(a, b)| a.spanning(b)),
+            camera: self.camera.clone(),
+            size: self.size,
+            schedule: self.schedule.spanning(&other.schedule),
+            has_hits: self.has_hits || other.has_hits,
+            is_partial: self.is_partial || other.is_partial,
+            max_distance: self.max_distance.max(other.max_distance),
+            attribution: self.attribution.spanning(&other.attribution),
+        }
+    }
+
+    /// Returns a template with its keys replaced by values, in ASCII; `path_of` returns the
+    /// path of a file.
+    pub fn filled(&self, template: &str, path_of: impl Fn(&str) -> PathBuf) -> String {
+        fill(template, |key| {
+            if files().any(|file| file.name == key) {
+                return Some(path_of(key).to_string_lossy().into_owned().into());
+            }
+            self.value(key)
+        })
+    }
+
+    /// The value of a key; titles say if the picture is partial.
+    fn value(&self, key: &str) -> Option<StateValue> {
+        let value = self.value_of_whole(key);
+        let is_title = ["cost.title", "counter.title", "hits.caption"].contains(&key);
+        match value {
+            Some(StateValue::One(title)) if self.is_partial && is_title => {
+                Some(format!("{title} (partial picture)").into())
+            }
+            value => value,
+        }
+    }
+
+    fn value_of_whole(&self, key: &str) -> Option<StateValue> {
+        match key {
+            "hits.max_distance" => return Some(self.max_distance.to_string().into()),
+            "hits.caption" if !self.has_hits => {
+                return Some("True colors: no ray met anything".into());
+            }
+            "hits.caption" if self.is_partial => return Some("True colors".into()),
+            _ => {}
+        }
+        if let Some(value) = self.camera.value(self.size, key) {
+            return Some(value);
+        }
+        let part = key.split_once('.');
+        match part? {
+            ("cost", key) => self.cost.value(key),
+            ("counter", key) => self.counter.as_ref()?.value(key),
+            ("tiles", key) => self.schedule.value(key),
+            _ => (self.attribution.value(key)).or_else(|| value_of_panels(self.size, key)),
+        }
+    }
+}
+
+/// Returns a template that reads the pieces of cloud and frame.
+fn of_pieces(template: &str) -> String {
+    const READERS: [(&str, &str, &str, &str); 2] = [
+        (
+            FRAME_VTI.name,
+            FRAME_PVTI.name,
+            "\"XMLImageDataReader\"",
+            "\"XMLPImageDataReader\"",
+        ),
+        (
+            HITS_VTU.name,
+            HITS_PVTU.name,
+            "\"XMLUnstructuredGridReader\"",
+            "\"XMLPUnstructuredGridReader\"",
+        ),
+    ];
+    let proxies = template.split_inclusive("</Proxy>");
+    let replaced = proxies.map(|proxy| {
+        let reads = |name: &str| proxy.contains(&format!("fill=\"{name}\""));
+        match READERS.iter().find(|(one, ..)| reads(one)) {
+            None => proxy.to_owned(),
+            Some((one, pieces, reader, of_pieces)) => {
+                proxy.replace(reader, of_pieces).replace(one, pieces)
+            }
+        }
+    });
+    replaced.collect()
+}
+
+/// Returns the axis of the preferred cost metric, without outliers as in `cost.png`.
+fn cost_axis(survey: &Survey) -> Axis {
+    let range = survey.shown_range;
+    let ends = [range.low, range.high];
+    let axis = |array, name| Axis::new(array, name, ColorScale::Logarithmic, ends);
+    match survey.shown[0] {
+        None => axis("distance", "Distance from the camera"),
+        Some(metric) if metric.is_timed() => {
+            axis(metric.name, &capitalized(metric.title)).of_time()
+        }
+        Some(metric) => axis(metric.name, &capitalized(metric.title)),
+    }
+}
+
+/// Returns the axis of the second metric from the 0.5 % to the 99.5 % quantile; its ends
+/// differ by at least 1.
+fn counter_axis(metric: Metric, [low, high]: [f64; 2]) -> Axis {
+    Axis::new(
+        metric.name,
+        &capitalized(metric.title),
+        ColorScale::Linear,
+        [low, high.max(low + 1.0)],
+    )
+}

@@ -1,0 +1,206 @@
+//! `rays.pvsm`: rays in the cloud of the scene, by kind and by cost.
+
+use glam::{DVec3, Vec3};
+
+use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill};
+use crate::writers::distances::Distances;
+use crate::writers::rays::{CLOUD, FILE, Rays};
+use base::folder::OutputFolder;
+use render::attribution::TracedRay;
+use tracer::cost::Metric;
+
+const RAYS: &str = include_str!("../../../../paraview/rays.pvsm");
+
+/// Greatest length of rays that are shown, in radii of the scene: a plane has hits up
+/// to its horizon, and ParaView clips points 1000 times nearer than the farthest one.
+const LONGEST: f32 = 50.0;
+/// Greatest distance from the center, in radii, of points that must be in view: those
+/// of rays and those of the scene.
+const FRAMED: [f32; 2] = [1.5, 0.8];
+/// Most rays drawn as wide lines; more would cover each other.
+const FEW: usize = 300;
+/// The view's vertical angle in degrees.
+const VIEW_ANGLE: f32 = 30.0;
+/// Length of an arrow's head as a fraction of the view's height, for few and for
+/// many rays.
+const HEADS: [f32; 2] = [0.03, 0.012];
+/// The kinds of rays in the order of their numbers, in a palette for
+/// color-blind readers (Okabe and Ito, 2008).
+const KINDS: [(&str, [f32; 3]); 5] = [
+    ("camera", [0.0, 0.45, 0.70]),
+    ("shadow", [0.90, 0.62, 0.0]),
+    ("reflection", [0.84, 0.37, 0.0]),
+    ("refraction", [0.0, 0.62, 0.45]),
+    ("diffuse", [0.34, 0.71, 0.91]),
+];
+
+/// Returns the state for these rays.
+pub(in crate::writers) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
+    let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
+    let size = rays.plane().size.map(f64::from);
+    let camera = ViewCamera::of(rays.plane(), None);
+    // A plane's hits beyond the scene would make the rest small.
+    let (center, radius) = rays.sphere_in_world();
+    let beyond = camera.position().distance(center) + f64::from(radius);
+    let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
+    let view = SideView::of(rays, &camera, max_distance as f32);
+    let cost = cost_axis(rays);
+    let is_present = |kind: &usize| rays.iter().any(|ray| ray.kind as usize == *kind);
+    let kinds: Vec<usize> = (0..KINDS.len()).filter(is_present).collect();
+    let head = HEADS[usize::from(rays.n > FEW)] * view.height;
+    let number = |key: &str| -> Option<f64> {
+        match key {
+            "hits.max_distance" => Some(max_distance),
+            "rays.line_width" => Some(if rays.n <= FEW { 3.0 } else { 1.0 }),
+            "rays.max_length" => Some((LONGEST * radius).into()),
+            "rays.head" => Some(head.into()),
+            _ => view.number(key.strip_prefix("rays.")?),
+        }
+    };
+    fill(RAYS, |key| {
+        let color = |kind: &usize| KINDS[*kind].1.map(|channel| channel.to_string());
+        let name = |kind: &usize| [kind.to_string(), KINDS[*kind].0.to_owned()];
+        match key {
+            FILE => Some(path_of(FILE).into()),
+            CLOUD => Some(path_of(CLOUD).into()),
+            "panels2.outer" => view.panels.direction("outer").map(|n| n.to_string().into()),
+            "rays.kinds" => Some(StateValue::Many(kinds.iter().flat_map(name).collect())),
+            "rays.kind_colors" => Some(StateValue::Many(kinds.iter().flat_map(color).collect())),
+            // The start of the arrow's head, which ends at the end of the ray.
+            "rays.to_head" => Some(format!("direction*(0.5*length-{})", 0.5 * head).into()),
+            _ => match key.strip_prefix("rays.cost.") {
+                Some(key) => cost.value(key),
+                None => match number(key) {
+                    Some(number) => Some(number.to_string().into()),
+                    None => camera.value(size, key),
+                },
+            },
+        }
+    })
+}
+
+/// The metric that colors the right view: the first measure that is not the same
+/// for all rays, since a small hierarchy is one node, and there may be no clock.
+fn cost_axis(rays: &Rays) -> Axis {
+    let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
+    let axis =
+        |array, name, high: f32| Axis::new(array, name, ColorScale::Linear, [0.0, high.into()]);
+    if let Some(high) = high(|ray| ray.time_ns) {
+        return axis(Metric::TIME.name, "Time of each ray", high).of_time();
+    }
+    if let Some(high) = high(|ray| ray.node_visits as f32) {
+        return axis(
+            Metric::NODE_VISITS.name,
+            "BVH nodes visited by each ray",
+            high,
+        );
+    }
+    let high = high(|ray| ray.primitive_tests as f32);
+    axis(
+        Metric::PRIMITIVE_TESTS.name,
+        "Primitive tests of each ray",
+        high.unwrap_or(1.0),
+    )
+}
+
+/// Returns the upper end of the colors: the 99.5 % quantile, since greater values may
+/// be interruptions by the system. `None` if all values are equal.
+fn high(mut values: Vec<f32>) -> Option<f32> {
+    values.sort_unstable_by(f32::total_cmp);
+    let [low, .., high] = values[..] else {
+        return None;
+    };
+    let rank = values.len() - 1 - values.len() / 200;
+    (low < high).then(|| values[rank].max(1.0))
+}
+
+/// A camera that sees rays from their side, and the scene around them: from
+/// where they start they are points. In the world as ParaView shows it, mirrored
+/// for some scenes.
+struct SideView {
+    position: DVec3,
+    focal_point: DVec3,
+    up: Vec3,
+    /// World units from the lower to the upper edge, in the middle.
+    height: f32,
+    panels: Panels,
+}
+
+impl SideView {
+    fn of(rays: &Rays, camera: &ViewCamera, max_distance: f32) -> Self {
+        let [right, up, forward] = camera.axes();
+        let back = (0.75 * right + 0.4 * up - 0.6 * forward).normalize();
+        let to_right = up.cross(back).normalize();
+        let axes = [to_right, back.cross(to_right), back];
+        // Each point's coordinates from the ball's middle along these axes.
+        let (center, radius) = rays.sphere_in_world();
+        let center = camera.mirrored(center);
+        let space = rays.plane().space;
+        let ends = rays.iter().flat_map(|ray| rays.line(ray));
+        let ends = ends.map(|point| (space.world_point(point), FRAMED[0]));
+        let hits = hits(rays, max_distance).map(|point| (point, FRAMED[1]));
+        let seen: Vec<Vec3> = ends
+            .chain(hits)
+            .map(|(point, within)| ((camera.mirrored(point) - center).as_vec3(), within))
+            .filter(|(point, within)| point.length() <= within * radius)
+            .map(|(point, _)| Vec3::from(axes.map(|axis| axis.dot(point))))
+            .collect();
+        let least = seen.iter().copied().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
+        let most = seen.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
+        let middle = 0.5 * (least + most);
+        let extent = (most - least).max(Vec3::splat(0.05 * radius));
+        let panels = Panels::of(2, [extent.x, extent.y].map(f64::from));
+        let tangent = (0.5 * VIEW_ANGLE.to_radians()).tan();
+        let needed = |point: &Vec3| {
+            let size = (*point - middle).abs() * 2.0;
+            let half_height = panels.panel().half_height([size.x, size.y].map(f64::from));
+            half_height as f32 / tangent + point.z - middle.z
+        };
+        let distance = seen.iter().map(needed).fold(0.1 * radius, f32::max);
+        let in_world = |v: Vec3| v.x * axes[0] + v.y * axes[1] + v.z * axes[2];
+        let focal_point = center + in_world(middle).as_dvec3();
+        Self {
+            position: focal_point + (distance * back).as_dvec3(),
+            focal_point,
+            up,
+            height: 2.0 * distance * tangent,
+            panels,
+        }
+    }
+
+    /// The value of a key without its `rays.`.
+    fn number(&self, key: &str) -> Option<f64> {
+        let (name, index) = key.split_once('.')?;
+        let vector = match name {
+            "position" => self.position,
+            "focal_point" => self.focal_point,
+            "view_up" => self.up.as_dvec3(),
+            _ => return None,
+        };
+        vector.as_ref().get(index.parse::<usize>().ok()?).copied()
+    }
+}
+
+/// The points of the cloud that are shown.
+fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = DVec3> + use<'a> {
+    let (plane, film) = (rays.plane(), rays.cloud());
+    let [columns, rows] = plane.size.map(|n| n as f32);
+    let scale = [
+        columns / film.grid.width as f32,
+        rows / film.grid.height as f32,
+    ];
+    let rows = film.rows(|strip| &strip.distance).zip(0_u16..);
+    rows.flat_map(move |(row, y)| {
+        let y = (f32::from(y) + 0.5) * scale[1] - 0.5;
+        let hits = row
+            .iter()
+            .zip(0_u16..)
+            .filter(move |(distance, _)| **distance <= max_distance);
+        hits.map(move |(distance, x)| {
+            let ray = plane.ray((f32::from(x) + 0.5) * scale[0] - 0.5, y);
+            plane
+                .space
+                .world_point(ray.at(plane.space.length(*distance)))
+        })
+    })
+}

@@ -1,0 +1,139 @@
+//! `summary.json`: what was rendered, on which machine, and what it cost in
+//! total.
+
+use indexmap::IndexMap;
+use serde_json::Number;
+
+use super::file::{FileContent, Job, OutputFile};
+use super::{RenderingView, Survey, thread_time};
+use crate::summary::{
+    AccelerationSection, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
+    RepeatsSection, SceneSection, StageEntry, Summary,
+};
+use base::folder::SUMMARY;
+use base::text::numbers::milliseconds;
+use render::film::Film;
+use render::instruments::peak_memory_bytes;
+use tracer::cost::{Metric, MetricSource, RayKind};
+
+/// The file.
+pub(super) const FILE: OutputFile = OutputFile {
+    name: SUMMARY,
+    is_wanted: |_| true,
+    content: FileContent::Written(|job, out| of(job).write(out)),
+};
+
+/// Returns the summary of a rendering whose other files are written.
+fn of(job: &Job) -> Summary {
+    let (rendering, stages) = (job.rendering, job.stages);
+    let config = rendering.config;
+    Summary {
+        raycost: env!("CARGO_PKG_VERSION").to_owned(),
+        run: Some(job.run),
+        scene: SceneSection {
+            name: rendering.name.to_owned(),
+            file: rendering.scene_file.to_owned(),
+            set: rendering.settings.clone(),
+        },
+        frame: rendering.frame.map(|frame| FrameSection {
+            states: serde_json::to_value(job.states.values()).unwrap_or_default(),
+            ..frame.clone()
+        }),
+        partial: rendering.partial,
+        image: (&config.image).into(),
+        film: FilmSection::new(&config.film, config.shading.model),
+        camera: Some((&rendering.image_plane()).into()),
+        objects: objects(rendering),
+        materials: config.materials.keys().cloned().collect(),
+        n_primitives: rendering.scene.world().n_primitives() as u64,
+        n_instances: rendering
+            .scene
+            .instances
+            .as_ref()
+            .map(|instances| instances.n_instances() as u64),
+        n_degenerate_triangles: Some(rendering.scene.n_degenerate),
+        acceleration: AccelerationSection::new(
+            config.acceleration,
+            rendering.bvh,
+            rendering.simd,
+            rendering.traversal,
+        ),
+        machine: Machine::current(),
+        build: Some(rendering.build.clone()),
+        threads: rendering.threads,
+        ranks: rendering.ranks.cloned(),
+        other_runs: rendering.other_runs.cloned(),
+        stages: stages.ended.iter().map(StageEntry::from).collect(),
+        repeats: Some(repeats(rendering)),
+        thread_time: thread_time(rendering),
+        overhead: rendering.overhead.as_ref().map(Into::into),
+        no_hardware_counters: stages.no_hardware_counters().map(str::to_owned),
+        peak_memory_bytes: peak_memory_bytes(),
+        n_pixels: Some(config.image.n_pixels() as u64),
+        n_hits: rendering.survey.n_hits,
+        cost: cost(rendering),
+        schedule: Some(rendering.schedule.into()),
+        compress: Some(config.compress),
+        arrays: config
+            .output
+            .arrays()
+            .map(|chosen| chosen.iter().map(|array| array.name()).collect()),
+        files: job.written.iter().map(FileEntry::from).collect(),
+    }
+}
+
+fn objects(rendering: &RenderingView) -> Vec<ObjectEntry> {
+    let object = |object: &scene::config::Object| ObjectEntry {
+        name: object.name.clone(),
+        kind: object.geometry.to_string(),
+        materials: object.material.0.clone(),
+    };
+    rendering.config.objects.iter().map(object).collect()
+}
+
+fn repeats(rendering: &RenderingView) -> RepeatsSection {
+    let repeats = rendering.repeats;
+    let wall_ms = repeats.iter().map(|repeat| milliseconds(repeat.wall));
+    RepeatsSection {
+        asked: Some(rendering.config.repeats),
+        n: repeats.len(),
+        busy_ns: repeats.iter().filter_map(|one| one.pixels_ns).collect(),
+        wall_ms: wall_ms.collect(),
+        n_rejected: Some(repeats.iter().map(|repeat| repeat.n_rejected).sum()),
+    }
+}
+
+fn cost(rendering: &RenderingView) -> CostSection {
+    let film = rendering.film;
+    let seconds = rendering.median_wall().as_secs_f64();
+    let has_counters = film.cost.has_counters();
+    CostSection {
+        mode: film.cost,
+        kernel: Some(film.cost.kernel().to_owned()),
+        clock: rendering.meter.clock().map(Into::into),
+        totals: has_counters.then(|| totals(film, rendering.survey)),
+        mrays_per_second: has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
+    }
+}
+
+/// The sums of the film's arrays, by the arrays' names.
+fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
+    let mut totals = IndexMap::new();
+    let has = |metric: &Metric| *metric != Metric::SAMPLES || film.counts_samples();
+    for metric in Metric::ALL.into_iter().filter(has) {
+        let total = if metric.is_timed() {
+            let is_measured = Metric::of_times(film.cost) == Some(metric);
+            let time_ns = is_measured.then_some(survey.time_ns);
+            time_ns.and_then(Number::from_f64)
+        } else {
+            Some(metric.of(&film.totals).into())
+        };
+        totals.insert(metric.name.to_owned(), total);
+        if metric.source == MetricSource::AllRays {
+            // Camera rays are no metric of all films: pixels may have the same number.
+            let camera_rays = film.totals.rays_of(RayKind::Camera);
+            totals.insert("camera_rays".to_owned(), Some(camera_rays.into()));
+        }
+    }
+    totals
+}

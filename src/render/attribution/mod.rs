@@ -1,0 +1,105 @@
+//! Cost attribution: the cost of each object, material, primitive and node.
+//!
+//! After a picture is rendered, all of its rays are traced once more with an
+//! observer, and their cost is attributed to the objects, materials, primitives
+//! and nodes involved. The counters sum exactly to those of the film. So do the
+//! times: the time of each observed ray is scaled so that the rays of a pixel sum
+//! to its `time_ns`, which was measured without an observer. The time of a ray is
+//! divided evenly among its steps, the node visits and primitive tests.
+//!
+//! The [`Observer`] is a third way to render a pixel, besides single rays and
+//! streams of rays, with the same rays, hits and counters. It is slow and records
+//! everything: what each ray hit, which nodes and primitives it was tested
+//! against, how long it took and how much it contributed to the pixel.
+
+mod tree;
+mod observer;
+mod many;
+mod tally;
+mod attributed_cost;
+mod attributor;
+
+use rayon::prelude::*;
+
+use crate::film::Film;
+use crate::tiles::Progress;
+use base::stop;
+use scene::config::{Acceleration, Image, OptionalOutput, Outputs};
+use scene::world::Scene;
+use tracer::accel::{Accel, Bvh, BvhNode};
+use tracer::cost::Meter;
+
+pub use attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
+use attributor::{Attributor, Tallies};
+pub use many::{ObservedPixel, TooManyRays};
+pub use observer::Observer;
+pub use tree::{RayTree, TracedRay};
+
+/// The cost of a picture, attributed to the parts of its scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CostAttribution {
+    /// Indexed by [`ObjectId`](scene::world::ObjectId); the last entry is that of
+    /// rays without a hit.
+    pub objects: Vec<AttributedCost>,
+    /// Indexed by [`MaterialId`](scene::world::MaterialId); the last entry is that
+    /// of rays without a hit.
+    pub materials: Vec<AttributedCost>,
+    /// For each primitive of the scene, if [`OptionalOutput::Surface`] is requested.
+    pub primitives: Option<Vec<Visits>>,
+    /// For each node, if [`OptionalOutput::Bvh`] is requested.
+    pub hierarchy: Option<Hierarchy>,
+}
+
+impl CostAttribution {
+    /// Returns the greatest number of bytes of memory per primitive.
+    pub fn bytes_per_primitive(outputs: &Outputs, acceleration: Acceleration) -> usize {
+        let of_surface = if outputs.has(OptionalOutput::Surface) {
+            size_of::<Visits>()
+        } else {
+            0
+        };
+        // Sums by node id, with gaps, and those of each node.
+        let per_id = 2 * size_of::<Visits>() + size_of::<BvhNode>();
+        let of_nodes = match acceleration {
+            Acceleration::Bvh(quality) if outputs.has(OptionalOutput::Bvh) => {
+                Bvh::ids_per_primitive(quality) * per_id
+            }
+            _ => 0,
+        };
+        of_surface + of_nodes
+    }
+
+    /// Whether the requested outputs need a cost attribution.
+    pub fn is_requested(outputs: &Outputs) -> bool {
+        outputs.iter().any(OptionalOutput::needs_attribution)
+    }
+
+    /// Observes all rays of a film of this scene, which was rendered with
+    /// counters, on the current rayon pool. Any thread calls `report` after each
+    /// row.
+    pub fn measure(
+        (scene, accel, image): (&Scene, &Accel, &Image),
+        (film, meter): (&Film, &Meter),
+        outputs: &Outputs,
+        report: impl Fn(Progress) + Sync,
+    ) -> Self {
+        let nodes = outputs.has(OptionalOutput::Bvh).then(|| accel.nodes());
+        let tallies = Tallies::new(scene, nodes.as_deref(), outputs);
+        let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
+        let attributor = || Attributor::new(scene, accel, image, meter.clock(), &tallies);
+        (0..film.grid.height)
+            .into_par_iter()
+            .for_each_init(attributor, |attributor, y| {
+                let n_rays = (0..film.grid.width)
+                    .take_while(|_| !stop::is_requested())
+                    .filter(|&x| film.is_rendered((x, y)))
+                    .map(|x| {
+                        let time_ns = times.get(y as usize).map(|row| row[x as usize]);
+                        attributor.pixel((x, y), time_ns)
+                    })
+                    .sum();
+                report(Progress::of_pixels(film.grid.width.into(), n_rays));
+            });
+        tallies.into_attribution(nodes)
+    }
+}

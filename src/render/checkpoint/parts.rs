@@ -1,0 +1,201 @@
+//! The files of all parts of a picture.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::{CheckpointFile, Damage, Header, PicturePart};
+use base::text::numbers::counted;
+
+/// The folder of the files of parts, in the output folder.
+pub const PARTS: &str = "parts";
+/// The extension of a complete file.
+const EXTENSION: &str = "tiles";
+
+/// The files of parts in a folder.
+#[derive(Debug)]
+pub struct PartFiles {
+    files: Vec<(String, Result<CheckpointFile, Damage>)>,
+}
+
+/// What is wrong with the parts of a picture.
+#[derive(Debug, Default)]
+pub struct PartFaults {
+    /// A line each.
+    pub lines: Vec<String>,
+    /// The parts to be rendered again.
+    pub again: BTreeSet<PicturePart>,
+}
+
+impl PartFiles {
+    /// Opens and checks the files of parts of an output folder; there are none without the
+    /// folder.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn open(folder: &Path) -> io::Result<Self> {
+        let mut paths = Vec::new();
+        match fs::read_dir(folder.join(PARTS)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(error),
+            Ok(entries) => {
+                for entry in entries {
+                    paths.push(entry?.path());
+                }
+            }
+        }
+        paths.retain(|path| path.extension().is_some_and(|found| found == EXTENSION));
+        paths.sort();
+        let open = |path: PathBuf| (name_of(&path), CheckpointFile::open(&path));
+        Ok(Self {
+            files: paths.into_iter().map(open).collect(),
+        })
+    }
+
+    /// Whether there are no files.
+    pub fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
+    /// The header that most of the files have, except for their parts.
+    pub fn header(&self) -> Option<&Header> {
+        let headers: Vec<&Header> = self.whole().map(|file| &file.header).collect();
+        let n_like = |header: &Header| {
+            let like = headers
+                .iter()
+                .filter(|other| other.foreign_to(header).is_none());
+            like.count()
+        };
+        // Ties go to the first.
+        headers
+            .iter()
+            .rev()
+            .max_by_key(|header| n_like(header))
+            .copied()
+    }
+
+    /// The files in the order of their parts, each of which is there once, with each tile of
+    /// the picture in one of them.
+    ///
+    /// # Errors
+    /// What is missing, damaged, or does not belong to the rendering that `expected`
+    /// describes.
+    pub fn checked(self, expected: &Header) -> Result<Vec<CheckpointFile>, PartFaults> {
+        let n = self.n_parts(expected);
+        let mut faults = PartFaults::default();
+        let mut parts: BTreeMap<u32, CheckpointFile> = BTreeMap::new();
+        for (name, opened) in self.files {
+            let by_name = part_of_name(&name).filter(|part| part.of == n);
+            match opened
+                .map_err(|damage| damage.to_string())
+                .and_then(|file| {
+                    let part = part_of(&file, n, expected)?;
+                    Ok((part, file))
+                }) {
+                Err(why) => faults.add(format!("{name}: {why}"), by_name),
+                Ok((part, file)) => match parts.get(&part.number) {
+                    Some(other) => {
+                        let other = name_of(&other.path);
+                        let why = format!("{name}: it is part {part}, as is {other}");
+                        faults.add(why, None);
+                    }
+                    None => {
+                        parts.insert(part.number, file);
+                    }
+                },
+            }
+        }
+        for number in (1..=n).filter(|number| !parts.contains_key(number)) {
+            let part = PicturePart { number, of: n };
+            if faults.again.insert(part) {
+                faults.lines.push(format!("part {part} is missing"));
+            }
+        }
+        if faults.lines.is_empty() {
+            faults.check_tiles(&parts, expected);
+        }
+        if faults.lines.is_empty() {
+            Ok(parts.into_values().collect())
+        } else {
+            Err(faults)
+        }
+    }
+
+    fn whole(&self) -> impl Iterator<Item = &CheckpointFile> {
+        self.files.iter().filter_map(|(_, file)| file.as_ref().ok())
+    }
+
+    /// The number of parts that most files of the rendering say; 0 if none does.
+    fn n_parts(&self, expected: &Header) -> u32 {
+        let mut counts: HashMap<u32, usize> = HashMap::new();
+        let own = self
+            .whole()
+            .filter(|file| file.header.foreign_to(expected).is_none());
+        for part in own.filter_map(|file| file.header.part) {
+            *counts.entry(part.of).or_default() += 1;
+        }
+        let most = counts.into_iter().max_by_key(|&(of, n)| (n, of));
+        most.map_or(0, |(of, _)| of)
+    }
+}
+
+impl PartFaults {
+    fn add(&mut self, line: String, again: Option<PicturePart>) {
+        self.lines.push(line);
+        self.again.extend(again);
+    }
+
+    /// Checks that each tile of each rendering is in one part.
+    fn check_tiles(&mut self, parts: &BTreeMap<u32, CheckpointFile>, expected: &Header) {
+        let layout = &expected.layout;
+        let n_tiles = layout.grid().n_tiles();
+        let mut owners: HashMap<(u8, u32), u32> = HashMap::new();
+        for (&number, file) in parts {
+            for stored in &file.tiles {
+                let key = (stored.rendering, stored.tile);
+                if let Some(other) = owners.insert(key, number).filter(|other| *other != number) {
+                    let [one, other] = [other, number].map(|n| name_of(&parts[&n].path));
+                    let tile = stored.tile;
+                    self.lines
+                        .push(format!("{one} and {other} both have tile {tile}"));
+                    return;
+                }
+            }
+        }
+        let mut keys = (0..layout.n_renderings).flat_map(|r| (0..n_tiles).map(move |t| (r, t)));
+        if let Some((_, tile)) = keys.find(|key| !owners.contains_key(key)) {
+            self.lines.push(format!("no part has tile {tile}"));
+        }
+    }
+}
+
+/// The part of a file of the rendering that `expected` describes, in `n` parts.
+fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<PicturePart, String> {
+    if let Some(why) = file.header.foreign_to(expected) {
+        return Err(why);
+    }
+    let Some(part) = file.header.part else {
+        return Err("it is not a part of a picture".to_owned());
+    };
+    if part.of != n || part.number == 0 || part.number > n {
+        return Err(format!("it is part {part}, and other parts are of {n}"));
+    }
+    if file.is_torn || !file.is_complete {
+        let n_tiles = counted(file.n_tiles() as u64, "tile");
+        return Err(format!("it is damaged or cut: {n_tiles} are whole"));
+    }
+    Ok(part)
+}
+
+/// The part that a file's name says.
+fn part_of_name(name: &str) -> Option<PicturePart> {
+    let name = name.strip_suffix(EXTENSION)?.strip_suffix('.')?;
+    let (number, of) = name.strip_prefix("part-")?.split_once("-of-")?;
+    format!("{number}/{of}").parse().ok()
+}
+
+fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}

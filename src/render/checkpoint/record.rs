@@ -1,0 +1,172 @@
+//! A finished tile ↔ bytes.
+
+use std::borrow::Cow;
+
+use super::RecordLayout;
+use super::block::PREFIX;
+use crate::film::PackedCounters;
+use crate::schedule::{Tile, TileRun};
+use tracer::cost::Cost;
+
+/// A tile of one rendering of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TileRecord<'a> {
+    /// The rendering, from 0, of several that repeat the picture.
+    pub rendering: u8,
+    /// The tile's number in the grid.
+    pub tile: u32,
+    /// When and by which thread it was rendered, and its counters; the position in the
+    /// order of tiles is not kept.
+    pub run: TileRun,
+    /// The counters of its pixels, in parts of whole rows; empty if nothing was counted.
+    pub counters: Vec<PackedCounters>,
+    /// The pixels in the film's arrays, bit for bit.
+    pub pixels: Cow<'a, [u8]>,
+}
+
+/// Bytes of a record besides its counters and its pixels.
+const FIXED_BYTES: usize = 1 + 4 + 4 + 4 + 5 * 8 + N_COUNTS * 8 + 4;
+/// Numbers of a [`Cost`].
+const N_COUNTS: usize = 8;
+/// Latest time in nanoseconds: sums of many stay below 2^64.
+const MAX_NS: u64 = 1 << 53;
+/// Most threads.
+pub(super) const MAX_THREADS: u32 = 1 << 16;
+
+/// The bytes of a tile in a file besides its pixels and counters, which are in one part.
+pub const BYTES_PER_TILE: u64 = (PREFIX + FIXED_BYTES + 8) as u64;
+
+impl<'a> TileRecord<'a> {
+    /// Upper bound of the bytes of a record with this layout.
+    pub(super) fn max_bytes(layout: &RecordLayout) -> usize {
+        let n_pixels = layout.tile_size.pow(2) as usize;
+        let counters = PackedCounters::max_bytes(n_pixels);
+        FIXED_BYTES + n_pixels * layout.bytes_per_pixel as usize + counters
+    }
+
+    /// Appends the record as bytes: numbers with the lowest byte first, pixels as in
+    /// memory.
+    pub fn append_to(&self, bytes: &mut Vec<u8>) {
+        let run = &self.run;
+        bytes.push(self.rendering);
+        bytes.extend(self.tile.to_le_bytes());
+        bytes.extend(run.rank.to_le_bytes());
+        bytes.extend(run.thread.to_le_bytes());
+        let parts = [run.film_ns, run.warm_up_ns, run.waiting_ns];
+        let times = [run.start_ns, run.end_ns].into_iter().chain(parts);
+        for number in times.chain(counts(&run.counted)) {
+            bytes.extend(number.to_le_bytes());
+        }
+        bytes.extend((self.counters.len() as u32).to_le_bytes());
+        for part in &self.counters {
+            part.append_to(bytes);
+        }
+        bytes.extend(&*self.pixels);
+    }
+
+    /// Reads a record of a rendering with this layout; `None` if it is none. All of
+    /// `bytes` belong to it.
+    pub fn of_bytes(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
+        let mut bytes = Bytes(bytes);
+        let [rendering] = bytes.array()?;
+        let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];
+        let grid = layout.grid();
+        if rendering >= layout.n_renderings || tile >= grid.n_tiles() {
+            return None;
+        }
+        let run = TileRun {
+            is_missing: false,
+            rank: Some(rank).filter(|&rank| rank < MAX_THREADS)?,
+            thread: Some(thread).filter(|&thread| thread < MAX_THREADS)?,
+            position: 0,
+            start_ns: bytes.time()?,
+            end_ns: bytes.time()?,
+            film_ns: bytes.time()?,
+            warm_up_ns: bytes.time()?,
+            waiting_ns: bytes.time()?,
+            counted: bytes.cost()?,
+        };
+        let place = grid.tile(tile);
+        let counters = bytes.counters(&place)?;
+        let n_bytes = place.n_pixels() * layout.bytes_per_pixel as usize;
+        let is_whole = run.start_ns <= run.end_ns && bytes.0.len() == n_bytes;
+        is_whole.then(|| Self {
+            rendering,
+            tile,
+            run,
+            counters,
+            pixels: bytes.0.into(),
+        })
+    }
+
+    /// The same with pixels of its own.
+    pub fn into_owned(self) -> TileRecord<'static> {
+        TileRecord {
+            pixels: self.pixels.into_owned().into(),
+            ..self
+        }
+    }
+}
+
+/// The numbers of a cost.
+fn counts(cost: &Cost) -> [u64; N_COUNTS] {
+    let [camera, shadow, reflection, refraction, diffuse] = cost.rays;
+    let [visits, tests] = [cost.node_visits, cost.primitive_tests];
+    [
+        visits, tests, camera, shadow, reflection, refraction, diffuse, cost.depth,
+    ]
+}
+
+/// Bytes that are read from the start.
+pub(super) struct Bytes<'a>(pub(super) &'a [u8]);
+
+impl Bytes<'_> {
+    pub(super) fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    pub(super) fn u32(&mut self) -> Option<u32> {
+        Some(u32::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn u64(&mut self) -> Option<u64> {
+        Some(u64::from_le_bytes(self.array()?))
+    }
+
+    /// A time in nanoseconds.
+    pub(super) fn time(&mut self) -> Option<u64> {
+        self.u64().filter(|&ns| ns < MAX_NS)
+    }
+
+    fn cost(&mut self) -> Option<Cost> {
+        let mut numbers = [0; N_COUNTS];
+        for number in &mut numbers {
+            *number = self.u64()?;
+        }
+        let [node_visits, primitive_tests, rays @ .., depth] = numbers;
+        Some(Cost {
+            node_visits,
+            primitive_tests,
+            rays,
+            depth,
+        })
+    }
+
+    /// The counters of a tile: parts of whole rows that cover it, or none.
+    fn counters(&mut self, tile: &Tile) -> Option<Vec<PackedCounters>> {
+        let mut n_left = tile.n_pixels();
+        let mut counters = Vec::new();
+        for _ in 0..self.u32()? {
+            let (part, rest) = PackedCounters::split_from(self.0, n_left)?;
+            if part.n_pixels() % tile.width() != 0 {
+                return None;
+            }
+            n_left -= part.n_pixels();
+            self.0 = rest;
+            counters.push(part);
+        }
+        (counters.is_empty() || n_left == 0).then_some(counters)
+    }
+}

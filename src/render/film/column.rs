@@ -1,0 +1,316 @@
+//! The arrays of a film in output files: one list for all writers.
+
+use vtkio::model::ScalarType;
+
+use super::{Film, Strip};
+use scene::config::{Config, CostMode, ExtraArrays, Repeats};
+use scene::geometry::LENGTH_UNIT;
+use tracer::cost::{Metric, MetricSource};
+
+/// An array of the film as in files.
+#[derive(Debug, Clone, Copy)]
+pub struct Column {
+    /// Its name in files.
+    pub name: &'static str,
+    /// The type of its numbers.
+    pub scalar: ScalarType,
+    /// Numbers per pixel.
+    pub n_components: usize,
+    /// The unit of its numbers; `None` for colors, ids and flags.
+    pub unit: Option<&'static str>,
+    origin: Origin,
+}
+
+/// Where the numbers of a column come from.
+#[derive(Debug, Clone, Copy)]
+enum Origin {
+    /// A field of [`Strip`].
+    Stored(fn(&Strip) -> &[u8]),
+    /// The positions in world space.
+    Position,
+    /// The counters of the tiles.
+    Counted(Metric),
+    /// The tiles of the image.
+    Tile,
+    /// The threads that rendered the tiles.
+    Thread,
+    /// The groups of pixels that are timed together.
+    Group,
+}
+
+/// A [`Column`] from a field of [`Strip`].
+macro_rules! column {
+    ($name:expr, $field:ident, $scalar:ident x $n:literal) => {
+        column!($name, $field, $scalar x $n, None)
+    };
+    ($name:expr, $field:ident, $scalar:ident x $n:literal in $unit:expr) => {
+        column!($name, $field, $scalar x $n, Some($unit))
+    };
+    ($name:expr, $field:ident, $scalar:ident x $n:literal, $unit:expr) => {
+        Column {
+            name: $name,
+            scalar: ScalarType::$scalar,
+            n_components: $n,
+            unit: $unit,
+            origin: Origin::Stored(|strip| bytemuck::cast_slice(&strip.$field)),
+        }
+    };
+}
+
+const fn computed(name: &'static str, scalar: ScalarType, origin: Origin) -> Column {
+    Column {
+        name,
+        scalar,
+        n_components: 1,
+        unit: None,
+        origin,
+    }
+}
+
+const GEOMETRY: [Column; 6] = [
+    // The color in the picture, 8 bits per channel.
+    column!("RGB", rgb, U8 x 3),
+    // Shading normal, a unit vector on the visible side; NaN without a hit.
+    column!("Normals", normal, F32 x 3),
+    // Distance along the camera ray in world units; NaN without a hit.
+    column!("distance", distance, F32 x 1 in LENGTH_UNIT),
+    // Size of a pixel at that distance in world units; NaN without a hit.
+    column!("footprint", footprint, F32 x 1 in LENGTH_UNIT),
+    // Index into the file's `objects`; -1 without a hit.
+    column!("object", object, I32 x 1),
+    // Index into the file's `materials`; -1 without a hit.
+    column!("material", material, I32 x 1),
+];
+
+// Thread time without the overhead of the clock, at least 1: that of the pixel, or its share
+// of that of its group.
+const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1 in Metric::TIME.unit_label());
+
+// The spread of repeated times, and the number of rejected ones.
+const REPEATED: [Column; 2] = [
+    // Median absolute deviation of the accepted times.
+    column!("time_mad_ns", time_mad_ns, F32 x 1 in Metric::TIME.unit_label()),
+    // Times of a pixel that was interrupted whenever it was timed.
+    column!("n_rejected", n_rejected, U8 x 1),
+];
+
+const WORK: [Column; 2] = [
+    // The tile, numbered along rows from the top left.
+    computed("tile", ScalarType::I32, Origin::Tile),
+    // The thread, from 0.
+    computed("thread", ScalarType::I32, Origin::Thread),
+];
+
+/// The arrays of a film with this cost mode with this number of repeats,
+/// in the order of the files: geometry, time and its spread, counters, tiles; those that
+/// a film has with any settings of samples.
+pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column> {
+    all_columns(cost, repeats, false)
+}
+
+/// The arrays that the files of a rendering with this config have for each pixel.
+pub fn written_columns(config: &Config) -> impl Iterator<Item = Column> + use<> {
+    let extra = config.extra_arrays();
+    let counts_samples = config.image.adaptive.is_some();
+    kept_columns(config.cost, config.repeats, counts_samples, extra)
+        .filter(move |column| extra.written.has(column.name))
+}
+
+/// [`columns`], with the numbers of samples if they are counted, and what a film keeps on
+/// request.
+pub(super) fn kept_columns(
+    cost: CostMode,
+    repeats: Repeats,
+    counts_samples: bool,
+    extra: ExtraArrays,
+) -> impl Iterator<Item = Column> {
+    let radiance = extra.radiance_in_vtk.then_some(Column::RADIANCE);
+    let bounces = extra.bounces.then_some(Column::BOUNCES);
+    let instance = extra.instance.then_some(Column::INSTANCE);
+    let groups = extra.groups.then_some(Column::GROUP);
+    all_columns(cost, repeats, counts_samples)
+        .chain(radiance)
+        .chain(bounces)
+        .chain(instance)
+        .chain(groups)
+}
+
+/// [`columns`], with the numbers of samples if they are counted.
+fn all_columns(
+    cost: CostMode,
+    repeats: Repeats,
+    counts_samples: bool,
+) -> impl Iterator<Item = Column> {
+    let time = cost.has_time().then_some(TIME);
+    let is_repeated = cost.has_time() && repeats.has_spread();
+    let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
+    let counted = |metric: Metric| Column {
+        unit: Some(metric.unit_label()),
+        ..computed(metric.name, ScalarType::U32, Origin::Counted(metric))
+    };
+    let work = || Metric::counted(counts_samples).map(counted).chain(WORK);
+    let work = cost.has_counters().then(work).into_iter().flatten();
+    GEOMETRY.into_iter().chain(time).chain(repeated).chain(work)
+}
+
+impl Column {
+    /// The hit points in world space: three numbers per pixel; NaN without a hit.
+    pub const POSITION: Self = Self {
+        n_components: 3,
+        unit: Some(LENGTH_UNIT),
+        ..computed("Points", ScalarType::F32, Origin::Position)
+    };
+
+    /// The hit points in a file of points: numbers of 64 bits where the scene is so far from
+    /// the origin of world space that 32 have too few digits.
+    pub fn points(film: &Film) -> Self {
+        if film.space.is_centered() {
+            return Self::POSITION;
+        }
+        Self {
+            scalar: ScalarType::F64,
+            ..Self::POSITION
+        }
+    }
+
+    /// The linear light of the pixel, with the primaries of sRGB; on request.
+    pub const RADIANCE: Self = column!("radiance", radiance, F32 x 3);
+
+    /// The rays after 0, 1, … 6, and after 7 or more bounces; on request.
+    pub const BOUNCES: Self =
+        column!("rays_by_bounce", bounces, U32 x 8 in Metric::RAYS.unit_label());
+
+    /// The index of the instance; -1 without a hit, and on what is none. In scenes with
+    /// instances.
+    pub const INSTANCE: Self = column!("instance", instance, I32 x 1);
+
+    /// The first pixel of the group that is timed together; on request.
+    pub const GROUP: Self = computed("group", ScalarType::I32, Origin::Group);
+
+    /// The color of the surface; not in VTK files.
+    pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
+
+    /// Bytes per pixel.
+    pub fn stride(&self) -> usize {
+        let scalar = match self.scalar {
+            ScalarType::U8 => 1,
+            ScalarType::F64 => 8,
+            _ => 4,
+        };
+        scalar * self.n_components
+    }
+
+    /// Whether the film stores it; others are computed from what the film stores.
+    pub fn is_stored(&self) -> bool {
+        match self.origin {
+            Origin::Stored(_) => true,
+            Origin::Counted(metric) => metric.source != MetricSource::AllRays,
+            Origin::Position | Origin::Tile | Origin::Thread | Origin::Group => false,
+        }
+    }
+
+    /// Whether it is a field of [`Strip`].
+    pub fn is_in_strips(&self) -> bool {
+        matches!(self.origin, Origin::Stored(_))
+    }
+
+    /// Returns its bytes in a strip of the film, in native order: a slice of the
+    /// film, or of `buffer`, which is overwritten.
+    pub fn bytes<'a>(&self, film: &Film, strip: &'a Strip, buffer: &'a mut Vec<u32>) -> &'a [u8] {
+        match self.origin {
+            Origin::Stored(bytes) => return bytes(strip),
+            Origin::Position => film.world_positions(strip, self.scalar, buffer),
+            Origin::Counted(metric) => film.counts(strip, metric, buffer),
+            Origin::Tile => film.tile_numbers(strip, buffer),
+            Origin::Thread => film.threads(strip, buffer),
+            Origin::Group => film.groups(strip, buffer),
+        }
+        bytemuck::cast_slice(buffer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::ValueEnum;
+
+    use super::*;
+    use crate::film::bytes_per_pixel;
+    use crate::schedule::TileGrid;
+    use scene::config::{PixelArray, WrittenArrays};
+
+    #[test]
+    fn every_column_has_as_many_bytes_per_pixel_as_its_stride() {
+        let modes = [
+            (CostMode::None, 43),
+            (CostMode::Counters, 71),
+            (CostMode::SingleRayTime, 76),
+            (CostMode::Time, 76),
+        ];
+        for (mode, expected) in modes {
+            let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);
+            for column in columns(mode, film.repeats) {
+                let mut buffer = Vec::new();
+                let bytes = column.bytes(&film, &film.strips[0], &mut buffer);
+                assert_eq!(bytes.len(), 20 * column.stride(), "{}", column.name);
+            }
+            assert_eq!(bytes_per_pixel(mode, film.extra), expected);
+            let radiance = ExtraArrays {
+                radiance: true,
+                ..film.extra
+            };
+            assert_eq!(bytes_per_pixel(mode, radiance), expected + 12);
+            let bounces = ExtraArrays {
+                bounces: true,
+                ..film.extra
+            };
+            assert_eq!(
+                bytes_per_pixel(mode, bounces),
+                expected + Column::BOUNCES.stride()
+            );
+            let instance = ExtraArrays {
+                instance: true,
+                ..film.extra
+            };
+            assert_eq!(bytes_per_pixel(mode, instance), expected + 4);
+        }
+    }
+
+    #[test]
+    fn every_array_can_be_chosen_by_its_name() {
+        let extra = ExtraArrays {
+            radiance_in_vtk: true,
+            bounces: true,
+            instance: true,
+            groups: true,
+            written: WrittenArrays::only(&[]),
+            ..ExtraArrays::default()
+        };
+        let mut n_chosen = 0;
+        for column in kept_columns(CostMode::Time, Repeats::Auto, true, extra) {
+            assert!(!extra.written.has(column.name), "{}", column.name);
+            n_chosen += 1;
+        }
+        // Two of the cloud.
+        assert_eq!(PixelArray::value_variants().len(), n_chosen + 2);
+    }
+
+    #[test]
+    fn every_array_is_a_cost_metric_or_known_not_to_be() {
+        let others = [
+            "RGB",
+            "Normals",
+            "distance",
+            "footprint",
+            "object",
+            "material",
+            "tile",
+            "thread",
+        ];
+        let metrics = Metric::ALL.map(|metric| metric.name);
+        for column in columns(CostMode::Time, Repeats::ONCE) {
+            let names = metrics.iter().chain(&others);
+            let n = names.filter(|name| **name == column.name).count();
+            assert_eq!(n, 1, "{}", column.name);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The cost metrics of a film.
+
+use super::{Film, Strip};
+use tracer::cost::{Counter, Metric, MetricSource, RayKind};
+
+impl Film {
+    /// Overwrites `counts` with a counted metric of the pixels of a strip.
+    pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
+        counts.clear();
+        match metric.source {
+            MetricSource::Clock => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Counter(counter) => self.counter(strip, counter, counts),
+            MetricSource::AllRays => {
+                counts.resize(strip.rgb.len(), self.n_samples);
+                for counter in RayKind::ALL.map(Counter::of_rays) {
+                    self.add_counts(strip, counter, counts);
+                }
+                self.clear_missing(strip, counts);
+            }
+        }
+    }
+
+    /// Overwrites `counts` with a counter of the pixels of a strip.
+    pub fn counter(&self, strip: &Strip, counter: Counter, counts: &mut Vec<u32>) {
+        let uncounted = match counter {
+            Counter::Samples => self.n_samples,
+            _ => 0,
+        };
+        counts.clear();
+        counts.resize(strip.rgb.len(), uncounted);
+        self.add_counts(strip, counter, counts);
+        self.clear_missing(strip, counts);
+    }
+
+    /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24
+    /// are rounded.
+    pub fn metric(&self, metric: Metric) -> Vec<f32> {
+        if metric.is_timed() {
+            return self
+                .rows(|strip| &strip.time_ns)
+                .collect::<Vec<_>>()
+                .concat();
+        }
+        let n_pixels = self.grid.width as usize * self.grid.height as usize;
+        let (mut of_strip, mut all) = (Vec::new(), Vec::with_capacity(n_pixels));
+        for strip in &self.strips {
+            self.counts(strip, metric, &mut of_strip);
+            all.extend(of_strip.iter().map(|&count| count as f32));
+        }
+        all
+    }
+
+    /// Returns the first two metrics of [`Metric::ALL`] that are not zero in the
+    /// film: without a hierarchy, for example, there are no node visits. `None`
+    /// for a film without cost.
+    pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
+        if !self.cost.has_counters() {
+            return None;
+        }
+        let mut shown = Metric::ALL
+            .into_iter()
+            .filter(|&metric| self.has_any(metric));
+        Some([shown.next()?, shown.next()?])
+    }
+
+    /// Returns what [`heatmap_metrics`](Self::heatmap_metrics) does, by the totals of the
+    /// picture.
+    pub fn metrics_of_totals(&self) -> Option<[Metric; 2]> {
+        if !self.cost.has_counters() {
+            return None;
+        }
+        let mut shown = Metric::ALL
+            .into_iter()
+            .filter(|&metric| self.has_total(metric));
+        Some([shown.next()?, shown.next()?])
+    }
+
+    /// The metrics that are shown of its VTK files, two if they have two: those that are not
+    /// zero first.
+    pub fn metrics_in_files(&self) -> [Option<Metric>; 2] {
+        self.first_in_files(|metric| self.has_any(metric))
+    }
+
+    /// The same, by the totals of the picture.
+    pub fn metrics_in_files_of_totals(&self) -> [Option<Metric>; 2] {
+        self.first_in_files(|metric| self.has_total(metric))
+    }
+
+    fn first_in_files(&self, has: impl Fn(Metric) -> bool) -> [Option<Metric>; 2] {
+        let is_in_files = |metric: &Metric| self.columns().any(|column| column.name == metric.name);
+        let in_files = || Metric::ALL.into_iter().filter(is_in_files);
+        let counted = in_files().filter(|&metric| has(metric));
+        let zero = in_files().filter(|&metric| !has(metric));
+        let mut metrics = counted.chain(zero);
+        [metrics.next(), metrics.next()]
+    }
+
+    fn has_total(&self, metric: Metric) -> bool {
+        if metric.is_timed() {
+            return Metric::of_times(self.cost) == Some(metric);
+        }
+        metric.of(&self.totals) > 0
+    }
+
+    fn has_any(&self, metric: Metric) -> bool {
+        if metric.is_timed() {
+            return Metric::of_times(self.cost) == Some(metric);
+        }
+        let mut of_strip = Vec::new();
+        self.strips.iter().any(|strip| {
+            self.counts(strip, metric, &mut of_strip);
+            of_strip.iter().any(|&count| count > 0)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::TileGrid;
+    use scene::config::CostMode;
+
+    #[test]
+    fn a_film_without_cost_has_no_metric_to_show() {
+        for (mode, is_shown) in [(CostMode::None, false), (CostMode::Time, true)] {
+            let film = Film::new(TileGrid::new(3, 2, 2), 4, mode);
+            assert_eq!(film.heatmap_metrics().is_some(), is_shown);
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! The film: the rendered image and the cost of each pixel.
+//!
+//! A [`Film`] is a stack of [`Strip`]s of a few rows each, and a strip is a
+//! structure of arrays. A film may have only some rows of its picture, or none, if it
+//! does not fit into memory. A thread renders a tile into buffers of its own, then
+//! copies them to the strips that the tile crosses, with one strip locked at a
+//! time. File writers read the strips in order. Counters stay with their tile
+//! ([`RenderedTile`]), packed by the thread that counted. [`columns`] lists the
+//! arrays of the output files, for all writers.
+
+mod column;
+mod metrics;
+mod hottest;
+mod packed;
+mod rendered;
+mod strip;
+mod stored;
+mod tile;
+
+use std::ops::Range;
+
+use glam::Vec3;
+use rayon::prelude::*;
+use vtkio::model::ScalarType;
+
+use column::kept_columns;
+pub use column::{Column, columns, written_columns};
+pub use hottest::{HotPixel, Times, highest_counts};
+pub use packed::PackedCounters;
+pub use rendered::{Pixel, PixelColumns, PixelTime, Rendered};
+pub use strip::Strip;
+pub use tile::RenderedTile;
+
+use crate::schedule::TileGrid;
+use base::host::grow_heap;
+use scene::color::Development;
+use scene::config::{CostMode, ExtraArrays, Repeats};
+use scene::geometry::RenderSpace;
+use tracer::cost::{Cost, RaysByBounce};
+
+/// Rows of a strip, except for the last one: fewer than a tile has by default, so
+/// that threads with tiles side by side wait for each other only briefly, and
+/// enough for a large write to a file.
+pub const STRIP_ROWS: u32 = 4;
+
+/// Strips that a thread makes at a time: a film of one tile has fewer.
+const STRIPS_PER_TASK: usize = 64;
+
+/// A rendered image: the color, geometry and cost of every pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Film {
+    /// Its tiles, its width and its height.
+    pub grid: TileGrid,
+    /// Samples of every pixel, each with its own camera ray; 0 if they are counted by
+    /// pixel, as [`Counter::Samples`](tracer::cost::Counter::Samples).
+    pub n_samples: u32,
+    /// The space of the positions of its hits.
+    pub space: RenderSpace,
+    /// How the colors of its pixels become those of the picture.
+    pub development: Development,
+    /// The arrays that it keeps and not every film has.
+    pub extra: ExtraArrays,
+    /// Which cost arrays it has.
+    pub cost: CostMode,
+    /// How often it was to be rendered.
+    pub repeats: Repeats,
+    /// Number of times that it was rendered.
+    pub n_repeats: u8,
+    /// The sum of the counters of all pixels; zero if nothing was counted.
+    pub totals: Cost,
+    /// Its rows, from top to bottom: those of the grid, some of them, or none.
+    pub strips: Vec<Strip>,
+    /// Threads and counters by tile, in the order of the grid.
+    pub tiles: Vec<RenderedTile>,
+}
+
+/// Upper bound of a film's bytes per tile besides its counters: a list with a
+/// capacity of at least four, a lock, and the overhead of the allocator for both.
+pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
+
+/// Upper bound of a film's bytes per pixel.
+pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
+    let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
+    let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
+    let n_vectors = 1 + usize::from(extra.radiance) + usize::from(extra.albedo);
+    let bounces = if extra.bounces {
+        size_of::<RaysByBounce>()
+    } else {
+        0
+    };
+    let instance = if extra.instance { size_of::<i32>() } else { 0 };
+    let extra = n_vectors * size_of::<Vec3>() + bounces + instance;
+    extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
+}
+
+/// Bytes of a pixel in all arrays that a rendering writes to a film.
+pub fn stored_bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
+    Strip::new([0, 1, 1], cost, extra).stored_bytes_per_pixel()
+}
+
+impl Film {
+    /// A film for the pixels of the grid, not rendered yet. `n_samples` are those of every
+    /// pixel; 0 if they will be counted.
+    pub fn new(grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
+        Self::with_extra(ExtraArrays::default(), grid, n_samples, cost)
+    }
+
+    /// The same, with extra arrays.
+    pub fn with_extra(extra: ExtraArrays, grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
+        Self::without_rows(extra, grid, n_samples, cost).with_rows(0..grid.height)
+    }
+
+    /// The same without pixels: what a rendering knows of the whole picture.
+    pub fn without_rows(
+        extra: ExtraArrays,
+        grid: TileGrid,
+        n_samples: u32,
+        cost: CostMode,
+    ) -> Self {
+        Self {
+            grid,
+            n_samples,
+            space: RenderSpace::default(),
+            development: Development::default(),
+            extra,
+            cost,
+            repeats: Repeats::ONCE,
+            n_repeats: 1,
+            totals: Cost::default(),
+            strips: Vec::new(),
+            tiles: vec![RenderedTile::default(); grid.n_tiles() as usize],
+        }
+    }
+
+    /// The same with these rows of the grid, not rendered yet, instead of its own.
+    pub fn with_rows(self, rows: Range<u32>) -> Self {
+        let strip = |first_row| {
+            let n_rows = STRIP_ROWS.min(rows.end - first_row);
+            Strip::new([first_row, n_rows, self.grid.width], self.cost, self.extra)
+        };
+        let n_pixels = rows.len() * self.grid.width as usize;
+        grow_heap(n_pixels * stored_bytes_per_pixel(self.cost, self.extra));
+        let first_rows: Vec<u32> = rows.clone().step_by(STRIP_ROWS as usize).collect();
+        let strips = first_rows.into_par_iter().with_min_len(STRIPS_PER_TASK);
+        Self {
+            strips: strips.map(strip).collect(),
+            ..self
+        }
+    }
+
+    /// An empty film of one tile of the grid, at its top left.
+    pub(crate) fn of_one_tile(&self) -> Self {
+        let side = self.grid.tile_size;
+        let grid = TileGrid::new(side, side, side);
+        Self {
+            development: self.development,
+            ..Self::with_extra(self.extra, grid, self.n_samples, self.cost)
+        }
+    }
+
+    /// Its first row, and the one after its last.
+    pub fn row_range(&self) -> Range<u32> {
+        let first = self.strips.first().map_or(0, |strip| strip.first_row);
+        let end = |strip: &Strip| strip.first_row + strip.n_rows;
+        first..self.strips.last().map_or(first, end)
+    }
+
+    /// Whether it has any pixels.
+    pub fn has_rows(&self) -> bool {
+        !self.strips.is_empty()
+    }
+
+    /// Whether the samples of its pixels were counted.
+    pub fn counts_samples(&self) -> bool {
+        self.n_samples == 0
+    }
+
+    /// The arrays of its VTK files, in their order.
+    pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
+        let written = self.extra.written;
+        self.kept_columns()
+            .filter(move |column| written.has(column.name))
+    }
+
+    /// The same, with the arrays that its VTK files leave out.
+    pub fn kept_columns(&self) -> impl Iterator<Item = Column> + use<> {
+        kept_columns(self.cost, self.repeats, self.counts_samples(), self.extra)
+    }
+
+    /// Overwrites `words` by the positions of a strip's hits in world space, as numbers of 64
+    /// bits or of 32.
+    fn world_positions(&self, strip: &Strip, scalar: ScalarType, words: &mut Vec<u32>) {
+        words.clear();
+        for position in &strip.position {
+            let in_world = self.space.world_point(*position);
+            match scalar {
+                ScalarType::F64 => {
+                    words.extend_from_slice(bytemuck::cast_slice(&in_world.to_array()))
+                }
+                _ => words.extend_from_slice(bytemuck::cast_slice(&in_world.as_vec3().to_array())),
+            }
+        }
+    }
+
+    /// Number of pixels with a hit.
+    pub fn n_hits(&self) -> usize {
+        let hits = |strip: &Strip| strip.object.iter().filter(|&&object| object >= 0).count();
+        self.strips.iter().map(hits).sum()
+    }
+
+    /// The sum of `time_ns` over all pixels; 0 if no time was measured.
+    pub fn total_time_ns(&self) -> f64 {
+        self.values(|strip| &strip.time_ns).map(f64::from).sum()
+    }
+
+    /// The sum of `time_mad_ns` over all pixels; 0 where there are none.
+    pub fn total_time_mad_ns(&self) -> f64 {
+        let deviations = self.strips.iter().flat_map(|strip| &strip.time_mad_ns);
+        deviations.map(|&ns| f64::from(ns)).sum()
+    }
+
+    /// Number of rejected times of all pixels, which were interrupted whenever they were
+    /// measured.
+    pub fn n_rejected(&self) -> u64 {
+        self.values(|strip| &strip.n_rejected).map(u64::from).sum()
+    }
+
+    /// The rows of an array, from top to bottom, each as a slice of its strip.
+    pub fn rows<'a, T: 'a>(
+        &'a self,
+        array: fn(&Strip) -> &Vec<T>,
+    ) -> impl DoubleEndedIterator<Item = &'a [T]> {
+        let width = self.grid.width as usize;
+        self.strips
+            .iter()
+            .flat_map(move |strip| array(strip).chunks_exact(width))
+    }
+
+    /// An array, row-major, `width * height`; row 0 is on top.
+    pub fn values<'a, T: Copy + 'a>(
+        &'a self,
+        array: fn(&Strip) -> &Vec<T>,
+    ) -> impl DoubleEndedIterator<Item = T> + 'a {
+        self.rows(array).flatten().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_cover_every_row_once() {
+        for height in [1, 15, 16, 17, 40] {
+            let film = Film::new(TileGrid::new(3, height, 2), 1, CostMode::Time);
+            let rows: Vec<u32> = film
+                .strips
+                .iter()
+                .flat_map(|strip| strip.first_row..strip.first_row + strip.n_rows)
+                .collect();
+            assert_eq!(rows, (0..height).collect::<Vec<_>>());
+            let numbers = |strip| {
+                let mut numbers = Vec::new();
+                film.tile_numbers(strip, &mut numbers);
+                numbers
+            };
+            let tiles = film.strips.iter().flat_map(numbers);
+            let expected = (0..height).flat_map(|y| [0, 0, 1].map(|tile| y / 2 * 2 + tile));
+            assert!(tiles.eq(expected));
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Rendered pixels that are to be written to the film.
+
+use glam::Vec3;
+
+use scene::world::InstanceId;
+use tracer::cost::{Counters, RaysByBounce};
+use tracer::trace::SurfacePoint;
+
+/// Pixels of a tile and their cost, row by row.
+#[derive(Debug, Clone, Copy)]
+pub struct Rendered<'a> {
+    /// The colors and the surfaces of the pixels.
+    pub pixels: &'a PixelColumns,
+    /// The counters of the pixels, if they were counted.
+    pub counters: Option<&'a Counters>,
+    /// The rays of the pixels by bounce; empty unless the film keeps them.
+    pub bounces: &'a [RaysByBounce],
+    /// The times of the pixels; empty if they were not measured.
+    pub times: &'a [PixelTime],
+    /// Time in which pixels were rendered that count for nothing, in nanoseconds.
+    pub warm_up_ns: f64,
+}
+
+/// The color and the surface of one pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct Pixel {
+    /// The mean radiance of the samples: linear, and as bright as it may be.
+    pub color: Vec3,
+    /// The point that the camera ray of the center sample hit, in render space; NaN without a
+    /// hit.
+    pub position: Vec3,
+    /// The shading normal there; NaN without a hit.
+    pub normal: Vec3,
+    /// The color of the surface there; black without a hit.
+    pub albedo: Vec3,
+    /// Distance along that ray, in world units; NaN without a hit.
+    pub distance: f32,
+    /// The size of the pixel there, in world units; NaN without a hit.
+    pub footprint: f32,
+    /// The index of the object that was hit; -1 without a hit.
+    pub object: i32,
+    /// The index of its material; -1 without a hit.
+    pub material: i32,
+    /// The index of the instance that was hit; -1 for none.
+    pub instance: i32,
+}
+
+/// A black pixel without a hit.
+impl Default for Pixel {
+    fn default() -> Self {
+        Self {
+            color: Vec3::ZERO,
+            position: Vec3::NAN,
+            normal: Vec3::NAN,
+            albedo: Vec3::ZERO,
+            distance: f32::NAN,
+            footprint: f32::NAN,
+            object: -1,
+            material: -1,
+            instance: -1,
+        }
+    }
+}
+
+impl Pixel {
+    /// Sets the instance that the camera ray of the center sample hit.
+    #[inline]
+    pub fn set_instance(&mut self, instance: Option<InstanceId>) {
+        self.instance = instance.map_or(-1, |id| id.0 as i32);
+    }
+
+    /// Sets what the camera ray of the center sample hit.
+    #[inline]
+    pub fn set_surface(&mut self, point: &SurfacePoint) {
+        self.position = point.position;
+        self.normal = point.normal;
+        self.albedo = point.color;
+        self.distance = point.distance;
+        self.object = point.object.0 as i32;
+        self.material = point.material.0 as i32;
+        self.set_instance(point.instance);
+    }
+}
+
+/// The colors and the surfaces of pixels as a structure of arrays, as a strip of the film
+/// has them: rows of pixels are copied, not converted.
+#[derive(Debug, Clone, Default)]
+#[expect(missing_docs, reason = "`Pixel` documents each array")]
+pub struct PixelColumns {
+    pub color: Vec<Vec3>,
+    pub position: Vec<Vec3>,
+    pub normal: Vec<Vec3>,
+    pub albedo: Vec<Vec3>,
+    pub distance: Vec<f32>,
+    pub footprint: Vec<f32>,
+    pub object: Vec<i32>,
+    pub material: Vec<i32>,
+    pub instance: Vec<i32>,
+}
+
+impl PixelColumns {
+    /// Black pixels without a hit.
+    pub fn none(n: usize) -> Self {
+        let mut pixels = Self::default();
+        pixels.resize(n);
+        pixels
+    }
+
+    /// Keeps the first `n` pixels; new ones are black without a hit.
+    pub fn resize(&mut self, n: usize) {
+        let new = Pixel::default();
+        self.color.resize(n, new.color);
+        self.position.resize(n, new.position);
+        self.normal.resize(n, new.normal);
+        self.albedo.resize(n, new.albedo);
+        self.distance.resize(n, new.distance);
+        self.footprint.resize(n, new.footprint);
+        self.object.resize(n, new.object);
+        self.material.resize(n, new.material);
+        self.instance.resize(n, new.instance);
+    }
+
+    /// Overwrites pixel `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, pixel: &Pixel) {
+        self.color[i] = pixel.color;
+        self.position[i] = pixel.position;
+        self.normal[i] = pixel.normal;
+        self.albedo[i] = pixel.albedo;
+        self.distance[i] = pixel.distance;
+        self.footprint[i] = pixel.footprint;
+        self.object[i] = pixel.object;
+        self.material[i] = pixel.material;
+        self.instance[i] = pixel.instance;
+    }
+}
+
+/// One measured time of a pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PixelTime {
+    /// The time in nanoseconds, without those in which the thread waited for a CPU.
+    pub ns: f32,
+    /// Whether the thread lost its CPU meanwhile or in the pixel before, as far as
+    /// the system reports it: then the time includes cold caches.
+    pub is_rejected: bool,
+}

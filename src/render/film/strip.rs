@@ -1,0 +1,127 @@
+//! Some rows of a film as a structure of arrays.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::{PixelColumns, Rendered};
+use scene::color::Development;
+use scene::config::{CostMode, ExtraArrays};
+use tracer::cost::RaysByBounce;
+
+/// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
+/// uppermost row first. Arrays of times are empty without times.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[expect(missing_docs, reason = "`columns` documents each array")]
+pub struct Strip {
+    /// The index of the uppermost row; row 0 is at the top of the film.
+    pub first_row: u32,
+    /// Number of rows.
+    pub n_rows: u32,
+    pub rgb: Vec<[u8; 3]>,
+    /// The mean radiance of the samples; empty if the film does not keep it.
+    pub radiance: Vec<Vec3>,
+    /// The color of the surface at the pixel's hit; empty if the film does not keep it.
+    pub albedo: Vec<Vec3>,
+    /// The rays by bounce; empty if the film does not keep them.
+    pub bounces: Vec<RaysByBounce>,
+    /// The instance at the pixel's hit; empty if the film does not keep it.
+    pub instance: Vec<i32>,
+    /// The point of the pixel's hit in world space; NaN without a hit.
+    pub position: Vec<Vec3>,
+    pub normal: Vec<Vec3>,
+    pub distance: Vec<f32>,
+    pub footprint: Vec<f32>,
+    pub object: Vec<i32>,
+    pub material: Vec<i32>,
+    pub time_ns: Vec<f32>,
+    /// Empty where no spread was asked for.
+    pub time_mad_ns: Vec<f32>,
+    pub n_rejected: Vec<u8>,
+}
+
+impl Strip {
+    pub(super) fn new(
+        [first_row, n_rows, width]: [u32; 3],
+        cost: CostMode,
+        extra: ExtraArrays,
+    ) -> Self {
+        let n = n_rows as usize * width as usize;
+        let n_if = |is_kept: bool| if is_kept { n } else { 0 };
+        let n_times = n_if(cost.has_time());
+        Self {
+            first_row,
+            n_rows,
+            rgb: vec![[0; 3]; n],
+            radiance: vec![Vec3::ZERO; n_if(extra.radiance)],
+            albedo: vec![Vec3::ZERO; n_if(extra.albedo)],
+            bounces: vec![RaysByBounce::default(); n_if(extra.bounces)],
+            instance: vec![0; n_if(extra.instance)],
+            position: vec![Vec3::ZERO; n],
+            normal: vec![Vec3::ZERO; n],
+            distance: vec![0.0; n],
+            footprint: vec![0.0; n],
+            object: vec![0; n],
+            material: vec![0; n],
+            time_ns: vec![0.0; n_times],
+            time_mad_ns: Vec::new(),
+            n_rejected: vec![0; n_times],
+        }
+    }
+
+    /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the
+    /// indices from `first` on of every array; their colors are developed.
+    pub fn put(
+        &mut self,
+        first: usize,
+        rendered: &Rendered,
+        row: Range<usize>,
+        development: &Development,
+    ) {
+        let places = first..first + row.len();
+        self.put_pixels(places.clone(), rendered.pixels, row.clone());
+        let colors = &rendered.pixels.color[row.clone()];
+        development.develop8(colors, &mut self.rgb[places.clone()]);
+        if !rendered.bounces.is_empty() {
+            self.bounces[places.clone()].copy_from_slice(&rendered.bounces[row.clone()]);
+        }
+        if !rendered.times.is_empty() {
+            let times = &rendered.times[row];
+            fill(&mut self.time_ns[places.clone()], times, |time| time.ns);
+            fill(&mut self.n_rejected[places], times, |time| {
+                time.is_rejected.into()
+            });
+        }
+    }
+
+    fn put_pixels(&mut self, places: Range<usize>, pixels: &PixelColumns, row: Range<usize>) {
+        macro_rules! put {
+            ($field:ident) => {
+                self.$field[places.clone()].copy_from_slice(&pixels.$field[row.clone()])
+            };
+        }
+        put!(position);
+        put!(normal);
+        put!(distance);
+        put!(footprint);
+        put!(object);
+        put!(material);
+        if !self.albedo.is_empty() {
+            put!(albedo);
+        }
+        if !self.instance.is_empty() {
+            put!(instance);
+        }
+        if !self.radiance.is_empty() {
+            self.radiance[places].copy_from_slice(&pixels.color[row]);
+        }
+    }
+}
+
+/// Writes one value of each element of `from`.
+#[inline(always)]
+fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
+    for (place, from) in places.iter_mut().zip(from) {
+        *place = value(from);
+    }
+}

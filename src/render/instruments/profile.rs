@@ -1,0 +1,162 @@
+//! The sampling profiler behind `profile.svg`, a flame graph (Gregg, "The Flame Graph", CACM 59(6), 2016).
+
+use std::io::{self, Write};
+
+use sampler::Sampler;
+
+use base::provenance::RunId;
+
+/// Samples the stacks of running threads at a fixed rate of CPU time.
+#[derive(Debug)]
+pub struct Profiler {
+    sampler: Sampler,
+}
+
+/// Why there is no profiler.
+#[derive(Debug)]
+pub enum NoProfiler {
+    /// The program was built without one.
+    NotBuilt,
+    /// The operating system is not supported.
+    Unknown,
+    /// The system refused it.
+    Refused(String),
+}
+
+impl Profiler {
+    /// Starts sampling.
+    ///
+    /// # Errors
+    /// The reason why it cannot.
+    pub fn start() -> Result<Self, NoProfiler> {
+        Sampler::start().map(|sampler| Self { sampler })
+    }
+
+    /// Writes the samples so far as an SVG, followed by the run's ID.
+    pub fn write(&self, scene: &str, run: RunId, out: &mut impl Write) -> io::Result<()> {
+        out.write_all(&self.sampler.flame_graph(scene)?)?;
+        out.write_all(run.comment().as_bytes())
+    }
+}
+
+#[cfg(all(feature = "profile", any(target_os = "linux", target_os = "macos")))]
+mod sampler {
+    use std::io;
+
+    use pprof::flamegraph::Options;
+    use pprof::{Frames, ProfilerGuard, ProfilerGuardBuilder, Symbol};
+
+    use super::NoProfiler;
+    use base::text::numbers::counted;
+
+    /// Samples per second of CPU time: a prime, to avoid synchrony with the tiles.
+    /// Systems with a slower clock take fewer.
+    const FREQUENCY_HZ: i32 = 997;
+
+    /// Samples until it is dropped.
+    pub(super) struct Sampler(ProfilerGuard<'static>);
+
+    impl std::fmt::Debug for Sampler {
+        fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+            f.write_str("Sampler")
+        }
+    }
+
+    impl Sampler {
+        pub(super) fn start() -> Result<Self, NoProfiler> {
+            let builder = ProfilerGuardBuilder::default().frequency(FREQUENCY_HZ);
+            // A stack must not be unwound within the unwinder itself.
+            let guard = builder.blocklist(&["libgcc", "libunwind"]).build();
+            guard
+                .map(Self)
+                .map_err(|error| NoProfiler::Refused(error.to_string()))
+        }
+
+        /// Returns the stacks so far as an SVG.
+        pub(super) fn flame_graph(&self, scene: &str) -> io::Result<Vec<u8>> {
+            let mut report = self.0.report();
+            let report = report.frames_post_processor(tidy).build();
+            let report = report.map_err(io::Error::other)?;
+            let n_samples: isize = report.data.values().sum();
+            let mut svg = Vec::new();
+            if n_samples == 0 {
+                // A flame graph needs at least one sample.
+                svg.extend(NO_SAMPLE.as_bytes());
+                return Ok(svg);
+            }
+            let mut options = Options::default();
+            options.title = format!("raycost render: {scene}");
+            options.subtitle = Some(format!(
+                "{} of processor time; functions that were inlined are part of their callers",
+                counted(n_samples as u64, "sample"),
+            ));
+            options.hash = true;
+            report
+                .flamegraph_with_options(&mut svg, &mut options)
+                .map_err(io::Error::other)?;
+            Ok(svg)
+        }
+    }
+
+    const NO_SAMPLE: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="480" height="40">
+<text x="10" y="25" font-family="sans-serif">The run was too short: no sample was taken.</text>
+</svg>
+"#;
+
+    /// Removes all functions except the program's own and those that they call, and of
+    /// these the scheduler's.
+    fn tidy(frames: &mut Frames) {
+        // All threads of a pool do the same work.
+        "raycost".clone_into(&mut frames.thread_name);
+        let stack = &mut frames.frames;
+        for symbols in stack.iter_mut() {
+            // Samples of a stack are merged under the address of the first one, so
+            // that inlined calls are known for that address only.
+            symbols.drain(..symbols.len().saturating_sub(1));
+        }
+        // The handler of the signal, which takes the sample.
+        let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
+        stack.retain(|symbols| !is("pprof::", symbols));
+        // A waiting thread steals work on top of its own stack: functions below a
+        // task of rayon are not its callers.
+        let Some(own) = stack.iter().position(|symbols| is("raycost::", symbols)) else {
+            return;
+        };
+        let task = stack[own..].iter().position(|symbols| is("rayon", symbols));
+        stack.truncate(task.map_or(stack.len(), |task| own + task));
+        let mut callers = stack.split_off(own);
+        callers.retain(|symbols| is("raycost::", symbols));
+        stack.retain(|symbols| !is("rayon", symbols));
+        stack.append(&mut callers);
+    }
+
+    /// Whether a function belongs to a crate, perhaps as a method of a trait.
+    fn is_of(krate: &str, symbol: &Symbol) -> bool {
+        symbol.name().trim_start_matches('<').starts_with(krate)
+    }
+}
+
+#[cfg(not(all(feature = "profile", any(target_os = "linux", target_os = "macos"))))]
+mod sampler {
+    use std::io;
+
+    use super::NoProfiler;
+
+    /// There is none.
+    #[derive(Debug)]
+    pub(super) enum Sampler {}
+
+    impl Sampler {
+        pub(super) fn start() -> Result<Self, NoProfiler> {
+            Err(if cfg!(feature = "profile") {
+                NoProfiler::Unknown
+            } else {
+                NoProfiler::NotBuilt
+            })
+        }
+
+        pub(super) fn flame_graph(&self, _: &str) -> io::Result<Vec<u8>> {
+            match *self {}
+        }
+    }
+}

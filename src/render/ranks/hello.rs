@@ -1,0 +1,48 @@
+//! Checks that all ranks render the same picture.
+
+use serde::{Deserialize, Serialize};
+
+use super::RankFailure;
+use base::text::one_line;
+
+/// The text of a scene that rank 0 has read.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct SceneText {
+    /// Its name in messages: the path of its file.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+/// Who a rank is, and what it is about to render, before the scene is read.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Hello {
+    /// The name of its machine.
+    pub host: String,
+    /// Its number of threads.
+    pub n_threads: u32,
+    /// The scene on its command line.
+    pub scene: String,
+    /// The program with its version and its commit.
+    pub program: String,
+    /// The flags that change the picture or its costs.
+    pub flags: Vec<String>,
+}
+
+impl Hello {
+    /// Why this rank cannot help one that has said `leader`; `None` if it can.
+    pub(super) fn fault(&self, leader: &Self) -> Option<RankFailure> {
+        let differ = |what: &str, [here, there]: [&str; 2]| {
+            let [here, there] = [one_line(here), one_line(there)];
+            (here != there).then(|| format!("{what} `{here}`, and rank 0 `{there}`"))
+        };
+        let flags = |hello: &Self| match hello.flags.join(" ") {
+            none if none.is_empty() => "no flags".to_owned(),
+            some => some,
+        };
+        let message = differ("it is", [&self.program, &leader.program])
+            .or_else(|| differ("it renders", [&self.scene, &leader.scene]))
+            .or_else(|| differ("it has the flags", [&flags(self), &flags(leader)]))?;
+        Some(RankFailure::input(message))
+    }
+}

@@ -1,0 +1,240 @@
+//! Pixels → camera rays, and the colors of their paths → pixels, in lanes.
+
+use std::ops::Range;
+
+use super::view::View;
+use crate::schedule::Tile;
+use math::simd::{
+    InstructionSet, Lanes, N_LANES, Real, SimdKernel, VectorColumn, grow, lanes, lanes_mut,
+};
+use tracer::shade::{PathWave, SampleIds};
+
+/// The pixels that are rendered together, as a structure of arrays, in the order in
+/// which their camera rays are traced.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub(super) struct Places {
+    /// Number of pixels.
+    n: usize,
+    /// The columns and rows in the picture; behind the last pixel it is repeated to
+    /// whole lanes.
+    x: Vec<u32>,
+    y: Vec<u32>,
+    /// The index of each pixel among those that are rendered together.
+    pixels: Vec<u32>,
+    /// The tile whose pixels these are, if they are all of one.
+    tile: Option<Tile>,
+}
+
+impl Places {
+    /// Overwrites the pixels by those of a tile, by their indices in it.
+    pub(super) fn fill_tile(&mut self, tile: &Tile) {
+        match self.tile {
+            Some(before) if before.has_size_of(tile) => self.shift(&before, tile),
+            _ => self.fill(tile.pixels().map(|at| (tile.index(at), at))),
+        }
+        self.tile = Some(*tile);
+    }
+
+    /// Moves the pixels of a tile to another one of the same size.
+    fn shift(&mut self, from: &Tile, to: &Tile) {
+        let columns = to.columns[0].wrapping_sub(from.columns[0]);
+        let rows = to.rows[0].wrapping_sub(from.rows[0]);
+        for (values, by) in [(&mut self.x, columns), (&mut self.y, rows)] {
+            for value in values {
+                *value = value.wrapping_add(by);
+            }
+        }
+    }
+
+    /// Overwrites the pixels: index, column and row of each.
+    pub(super) fn fill(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
+        self.tile = None;
+        self.x.clear();
+        self.y.clear();
+        self.pixels.clear();
+        // Not `for`: nested iterators are faster from inside.
+        places.for_each(|(pixel, (x, y))| {
+            self.x.push(x);
+            self.y.push(y);
+            self.pixels.push(pixel);
+        });
+        self.n = self.pixels.len();
+        let last = self.n.saturating_sub(1);
+        for values in [&mut self.x, &mut self.y, &mut self.pixels] {
+            let repeated = values.get(last).copied().unwrap_or(0);
+            values.resize(self.n.next_multiple_of(N_LANES), repeated);
+        }
+    }
+
+    /// Number of pixels.
+    pub(super) fn len(&self) -> usize {
+        self.n
+    }
+
+    /// The index of each pixel.
+    pub(super) fn numbers(&self) -> &[u32] {
+        &self.pixels[..self.n]
+    }
+
+    /// Number of blocks of eight pixels; the last one may have fewer.
+    pub(super) fn n_blocks(&self) -> usize {
+        self.n.div_ceil(N_LANES)
+    }
+
+    /// Number of pixels in a block.
+    #[inline(always)]
+    pub(super) fn in_block(&self, block: usize) -> usize {
+        N_LANES.min(self.n - N_LANES * block)
+    }
+
+    /// The index of a pixel, and its column and row.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> (usize, (u32, u32)) {
+        (self.pixels[i] as usize, (self.x[i], self.y[i]))
+    }
+
+    /// The column and row of each pixel of a block.
+    #[inline(always)]
+    fn coordinates<I: InstructionSet>(&self, set: I, block: usize) -> [I::Lanes; 2] {
+        let [x, y] = [&self.x, &self.y].map(|values| lanes(values, N_LANES * block));
+        // Below 2^31: as exact as the conversion of each.
+        [
+            I::Lanes::from_integer(set.load_integers(x)),
+            I::Lanes::from_integer(set.load_integers(y)),
+        ]
+    }
+}
+
+/// Starts a path for each of these samples of all pixels: for each block of eight
+/// pixels its first samples, then its second ones and so on, so that consecutive rays
+/// are coherent. The slot of sample `s` in lane `l` of block `b` is
+/// `8 * (b * n_samples + s) + l`.
+pub(super) struct StartPaths<'a> {
+    pub(super) view: &'a View<'a>,
+    pub(super) places: &'a Places,
+    pub(super) samples: Range<u32>,
+    pub(super) wave: &'a mut PathWave,
+    /// Where the scene needs random numbers: the samples by slot.
+    pub(super) ids: Option<&'a mut SampleIds>,
+}
+
+impl SimdKernel for StartPaths<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(mut self, set: I) {
+        let mut slot = 0;
+        for block in 0..self.places.n_blocks() {
+            let n = self.places.in_block(block);
+            let [x, y] = self.places.coordinates(set, block);
+            let numbers = self.numbers(block);
+            let pixels = lanes(&self.places.pixels, N_LANES * block);
+            for sample in self.samples.clone() {
+                if let Some(ids) = &mut self.ids {
+                    ids.set(slot as usize, &numbers, sample);
+                }
+                let numbers = set.load_integers(&numbers);
+                let rays = self.view.camera_rays([x, y], numbers, sample);
+                self.wave.start(set, rays, pixels, slot, n);
+                slot += N_LANES as u32;
+            }
+        }
+    }
+}
+
+impl StartPaths<'_> {
+    /// The numbers of a block's pixels in the picture.
+    #[inline(always)]
+    fn numbers(&self, block: usize) -> [u32; N_LANES] {
+        std::array::from_fn(|lane| {
+            let (_, at) = self.places.get(N_LANES * block + lane);
+            self.view.pixel_number(at)
+        })
+    }
+}
+
+/// Adds the colors of the paths that [`StartPaths`] started to those of their pixels.
+pub(super) struct AddSamples<'a> {
+    pub(super) view: &'a View<'a>,
+    pub(super) places: &'a Places,
+    pub(super) n_samples: usize,
+    /// The color of each path, by slot.
+    pub(super) colors: &'a VectorColumn,
+    /// The sum of each pixel's samples.
+    pub(super) sums: &'a mut VectorColumn,
+}
+
+impl SimdKernel for AddSamples<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for block in 0..self.places.n_blocks() {
+            let mut sum = self.sums.load(set, N_LANES * block);
+            for sample in 0..self.n_samples {
+                let slot = N_LANES * (block * self.n_samples + sample);
+                sum = sum + self.view.limited(self.colors.load(set, slot));
+            }
+            self.sums.store(N_LANES * block, sum);
+        }
+    }
+}
+
+/// Divides sums of colors by the number of samples, and computes the footprints of
+/// pixels at their distances; NaN without a hit.
+pub(super) struct FinishPixels<'a> {
+    pub(super) view: &'a View<'a>,
+    pub(super) places: &'a Places,
+    /// The number of samples of each pixel, with room for whole lanes; `None` if all have
+    /// the same.
+    pub(super) n_samples: Option<&'a [f32]>,
+    /// Sums of colors, which become their means.
+    pub(super) colors: &'a mut VectorColumn,
+    pub(super) distances: &'a [f32],
+    pub(super) footprints: &'a mut Vec<f32>,
+}
+
+impl SimdKernel for FinishPixels<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        grow(self.footprints, self.places.len());
+        let n_uniform = set.splat(self.view.rounds.n_most() as f32);
+        for block in 0..self.places.n_blocks() {
+            let first = N_LANES * block;
+            let n_samples = match self.n_samples {
+                None => n_uniform,
+                Some(n_samples) => set.load(lanes(n_samples, first)),
+            };
+            let mean = self.colors.load(set, first) / n_samples;
+            self.colors.store(first, mean);
+            let at = self.places.coordinates(set, block);
+            let distance = set.load(lanes(self.distances, first));
+            let footprint = self.view.footprints(at, distance);
+            *lanes_mut(self.footprints, first) = footprint.to_array();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::TileGrid;
+
+    #[test]
+    fn places_of_a_tile_do_not_depend_on_those_before() {
+        let grid = TileGrid::new(50, 39, 16);
+        let mut reused = Places::default();
+        // There and back again: tiles at the edges are smaller.
+        let numbers = 0..grid.n_tiles();
+        for number in numbers.clone().chain(numbers.rev()) {
+            for part in grid.tile(number).parts(100) {
+                let mut new = Places::default();
+                new.fill_tile(&part);
+                reused.fill_tile(&part);
+                assert_eq!(reused, new);
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Concurrent writes to a film.
+
+use std::ops::RangeInclusive;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::checkpoint::TileRecord;
+use crate::film::{Film, PackedCounters, PixelColumns, Rendered, RenderedTile, STRIP_ROWS, Strip};
+use crate::schedule::{Tile, TileRun};
+use scene::color::Development;
+
+/// A film whose strips and tiles each have a lock.
+pub(super) struct Canvas<'a> {
+    strips: Vec<Mutex<&'a mut Strip>>,
+    tiles: Vec<Mutex<&'a mut RenderedTile>>,
+    /// Whether the film has room for one tile of the picture at a time.
+    has_one_tile: bool,
+    /// The first row of the film.
+    first_row: u32,
+    /// Pixels per row.
+    width: usize,
+    /// Bytes of a pixel in all arrays that a rendering writes.
+    bytes_per_pixel: usize,
+    /// Pixels along a tile's side.
+    tile_size: u32,
+    development: Development,
+}
+
+impl<'a> Canvas<'a> {
+    /// Writes to a film, which may hold an earlier rendering.
+    pub(super) fn of(film: &'a mut Film) -> Self {
+        Self {
+            has_one_tile: false,
+            first_row: film.row_range().start,
+            tile_size: film.grid.tile_size,
+            bytes_per_pixel: film.strips.first().map_or(0, Strip::stored_bytes_per_pixel),
+            width: film.grid.width as usize,
+            development: film.development,
+            strips: film.strips.iter_mut().map(Mutex::new).collect(),
+            tiles: film.tiles.iter_mut().map(Mutex::new).collect(),
+        }
+    }
+
+    /// Writes one tile of a picture after the other to a film of one tile.
+    pub(super) fn of_one_tile(film: &'a mut Film) -> Self {
+        Self {
+            has_one_tile: true,
+            ..Self::of(film)
+        }
+    }
+
+    /// Where the film has a tile of the picture, or its next rows.
+    fn placed(&self, tile: &Tile) -> Tile {
+        if !self.has_one_tile {
+            return *tile;
+        }
+        let in_tile = |span: [u32; 2]| {
+            let first = span[0] - span[0] % self.tile_size;
+            span.map(|place| place - first)
+        };
+        Tile {
+            number: 0,
+            columns: in_tile(tile.columns),
+            rows: in_tile(tile.rows),
+        }
+    }
+
+    /// The numbers of the strips that a tile crosses.
+    fn strips_of(&self, tile: &Tile) -> RangeInclusive<usize> {
+        let [top, bottom] = tile.rows.map(|y| y - self.first_row);
+        (top / STRIP_ROWS) as usize..=((bottom - 1) / STRIP_ROWS) as usize
+    }
+
+    /// Writes the pixels of a tile, or of its next rows, to the film.
+    pub(super) fn store(&self, tile: &Tile, rendered: &Rendered) {
+        let tile = &self.placed(tile);
+        if let Some(counters) = rendered.counters {
+            let packed = PackedCounters::new(counters);
+            let mut stored = lock(&self.tiles[tile.number as usize]);
+            if tile.rows[0].is_multiple_of(self.tile_size) {
+                // Those of an earlier rendering.
+                stored.counters.clear();
+            }
+            stored.counters.push(packed);
+        }
+        let [left, _] = tile.columns;
+        let [top, bottom] = tile.rows;
+        for number in self.strips_of(tile) {
+            // One lock at a time, so that threads cannot deadlock.
+            let mut strip = lock(&self.strips[number]);
+            let first_row = strip.first_row;
+            for y in top.max(first_row)..bottom.min(first_row + strip.n_rows) {
+                let first = (y - first_row) as usize * self.width + left as usize;
+                let from = tile.index((left, y)) as usize;
+                let row = from..from + tile.width();
+                strip.put(first, rendered, row, &self.development);
+            }
+        }
+    }
+
+    /// Returns a finished tile as a record of this rendering.
+    pub(super) fn record(&self, tile: &Tile, rendering: u8, run: TileRun) -> TileRecord<'static> {
+        let place = self.placed(tile);
+        let mut pixels = vec![0; place.n_pixels() * self.bytes_per_pixel];
+        for number in self.strips_of(&place) {
+            lock(&self.strips[number]).store_pixels(&place, &mut pixels);
+        }
+        TileRecord {
+            rendering,
+            tile: tile.number,
+            run,
+            counters: lock(&self.tiles[place.number as usize]).counters.clone(),
+            pixels: pixels.into(),
+        }
+    }
+
+    /// Writes the pixels and counters of a record of this tile; false, with any pixels, if
+    /// it shows none of so many objects and materials, or its size is wrong.
+    pub(super) fn restore(&self, tile: &Tile, record: TileRecord, n_ids: [usize; 2]) -> bool {
+        let tile = &self.placed(tile);
+        if record.pixels.len() != tile.n_pixels() * self.bytes_per_pixel {
+            return false;
+        }
+        lock(&self.tiles[tile.number as usize]).counters = record.counters;
+        self.strips_of(tile).all(|number| {
+            let mut strip = lock(&self.strips[number]);
+            strip.restore_pixels(tile, &record.pixels);
+            strip.has_only(tile, n_ids)
+        })
+    }
+
+    /// Makes the pixels of a tile, or of its next rows, black without a hit.
+    pub(super) fn clear(&self, tile: &Tile) {
+        let pixels = PixelColumns::none(tile.n_pixels());
+        self.store(
+            tile,
+            &Rendered {
+                pixels: &pixels,
+                counters: None,
+                bounces: &[],
+                times: &[],
+                warm_up_ns: 0.0,
+            },
+        );
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,242 @@
+//! The tile loop: scene → film, on all threads.
+//!
+//! Each thread takes one tile after the other and renders it in one of two ways:
+//! `stream` traces many rays together, which hides the latency of memory, and times
+//! their waves; `timed` traces rays one by one, so that each pixel can be timed alone.
+//! Both give the same pixels and the same counters.
+
+mod canvas;
+mod pass;
+mod tile_queue;
+mod deal;
+mod worker;
+mod rounds;
+mod view;
+mod camera_rays;
+mod noisy_pixels;
+mod stream;
+mod stopwatch;
+mod timed;
+mod time_hottest;
+mod wave_times;
+mod groups;
+mod prepass;
+mod tile_times;
+mod tile_plan;
+mod samples;
+mod repeat;
+mod stored;
+mod overhead;
+
+use std::ops::Range;
+use std::sync::OnceLock;
+use std::thread;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::film::{Film, Rendered};
+use crate::schedule::{MAX_PIXELS, Schedule, Tile, TileRun};
+use canvas::Canvas;
+use deal::deal;
+use groups::GroupRenderer;
+use pass::Pass;
+pub(crate) use rounds::SampleSums;
+use scene::world::Scene;
+use stream::StreamRenderer;
+use tile_queue::{Target, TileQueue};
+use time_hottest::time_hottest_again;
+use timed::SingleRayRenderer;
+use tracer::accel::Accel;
+use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
+pub use view::View;
+
+pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
+pub use pass::Limits;
+pub use repeat::{Repeat, repeat, repeat_within};
+pub use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
+pub use stored::StoredPicture;
+pub use tile_plan::TilePlan;
+pub use tile_times::estimate_times;
+pub use worker::work;
+
+/// The work done since the last report.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Progress {
+    /// Pixels.
+    pub n_pixels: u64,
+    /// Rays; 0 if they are not counted.
+    pub n_rays: u64,
+    /// The work as estimated before the rendering, in pixels of average cost: that of all
+    /// reports adds up to the number of pixels.
+    pub work: f64,
+    /// Whether an earlier run did it.
+    pub is_restored: bool,
+}
+
+impl Progress {
+    /// Pixels of average cost, and so many rays.
+    pub fn of_pixels(n_pixels: u64, n_rays: u64) -> Self {
+        Self {
+            n_pixels,
+            n_rays,
+            work: n_pixels as f64,
+            is_restored: false,
+        }
+    }
+}
+
+/// Renders the plan on all threads of the current rayon pool and measures
+/// every pixel with the `meter`. Any thread calls `report` after each tile. The
+/// schedule holds the time span of each tile. After a request to stop ([`base::stop`])
+/// the remaining tiles are skipped.
+pub fn render(
+    scene: &Scene,
+    accel: &Accel,
+    plan: &TilePlan,
+    meter: &Meter,
+    report: impl Fn(Progress) + Sync,
+) -> (Film, Schedule) {
+    let film = plan.film(scene, meter.mode());
+    let view = View::new(scene, accel, &plan.image);
+    render_onto(film, view, plan, &Pass::default(), meter, report)
+}
+
+/// Renders onto a film of the image's size and the meter's mode.
+fn render_onto(
+    film: Film,
+    view: View,
+    plan: &TilePlan,
+    pass: &Pass,
+    meter: &Meter,
+    report: impl Fn(Progress) + Sync,
+) -> (Film, Schedule) {
+    match meter {
+        Meter::Off => {
+            let renderer = || StreamRenderer::<NoProbe>::new(view);
+            render_tiles(film, plan, pass, renderer, report)
+        }
+        Meter::Counters => {
+            let renderer = || StreamRenderer::<Counters>::new(view);
+            render_tiles(film, plan, pass, renderer, report)
+        }
+        Meter::Time(clock) => {
+            let renderer = || GroupRenderer::new(view, clock);
+            render_tiles(film, plan, pass, renderer, report)
+        }
+        Meter::SingleRayTime(clock) => {
+            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
+            render_tiles(film, plan, pass, renderer, report)
+        }
+    }
+}
+
+/// Renders tiles, with buffers for one tile. Each thread has its own.
+trait TileRenderer {
+    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row. `wait` is that of the
+    /// calling thread.
+    fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
+}
+
+/// Renders the tiles of the plan, but for those that the pass takes over. Each thread
+/// takes the next tile in the plan's order until there is none, or the pass is over.
+fn render_tiles<R: TileRenderer>(
+    mut film: Film,
+    plan: &TilePlan,
+    pass: &Pass,
+    renderer: impl Fn() -> R + Sync,
+    report: impl Fn(Progress) + Sync,
+) -> (Film, Schedule) {
+    let target = OnceLock::new();
+    let film_to_fill = &mut film;
+    let (begin, runs) = pass.keeping(|| {
+        let queue = TileQueue::new(plan, pass, &target, &report);
+        let render_some =
+            |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
+        let render = || {
+            let film = film_to_fill;
+            let _ = target.set(Target::of(film, pass.limits.is_stored));
+            rayon::broadcast(render_some)
+        };
+        let runs = match pass.limits.team {
+            None => render(),
+            Some(team) => thread::scope(|scope| {
+                let by_workers = scope.spawn(|| deal(team, &queue));
+                let mut runs = render();
+                runs.extend(by_workers.join());
+                runs
+            }),
+        };
+        (queue.begin, runs)
+    });
+    let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
+    schedule.n_threads = pass.n_threads();
+    let is_first = pass.number == 0;
+    if let Some(Target::Film(canvas)) = target.get()
+        && is_first
+    {
+        clear_missing(&schedule, 0..plan.grid.n_tiles(), canvas);
+    }
+    if is_first || schedule.is_whole() {
+        note_runs(&mut film, &schedule);
+    }
+    (film, schedule)
+}
+
+/// Makes the pixels of those of these tiles that are missing black without a hit.
+fn clear_missing(schedule: &Schedule, tiles: Range<u32>, canvas: &Canvas) {
+    let is_missing = |&number: &u32| schedule.runs[number as usize].is_missing;
+    let missing = tiles.into_par_iter().filter(is_missing);
+    missing.for_each(|number| {
+        let tile = schedule.grid.tile(number);
+        tile.parts(MAX_PIXELS).for_each(|part| canvas.clear(&part));
+    });
+}
+
+/// Gives the film the threads and the totals of a rendering.
+fn note_runs(film: &mut Film, schedule: &Schedule) {
+    film.totals = schedule.counted();
+    for (tile, run) in film.tiles.iter_mut().zip(&schedule.runs) {
+        (tile.thread, tile.is_missing) = (run.thread, run.is_missing);
+    }
+}
+
+/// Renders a tile into the film; returns its times since `begin` and its
+/// counters. `wait` is that of the calling thread.
+fn render_tile(
+    renderer: &mut impl TileRenderer,
+    (plan, tile): (&TilePlan, &Tile),
+    canvas: &Canvas,
+    begin: Instant,
+    wait: &mut CpuWait,
+) -> TileRun {
+    let now_ns = || begin.elapsed().as_nanos() as u64;
+    wait.begin();
+    let start_ns = now_ns();
+    let mut run = TileRun {
+        start_ns,
+        end_ns: start_ns,
+        ..TileRun::default()
+    };
+    for part in tile.parts(MAX_PIXELS) {
+        let rendered = renderer.render(&plan.in_picture(&part), wait);
+        run.warm_up_ns += rendered.warm_up_ns as u64;
+        if let Some(counters) = rendered.counters {
+            run.counted = run.counted.with(counters.total());
+        }
+        // The film is written per tile and outside of any pixel's time: page
+        // faults at the first write would show in the heatmap.
+        let rendered_ns = now_ns();
+        wait.is_interrupted();
+        let waited_ns = wait.waited_ns();
+        canvas.store(&part, &rendered);
+        run.end_ns = now_ns();
+        wait.is_interrupted();
+        run.waiting_ns = wait.waited_ns();
+        let busy_ns = run
+            .end_ns
+            .saturating_sub(rendered_ns + run.waiting_ns - waited_ns);
+        run.film_ns += busy_ns;
+    }
+    run
+}

@@ -1,0 +1,154 @@
+//! The pixels of a tile that adaptive sampling has not finished.
+
+use super::camera_rays::Places;
+use super::rounds::{Rounds, SampleSums};
+use super::view::View;
+use math::simd::{
+    InstructionSet, N_LANES, SimdKernel, Vector, VectorColumn, lane_of, set_lane, to_arrays,
+};
+
+/// The pixels that get more samples, and what is known of all pixels. Columns have the
+/// order in which the pixels began.
+#[derive(Debug, Default)]
+pub(super) struct NoisyPixels {
+    all: Places,
+    /// The position among all pixels of each that gets more samples.
+    positions: Vec<u32>,
+    /// The sums of the squares of each pixel's samples.
+    squares: VectorColumn,
+    /// The number of samples of each pixel.
+    n_samples: Vec<f32>,
+}
+
+impl NoisyPixels {
+    /// Begins with all of these pixels.
+    pub(super) fn begin(&mut self, places: &Places) {
+        let n = places.len();
+        self.all.clone_from(places);
+        self.positions.clear();
+        self.positions.extend(0..n as u32);
+        self.squares.reset(n);
+        self.n_samples.clear();
+        // Behind the last pixel a number by which nothing becomes infinite.
+        self.n_samples.resize(n + N_LANES, 1.0);
+    }
+
+    /// Ends a round, after which the pixels of `places` have `n` samples with these sums
+    /// of colors: removes those from `places` that need no more.
+    pub(super) fn end_round(
+        &mut self,
+        places: &mut Places,
+        colors: &VectorColumn,
+        rounds: &Rounds,
+        n: u32,
+    ) {
+        let Self {
+            all,
+            positions,
+            squares,
+            n_samples,
+        } = self;
+        positions.retain(|&position| {
+            let position = position as usize;
+            n_samples[position] = n as f32;
+            let sums = SampleSums {
+                colors: Vector::from(colors.get(position)),
+                squares: Vector::from(squares.get(position)),
+            };
+            !rounds.next(&sums, n).is_empty()
+        });
+        places.fill(positions.iter().map(|&position| {
+            let (number, at) = all.get(position as usize);
+            (number as u32, at)
+        }));
+    }
+
+    /// Ends with all pixels in `places`.
+    pub(super) fn end(&mut self, places: &mut Places) {
+        std::mem::swap(&mut self.all, places);
+    }
+
+    /// The number of samples of each pixel, with room for whole lanes.
+    pub(super) fn n_samples(&self) -> &[f32] {
+        &self.n_samples
+    }
+
+    /// Adds samples, of which each pixel of `places` has `n_samples`, to the sums of their
+    /// `colors`, by slot, and to those of their squares.
+    pub(super) fn add<'a>(
+        &'a mut self,
+        view: &'a View<'a>,
+        places: &'a Places,
+        n_samples: usize,
+        [colors, sums]: [&'a mut VectorColumn; 2],
+    ) -> AddToPositions<'a> {
+        AddToPositions {
+            view,
+            places,
+            positions: &self.positions,
+            n_samples,
+            colors,
+            sums,
+            squares: &mut self.squares,
+        }
+    }
+}
+
+/// See [`NoisyPixels::add`].
+pub(super) struct AddToPositions<'a> {
+    view: &'a View<'a>,
+    places: &'a Places,
+    positions: &'a [u32],
+    n_samples: usize,
+    colors: &'a VectorColumn,
+    sums: &'a mut VectorColumn,
+    squares: &'a mut VectorColumn,
+}
+
+impl SimdKernel for AddToPositions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for block in 0..self.places.n_blocks() {
+            let positions = &self.positions[N_LANES * block..][..self.places.in_block(block)];
+            let mut sums = SampleSums {
+                colors: gathered(set, self.sums, positions),
+                squares: gathered(set, self.squares, positions),
+            };
+            for sample in 0..self.n_samples {
+                let slot = N_LANES * (block * self.n_samples + sample);
+                sums.add(self.view.limited(self.colors.load(set, slot)));
+            }
+            scatter::<I>(sums.colors, self.sums, positions);
+            scatter::<I>(sums.squares, self.squares, positions);
+        }
+    }
+}
+
+/// The vectors at these positions, one per lane; zero in the other lanes.
+#[inline(always)]
+fn gathered<I: InstructionSet>(
+    set: I,
+    column: &VectorColumn,
+    positions: &[u32],
+) -> Vector<I::Lanes> {
+    let mut numbers = [[0.0; N_LANES]; 3];
+    for (lane, &position) in positions.iter().enumerate() {
+        set_lane(&mut numbers, lane, column.get(position as usize));
+    }
+    set.load_vector(&numbers)
+}
+
+/// Overwrites the vectors at these positions with those of the first lanes.
+#[inline(always)]
+fn scatter<I: InstructionSet>(
+    vectors: Vector<I::Lanes>,
+    column: &mut VectorColumn,
+    positions: &[u32],
+) {
+    let numbers = to_arrays(vectors);
+    for (lane, &position) in positions.iter().enumerate() {
+        column.set(position as usize, lane_of(&numbers, lane));
+    }
+}

@@ -1,0 +1,138 @@
+//! One rendering of a picture: the tiles that it takes over and keeps, and its end.
+
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use super::canvas::Canvas;
+use crate::checkpoint::{Checkpoint, TileRecord};
+use crate::ranks::Team;
+use crate::schedule::{Tile, TileRun};
+use base::stop;
+use scene::world::Scene;
+
+/// How often finished tiles are given to the system.
+const FLUSH_EVERY: Duration = Duration::from_millis(250);
+
+/// What renderings of a picture take over and keep, and when they end.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Limits<'a> {
+    /// Finished tiles, which are not rendered again, and where new ones are kept.
+    pub checkpoint: Option<&'a Checkpoint>,
+    /// When no further tile is begun.
+    pub deadline: Option<Instant>,
+    /// The other ranks that render, if this is rank 0 of several.
+    pub team: Option<&'a Team>,
+    /// Whether pixels are kept in the files of the checkpoint alone: the film has none.
+    pub is_stored: bool,
+}
+
+/// One of several renderings of a picture.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Pass<'a> {
+    /// Its number, from 0.
+    pub(super) number: u8,
+    pub(super) limits: Limits<'a>,
+    /// The number of the scene's objects, and of its materials.
+    n_ids: [usize; 2],
+    /// When its new tiles begin, in nanoseconds after the first of those taken over.
+    elapsed_ns: u64,
+}
+
+impl<'a> Pass<'a> {
+    /// The rendering with this number.
+    pub(super) fn new(number: u8, scene: &Scene, limits: Limits<'a>) -> Self {
+        let elapsed_ns = limits.checkpoint.map(|kept| kept.elapsed_ns(number));
+        Self {
+            number,
+            limits,
+            n_ids: [scene.n_objects(), scene.materials.len()],
+            elapsed_ns: elapsed_ns.unwrap_or(0),
+        }
+    }
+
+    /// Whether the result counts for nothing.
+    pub(super) fn is_canceled(&self) -> bool {
+        let Limits {
+            checkpoint, team, ..
+        } = self.limits;
+        stop::is_requested()
+            || checkpoint.is_some_and(Checkpoint::has_failed)
+            || team.is_some_and(Team::has_failed)
+    }
+
+    /// Whether no further tile is begun.
+    pub(super) fn is_over(&self) -> bool {
+        let deadline = self.limits.deadline;
+        self.is_canceled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// Takes over a finished tile; `None` if it has to be rendered.
+    pub(super) fn restored(&self, tile: &Tile, canvas: &Canvas) -> Option<TileRun> {
+        let checkpoint = self.limits.checkpoint?;
+        let record = checkpoint.restore(self.number, tile.number)?;
+        let run = record.run;
+        if self.store(tile, record, canvas) {
+            return Some(run);
+        }
+        checkpoint.refuse(self.number, tile.number);
+        None
+    }
+
+    /// Writes a tile that another run or another rank has rendered to the film; false if it
+    /// does not fit the scene.
+    pub(super) fn store(&self, tile: &Tile, record: TileRecord, canvas: &Canvas) -> bool {
+        canvas.restore(tile, record, self.n_ids)
+    }
+
+    /// Number of threads of all ranks and all tiles.
+    pub(super) fn n_threads(&self) -> u32 {
+        let n_threads = self.n_threads_now();
+        let checkpoint = self.limits.checkpoint;
+        checkpoint.map_or(n_threads, |kept| kept.n_threads(n_threads))
+    }
+
+    /// Number of threads of all ranks.
+    fn n_threads_now(&self) -> u32 {
+        match self.limits.team {
+            Some(team) => team.n_threads(),
+            None => rayon::current_num_threads() as u32,
+        }
+    }
+
+    /// The run of a new tile, after those that were taken over.
+    pub(super) fn after_restored(&self, run: TileRun) -> TileRun {
+        TileRun {
+            start_ns: run.start_ns + self.elapsed_ns,
+            end_ns: run.end_ns + self.elapsed_ns,
+            ..run
+        }
+    }
+
+    /// Does `work`, while a thread of its own gives the tiles that are kept to the system.
+    pub(super) fn keeping<T>(&self, work: impl FnOnce() -> T) -> T {
+        let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) else {
+            return work();
+        };
+        checkpoint.begin(self.n_threads_now());
+        let done = std::thread::scope(|scope| {
+            let (sender, receiver) = mpsc::channel::<()>();
+            scope.spawn(move || {
+                while receiver.recv_timeout(FLUSH_EVERY) == Err(RecvTimeoutError::Timeout) {
+                    checkpoint.flush();
+                }
+            });
+            let done = work();
+            drop(sender);
+            done
+        });
+        checkpoint.flush();
+        done
+    }
+
+    /// Keeps a finished tile, if tiles are kept.
+    pub(super) fn keep(&self, tile: &Tile, run: TileRun, canvas: &Canvas) {
+        if let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) {
+            checkpoint.keep(&canvas.record(tile, self.number, run));
+        }
+    }
+}

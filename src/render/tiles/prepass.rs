@@ -1,0 +1,146 @@
+//! Estimates the work of each tile from some of its pixels.
+
+use rayon::prelude::*;
+
+use super::stream::{StreamRenderer, WAVE_LEN};
+use super::view::View;
+use crate::schedule::{Tile, TileGrid};
+use scene::config::Image;
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::cost::{Cost, Counters, RayKind};
+
+/// Distance of probed pixels in columns and rows.
+const STEP: u32 = 8;
+/// Their distance where each gets as many samples as in the picture.
+const WIDE_STEP: u32 = 32;
+
+/// Estimates the work of each tile in traversal steps: one sample of some of its
+/// pixels, at least one, extrapolated to all of them. It is counted, not timed,
+/// and so does not depend on the run or the number of threads.
+pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid) -> Vec<u64> {
+    let image = of_one_sample(image);
+    let view = View::new(scene, accel, &image);
+    let per_tile = grid.tile_size.div_ceil(STEP).pow(2);
+    // Enough tiles to fill a stream.
+    let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
+    let renderer = || StreamRenderer::<Counters>::new(view);
+    chunks(grid, n_per_chunk, renderer, |renderer, tiles| {
+        steps_of_tiles(renderer, tiles, STEP)
+    })
+}
+
+/// Estimates the counts of the rays of each tile by about one camera ray in 64, from at least one
+/// pixel: with one sample, or with those that adaptive sampling gives it.
+pub(super) fn counts(
+    scene: &Scene,
+    accel: &Accel,
+    image: &Image,
+    grid: &TileGrid,
+) -> Vec<RayCounts> {
+    let n_samples = f64::from(image.samples_per_pixel);
+    let (image, step, factor) = match image.adaptive {
+        None => {
+            let step = (f64::from(STEP) / n_samples.sqrt()).max(1.0) as u32;
+            (of_one_sample(image), step.next_power_of_two(), n_samples)
+        }
+        Some(_) => (*image, WIDE_STEP, 1.0),
+    };
+    let view = View::new(scene, accel, &image);
+    let per_tile = grid.tile_size.div_ceil(step).pow(2);
+    let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
+    let renderer = || StreamRenderer::<Counters>::new(view);
+    chunks(grid, n_per_chunk, renderer, |renderer, tiles| {
+        let costs = costs_of_tiles(renderer, tiles, step);
+        let of_tile = |(tile, (cost, n_probed)): (&Tile, (Cost, usize))| {
+            let factor = factor * tile.n_pixels() as f64 / n_probed as f64;
+            ray_counts(&cost).map(|count| count * factor)
+        };
+        tiles.iter().zip(costs).map(of_tile).collect()
+    })
+}
+
+/// What takes time: camera rays, other rays, and the node visits and primitive tests of all.
+pub(super) type RayCounts = [f64; 4];
+
+/// The counts of a cost.
+pub(super) fn ray_counts(cost: &Cost) -> RayCounts {
+    let camera = cost.rays_of(RayKind::Camera);
+    let others = cost.n_rays() - camera;
+    [camera, others, cost.node_visits, cost.primitive_tests].map(|count| count as f64)
+}
+
+fn of_one_sample(image: &Image) -> Image {
+    Image {
+        samples_per_pixel: 1,
+        adaptive: None,
+        ..*image
+    }
+}
+
+/// Calls `of_chunk` with the tiles of the grid, some at a time, on the current rayon pool;
+/// returns what it returns of each tile.
+fn chunks<R, T: Send>(
+    grid: &TileGrid,
+    n_per_chunk: u32,
+    renderer: impl Fn() -> R + Sync + Send,
+    of_chunk: impl Fn(&mut R, &[Tile]) -> Vec<T> + Sync + Send,
+) -> Vec<T> {
+    (0..grid.n_tiles().div_ceil(n_per_chunk))
+        .into_par_iter()
+        .map_init(renderer, |renderer, chunk| {
+            let first = chunk * n_per_chunk;
+            let numbers = first..grid.n_tiles().min(first + n_per_chunk);
+            let tiles: Vec<Tile> = numbers.map(|number| grid.tile(number)).collect();
+            of_chunk(renderer, &tiles)
+        })
+        .flatten_iter()
+        .collect()
+}
+
+/// Traces the probed pixels of tiles; returns the steps of each tile.
+fn steps_of_tiles(renderer: &mut StreamRenderer<Counters>, tiles: &[Tile], step: u32) -> Vec<u64> {
+    let costs = costs_of_tiles(renderer, tiles, step);
+    let of_tile = |(tile, (cost, n_probed)): (&Tile, (Cost, usize))| {
+        steps(cost) * tile.n_pixels() as u64 / n_probed as u64
+    };
+    tiles.iter().zip(costs).map(of_tile).collect()
+}
+
+/// Traces the probed pixels of tiles; returns the cost of those of each tile, and their number.
+fn costs_of_tiles(
+    renderer: &mut StreamRenderer<Counters>,
+    tiles: &[Tile],
+    step: u32,
+) -> Vec<(Cost, usize)> {
+    let places = tiles.iter().flat_map(|tile| probed_pixels(tile, step));
+    renderer.follow((0..).zip(places));
+    let counters = renderer.probe();
+    let mut pixels = 0..;
+    let of_tile = |tile| {
+        let n_probed = probed_pixels(tile, step).count();
+        let probed = pixels.by_ref().take(n_probed);
+        let cost = probed.map(|pixel| counters.of(pixel)).reduce(Cost::with);
+        (cost.unwrap_or_default(), n_probed)
+    };
+    tiles.iter().map(of_tile).collect()
+}
+
+/// Returns the probed pixels of a tile.
+fn probed_pixels(tile: &Tile, step: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
+    let places = move |[first, end]: [u32; 2]| {
+        // The middle of each step, or of a shorter tile.
+        let middle = first + step.min(end - first) / 2;
+        (middle..end).step_by(step as usize)
+    };
+    let columns = places(tile.columns);
+    places(tile.rows).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+}
+
+/// Returns the traversal steps of rays, with [`RAY_STEPS`] for each ray.
+fn steps(cost: Cost) -> u64 {
+    cost.node_visits + cost.primitive_tests + RAY_STEPS * cost.n_rays()
+}
+
+/// Work per ray outside of its traversal, in traversal steps.
+const RAY_STEPS: u64 = 4;

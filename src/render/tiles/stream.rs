@@ -1,0 +1,439 @@
+//! Wavefront rendering: all camera rays of a tile, then their shadow rays, then
+//! the reflected rays, and so on until all paths have ended. Each step is a loop
+//! over lanes.
+//!
+//! After Laine, Karras and Aila, "Megakernels Considered
+//! Harmful: Wavefront Path Tracing on GPUs", HPG 2013.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::TileRenderer;
+use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
+use super::noisy_pixels::NoisyPixels;
+use super::view::View;
+use super::wave_times::{ByStage, Stage, WaveTimes};
+use crate::film::{Pixel, PixelColumns, Rendered};
+use crate::schedule::Tile;
+use base::stop;
+use math::simd::{N_LANES, Simd, VectorColumn};
+use tracer::accel::Hit;
+use tracer::cost::{BounceCounts, ByPixel, Clock, CpuWait, PixelProbe, RayKind};
+use tracer::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
+use tracer::trace::Points;
+
+/// Most paths in flight at a time, unless a tile has more pixels: enough to keep
+/// the kernel busy, few enough to stay in the cache between two steps.
+pub(super) const WAVE_LEN: usize = 2048;
+
+/// Where the wave's paths started.
+macro_rules! starts {
+    ($renderer:expr) => {
+        PathStarts {
+            eyes: match $renderer.view.eye() {
+                Some(eye) => Eyes::One(eye),
+                None => Eyes::OfSlots(&$renderer.eyes),
+            },
+            ids: &$renderer.ids,
+        }
+    };
+}
+
+/// Renders tiles in waves of rays and counts with a `P`. All buffers are reused
+/// from tile to tile.
+pub(super) struct StreamRenderer<'a, P> {
+    view: View<'a>,
+    simd: Simd,
+    places: Places,
+    noisy: NoisyPixels,
+    pixels: PixelColumns,
+    probe: P,
+    bounces: BounceCounts,
+    /// The times of the waves' stages, if they are measured.
+    times: Option<WaveTimes<'a>>,
+    wave: PathWave,
+    /// The next wave.
+    next: PathWave,
+    hits: Vec<Option<Hit>>,
+    points: Points,
+    shader: WaveShader<'a>,
+    occluded: Vec<bool>,
+    /// The origins of the camera rays by slot, unless all start at one point.
+    eyes: Vec<Vec3>,
+    /// The samples by slot, in a scene that needs random numbers.
+    ids: SampleIds,
+    /// The color of each path, by slot.
+    colors: VectorColumn,
+    /// The color of each pixel, in the order of `places`.
+    means: VectorColumn,
+    /// The distance of each pixel's surface; NaN without one.
+    distances: Vec<f32>,
+    footprints: Vec<f32>,
+}
+
+impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
+    pub(super) fn new(view: View<'a>) -> Self {
+        let simd = view.tracer.simd();
+        Self {
+            view,
+            simd,
+            places: Places::default(),
+            noisy: NoisyPixels::default(),
+            pixels: PixelColumns::default(),
+            probe: P::default(),
+            bounces: BounceCounts::new(view.counts_bounces),
+            times: None,
+            wave: PathWave::default(),
+            next: PathWave::default(),
+            hits: Vec::new(),
+            points: Points::default(),
+            shader: view.shader.of_waves(simd),
+            occluded: Vec::new(),
+            eyes: Vec::new(),
+            ids: SampleIds::default(),
+            colors: VectorColumn::default(),
+            means: VectorColumn::default(),
+            distances: Vec::new(),
+            footprints: Vec::new(),
+        }
+    }
+
+    /// Times the stages of its waves.
+    pub(super) fn timed(view: View<'a>, clock: &'a Clock) -> Self {
+        Self {
+            times: Some(WaveTimes::new(clock, view.rounds.n_uniform())),
+            ..Self::new(view)
+        }
+    }
+
+    /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order: the
+    /// number, the column and the row of each.
+    pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
+        self.places.fill(places);
+        self.begin(self.places.len());
+        self.follow_places();
+    }
+
+    /// Begins with so many pixels of which nothing is counted.
+    pub(super) fn begin(&mut self, n_pixels: usize) {
+        self.pixels.resize(n_pixels);
+        self.probe.reset(n_pixels, self.view.rounds.n_uniform());
+        self.bounces.reset(n_pixels);
+        if let Some(times) = &mut self.times {
+            times.begin_tile(n_pixels);
+        }
+    }
+
+    /// Traces all paths of the pixels of its places.
+    fn follow_places(&mut self) {
+        let n_pixels = self.places.len();
+        self.means.reset(n_pixels);
+        self.distances.clear();
+        self.distances.resize(n_pixels + N_LANES, f32::NAN);
+        let first = self.view.rounds.first();
+        if self.view.rounds.are_adaptive() {
+            self.render_adaptively(first);
+        } else {
+            self.render_round(first);
+        }
+    }
+
+    /// Renders rounds of samples until no pixel is noisy.
+    fn render_adaptively(&mut self, mut round: Range<u32>) {
+        self.noisy.begin(&self.places);
+        while self.places.len() > 0 && !round.is_empty() && !stop::is_requested() {
+            self.render_round(round.clone());
+            for i in 0..self.places.len() {
+                let (number, _) = self.places.get(i);
+                self.probe.rays(RayKind::Camera, number, round.len());
+            }
+            let rounds = &self.view.rounds;
+            self.noisy
+                .end_round(&mut self.places, &self.means, rounds, round.end);
+            round = rounds.after(round.end);
+        }
+        self.noisy.end(&mut self.places);
+    }
+
+    /// Renders these samples of all pixels in waves.
+    fn render_round(&mut self, samples: Range<u32>) {
+        let n_per_wave = (WAVE_LEN / self.places.len()).max(1);
+        for first in samples.clone().step_by(n_per_wave) {
+            if stop::is_requested() {
+                break;
+            }
+            self.render_samples(first..samples.end.min(first + n_per_wave as u32));
+        }
+    }
+
+    /// The counters of the pixels last followed.
+    pub(super) fn probe(&self) -> &P {
+        &self.probe
+    }
+
+    /// Ends a stage of the wave, if waves are timed.
+    #[inline]
+    fn lap(&mut self, stage: Stage) {
+        if let Some(times) = &mut self.times {
+            times.lap(stage);
+        }
+    }
+
+    /// Renders these samples of all pixels.
+    fn render_samples(&mut self, samples: Range<u32>) {
+        self.start(samples.clone());
+        self.count_samples(samples.len() as u32);
+        self.lap(Stage::Samples);
+        let middle = samples.contains(&self.view.middle);
+        let stored = middle.then(|| (self.view.middle - samples.start) as usize);
+        self.trace(stored.map(|sample| (sample, samples.len())));
+        self.shade();
+        while !self.wave.rays.is_empty() {
+            self.trace(None);
+            self.shade();
+        }
+        if self.view.rounds.are_adaptive() {
+            let sums = [&mut self.colors, &mut self.means];
+            let add = self
+                .noisy
+                .add(&self.view, &self.places, samples.len(), sums);
+            return self.simd.run(add);
+        }
+        self.simd.run(AddSamples {
+            view: &self.view,
+            places: &self.places,
+            n_samples: samples.len(),
+            colors: &self.colors,
+            sums: &mut self.means,
+        });
+    }
+
+    /// Counts the camera rays of all pixels by bounce.
+    fn count_samples(&mut self, n_samples: u32) {
+        if self.bounces.is_kept() {
+            for i in 0..self.places.len() {
+                let (number, _) = self.places.get(i);
+                self.bounces.add(number, 0, n_samples);
+            }
+        }
+    }
+
+    /// Starts a path for each of these samples of all pixels.
+    fn start(&mut self, samples: Range<u32>) {
+        let n_slots = N_LANES * self.places.n_blocks() * samples.len();
+        self.colors.reset(n_slots);
+        self.wave.restart(0);
+        let is_random = self.shader.is_random();
+        if is_random {
+            self.ids.resize(n_slots);
+        }
+        self.simd.run(StartPaths {
+            view: &self.view,
+            places: &self.places,
+            samples,
+            wave: &mut self.wave,
+            ids: is_random.then_some(&mut self.ids),
+        });
+        if self.shader.has_branches() {
+            self.wave.start_in_vacuum();
+        }
+        if self.shader.measures_paths() {
+            self.wave.measure();
+        }
+        if self.view.eye().is_none() {
+            self.eyes.resize(n_slots, Vec3::ZERO);
+            for (ray, &slot) in self.wave.rays.iter().zip(self.wave.slots()) {
+                self.eyes[slot as usize] = ray.origin;
+            }
+        }
+    }
+
+    /// Finds the points that the wave's rays meet; first stores the surfaces that the camera
+    /// rays of a sample hit, if one of so many is given.
+    fn trace(&mut self, stored: Option<(usize, usize)>) {
+        let probe = ByPixel::new(&mut self.probe, self.wave.pixels());
+        let tracer = &self.view.tracer;
+        tracer.nearest_stream(&self.wave.rays, &mut self.hits, probe);
+        self.lap(Stage::Hierarchy);
+        let has_particles = self.shader.has_particles();
+        if stored.is_some() || !has_particles {
+            self.find_points();
+        }
+        if let Some(sample) = stored {
+            self.store_surfaces(sample);
+        }
+        if has_particles {
+            self.shader
+                .meet_particles(&self.ids, &self.wave, &mut self.hits);
+            self.find_points();
+        }
+        if let Some(times) = &mut self.times {
+            times.count_hits(self.wave.pixels(), &self.hits);
+        }
+        self.lap(Stage::Surfaces);
+    }
+
+    /// Computes the points of the wave's hits.
+    fn find_points(&mut self) {
+        let Self { wave, hits, .. } = self;
+        let tracer = &self.view.tracer;
+        tracer.surface_points(wave.lengths(), &wave.rays, hits, &mut self.points);
+    }
+
+    /// Stores the surfaces that the camera rays of one of `n_samples` samples hit.
+    fn store_surfaces(&mut self, (sample, n_samples): (usize, usize)) {
+        for i in 0..self.places.len() {
+            let (block, lane) = (i / N_LANES, i % N_LANES);
+            let ray = N_LANES * n_samples * block + sample * self.places.in_block(block) + lane;
+            let (number, _) = self.places.get(i);
+            let mut pixel = Pixel::default();
+            if let Some(point) = self.points.of_ray(ray) {
+                [pixel.position, pixel.normal] = self.points.position_and_normal(point);
+                let [object, material] = self.points.object_and_material(point);
+                (pixel.object, pixel.material) = (object as i32, material as i32);
+                pixel.set_instance(self.points.instance(point));
+                pixel.albedo = self.points.color(point);
+                self.distances[i] = self.points.distance(point);
+                pixel.distance = self.view.unit * self.distances[i];
+            }
+            self.pixels.set(number, &pixel);
+        }
+    }
+
+    /// Shades the points; the reflected rays become the wave.
+    fn shade(&mut self) {
+        self.shader.weaken(&mut self.wave, &self.hits);
+        self.shader.begin(&self.wave, &self.points);
+        self.lap(Stage::Surfaces);
+        self.count_shadow_steps();
+        for sample in 0..self.shader.n_light_samples(self.wave.depth) {
+            self.light(sample);
+        }
+        self.count_shadow_steps();
+        let starts = starts!(self);
+        let (wave, points) = (&self.wave, &self.points);
+        self.shader
+            .end(starts, wave, points, &mut self.next, &mut self.colors);
+        for (i, &pixel) in self.next.pixels().iter().enumerate() {
+            self.probe.rays(self.next.kind(i), pixel as usize, 1);
+            self.probe.bounce(pixel as usize, self.next.depth);
+            self.bounces.add(pixel as usize, self.next.depth, 1);
+        }
+        std::mem::swap(&mut self.wave, &mut self.next);
+        self.lap(Stage::Paths);
+    }
+
+    /// Adds the light of one sample of the lights at all points.
+    fn light(&mut self, sample: usize) {
+        let (wave, points) = (&self.wave, &self.points);
+        self.shader.cast(sample, starts!(self), wave, points);
+        self.lap(Stage::Lights);
+        let shadows = &self.shader.shadows;
+        if self.shader.casts_shadows() {
+            for &pixel in shadows.pixels() {
+                self.probe.rays(RayKind::Shadow, pixel as usize, 1);
+                self.bounces.add(pixel as usize, self.wave.depth, 1);
+            }
+            let probe = ByPixel::new(&mut self.probe, shadows.pixels());
+            let tracer = &self.view.tracer;
+            tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
+            self.lap(Stage::ShadowRays);
+        } else {
+            self.occluded.clear();
+            self.occluded.resize(shadows.pixels().len(), false);
+        }
+        let (wave, points) = (&self.wave, &self.points);
+        let occluded = &self.occluded;
+        self.shader
+            .add_light(sample, starts!(self), wave, points, occluded);
+        self.lap(Stage::Lights);
+    }
+
+    /// Counts the steps of shadow rays if waves are timed; called before and after them.
+    fn count_shadow_steps(&mut self) {
+        if let (Some(times), Some(counters)) = (&mut self.times, self.probe.counted()) {
+            times.count_shadow_steps(counters, self.places.numbers());
+        }
+    }
+
+    /// Renders a group of a tile's pixels; returns the nanoseconds of each stage if waves are
+    /// timed.
+    pub(super) fn render_group(&mut self, tile: &Tile, group: &Tile) -> ByStage {
+        if group == tile {
+            self.places.fill_tile(tile);
+        } else {
+            let place = |at| (tile.index(at), at);
+            self.places.fill(group.pixels().map(place));
+        }
+        if let Some(times) = &mut self.times {
+            times.begin();
+        }
+        self.render_places();
+        self.times
+            .as_ref()
+            .map_or(ByStage::default(), WaveTimes::ns)
+    }
+
+    /// What the stages of waves that are timed have counted of a pixel.
+    pub(super) fn counts(&self, pixel: u32) -> ByStage {
+        match (&self.times, self.probe.counted()) {
+            (Some(times), Some(counters)) => times.counts(counters, pixel as usize),
+            _ => ByStage::default(),
+        }
+    }
+
+    /// Exchanges the counters of the pixels by those of pixels that count for nothing, or the
+    /// other way round.
+    pub(super) fn exchange_counters(
+        &mut self,
+        (probe, bounces): &mut (P, BounceCounts),
+        count: bool,
+    ) {
+        std::mem::swap(&mut self.probe, probe);
+        std::mem::swap(&mut self.bounces, bounces);
+        if let Some(times) = &mut self.times {
+            times.set_counting(count);
+        }
+    }
+
+    /// The pixels that were last rendered.
+    pub(super) fn rendered(&self) -> Rendered<'_> {
+        Rendered {
+            pixels: &self.pixels,
+            counters: self.probe.counted(),
+            bounces: self.bounces.get(),
+            times: &[],
+            warm_up_ns: 0.0,
+        }
+    }
+
+    /// Renders the pixels of its places.
+    fn render_places(&mut self) {
+        self.follow_places();
+        let rounds = &self.view.rounds;
+        self.simd.run(FinishPixels {
+            view: &self.view,
+            places: &self.places,
+            n_samples: rounds.are_adaptive().then(|| self.noisy.n_samples()),
+            colors: &mut self.means,
+            distances: &self.distances,
+            footprints: &mut self.footprints,
+        });
+        for i in 0..self.places.len() {
+            let (number, _) = self.places.get(i);
+            self.pixels.color[number] = self.means.get(i);
+            let position = self.pixels.position[number];
+            self.pixels.footprint[number] = self.view.footprint(position, self.footprints[i]);
+        }
+        self.lap(Stage::Samples);
+    }
+}
+
+impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
+    fn render(&mut self, tile: &Tile, _: &mut CpuWait) -> Rendered<'_> {
+        self.begin(tile.n_pixels());
+        self.render_group(tile, tile);
+        self.rendered()
+    }
+}

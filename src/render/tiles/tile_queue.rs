@@ -1,0 +1,150 @@
+//! The tiles of a rendering that no thread has begun.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+use super::canvas::Canvas;
+use super::pass::Pass;
+use super::{Progress, TilePlan, TileRenderer, render_tile};
+use crate::film::Film;
+use crate::schedule::{Tile, TileRun};
+use base::stop;
+use tracer::cost::CpuWait;
+
+/// Tiles with their numbers that a thread has rendered or taken over.
+pub(super) type TileRuns = Vec<(u32, TileRun)>;
+
+/// What threads render tiles to.
+pub(super) enum Target<'f> {
+    /// The film of the picture.
+    Film(Canvas<'f>),
+    /// Films of one tile, one for each thread, like this one without rows: the pass keeps
+    /// the tiles.
+    Tiles(&'f Film),
+}
+
+impl<'f> Target<'f> {
+    /// The film, which gets rows if it has none, or films of one tile if tiles are `stored`
+    /// elsewhere.
+    pub(super) fn of(film: &'f mut Film, stored: bool) -> Self {
+        if stored {
+            return Self::Tiles(film);
+        }
+        if !film.has_rows() {
+            *film = film.clone().with_rows(0..film.grid.height);
+        }
+        Self::Film(Canvas::of(film))
+    }
+
+    /// Does `work` with the canvas of the calling thread.
+    fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
+        match self {
+            Self::Film(canvas) => work(canvas),
+            Self::Tiles(film) => work(&Canvas::of_one_tile(&mut film.of_one_tile())),
+        }
+    }
+}
+
+/// Tiles in the order of a plan, which threads take one by one.
+pub(super) struct TileQueue<'a, 'f, F> {
+    pub(super) plan: &'a TilePlan,
+    pub(super) pass: &'a Pass<'a>,
+    target: &'a OnceLock<Target<'f>>,
+    pub(super) report: &'a F,
+    /// When the rendering begins.
+    pub(super) begin: Instant,
+    /// The number of tiles that were taken.
+    n_taken: AtomicU32,
+}
+
+impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
+    /// All tiles of the plan; the target may be made meanwhile.
+    pub(super) fn new(
+        plan: &'a TilePlan,
+        pass: &'a Pass<'a>,
+        target: &'a OnceLock<Target<'f>>,
+        report: &'a F,
+    ) -> Self {
+        Self {
+            plan,
+            pass,
+            target,
+            report,
+            begin: Instant::now(),
+            n_taken: AtomicU32::new(0),
+        }
+    }
+
+    /// Whether there is a target.
+    pub(super) fn has_target(&self) -> bool {
+        self.target.get().is_some()
+    }
+
+    /// Waits for the target, and does `work` with the canvas of the calling thread.
+    pub(super) fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
+        self.target.wait().with_canvas(work)
+    }
+
+    /// Renders tiles on the calling thread, which has this number, until none is left.
+    pub(super) fn render(&self, thread: u32, renderer: impl TileRenderer) -> TileRuns {
+        self.with_canvas(|canvas| self.render_on(canvas, thread, renderer))
+    }
+
+    fn render_on(&self, canvas: &Canvas, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
+        let mut wait = CpuWait::of_this_thread();
+        let mut runs = TileRuns::new();
+        while let Some((position, tile)) = self.next(&mut runs, Some(canvas)) {
+            let tile_of_plan = (self.plan, &tile);
+            let run = render_tile(&mut renderer, tile_of_plan, canvas, self.begin, &mut wait);
+            let run = self.pass.after_restored(TileRun {
+                thread,
+                position,
+                ..run
+            });
+            self.add(&mut runs, tile, run, canvas);
+        }
+        runs
+    }
+
+    /// The next tile that has to be rendered, and its position; takes over the tiles before
+    /// it that other runs have rendered, if there is a canvas.
+    pub(super) fn next(&self, runs: &mut TileRuns, canvas: Option<&Canvas>) -> Option<(u32, Tile)> {
+        loop {
+            let position = self.n_taken.fetch_add(1, Ordering::Relaxed);
+            let tile = self.plan.tile(position);
+            let tile = tile.filter(|_| !self.pass.is_canceled())?;
+            let restored = canvas.and_then(|canvas| self.pass.restored(&tile, canvas));
+            match restored {
+                Some(run) => self.note(runs, &tile, TileRun { position, ..run }, true),
+                None if self.pass.is_over() => {}
+                None => return Some((position, tile)),
+            }
+        }
+    }
+
+    /// Takes note of a tile that was rendered to the canvas.
+    pub(super) fn add(&self, runs: &mut TileRuns, tile: Tile, run: TileRun, canvas: &Canvas) {
+        // A tile that was stopped is not whole.
+        if !stop::is_requested() {
+            self.pass.keep(&tile, run, canvas);
+        }
+        self.note(runs, &tile, run, false);
+    }
+
+    /// Number of tiles that no thread has taken.
+    pub(super) fn n_left(&self) -> u32 {
+        let n_taken = self.n_taken.load(Ordering::Relaxed);
+        self.plan.n_tiles().saturating_sub(n_taken)
+    }
+
+    fn note(&self, runs: &mut TileRuns, tile: &Tile, run: TileRun, is_restored: bool) {
+        runs.push((tile.number, run));
+        (self.report)(Progress {
+            n_pixels: tile.n_pixels() as u64,
+            n_rays: run.counted.n_rays(),
+            work: self.plan.work(tile),
+            is_restored,
+        });
+    }
+}

@@ -1,0 +1,270 @@
+//! Estimates how long each tile takes.
+//!
+//! Rays and their steps take time, and some pixels of each tile show how many there are. How long
+//! a ray and a step take depends on the scene, the machine and the mode of cost: a few whole tiles
+//! show it, which are rendered as they will be again. The times are those of the threads, which
+//! other programs that interrupt them do not lengthen. Rays with the same counts differ in time,
+//! too, by how coherent they are and what their surfaces look like: the times of tiles are
+//! corrected by how much longer measured ones nearby took than expected, by inverse distance
+//! weighting (Shepard 1968, "A two-dimensional interpolation function for irregularly-spaced
+//! data").
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use cpu_time::ThreadTime as ThreadClock;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::canvas::Canvas;
+use super::groups::GroupRenderer;
+use super::prepass::{self, RayCounts, ray_counts};
+use super::stream::StreamRenderer;
+use super::timed::SingleRayRenderer;
+use super::view::View;
+use super::{TilePlan, TileRenderer, render_tile};
+use crate::film::Film;
+use crate::schedule::Tile;
+use base::stop;
+use math::statistics::non_negative_least_squares;
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::cost::{Counters, CpuWait, Meter};
+
+/// Tiles for each that is measured, and the least and the greatest number of these.
+const PER_MEASURED: usize = 64;
+const LEAST_MEASURED: usize = 32;
+const MOST_MEASURED: usize = 512;
+
+/// A tile that was rendered.
+#[derive(Debug, Clone, Copy)]
+struct MeasuredTile {
+    tile: Tile,
+    counts: RayCounts,
+    /// The time that its rays took in nanoseconds.
+    ns: f64,
+}
+
+/// The plan with the estimated time of each tile on this machine, in nanoseconds but for a common
+/// factor. Renders some tiles on the current rayon pool.
+pub fn estimate_times(plan: TilePlan, (scene, accel): (&Scene, &Accel), meter: &Meter) -> TilePlan {
+    let counts = prepass::counts(scene, accel, &plan.image, &plan.grid);
+    let chosen = chosen(plan.sequence(), &counts);
+    let tiles: Vec<Tile> = chosen.iter().map(|&n| plan.grid.tile(n)).collect();
+    let film = plan.film_without_rows(scene, meter.mode());
+    let view = View::new(scene, accel, &plan.image);
+    let measured = match meter {
+        Meter::SingleRayTime(clock) => {
+            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
+            measured(&film, &plan, &tiles, renderer)
+        }
+        Meter::Time(clock) => {
+            let renderer = || GroupRenderer::new(view, clock);
+            measured(&film, &plan, &tiles, renderer)
+        }
+        Meter::Off | Meter::Counters => {
+            let renderer = || StreamRenderer::<Counters>::new(view);
+            measured(&film, &plan, &tiles, renderer)
+        }
+    };
+    let ns_per_count = fitted(&measured);
+    let ns_of = |counts: &RayCounts| -> f64 {
+        let terms = counts.iter().zip(ns_per_count);
+        terms.map(|(count, ns)| count * ns).sum()
+    };
+    let correction = Correction::new(&measured, plan.n_tiles(), ns_of);
+    let numbers = 0..counts.len() as u32;
+    let times = numbers
+        .into_par_iter()
+        .zip(&counts)
+        .map(|(number, counts)| {
+            let ns = ns_of(counts);
+            ns * correction.factor(&plan.grid.tile(number), ns)
+        });
+    let times = times.collect();
+    plan.with_times(times)
+}
+
+/// How much longer measured tiles took than expected.
+struct Correction {
+    /// Where each is, and the time that was expected of it over the one that it took: close to
+    /// 0, and so nearly without effect, if its thread was disturbed.
+    measured: Vec<(DVec3, f64)>,
+    /// The distance of neighboring measured tiles in pixels.
+    spacing: f64,
+}
+
+impl Correction {
+    /// `ns_of` returns the time that is expected of counts, in nanoseconds.
+    fn new(measured: &[MeasuredTile], n_tiles: u32, ns_of: impl Fn(&RayCounts) -> f64) -> Self {
+        let n_pixels: usize = measured.iter().map(|it| it.tile.n_pixels()).sum();
+        let n = measured.len().max(1) as f64;
+        let spacing = (f64::from(n_tiles) / n * n_pixels as f64 / n).sqrt();
+        let of_tile = |it: &MeasuredTile| {
+            let expected = ns_of(&it.counts);
+            (
+                place(&it.tile, spacing, expected),
+                expected / it.ns.max(1.0),
+            )
+        };
+        Self {
+            measured: measured.iter().map(of_tile).collect(),
+            spacing,
+        }
+    }
+
+    /// The factor by which a tile takes longer than expected: that of measured ones, of which
+    /// those nearby with about its expected time count the most.
+    fn factor(&self, tile: &Tile, expected: f64) -> f64 {
+        let here = place(tile, self.spacing, expected);
+        let (mut speeds, mut weights) = (0.0, 0.0);
+        for (there, speed) in &self.measured {
+            let weight = (1.0 + here.distance_squared(*there)).powi(-2);
+            speeds += weight * speed;
+            weights += weight;
+        }
+        if speeds > 0.0 { weights / speeds } else { 1.0 }
+    }
+}
+
+/// The middle of a tile in units of the spacing, and the binary logarithm of its expected time.
+fn place(tile: &Tile, spacing: f64, expected: f64) -> DVec3 {
+    let [x, y] = [tile.columns, tile.rows].map(|[first, end]| f64::from(first + end) / 2.0);
+    DVec3::new(x / spacing, y / spacing, expected.max(1.0).log2())
+}
+
+/// Some of the tiles: as many cheap ones as there are, and as many expensive ones as they have
+/// work.
+fn chosen(sequence: &[u32], counts: &[RayCounts]) -> Vec<u32> {
+    let work = |number: u32| counts[number as usize].iter().sum::<f64>();
+    let mut numbers = sequence.to_vec();
+    numbers.sort_by(|&a, &b| work(a).total_cmp(&work(b)));
+    let n_wanted = (numbers.len() / PER_MEASURED).clamp(LEAST_MEASURED, MOST_MEASURED);
+    let all: f64 = numbers.iter().map(|&number| work(number)).sum();
+    let (n, mut share, mut chosen) = (numbers.len() as f64, 0.0, Vec::new());
+    for number in numbers {
+        share += 0.5 * (work(number) / all.max(1.0) + 1.0 / n);
+        if share * n_wanted as f64 >= chosen.len() as f64 + 0.5 {
+            chosen.push(number);
+        }
+    }
+    chosen
+}
+
+/// Renders tiles and forgets their pixels.
+fn measured<R: TileRenderer>(
+    film: &Film,
+    plan: &TilePlan,
+    tiles: &[Tile],
+    renderer: impl Fn() -> R + Sync,
+) -> Vec<MeasuredTile> {
+    let n_taken = AtomicUsize::new(0);
+    let measure_some = |_: rayon::BroadcastContext| {
+        let mut renderer = renderer();
+        let mut wait = CpuWait::of_this_thread();
+        let mut film = film.of_one_tile();
+        let canvas = Canvas::of_one_tile(&mut film);
+        let mut measured = Vec::new();
+        while let Some(tile) = tiles.get(n_taken.fetch_add(1, Ordering::Relaxed)) {
+            // The first tile of a thread is rendered twice: its memory is new.
+            let n_renderings = if measured.is_empty() { 2 } else { 1 };
+            for i in 1..=n_renderings {
+                let begin = ThreadClock::now();
+                let begun = Instant::now();
+                let run = render_tile(&mut renderer, (plan, tile), &canvas, begun, &mut wait);
+                if i == n_renderings && !stop::is_requested() {
+                    let ns = begin.elapsed().as_nanos() as f64;
+                    measured.push(MeasuredTile {
+                        tile: *tile,
+                        counts: ray_counts(&run.counted),
+                        ns,
+                    });
+                }
+            }
+        }
+        measured
+    };
+    rayon::broadcast(measure_some).concat()
+}
+
+/// The time of each count, so that the errors of tiles are least for the work that they have:
+/// cheap tiles are as right as expensive ones.
+fn fitted(measured: &[MeasuredTile]) -> RayCounts {
+    let rows = measured.iter().map(|MeasuredTile { counts, ns, .. }| {
+        let weight = ns.max(1.0).recip();
+        (counts.map(|count| weight * count), weight * ns)
+    });
+    let fitted = non_negative_least_squares(rows);
+    if fitted.iter().any(|&ns| ns > 0.0) {
+        fitted
+    } else {
+        [1.0; 4]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::TileGrid;
+
+    #[test]
+    fn tiles_are_chosen_by_number_and_by_work() {
+        // One tile in a hundred has nine tenths of the work.
+        let work = |i: u32| if i.is_multiple_of(100) { 891.0 } else { 1.0 };
+        let counts: Vec<RayCounts> = (0..6400).map(|i| [0.0, 0.0, work(i), 0.0]).collect();
+        let sequence: Vec<u32> = (0..6400).rev().collect();
+        let chosen = chosen(&sequence, &counts);
+        assert_eq!(chosen.len(), 100);
+        let n_expensive = chosen.iter().filter(|i| i.is_multiple_of(100)).count();
+        assert!((44..=46).contains(&n_expensive), "{n_expensive}");
+    }
+
+    /// The tiles of a picture with eight in a row.
+    fn tile(number: u32) -> Tile {
+        TileGrid::new(128, 128, 16).tile(number)
+    }
+
+    #[test]
+    fn times_are_corrected_by_those_of_neighbors() {
+        // Tiles in the upper half take twice as long as counted.
+        let measured = |number| MeasuredTile {
+            tile: tile(number),
+            counts: [100.0, 0.0, 0.0, 0.0],
+            ns: if number < 32 { 2000.0 } else { 1000.0 },
+        };
+        let measured: Vec<_> = (0..64).step_by(3).map(measured).collect();
+        let correction = Correction::new(&measured, 64, |counts| 10.0 * counts[0]);
+        let factor = |number| correction.factor(&tile(number), 1000.0);
+        assert!(factor(1) > 1.7, "{}", factor(1));
+        assert!(factor(62) < 1.3, "{}", factor(62));
+        let mut disturbed = measured.clone();
+        disturbed[5].ns *= 1000.0;
+        let disturbed = Correction::new(&disturbed, 64, |counts| 10.0 * counts[0]);
+        for number in 0..64 {
+            let factor = disturbed.factor(&tile(number), 1000.0) / factor(number);
+            assert!((1.0..2.5).contains(&factor), "{factor}");
+        }
+        let none = Correction::new(&[], 64, |_| 1.0);
+        assert_eq!(none.factor(&tile(1), 1000.0), 1.0);
+    }
+
+    #[test]
+    fn counts_are_fitted_to_times() {
+        let ns = [20.0, 9.0, 2.5, 4.0];
+        let counts = |i: u32| {
+            let [others, visits, tests] = [i * i, 100 + i * 40 % 71, i * 17 % 53];
+            [256, others, visits, tests].map(f64::from)
+        };
+        let time = |counts: RayCounts| counts.iter().zip(ns).map(|(n, ns)| n * ns).sum();
+        let measured = |i| MeasuredTile {
+            tile: tile(i),
+            counts: counts(i),
+            ns: time(counts(i)),
+        };
+        let measured: Vec<_> = (0..24).map(measured).collect();
+        for (found, expected) in fitted(&measured).into_iter().zip(ns) {
+            assert!((found - expected).abs() < 1e-3, "{found}");
+        }
+        assert_eq!(fitted(&[]), [1.0; 4]);
+    }
+}

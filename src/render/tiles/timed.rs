@@ -1,0 +1,318 @@
+//! Renders ray by ray and times each pixel. The first pixels of a tile are rendered
+//! twice, so that their times do not include cold caches.
+
+use glam::Vec3;
+
+use super::stopwatch::{Stopwatch, ThreadTimer};
+use super::view::View;
+use super::{SampleSums, TileRenderer};
+use crate::film::{Pixel, PixelColumns, PixelTime, Rendered};
+use crate::schedule::Tile;
+use base::stop;
+use math::simd::Vector;
+use scene::config::Image;
+use tracer::cost::{BounceCounts, Clock, Cost, Counters, CpuWait, Probe, RayKind};
+use tracer::shade::{LightSample, PathRay};
+use tracer::trace::SurfacePoint;
+
+/// Warm-up pixels, rendered before a tile's first pixel is timed. Writing the
+/// previous tile has filled the caches and the branch predictor: without a
+/// warm-up the first pixel takes up to 1.8 times as long as its neighbors, and
+/// the second one up to 1.2 times (`benches/tiles/first_pixels`).
+const N_WARM_UP: usize = 4;
+
+/// Columns and rows of the pixels that warm up a thread.
+const SPREAD: u32 = 8;
+
+/// Paths for which there is room before any is traced.
+const PATHS: usize = 256;
+
+/// Renders tiles pixel by pixel, counts each and times it.
+pub(super) struct SingleRayRenderer<'a> {
+    clock: &'a Clock,
+    /// The pixels of the tile in the order in which they are rendered, which is listed before
+    /// any is timed: to find the next one takes longer where a row of a block ends.
+    places: Vec<PixelPlace>,
+    renderer: PixelRenderer<'a>,
+    /// The times in this order.
+    times: Vec<PixelTime>,
+    // The same row by row, as the film has them.
+    columns: PixelColumns,
+    counters: Counters,
+    times_by_row: Vec<PixelTime>,
+}
+
+/// A pixel of a tile.
+#[derive(Debug, Clone, Copy)]
+struct PixelPlace {
+    /// Column and row.
+    at: (u32, u32),
+    /// Its number in the tile, row by row.
+    index: usize,
+}
+
+/// Renders single pixels.
+struct PixelRenderer<'a> {
+    view: View<'a>,
+    /// The pixels in the order in which they are rendered.
+    pixels: Vec<Pixel>,
+    /// The counters of each. [`Counters`] allocates at the first ray of a kind, which would
+    /// be part of that pixel's time.
+    costs: Vec<Cost>,
+    bounces: BounceCounts,
+    /// The rays that continue a camera ray's path.
+    paths: Vec<PathRay>,
+}
+
+impl<'a> SingleRayRenderer<'a> {
+    /// Creates a renderer of at most so many pixels of the image at a time for the calling
+    /// thread, and warms up the thread.
+    pub(super) fn new(
+        view: View<'a>,
+        clock: &'a Clock,
+        (n_pixels, image): (usize, &Image),
+    ) -> Self {
+        // Filled with nonzero values, so that page faults are not part of a pixel's
+        // time: the system would map zeroed pages only at the first write.
+        let written_cost = Cost {
+            depth: u64::MAX,
+            ..Cost::default()
+        };
+        let written_time = PixelTime {
+            ns: f32::NAN,
+            ..PixelTime::default()
+        };
+        let mut renderer = Self {
+            clock,
+            places: Vec::with_capacity(n_pixels),
+            renderer: PixelRenderer {
+                view,
+                pixels: vec![Pixel::default(); n_pixels],
+                costs: vec![written_cost; n_pixels],
+                bounces: BounceCounts::new(view.counts_bounces),
+                paths: Vec::with_capacity(PATHS),
+            },
+            times: vec![written_time; n_pixels],
+            columns: PixelColumns::none(n_pixels),
+            counters: Counters::default(),
+            times_by_row: vec![written_time; n_pixels],
+        };
+        renderer.warm_up_thread(image);
+        renderer
+    }
+
+    /// Renders some pixels of the whole picture to fill the caches: without this,
+    /// the first pixel of a thread that hits something took up to 12 microseconds
+    /// more, and it was the same pixel in each rendering.
+    fn warm_up_thread(&mut self, image: &Image) {
+        self.renderer.bounces.reset(1);
+        let spread = |i: u32, side: u32| (2 * i + 1) * side / (2 * SPREAD);
+        for i in 0..SPREAD * SPREAD {
+            if stop::is_requested() {
+                return;
+            }
+            let at = (
+                spread(i % SPREAD, image.width),
+                spread(i / SPREAD, image.height),
+            );
+            self.renderer.render_pixel(PixelPlace { at, index: 0 }, 0);
+        }
+    }
+
+    /// Renders some pixels one after the other, at most as many as there is room for; returns
+    /// the nanoseconds that the last one took.
+    pub(super) fn time_last(
+        &mut self,
+        places: impl Iterator<Item = (u32, u32)>,
+        wait: &mut CpuWait,
+    ) -> f32 {
+        let place = |(index, at)| PixelPlace { at, index };
+        self.places.clear();
+        self.places.extend(places.enumerate().map(place));
+        self.renderer.bounces.reset(self.places.len());
+        let clock = self.clock;
+        self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
+        self.times[self.places.len() - 1].ns
+    }
+
+    /// Renders the pixels and times them; returns how many, and the nanoseconds in which
+    /// pixels were rendered that count for nothing.
+    ///
+    /// The first pixels are rendered in a separate loop to fill the caches, as jumping to other
+    /// pixels in the loop of the timed ones causes branch mispredictions.
+    fn render_timed(&mut self, mut stopwatch: Stopwatch<ThreadTimer>) -> (usize, f64) {
+        let (places, renderer) = (&self.places, &mut self.renderer);
+        let times = &mut self.times[..places.len()];
+        let mut render = |i: usize| renderer.render_pixel(places[i], i);
+        let n_warm_up = N_WARM_UP.min(places.len() / 4).max(1);
+        let warm_up_ns = stopwatch.time(|_| {
+            let is_going_on = |_: &usize| !stop::is_requested();
+            (0..n_warm_up).take_while(is_going_on).for_each(&mut render);
+        });
+        let n_done = stopwatch.time_each(times, &mut render);
+        let times = &mut times[..n_done];
+        let again_ns =
+            stopwatch.time(|stopwatch| stopwatch.time_again(times, |_| 1.0, &mut render));
+        (n_done, warm_up_ns + again_ns)
+    }
+}
+
+impl PixelRenderer<'_> {
+    /// Renders a pixel, the `i`-th, in place: a copy would take as long as a ray.
+    ///
+    /// Never inlined, so that the same code is timed the first time and again.
+    #[inline(never)]
+    fn render_pixel(&mut self, place: PixelPlace, i: usize) {
+        let Self {
+            view,
+            pixels,
+            costs,
+            bounces,
+            paths,
+        } = self;
+        let PixelPlace { at, index } = place;
+        bounces.reset_pixel(index);
+        let pixel = &mut pixels[i];
+        *pixel = Pixel::default();
+        // A local variable, which stays in registers.
+        let mut cost = Cost::default();
+        let probe = &mut cost;
+        let mut sums = SampleSums::zero(0.0);
+        let mut round = view.rounds.first();
+        while !round.is_empty() {
+            for sample in round.clone() {
+                let path = view.camera_path(at, sample);
+                let met = view.tracer.trace(&path.ray, RayKind::Camera, probe);
+                if let Some(point) = met
+                    && sample == view.middle
+                {
+                    pixel.set_surface(&point);
+                }
+                let mut counted = |bounce| bounces.add(index, bounce, 1);
+                let color = radiance(view, path, met, paths, probe, &mut counted);
+                sums.add(view.limited(Vector::from(color)));
+            }
+            round = view.rounds.next(&sums, round.end);
+        }
+        pixel.color = sums.colors.into();
+        view.finish(pixel, round.end, at);
+        costs[i] = cost;
+    }
+}
+
+impl TileRenderer for SingleRayRenderer<'_> {
+    fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_> {
+        let n_pixels = tile.n_pixels();
+        self.places.clear();
+        self.places.extend(tile.pixels().map(|at| PixelPlace {
+            at,
+            index: tile.index(at) as usize,
+        }));
+        self.renderer.bounces.reset(n_pixels);
+        let clock = self.clock;
+        let (n_done, warm_up_ns) = self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
+        let PixelRenderer { view, pixels, .. } = &self.renderer;
+        self.counters.reset(n_pixels, view.rounds.n_uniform());
+        for (i, &PixelPlace { index, .. }) in self.places.iter().enumerate() {
+            self.columns.set(index, &pixels[i]);
+            self.times_by_row[index] = self.times[i];
+            if i < n_done {
+                self.counters.add(index, &self.renderer.costs[i]);
+            }
+        }
+        Rendered {
+            pixels: &self.columns,
+            counters: Some(&self.counters),
+            bounces: self.renderer.bounces.get(),
+            times: &self.times_by_row[..n_pixels],
+            warm_up_ns,
+        }
+    }
+}
+
+/// Returns the radiance along a camera ray, the start of a path, given the point that it
+/// hit. `paths` is a reused buffer; `bounces` gets the bounces before each ray.
+fn radiance<P: Probe>(
+    view: &View,
+    camera_path: PathRay,
+    first: Option<SurfacePoint>,
+    paths: &mut Vec<PathRay>,
+    probe: &mut P,
+    bounces: &mut impl FnMut(u32),
+) -> Vec3 {
+    let View { tracer, shader, .. } = view;
+    let mut color = Vec3::ZERO;
+    let (mut path, mut met) = (camera_path, shader.met_in_fog(&camera_path, first));
+    let eye = camera_path.ray.origin;
+    paths.clear();
+    bounces(0);
+    // All rays of a depth before those of the next, as in waves.
+    let mut n_traced = 0;
+    loop {
+        color += match met {
+            Some(point) => {
+                let mut is_shadowed = |sample: &LightSample| {
+                    bounces(path.depth);
+                    tracer.is_shadowed(&sample.shadow, probe)
+                };
+                let lights = shader
+                    .light_samples(&path, &point)
+                    .filter(|sample| !shader.casts_shadows() || !is_shadowed(sample))
+                    .map(|sample| sample.light);
+                shader.shade(eye, &path, &point, lights, paths)
+            }
+            None => shader.miss(&path),
+        };
+        let Some(&next) = paths.get(n_traced) else {
+            return color;
+        };
+        n_traced += 1;
+        path = next;
+        probe.bounce(path.depth);
+        bounces(path.depth);
+        let hit = tracer.trace_after(path.length, &path.ray, path.kind, probe);
+        met = shader.met_in_fog(&path, hit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tiles::TilePlan;
+    use crate::tiles::stream::StreamRenderer;
+    use scene::config::{Config, Tiling};
+    use scene::world::{Geometries, Scene};
+    use scene::yaml::Source;
+    use tracer::accel::Accel;
+
+    #[test]
+    fn a_warm_up_is_timed_and_not_counted() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../configs/seed_extended.yaml"
+        );
+        let source = Source::read(file.as_ref()).unwrap();
+        let mut config: Config = source.parse().unwrap();
+        let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
+        let scene = Scene::new(&config, geometries).unwrap();
+        let accel = Accel::new(&scene, config.acceleration);
+        let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
+        let view = View::new(&scene, &accel, &config.image);
+        let clock = Clock::calibrated();
+        let mut cold = StreamRenderer::<Counters>::new(view);
+        let mut warm = SingleRayRenderer::new(view, &clock, plan.room());
+        let mut wait = CpuWait::of_this_thread();
+        for number in [0, 200, 399] {
+            let tile = plan.tile(number).unwrap();
+            let [cold, warm] = [cold.render(&tile, &mut wait), warm.render(&tile, &mut wait)];
+            assert_eq!(cold.warm_up_ns, 0.0);
+            assert!(warm.warm_up_ns >= 1.0);
+            assert_eq!(
+                cold.counters.unwrap().total(),
+                warm.counters.unwrap().total()
+            );
+            let colors = |rendered: Rendered| -> Vec<Vec3> { rendered.pixels.color.clone() };
+            assert_eq!(colors(cold), colors(warm));
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Pixels → camera rays, and their results → pixels.
+
+use glam::Vec3;
+
+use super::rounds::Rounds;
+use crate::film::Pixel;
+use math::sampling::{Dimension, FilterSampler, Sampler};
+use math::simd::{Integer, Mask, Real, Vector};
+use scene::camera::ImagePlane;
+use scene::config::Image;
+use scene::geometry::Ray;
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::shade::{PathRay, SampleId, Shader};
+use tracer::trace::Tracer;
+
+/// Everything that rendering a pixel needs.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    pub tracer: Tracer<'a>,
+    pub(crate) shader: Shader<'a>,
+    /// The samples of each pixel.
+    pub rounds: Rounds,
+    /// The sample at the center of the pixel.
+    pub(super) middle: u32,
+    /// The greatest value of a channel of a sample.
+    sample_limit: f32,
+    /// Whether rays are counted by bounce.
+    pub(super) counts_bounces: bool,
+    /// The positions of the pixels.
+    plane: ImagePlane,
+    /// World units in a unit of render space.
+    pub(super) unit: f32,
+    sampler: Sampler,
+    filter: FilterSampler,
+    /// Columns of the whole picture.
+    width: u32,
+    /// The column and the row of the image's first pixel in it.
+    origin: [u32; 2],
+    /// The side of a square with the area of a pixel on the plane.
+    pitch: f32,
+}
+
+impl<'a> View<'a> {
+    pub fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
+        let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
+        Self {
+            tracer: Tracer::new(scene, accel),
+            shader: Shader::new(scene, sampler),
+            rounds: Rounds::new(image, scene.development.gain()),
+            middle: sampler.center(),
+            sample_limit: scene.sample_limit,
+            counts_bounces: scene.extra_arrays.bounces,
+            plane: scene.image_plane,
+            unit: scene.space.world_length(1.0),
+            sampler,
+            filter: FilterSampler::new(image.filter, image.filter_radius()),
+            width: image.picture_size()[0],
+            origin: image.origin(),
+            pitch: scene.image_plane.pitch(),
+        }
+    }
+
+    /// Replaces the image plane.
+    pub fn through(self, plane: ImagePlane) -> Self {
+        Self {
+            plane,
+            pitch: plane.pitch(),
+            ..self
+        }
+    }
+
+    /// Returns the number of a pixel in the whole picture, row by row.
+    #[inline(always)]
+    pub(super) fn pixel_number(&self, (x, y): (u32, u32)) -> u32 {
+        let [left, top] = self.origin;
+        (top + y) * self.width + left + x
+    }
+
+    /// Returns the camera ray of one of the pixel's samples.
+    pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
+        let rays = self.camera_rays([x as f32, y as f32], self.pixel_number((x, y)), sample);
+        let [origin, direction] = rays.map(Vec3::from);
+        Ray { origin, direction }
+    }
+
+    /// Returns the start of the path of one of the pixel's samples.
+    pub(crate) fn camera_path(&self, place: (u32, u32), sample: u32) -> PathRay {
+        let id = SampleId {
+            pixel: self.pixel_number(place),
+            sample,
+        };
+        PathRay::from_camera(self.camera_ray(place, sample), id)
+    }
+
+    /// Returns the origins and the directions of the camera rays of one sample of a
+    /// pixel per lane, with these columns and rows, and these numbers.
+    #[inline(always)]
+    pub(super) fn camera_rays<R: Real>(
+        &self,
+        [x, y]: [R; 2],
+        pixel: R::Integer,
+        sample: u32,
+    ) -> [Vector<R>; 2] {
+        let even = self.sampler.position::<R>(pixel, sample);
+        let [dx, dy] = self.filter.position(even);
+        let [x, y] = self.in_picture([x, y]);
+        let rays = self.plane.rays(x + dx, y + dy);
+        match self.plane.lens() {
+            None => rays,
+            Some(lens) => {
+                let sample = pixel.splat(sample);
+                let on_lens = self.sampler.pair(pixel, sample, Dimension::LENS);
+                lens.refracted(rays, on_lens)
+            }
+        }
+    }
+
+    /// Returns the footprints of pixels at these distances, without a lens, in world units; NaN
+    /// at NaN.
+    #[inline(always)]
+    pub(super) fn footprints<R: Real>(&self, at: [R; 2], distance: R) -> R {
+        let footprint = self
+            .plane
+            .footprints(self.pitch, self.in_picture(at), distance);
+        R::select(distance.le(distance), footprint, distance) * distance.splat(self.unit)
+    }
+
+    /// Columns and rows in the whole picture: sums of whole numbers, exact.
+    #[inline(always)]
+    fn in_picture<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
+        let [left, top] = self.origin.map(|n| n as f32);
+        [x + x.splat(left), y + y.splat(top)]
+    }
+
+    /// Returns the point at which all camera rays start, if there is one.
+    pub(super) fn eye(&self) -> Option<Vec3> {
+        self.plane.eye()
+    }
+
+    /// Limits each channel of a sample to the shading model's greatest.
+    #[inline(always)]
+    pub fn limited<R: Real>(&self, color: Vector<R>) -> Vector<R> {
+        let most = color.x.splat(self.sample_limit);
+        debug_assert!(
+            color.x.equals(color.x).all()
+                && color.y.equals(color.y).all()
+                && color.z.equals(color.z).all(),
+            "a sample is not a number"
+        );
+        Vector {
+            x: color.x.min(most),
+            y: color.y.min(most),
+            z: color.z.min(most),
+        }
+    }
+
+    /// Divides the sum of the samples' colors by their number, and sets the footprint.
+    pub(super) fn finish(&self, pixel: &mut Pixel, n_samples: u32, (x, y): (u32, u32)) {
+        pixel.color /= n_samples as f32;
+        let footprint = self.footprints([x as f32, y as f32], pixel.distance);
+        pixel.footprint = self.footprint(pixel.position, footprint);
+        pixel.distance *= self.unit;
+    }
+
+    /// Returns the footprint of a pixel that sees a position; `of_pinhole` is that of
+    /// [`footprints`](Self::footprints).
+    #[inline]
+    pub(super) fn footprint(&self, position: Vec3, of_pinhole: f32) -> f32 {
+        let behind_lens = self.plane.footprint_behind_lens(self.pitch, position);
+        behind_lens.map_or(of_pinhole, |footprint| self.unit * footprint)
+    }
+}

@@ -1,0 +1,197 @@
+//! A worker renders the tiles that rank 0 deals to it.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use super::canvas::Canvas;
+use super::groups::GroupRenderer;
+use super::stream::StreamRenderer;
+use super::timed::SingleRayRenderer;
+use super::{TilePlan, TileRenderer, View, render_tile};
+use crate::checkpoint::TileRecord;
+use crate::film::Film;
+use crate::ranks::{MessageKind, RankWork, Ranks};
+use crate::schedule::{TileRun, pause};
+use base::stop;
+use scene::world::Scene;
+use tracer::accel::Accel;
+use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
+
+/// Most bytes of tiles in a message: more would keep rank 0 from the other workers.
+const MAX_BYTES: usize = 1 << 20;
+
+/// Bytes of a tile in a message: the number of its rendering, and its own.
+const DEALT_BYTES: usize = size_of::<u8>() + size_of::<u32>();
+
+/// The number of a rendering, and that of a tile.
+type DealtTile = (u8, u32);
+
+/// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each
+/// pixel measured with the `meter`, and sends them back, until rank 0 has no more. After a
+/// request to stop ([`stop`]) it ends at once.
+pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, meter: &Meter) {
+    let film = &plan.film_without_rows(scene, meter.mode());
+    let view = View::new(scene, accel, &plan.image);
+    match meter {
+        Meter::Off => render_dealt(ranks, film, plan, || StreamRenderer::<NoProbe>::new(view)),
+        Meter::Counters => {
+            render_dealt(ranks, film, plan, || StreamRenderer::<Counters>::new(view));
+        }
+        Meter::Time(clock) => {
+            let renderer = || GroupRenderer::new(view, clock);
+            render_dealt(ranks, film, plan, renderer);
+        }
+        Meter::SingleRayTime(clock) => {
+            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
+            render_dealt(ranks, film, plan, renderer);
+        }
+    }
+}
+
+fn render_dealt<R: TileRenderer>(
+    ranks: &Ranks,
+    film: &Film,
+    plan: &TilePlan,
+    renderer: impl Fn() -> R + Sync,
+) {
+    let (to_threads, dealt) = mpsc::channel();
+    let (to_rank_0, rendered) = mpsc::channel();
+    let dealt = DealtTiles {
+        tiles: Mutex::new(dealt),
+        n: AtomicUsize::new(0),
+    };
+    let post = Post {
+        ranks,
+        dealt: &dealt,
+        rendered,
+        work: RankWork::default(),
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| post.carry(to_threads));
+        rayon::broadcast(|context| {
+            let thread = context.index() as u32;
+            let mut film = film.of_one_tile();
+            let canvas = Canvas::of_one_tile(&mut film);
+            render_some(
+                thread,
+                renderer(),
+                (ranks, plan, &canvas),
+                &dealt,
+                &to_rank_0,
+            );
+        });
+    });
+}
+
+/// Renders tiles on the calling thread until there are no more.
+fn render_some(
+    thread: u32,
+    mut renderer: impl TileRenderer,
+    (ranks, plan, canvas): (&Ranks, &TilePlan, &Canvas),
+    dealt: &DealtTiles,
+    to_rank_0: &Sender<TileRecord<'static>>,
+) {
+    let mut wait = CpuWait::of_this_thread();
+    while let Some((rendering, number)) = dealt.next() {
+        let tile = plan.grid.tile(number);
+        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch, &mut wait);
+        let run = TileRun { thread, ..run };
+        let record = canvas.record(&tile, rendering, run);
+        // A tile that was stopped is not whole.
+        if stop::is_requested() || to_rank_0.send(record).is_err() {
+            return;
+        }
+    }
+}
+
+/// The tiles that no thread of a worker has begun.
+struct DealtTiles {
+    tiles: Mutex<Receiver<DealtTile>>,
+    n: AtomicUsize,
+}
+
+impl DealtTiles {
+    /// Waits for the next tile; `None` if there will be no more.
+    fn next(&self) -> Option<DealtTile> {
+        let tiles = self.tiles.lock().unwrap_or_else(PoisonError::into_inner);
+        let next = tiles.recv().ok()?;
+        self.n.fetch_sub(1, Ordering::Relaxed);
+        Some(next)
+    }
+
+    /// Gives the tiles of a message to the threads.
+    fn add(&self, bytes: &[u8], to_threads: &Sender<DealtTile>) {
+        let (tiles, _) = bytes.as_chunks::<DEALT_BYTES>();
+        self.n.fetch_add(tiles.len(), Ordering::Relaxed);
+        for &[rendering, number @ ..] in tiles {
+            // The threads end after the sender.
+            let _ = to_threads.send((rendering, u32::from_le_bytes(number)));
+        }
+    }
+
+    /// Whether there are any.
+    fn are_some(&self) -> bool {
+        self.n.load(Ordering::Relaxed) > 0
+    }
+}
+
+/// Carries tiles between rank 0 and the threads of a worker.
+struct Post<'a> {
+    ranks: &'a Ranks,
+    dealt: &'a DealtTiles,
+    rendered: Receiver<TileRecord<'static>>,
+    work: RankWork,
+}
+
+impl Post<'_> {
+    /// Until rank 0 has no further tiles; then the threads end, for `to_threads` is gone.
+    fn carry(mut self, to_threads: Sender<DealtTile>) {
+        self.ranks.send(0, MessageKind::Ready, &[]);
+        while !stop::is_requested() {
+            let begin = Instant::now();
+            let mut is_idle = true;
+            while let Some(message) = self.ranks.receive() {
+                is_idle = false;
+                match message.kind {
+                    MessageKind::Tiles => self.dealt.add(&message.bytes, &to_threads),
+                    MessageKind::End => return self.ranks.send_work(&self.work),
+                    _ => {}
+                }
+            }
+            is_idle &= !self.send_rendered();
+            if is_idle {
+                std::thread::sleep(pause(self.dealt.are_some()));
+            } else {
+                self.work.communication_ns += begin.elapsed().as_nanos() as u64;
+            }
+        }
+    }
+
+    /// Sends the tiles that the threads have rendered; false if there are none.
+    fn send_rendered(&mut self) -> bool {
+        let mut bytes = Vec::new();
+        while let Some(record) = self.next_rendered(bytes.len()) {
+            let begin = bytes.len();
+            bytes.extend([0; size_of::<u32>()]);
+            record.append_to(&mut bytes);
+            let length = (bytes.len() - begin - size_of::<u32>()) as u32;
+            bytes[begin..begin + size_of::<u32>()].copy_from_slice(&length.to_le_bytes());
+        }
+        if !bytes.is_empty() {
+            self.ranks.send(0, MessageKind::Records, &bytes);
+            self.work.sent_bytes += bytes.len() as u64;
+        }
+        !bytes.is_empty()
+    }
+
+    /// A rendered tile for a message that already has so many bytes.
+    fn next_rendered(&self, n_bytes: usize) -> Option<TileRecord<'static>> {
+        if n_bytes < MAX_BYTES {
+            self.rendered.try_recv().ok()
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! A camera that moves along a smooth path.
+
+use serde::Deserialize;
+use serde::de::Deserializer;
+
+use crate::yaml::{self, Fault, FieldPath};
+
+/// Moves the camera along a smooth path through all eyes, at constant speed.
+///
+/// ```
+/// # use scene::animation::FlyThrough;
+/// let path: FlyThrough = scene::yaml::from_str("
+/// { eyes: [[0, 1, 6], [3, 1, 3], [3, 1, -3]], targets: [[0, 0, 0]] }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a path such as { eyes: [[0, 1, 6], [3, 1, 3]] }"
+)]
+pub struct FlyThrough {
+    /// Points of the path, at least two; the first is that of the first frame.
+    #[serde(deserialize_with = "points")]
+    pub eyes: Vec<[f64; 3]>,
+    /// What the camera looks at: one point, or one for each eye. Without them it looks
+    /// where it goes.
+    #[serde(default, deserialize_with = "points")]
+    pub targets: Vec<[f64; 3]>,
+}
+
+/// A point of a scene.
+#[derive(Deserialize)]
+#[serde(transparent)]
+struct Point(#[serde(deserialize_with = "yaml::point")] glam::DVec3);
+
+fn points<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 3]>, D::Error> {
+    let points: Vec<Point> = yaml::non_empty(d, "point")?;
+    let point = |Point(point): Point| point.to_array();
+    Ok(points.into_iter().map(point).collect())
+}
+
+/// Parts of a segment whose lengths give the speed.
+const N_PARTS: usize = 64;
+
+impl FlyThrough {
+    pub(super) fn check(&self, path: &FieldPath) -> Result<(), Fault> {
+        let [eyes, targets] = ["eyes", "targets"].map(|key| path.clone().key(key));
+        let n = self.eyes.len();
+        if n < 2 {
+            let message = "a path has two points or more";
+            return Err(Fault::new(eyes, message, "expected a list of points"));
+        }
+        if let Some(index) = (1..n).find(|&i| self.eyes[i] == self.eyes[i - 1]) {
+            let message = "the path has the same point twice in a row";
+            return Err(Fault::new(
+                eyes.index(index),
+                message,
+                "expected another point",
+            ));
+        }
+        if ![0, 1, n].contains(&self.targets.len()) {
+            let message = format!("a path of {n} eyes has {} targets", self.targets.len());
+            let expected = format!("expected one target or {n}");
+            return Err(Fault::new(targets, message, expected));
+        }
+        Ok(())
+    }
+
+    /// The eye and the target at a frame.
+    pub(super) fn pose(&self, frame: u32, n_frames: u32) -> [[f64; 3]; 2] {
+        let part = f64::from(frame) / f64::from((n_frames - 1).max(1));
+        let spline = Spline::through(&self.eyes);
+        let (segment, u) = spline.at_length(part, &self.eyes);
+        let eye = spline.point(&self.eyes, segment, u);
+        let target = match self.targets.as_slice() {
+            [] => {
+                // The direction of a short chord, within the path.
+                let (from, to) = ((u - 1e-3).max(0.0), (u + 1e-3).min(1.0));
+                let [from, to] = [from, to].map(|u| spline.point(&self.eyes, segment, u));
+                let length = distance(from, to).max(f64::MIN_POSITIVE);
+                [0, 1, 2].map(|i| eye[i] + (to[i] - from[i]) / length)
+            }
+            [one] => *one,
+            many => spline.point(many, segment, u),
+        };
+        [eye, target]
+    }
+}
+
+/// A Catmull-Rom spline with centripetal knots, after Yuksel, Schaefer and Keyser,
+/// "Parameterization and Applications of Catmull-Rom Curves", 2011: it has no loops and
+/// cusps between its points.
+struct Spline {
+    /// The knots of all points, and one more on each side.
+    knots: Vec<f64>,
+}
+
+/// The knots between which each level of the pyramid interpolates.
+const PYRAMID: [&[(usize, usize)]; 3] = [&[(0, 1), (1, 2), (2, 3)], &[(0, 2), (1, 3)], &[(1, 2)]];
+
+impl Spline {
+    fn through(points: &[[f64; 3]]) -> Self {
+        let mut knots = vec![0.0];
+        let n = points.len();
+        for i in 0..=n {
+            // The points beyond the ends mirror the nearest segments.
+            let segment = i.saturating_sub(1).min(n - 2);
+            let gap = distance(points[segment], points[segment + 1]).sqrt();
+            knots.push(knots[i] + gap);
+        }
+        Self { knots }
+    }
+
+    /// The point of a segment at `u` from 0 to 1, by Barry's and Goldman's pyramid.
+    fn point(&self, points: &[[f64; 3]], segment: usize, u: f64) -> [f64; 3] {
+        let mirrored =
+            |at: usize, beyond: usize| [0, 1, 2].map(|i| 2.0 * points[at][i] - points[beyond][i]);
+        let last = points.len() - 1;
+        let at = |k: usize| match k {
+            0 => mirrored(0, 1),
+            k if k - 1 > last => mirrored(last, last - 1),
+            k => points[k - 1],
+        };
+        let t: [f64; 4] = std::array::from_fn(|k| self.knots[segment + k]);
+        let x = t[1] + u * (t[2] - t[1]);
+        let mut row: [[f64; 3]; 4] = std::array::from_fn(|k| at(segment + k));
+        for spans in PYRAMID {
+            for (k, &(from, to)) in spans.iter().enumerate() {
+                let share = (x - t[from]) / (t[to] - t[from]);
+                let (a, b) = (row[k], row[k + 1]);
+                row[k] = [0, 1, 2].map(|i| a[i] + share * (b[i] - a[i]));
+            }
+        }
+        row[0]
+    }
+
+    /// The segment and the place in it that divide the path's length so.
+    fn at_length(&self, part: f64, points: &[[f64; 3]]) -> (usize, f64) {
+        let n_segments = points.len() - 1;
+        let at = |i: usize| {
+            let segment = (i / N_PARTS).min(n_segments - 1);
+            (segment, (i - segment * N_PARTS) as f64 / N_PARTS as f64)
+        };
+        let point = |i: usize| {
+            let (segment, u) = at(i);
+            self.point(points, segment, u)
+        };
+        let mut lengths = vec![0.0];
+        for i in 0..n_segments * N_PARTS {
+            lengths.push(lengths[i] + distance(point(i), point(i + 1)));
+        }
+        let wanted = part * lengths[lengths.len() - 1];
+        let next = lengths.partition_point(|length| *length <= wanted);
+        let Some(&after) = lengths.get(next) else {
+            return (n_segments - 1, 1.0);
+        };
+        let before = lengths[next - 1];
+        let (segment, u) = at(next - 1);
+        // A part belongs to one segment.
+        let within = (wanted - before) / (after - before);
+        (segment, u + within / N_PARTS as f64)
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let square = |i: usize| (a[i] - b[i]) * (a[i] - b[i]);
+    (square(0) + square(1) + square(2)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(eyes: &[[f64; 3]], targets: &[[f64; 3]]) -> FlyThrough {
+        FlyThrough {
+            eyes: eyes.to_vec(),
+            targets: targets.to_vec(),
+        }
+    }
+
+    #[test]
+    fn a_straight_path_has_equal_steps_and_looks_ahead() {
+        let path = path(&[[0.0; 3], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]], &[]);
+        for frame in 0..9 {
+            let [eye, target] = path.pose(frame, 9);
+            let expected = 0.5 * f64::from(frame);
+            assert!((eye[0] - expected).abs() < 2e-3, "{frame}: {eye:?}");
+            assert!((target[0] - eye[0] - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_bent_path_passes_through_its_points_at_constant_speed() {
+        let eyes = [
+            [0.0, 0.0, 0.0],
+            [1.0, 2.0, 0.0],
+            [5.0, 2.0, 1.0],
+            [5.0, -1.0, 3.0],
+        ];
+        let path = path(&eyes, &eyes);
+        assert_eq!(path.pose(0, 1000)[0], eyes[0]);
+        assert!(distance(path.pose(999, 1000)[0], eyes[3]) < 1e-9);
+        let points: Vec<[f64; 3]> = (0..1000).map(|frame| path.pose(frame, 1000)[0]).collect();
+        for eye in eyes {
+            let nearest = points.iter().map(|point| distance(*point, eye));
+            assert!(nearest.fold(f64::MAX, f64::min) < 0.01);
+        }
+        let steps = points.windows(2).map(|pair| distance(pair[0], pair[1]));
+        let (least, most) = steps.fold((f64::MAX, 0.0), |(least, most): (f64, f64), step| {
+            (least.min(step), most.max(step))
+        });
+        assert!(most < 1.05 * least, "{least} to {most}");
+        // Targets follow the same curve.
+        let [eye, target] = path.pose(400, 1000);
+        assert!(distance(eye, target) < 1e-12);
+    }
+}

@@ -1,0 +1,236 @@
+//! The `animation` section: frame number → values of the scene.
+//!
+//! A frame is the scene with other values at some paths, as if the command line had set
+//! them: those of keyframes, and the eye and the target of a camera that moves.
+//! [`Animation::at_frame`] sets them in the scene's text, so that each value is read and
+//! checked as any other, and a message about it points at its keyframes.
+
+mod interpolation;
+mod keyframe;
+mod track;
+mod orbit;
+mod fly_through;
+mod frame_range;
+mod hierarchy_update;
+
+use indexmap::IndexMap;
+use serde::Deserialize;
+use serde::de::Deserializer;
+
+pub use fly_through::FlyThrough;
+pub use frame_range::FrameRange;
+pub use hierarchy_update::HierarchyUpdate;
+pub use interpolation::Interpolation;
+pub use keyframe::{Keyframe, KeyframeValue};
+pub use orbit::Orbit;
+
+use crate::yaml::{self, Document, Fault, FieldPath, Number};
+use base::text::Diagnostic;
+
+/// Values of the scene that change from frame to frame.
+///
+/// ```
+/// # use scene::animation::Animation;
+/// let animation: Animation = scene::yaml::from_str(r#"
+/// frames: 48
+/// fps: 24
+/// interpolation: smooth
+/// keyframes:
+///   objects[0].sphere.radius: [{ frame: 0, value: 1 }, { frame: 47, value: 2 }]
+///   materials.lamp.emission: [{ frame: 12, value: 0 }, { frame: 24, value: [9, 8, 7] }]
+/// orbit: { turns: 1 }
+/// "#).unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an animation such as { frames: 48, orbit: { turns: 1 } }"
+)]
+pub struct Animation {
+    /// The number of frames, 1 to 100,000; by default that of the time steps of the longest
+    /// data series.
+    #[serde(default, deserialize_with = "frames")]
+    pub frames: Option<u32>,
+    /// Frames per second of the video, and of time where no data series gives it; 24 by
+    /// default.
+    #[serde(default = "default_fps", deserialize_with = "fps")]
+    pub fps: f32,
+    /// How values change from one keyframe to the next, if the keyframe does not say it.
+    #[serde(default)]
+    pub interpolation: Interpolation,
+    /// Lists of keyframes, by the path of the value that they change.
+    #[serde(default)]
+    pub keyframes: IndexMap<String, Vec<Keyframe>>,
+    /// Moves the camera around its target.
+    #[serde(default)]
+    pub orbit: Option<Orbit>,
+    /// Moves the camera along a smooth path.
+    #[serde(default)]
+    pub fly_through: Option<FlyThrough>,
+    /// How the hierarchy of a frame comes about: built, or that of the first frame, refitted.
+    #[serde(default)]
+    pub hierarchy: HierarchyUpdate,
+}
+
+/// The key of the section.
+pub const KEY: &str = "animation";
+/// Frames per second if none are given.
+const DEFAULT_FPS: f32 = 24.0;
+/// Most frames of an animation.
+pub const MAX_FRAMES: u32 = 100_000;
+
+fn frames<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
+    yaml::whole(d, 1..=MAX_FRAMES).map(Some)
+}
+
+fn default_fps() -> f32 {
+    DEFAULT_FPS
+}
+
+fn fps<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    let number = Number {
+        expected: "frames per second from 0.001 to 1000",
+        accepts: |fps| (0.001..=1000.0).contains(&fps),
+    };
+    serde::de::DeserializeSeed::deserialize(number, d)
+}
+
+/// Without keyframes, for scenes that only show a data series.
+impl Default for Animation {
+    fn default() -> Self {
+        Self {
+            frames: None,
+            fps: DEFAULT_FPS,
+            interpolation: Interpolation::default(),
+            keyframes: IndexMap::new(),
+            orbit: None,
+            fly_through: None,
+            hierarchy: HierarchyUpdate::default(),
+        }
+    }
+}
+
+impl Animation {
+    /// Checks what keyframes and the camera's path have to be for this number of frames.
+    ///
+    /// # Errors
+    /// The first mistake.
+    pub fn check(&self, n_frames: u32) -> Result<(), Fault> {
+        let keyframes = section().key("keyframes");
+        for (path, track) in &self.keyframes {
+            track::check(track, n_frames, &keyframes.clone().key(path))?;
+        }
+        let Some(fly_through) = &self.fly_through else {
+            return Ok(());
+        };
+        if self.orbit.is_some() {
+            let message = "the camera cannot have an `orbit` and a `fly_through`";
+            return Err(Fault::of_key(
+                section().key("orbit"),
+                message,
+                "expected one of both",
+            ));
+        }
+        fly_through.check(&section().key("fly_through"))
+    }
+
+    /// The fault of an animation whose number of frames nothing gives.
+    pub fn without_frames(&self) -> Fault {
+        let message = "the animation has no number of frames";
+        let fault = Fault::of_key(section(), message, "expected `frames` in it");
+        fault.with_help("write `frames: 48`, or show a data series, whose time steps are frames")
+    }
+
+    /// The scene at a frame of `n_frames`, which [`check`](Self::check) has accepted.
+    ///
+    /// # Errors
+    /// A path that the scene does not have, or a camera that cannot move.
+    pub fn at_frame(
+        &self,
+        scene: &Document,
+        frame: u32,
+        n_frames: u32,
+    ) -> Result<Document, Diagnostic> {
+        let mut scene = scene.clone();
+        for (path, keyframes) in &self.keyframes {
+            let key = section().key("keyframes").key(path);
+            if let Some(fault) = fixed(path, &key) {
+                return Err(scene.point_at(fault));
+            }
+            let value = track::value_at(keyframes, self.interpolation, frame);
+            scene.set_for(path, &value.to_string(), key)?;
+        }
+        if let Some(orbit) = self.orbit {
+            let key = section().key("orbit");
+            let camera = PosedCamera::of(&scene, &key)?;
+            let eye = orbit.eye(camera.pose, frame, n_frames);
+            scene.set_for(&camera.path("eye"), &listed(eye), key)?;
+        }
+        if let Some(fly_through) = &self.fly_through {
+            let key = section().key("fly_through");
+            let camera = PosedCamera::of(&scene, &key)?;
+            let [eye, target] = fly_through.pose(frame, n_frames);
+            scene.set_for(&camera.path("eye"), &listed(eye), key.clone())?;
+            scene.set_for(&camera.path("target"), &listed(target), key)?;
+        }
+        Ok(scene)
+    }
+}
+
+/// The fault of a path whose value is the same in all frames; `None` for others.
+fn fixed(path: &str, key: &FieldPath) -> Option<Fault> {
+    let sections = ["animation", "include", "image.width", "image.height"];
+    let is_in = |section: &&str| {
+        let rest = path.strip_prefix(section);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    };
+    let section = sections.into_iter().find(is_in)?;
+    let message = format!("`{section}` is the same in all frames");
+    let expected = "expected the path of another value";
+    Some(Fault::of_key(key.clone(), message, expected))
+}
+
+fn section() -> FieldPath {
+    FieldPath::default().key(KEY)
+}
+
+/// Eye, target and up of a camera.
+type Pose = [[f64; 3]; 3];
+
+/// A camera with an eye and a target, which can move.
+struct PosedCamera {
+    /// Its key in the section `camera`.
+    kind: &'static str,
+    pose: Pose,
+}
+
+impl PosedCamera {
+    /// The camera of a scene; a message about another one points at `key`.
+    fn of(scene: &Document, key: &FieldPath) -> Result<Self, Diagnostic> {
+        let find = |kind: &'static str| {
+            let point = |name: &str| {
+                let path = FieldPath::default().key("camera").key(kind).key(name);
+                scene.value_at::<[f64; 3]>(&path)
+            };
+            let up = point("up").unwrap_or([0.0, 1.0, 0.0]);
+            let pose = [point("eye")?, point("target")?, up];
+            Some(Self { kind, pose })
+        };
+        let kinds = ["look_at", "orthographic", "panorama"];
+        kinds.into_iter().find_map(find).ok_or_else(|| {
+            let expected = "expected a camera with `eye` and `target`";
+            let fault = Fault::of_key(key.clone(), "this camera cannot move", expected);
+            scene.point_at(fault.with_help("use `look_at`, `orthographic` or `panorama`"))
+        })
+    }
+
+    /// The path of one of its values.
+    fn path(&self, name: &str) -> String {
+        format!("camera.{}.{name}", self.kind)
+    }
+}
+
+/// `[x, y, z]`
+fn listed(point: [f64; 3]) -> String {
+    KeyframeValue::List(point.to_vec()).to_string()
+}

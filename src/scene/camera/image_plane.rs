@@ -1,0 +1,182 @@
+//! The image as a rectangle in render space.
+
+use glam::{DVec3, Vec3};
+
+use super::lens::Lens;
+use super::sphere_axes::{SphereAxes, shrinkage};
+use crate::geometry::{Ray, RenderSpace};
+use math::simd::{Real, Vector};
+
+/// The positions of the pixels in render space, and the camera rays through them.
+///
+/// The plane of a panorama is a map of the sphere of radius 1 around the eye, which it
+/// touches in the center: lengths along `right` and `down` are angles in radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImagePlane {
+    /// How the rays pass through the plane.
+    pub projection: Projection,
+    /// The lens around the eye of a perspective camera; `None` for a pinhole.
+    pub lens: Option<Lens>,
+    /// The space of all of its vectors.
+    pub space: RenderSpace,
+    /// [`eye`](Self::eye) in world space, exactly.
+    pub eye_in_world: DVec3,
+    /// The point from which the picture is seen; of parallel rays the center of the image.
+    pub eye: Vec3,
+    /// From the eye to the center of pixel (0, 0): column 0 of the top row. Relative to the
+    /// eye, so that the directions of rays have all digits wherever it is.
+    pub to_first: Vec3,
+    /// From a pixel's center to the next column's.
+    pub right: Vec3,
+    /// From a pixel's center to that of the row below.
+    pub down: Vec3,
+    /// Numbers of columns and rows.
+    pub size: [u32; 2],
+}
+
+impl ImagePlane {
+    /// The part of the plane with these numbers of columns and rows, from this column and this
+    /// row on.
+    pub fn part(&self, origin: [u32; 2], size: [u32; 2]) -> Self {
+        let [left, top] = origin.map(|n| n as f32);
+        Self {
+            to_first: self.to_first + left * self.right + top * self.down,
+            size,
+            ..*self
+        }
+    }
+}
+
+/// How rays pass through the image plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// All start in the eye, or around it on a lens.
+    Perspective,
+    /// All start on the plane, in one direction.
+    Parallel {
+        /// That direction, a unit vector.
+        direction: Vec3,
+    },
+    /// All start in the eye, in all directions.
+    Panorama {
+        /// The directions of the columns and rows.
+        axes: SphereAxes,
+    },
+}
+
+impl ImagePlane {
+    /// An image plane of square pixels, whose center is at `to_center` from the eye, a point of
+    /// world space.
+    ///
+    /// `right` and `up` are unit vectors, `height` is the plane's height, `size` is the number
+    /// of columns and rows.
+    pub(super) fn centered(
+        projection: Projection,
+        (space, eye): (RenderSpace, DVec3),
+        [to_center, right, up]: [Vec3; 3],
+        height: f32,
+        size: [u32; 2],
+    ) -> Self {
+        let pitch = height / size[1] as f32;
+        let [to_first_column, to_first_row] = size.map(|n| 0.5 * (n as f32 - 1.0) * pitch);
+        Self {
+            projection,
+            lens: None,
+            space,
+            eye_in_world: eye,
+            eye: space.point(eye),
+            to_first: to_center - to_first_column * right + to_first_row * up,
+            right: pitch * right,
+            down: -pitch * up,
+            size,
+        }
+    }
+
+    /// The same plane without a lens.
+    pub fn of_pinhole(self) -> Self {
+        Self { lens: None, ..self }
+    }
+
+    /// The point at which all camera rays start, if there is one.
+    pub fn eye(&self) -> Option<Vec3> {
+        let is_point = match self.projection {
+            Projection::Perspective => self.lens.is_none(),
+            Projection::Panorama { .. } => true,
+            Projection::Parallel { .. } => false,
+        };
+        is_point.then_some(self.eye)
+    }
+
+    /// The ray through pixel coordinates (x, y), with a lens through its center. The
+    /// centers of the pixels have integer coordinates, (0, 0) at the top left; a pixel
+    /// extends half a unit to each side.
+    #[inline]
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        let [origin, direction] = self.rays(x, y).map(Vec3::from);
+        Ray { origin, direction }
+    }
+
+    /// The origins and the directions of the rays through these pixel coordinates:
+    /// [`ray`](Self::ray) for one pair or for lanes of them.
+    #[inline(always)]
+    pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
+        let eye = Vector::splat(x, self.eye);
+        match self.projection {
+            Projection::Perspective => [eye, self.offset(x, y).normalize()],
+            Projection::Parallel { direction } => {
+                [eye + self.offset(x, y), Vector::splat(x, direction)]
+            }
+            Projection::Panorama { axes } => [eye, axes.direction([x, y], self.size)],
+        }
+    }
+
+    /// The lens, if there is one: it refracts the rays of a pinhole.
+    #[inline(always)]
+    pub fn lens(&self) -> Option<&Lens> {
+        self.lens.as_ref()
+    }
+
+    /// The side of a square with the area of a pixel on the plane.
+    pub fn pitch(&self) -> f32 {
+        (self.right.length() * self.down.length()).sqrt()
+    }
+
+    /// The size of pixel (x, y), or of one per lane, at a distance along its
+    /// ray: the side of a square with the pixel's area. `pitch` is that of the plane
+    /// ([`pitch`](Self::pitch)).
+    #[inline(always)]
+    pub fn footprints<R: Real>(&self, pitch: f32, [x, y]: [R; 2], distance: R) -> R {
+        let pitch = x.splat(pitch);
+        match self.projection {
+            Projection::Perspective => pitch * distance / self.offset(x, y).length(),
+            Projection::Parallel { .. } => pitch,
+            Projection::Panorama { .. } => pitch * distance * shrinkage(y, self.size[1]),
+        }
+    }
+
+    /// The size of a pixel at a point that it sees through the lens; `None`
+    /// without a lens. `pitch` is that of the plane.
+    pub fn footprint_behind_lens(&self, pitch: f32, point: Vec3) -> Option<f32> {
+        // The plane of a camera with a lens is at distance 1.
+        let lens = self.lens.as_ref()?;
+        Some(pitch * lens.depth(self.eye, point))
+    }
+
+    /// The point of pixel coordinates (x, y).
+    pub fn point(&self, x: f32, y: f32) -> Vec3 {
+        self.eye + Vec3::from(self.offset(x, y))
+    }
+
+    /// From the eye to the point of a pair of coordinates, or of one per lane.
+    #[inline(always)]
+    fn offset<R: Real>(&self, x: R, y: R) -> Vector<R> {
+        let [first, right, down] = [self.to_first, self.right, self.down];
+        Vector::splat(x, first) + Vector::splat(x, right) * x + Vector::splat(x, down) * y
+    }
+
+    /// The center of the image.
+    pub fn center(&self) -> Vec3 {
+        let [x, y] = self.size.map(|n| 0.5 * (n as f32 - 1.0));
+        self.point(x, y)
+    }
+}

@@ -1,0 +1,60 @@
+//! Tone curves: bright light → what a display can show.
+
+use glam::Vec3;
+use serde::{Deserialize, Deserializer};
+
+use super::{aces, agx};
+use base::text;
+
+/// A function from exposed light to that of a display, both linear and with the
+/// primaries of sRGB.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum ToneCurve {
+    /// Light above 1 is cut off, channel by channel
+    #[default]
+    None,
+    /// AgX: 16.5 stops; bright colors fade to white
+    Agx,
+    /// The fit by Stephen Hill of ACES' reference and sRGB transforms
+    Aces,
+}
+
+impl ToneCurve {
+    /// Returns the light of the display; channels may lie outside of 0 to 1.
+    #[inline]
+    pub(super) fn displayed(self, light: Vec3) -> Vec3 {
+        match self {
+            Self::None => light,
+            Self::Agx => agx::displayed(light),
+            Self::Aces => aces::displayed(light),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ToneCurve {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_light_is_brighter_and_gray_stays_gray() {
+        for curve in [ToneCurve::Agx, ToneCurve::Aces] {
+            let mut last = -1.0;
+            for i in 0..=400 {
+                let light = libm::exp2f(i as f32 / 20.0 - 12.0);
+                let shown = curve.displayed(Vec3::splat(light));
+                let spread = shown.max_element() - shown.min_element();
+                assert!(spread < 2e-3, "{curve:?} shows gray {light} as {shown}");
+                assert!(shown.y >= last, "{curve:?} at {light}");
+                last = shown.y;
+            }
+            assert!((0.97..1.06).contains(&last), "{curve:?} ends at {last}");
+        }
+    }
+}

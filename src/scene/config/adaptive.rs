@@ -1,0 +1,61 @@
+//! The key `adaptive` of the `image` section.
+
+use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer};
+
+use crate::yaml::{self, Number};
+use base::text::numbers::counted;
+
+/// Most camera rays through a pixel.
+pub const MAX_SAMPLES: u32 = 65_536;
+
+/// Adaptive sampling: a pixel gets more samples while it is noisy.
+///
+/// ```
+/// # use scene::config::Adaptive;
+/// let adaptive: Adaptive = scene::yaml::from_str("
+/// { noise: 0.01, min_samples: 16 }
+/// ").unwrap();
+/// # assert_eq!(adaptive.min_samples, 16);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, serde::Serialize)]
+#[serde(deny_unknown_fields, expecting = "a limit such as { noise: 0.01 }")]
+pub struct Adaptive {
+    /// The standard error of a pixel's channels below which it gets no more samples, as a
+    /// share of white in a picture with a gamma of 2, from 0.0001 to 1.
+    #[serde(deserialize_with = "noise")]
+    pub noise: f32,
+    /// Samples that each pixel gets, at least 2 and at most the image's samples per pixel;
+    /// 16 if not given.
+    #[serde(deserialize_with = "min_samples", default = "sixteen")]
+    pub min_samples: u32,
+}
+
+impl Adaptive {
+    /// The number of samples per pixel, at most `most`, for people.
+    pub fn samples(this: Option<Self>, most: u32) -> String {
+        let text = counted(most.into(), "sample");
+        match this {
+            Some(Self { min_samples, .. }) if min_samples < most => {
+                format!("{min_samples} to {text}")
+            }
+            _ => text,
+        }
+    }
+}
+
+fn noise<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    let number = Number {
+        expected: "a standard error from 0.0001 to 1",
+        accepts: |noise| (1e-4..=1.0).contains(&noise),
+    };
+    number.deserialize(d)
+}
+
+fn min_samples<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    yaml::whole(d, 2..=MAX_SAMPLES)
+}
+
+fn sixteen() -> u32 {
+    16
+}

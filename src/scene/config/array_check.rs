@@ -1,0 +1,83 @@
+//! Checks the key `arrays` of the `output` section against the other settings.
+
+use super::{Config, CostMode, OptionalOutput, PixelArray};
+use crate::yaml::{Fault, FieldPath};
+use base::text::keyword_name;
+
+impl Config {
+    /// Checks that a rendering with these settings has all chosen arrays, and that each is
+    /// chosen once.
+    ///
+    /// # Errors
+    /// The fault of the key `arrays` of the section `output`, or of an item.
+    pub fn check_arrays(&self) -> Result<(), Fault> {
+        let Some(chosen) = self.output.arrays() else {
+            return Ok(());
+        };
+        let path = || FieldPath::default().key("output").key("arrays");
+        if chosen.is_empty() {
+            let message = "`output.arrays` cannot be an empty list";
+            return Err(Fault::new(path(), message, "expected at least one array")
+                .with_help("leave out `arrays` for all arrays"));
+        }
+        for (index, &array) in chosen.iter().enumerate() {
+            let name = array.name();
+            let fault = |message, expected| Fault::new(path().index(index), message, expected);
+            if chosen[..index].contains(&array) {
+                let message = format!("`output.arrays` has `{name}` twice");
+                return Err(fault(message, "expected each array once"));
+            }
+            if let Some([what, help]) = array.lacks(self) {
+                let message = format!("the array `{name}` requires {what}");
+                return Err(fault(message, "this rendering does not have it").with_help(help));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PixelArray {
+    /// What a rendering with these settings lacks to have the array, and what gives it;
+    /// `None` if it has it.
+    fn lacks(self, config: &Config) -> Option<[String; 2]> {
+        let cost = config.cost;
+        let lacks = |what: &str, help: &str| Some([what.to_owned(), help.to_owned()]);
+        let asks_for = |output: OptionalOutput| {
+            let name = keyword_name(&output);
+            let help = format!("add `also: [{name}]` beside `arrays`, or `--also {name}`");
+            (!config.output.has(output)).then(|| [format!("the output `{name}`"), help])
+        };
+        match self {
+            Self::Rgb | Self::Normals | Self::Distance | Self::Footprint => None,
+            Self::Object | Self::Material | Self::Pixel | Self::Horizon => None,
+            Self::Instance if config.has_instances() => None,
+            Self::Instance => lacks("instances", "only scenes with `instances` have it"),
+            Self::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),
+            Self::TimeMadNs | Self::NRejected if !cost.has_time() => {
+                Some(of_mode(CostMode::Time, cost))
+            }
+            Self::TimeMadNs | Self::NRejected if config.repeats.has_spread() => None,
+            Self::TimeMadNs | Self::NRejected => {
+                lacks("repeats", "use `repeats: auto` or `--repeats 10`")
+            }
+            Self::Samples if cost.has_counters() && config.image.adaptive.is_none() => lacks(
+                "adaptive sampling",
+                "only scenes with `image.adaptive` have it: all pixels have as many samples",
+            ),
+            Self::Radiance => asks_for(OptionalOutput::Radiance),
+            Self::RaysByBounce => asks_for(OptionalOutput::Bounces),
+            Self::Group => asks_for(OptionalOutput::Groups),
+            _ if cost.has_counters() => None,
+            _ => Some(of_mode(CostMode::Counters, cost)),
+        }
+    }
+}
+
+/// What another mode of `cost` lacks to have an array of this mode, and what gives it.
+fn of_mode(mode: CostMode, found: CostMode) -> [String; 2] {
+    let [mode, found] = [mode, found].map(|mode| keyword_name(&mode));
+    [
+        format!("`cost: {mode}`, and `cost` is `{found}`"),
+        format!("use `--cost {mode}`, or leave it out"),
+    ]
+}

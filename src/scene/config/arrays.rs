@@ -1,0 +1,121 @@
+//! The key `arrays` of the `output` section.
+
+use clap::ValueEnum;
+use serde::{Deserialize, Deserializer};
+
+use base::text::{self, keyword_name};
+
+/// An array of the cloud and the frame.
+///
+/// ```
+/// # use scene::config::PixelArray;
+/// let arrays: Vec<PixelArray> = scene::yaml::from_str("[RGB, node_visits, time_ns]").unwrap();
+/// # use PixelArray::*;
+/// # assert_eq!(arrays, [Rgb, NodeVisits, TimeNs]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum PixelArray {
+    /// The color in the picture
+    #[value(name = "RGB")]
+    Rgb,
+    /// The shading normal
+    #[value(name = "Normals")]
+    Normals,
+    /// The distance along the camera ray
+    Distance,
+    /// The size of the pixel at the hit
+    Footprint,
+    /// The object
+    Object,
+    /// The material
+    Material,
+    /// The instance
+    Instance,
+    /// The number of the pixel, in the cloud
+    Pixel,
+    /// Whether the hit is near the horizon, in the cloud
+    Horizon,
+    /// The time of the pixel
+    TimeNs,
+    /// The spread of repeated times
+    TimeMadNs,
+    /// The number of rejected times
+    NRejected,
+    /// The visited nodes of the hierarchy
+    NodeVisits,
+    /// The tests of primitives
+    PrimitiveTests,
+    /// All rays
+    Rays,
+    /// The rays to lights
+    ShadowRays,
+    /// The rays of mirrors
+    ReflectionRays,
+    /// The rays through clear media
+    RefractionRays,
+    /// The rays that rough surfaces scatter
+    DiffuseRays,
+    /// The longest path
+    Depth,
+    /// The samples
+    Samples,
+    /// The tile
+    Tile,
+    /// The thread
+    Thread,
+    /// The linear light
+    Radiance,
+    /// The rays by bounce
+    RaysByBounce,
+    /// The group that was timed as a whole
+    Group,
+}
+
+/// Which arrays the cloud and the frame have: all, or those that were chosen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WrittenArrays {
+    /// A bit for each [`PixelArray`].
+    left_out: u32,
+}
+
+impl WrittenArrays {
+    /// Those that were chosen, and no other.
+    pub fn only(chosen: &[PixelArray]) -> Self {
+        let others = PixelArray::value_variants()
+            .iter()
+            .filter(|array| !chosen.contains(array));
+        Self {
+            left_out: others.fold(0, |bits, array| bits | array.bit()),
+        }
+    }
+
+    /// Whether an array of this name is written.
+    pub fn has(self, name: &str) -> bool {
+        let mut arrays = PixelArray::value_variants().iter();
+        let array = arrays.find(|array| array.name() == name);
+        array.is_none_or(|array| self.left_out & array.bit() == 0)
+    }
+
+    /// Whether arrays of all these names are written.
+    pub fn has_all(self, names: &[&str]) -> bool {
+        names.iter().all(|name| self.has(name))
+    }
+}
+
+impl PixelArray {
+    /// Its name in files.
+    pub fn name(self) -> String {
+        keyword_name(&self)
+    }
+
+    fn bit(self) -> u32 {
+        1 << self as u32
+    }
+}
+
+impl<'de> Deserialize<'de> for PixelArray {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}

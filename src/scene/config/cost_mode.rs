@@ -1,0 +1,56 @@
+//! The `cost` section.
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use base::text;
+
+/// The cost measured for each pixel. All modes give the same picture, and the
+/// three modes with counters the same counters.
+///
+/// ```
+/// # use scene::config::CostMode;
+/// let cost: CostMode = scene::yaml::from_str("counters").unwrap();
+/// # assert_eq!(cost, CostMode::Counters);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum CostMode {
+    /// Nothing; traces rays in streams
+    None,
+    /// Node visits, primitive tests and rays; traces rays in streams
+    Counters,
+    /// Counters, and the time of each pixel; traces rays one by one
+    SingleRayTime,
+    /// Counters, and the times of waves of rays, split over their pixels by the
+    /// counters of each stage; traces rays in streams
+    #[default]
+    Time,
+}
+
+impl CostMode {
+    /// Whether node visits, primitive tests and rays are counted.
+    pub fn has_counters(self) -> bool {
+        self != Self::None
+    }
+
+    /// Whether each pixel has a time: its own, or its share of its group's.
+    pub fn has_time(self) -> bool {
+        matches!(self, Self::SingleRayTime | Self::Time)
+    }
+
+    /// The name of the kernel: `single_ray` if each pixel is timed alone, which excludes
+    /// the other, `stream`, as it traces the rays of many pixels together.
+    pub fn kernel(self) -> &'static str {
+        match self {
+            Self::None | Self::Counters | Self::Time => "stream",
+            Self::SingleRayTime => "single_ray",
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for CostMode {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}

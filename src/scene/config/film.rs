@@ -1,0 +1,96 @@
+//! The `film` section.
+
+use std::ops::RangeInclusive;
+
+use serde::de::DeserializeSeed;
+use serde::{Deserialize, Deserializer};
+
+use super::ShadingModel;
+use crate::color::{Development, ToneCurve, Transfer};
+use crate::yaml::{self, Number};
+
+/// How the light of a pixel becomes the numbers of the picture.
+///
+/// ```
+/// # use scene::config::FilmSettings;
+/// # use scene::color::ToneCurve;
+/// let film: FilmSettings = scene::yaml::from_str("
+/// { exposure: 1.5, tone_curve: agx, bits: 16 }
+/// ").unwrap();
+/// # assert_eq!((film.exposure, film.tone_curve, film.bits), (1.5, ToneCurve::Agx, 16));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "a film such as { exposure: 1, tone_curve: agx }"
+)]
+pub struct FilmSettings {
+    /// Stops, -32 to 32: the light is doubled for each; 0 if not given.
+    #[serde(deserialize_with = "stops")]
+    pub exposure: f32,
+    /// The tone curve; none if not given.
+    pub tone_curve: ToneCurve,
+    /// The transfer function; if not given, that of [`ShadingModel::transfer`].
+    pub transfer: Option<Transfer>,
+    /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
+    #[serde(deserialize_with = "bits")]
+    pub bits: u8,
+    /// The greatest value of a channel of a sample, greater than 0: brighter ones are
+    /// limited before the mean is taken, which removes single bright pixels and some light;
+    /// if not given, that of [`ShadingModel::sample_limit`].
+    #[serde(deserialize_with = "limit")]
+    pub sample_limit: Option<f32>,
+}
+
+impl FilmSettings {
+    /// The exposures of pictures.
+    pub const STOPS: RangeInclusive<f64> = -32.0..=32.0;
+
+    /// How light becomes numbers, with this shading model.
+    pub fn development(&self, model: ShadingModel) -> Development {
+        Development::new(self.exposure, self.tone_curve, self.transfer(model))
+    }
+
+    /// The greatest value of a channel of a sample with this shading model.
+    pub fn sample_limit(&self, model: ShadingModel) -> f32 {
+        self.sample_limit.unwrap_or(model.sample_limit())
+    }
+
+    /// The transfer function with this shading model.
+    pub fn transfer(&self, model: ShadingModel) -> Transfer {
+        self.transfer.unwrap_or(model.transfer())
+    }
+}
+
+fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    let number = Number {
+        expected: "a number of stops from -32 to 32",
+        accepts: |stops| FilmSettings::STOPS.contains(&stops),
+    };
+    number.deserialize(d)
+}
+
+fn limit<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::positive(d).map(Some)
+}
+
+fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
+    let number = Number {
+        expected: "8 or 16",
+        accepts: |bits| [8.0, 16.0].contains(&bits),
+    };
+    number.deserialize(d).map(|bits| bits as u8)
+}
+
+impl Default for FilmSettings {
+    fn default() -> Self {
+        Self {
+            exposure: 0.0,
+            tone_curve: ToneCurve::default(),
+            transfer: None,
+            bits: 8,
+            sample_limit: None,
+        }
+    }
+}

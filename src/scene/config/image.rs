@@ -1,0 +1,174 @@
+//! The `image` section.
+
+use serde::de::{DeserializeSeed, Deserializer};
+use serde::{Deserialize, Serialize};
+
+use super::adaptive::{Adaptive, MAX_SAMPLES};
+use crate::yaml::{self, Fault, FieldPath, Number};
+use math::sampling::{PixelFilter, PixelPattern};
+
+/// Longest side of a picture in pixels.
+pub const MAX_SIDE: u32 = 65_535;
+
+/// Size and sampling of the picture.
+///
+/// ```
+/// # use scene::config::Image;
+/// let image: Image = scene::yaml::from_str("
+/// { width: 640, height: 480, samples_per_pixel: 4, seed: 7, sampler: sobol }
+/// ").unwrap();
+/// # assert_eq!(image.samples_per_pixel, 4);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a size such as { width: 400, height: 300 }"
+)]
+pub struct Image {
+    /// Columns, 1 to 65,535.
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
+    pub width: u32,
+    /// Rows, 1 to 65,535.
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
+    pub height: u32,
+    /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SAMPLES>", default = "one")]
+    pub samples_per_pixel: u32,
+    /// Seed of the sampling pattern; 0 if not given.
+    #[serde(deserialize_with = "yaml::seed", default)]
+    pub seed: u64,
+    /// The pattern of the samples in a pixel; `stratified` if not given.
+    #[serde(default)]
+    pub sampler: PixelPattern,
+    /// The pixel filter; `box` if not given.
+    #[serde(default)]
+    pub filter: PixelFilter,
+    /// The radius of the filter in pixels, from 0.1 to 10; the filter's usual one if not
+    /// given.
+    #[serde(deserialize_with = "filter_radius", default)]
+    pub filter_radius: Option<f32>,
+    /// Adaptive sampling, which needs [`PixelPattern::Sobol`]: then `samples_per_pixel`
+    /// is the most that a pixel gets.
+    #[serde(default)]
+    pub adaptive: Option<Adaptive>,
+    /// Where it is in a larger picture, if it is a window of one.
+    #[serde(skip)]
+    pub window: Option<PictureWindow>,
+}
+
+/// The place of a window in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PictureWindow {
+    /// The column and the row of its first pixel in the picture.
+    pub origin: [u32; 2],
+    /// Columns and rows of the picture.
+    pub picture: [u32; 2],
+}
+
+impl Image {
+    /// Columns and rows of the whole picture.
+    pub fn picture_size(&self) -> [u32; 2] {
+        let size = [self.width, self.height];
+        self.window.map_or(size, |window| window.picture)
+    }
+
+    /// The column and the row of the first pixel in the whole picture.
+    pub fn origin(&self) -> [u32; 2] {
+        self.window.map_or([0; 2], |window| window.origin)
+    }
+
+    /// Only this window, by its first column and row, its width and its height; `None` if it
+    /// is empty or reaches beyond the image.
+    pub fn cropped(&self, [x, y, width, height]: [u32; 4]) -> Option<Self> {
+        let fits = |first: u32, n: u32, all: u32| n > 0 && first <= all && n <= all - first;
+        let [left, top] = self.origin();
+        let window = PictureWindow {
+            origin: [left + x, top + y],
+            picture: self.picture_size(),
+        };
+        (fits(x, width, self.width) && fits(y, height, self.height)).then_some(Self {
+            width,
+            height,
+            window: Some(window),
+            ..*self
+        })
+    }
+
+    /// An image with the sides that `shrink` returns, and one sample per pixel.
+    pub fn shrunk(&self, shrink: impl Fn(u32) -> u32) -> Self {
+        let [width, height] = [self.width, self.height].map(&shrink);
+        let window = self.window.map(|window| {
+            let picture = window.picture.map(&shrink);
+            let [left, top] = window.origin.map(&shrink);
+            let origin = [
+                left.min(picture[0].saturating_sub(width)),
+                top.min(picture[1].saturating_sub(height)),
+            ];
+            PictureWindow { origin, picture }
+        });
+        Self {
+            width,
+            height,
+            window,
+            samples_per_pixel: 1,
+            adaptive: None,
+            ..*self
+        }
+    }
+
+    /// The number of pixels.
+    pub fn n_pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The number of camera rays of the picture; the most if sampling is adaptive.
+    pub fn n_camera_rays(&self) -> u64 {
+        self.n_pixels() as u64 * u64::from(self.samples_per_pixel)
+    }
+
+    /// The number of samples per pixel, for people: "64 samples", "16 to 64 samples".
+    pub fn samples(&self) -> String {
+        Adaptive::samples(self.adaptive, self.samples_per_pixel)
+    }
+
+    /// The samples of every pixel; 0 if sampling is adaptive.
+    pub fn uniform_samples(&self) -> u32 {
+        match self.adaptive {
+            None => self.samples_per_pixel,
+            Some(_) => 0,
+        }
+    }
+
+    /// Checks that the settings of samples fit together.
+    ///
+    /// # Errors
+    /// The key that does not.
+    pub fn check_sampling(&self) -> Result<(), Fault> {
+        if self.adaptive.is_none() || self.sampler == PixelPattern::Sobol {
+            return Ok(());
+        }
+        let message = "`adaptive` needs samples whose first ones are evenly spread";
+        let image = FieldPath::default().key("image");
+        Err(
+            Fault::of_key(image.key("adaptive"), message, "requires `sampler: sobol`")
+                .with_help("add `sampler: sobol` to `image`"),
+        )
+    }
+
+    /// The radius of the filter in pixels.
+    pub fn filter_radius(&self) -> f32 {
+        self.filter_radius.unwrap_or(self.filter.usual_radius())
+    }
+}
+
+fn filter_radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    let number = Number {
+        expected: "a radius in pixels from 0.1 to 10",
+        accepts: |radius| (0.1..=10.0).contains(&radius),
+    };
+    number.deserialize(d).map(Some)
+}
+
+fn one() -> u32 {
+    1
+}

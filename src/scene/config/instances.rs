@@ -1,0 +1,208 @@
+//! A mesh that is placed many times.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use serde::Deserialize;
+use serde::de::Deserializer;
+
+use super::file::MeshFile;
+use super::generator::MAX_SHAPES;
+use super::place_scale::PlaceScale;
+use crate::geometry::TransformStep;
+use crate::import::{self, ArrayChoice, InstancePlace, PlaceArrays};
+use crate::yaml;
+use math::sampling::uniform;
+
+/// Instances of a mesh: it is stored once, and each instance costs only its place. The
+/// object's `transform` applies to all of them.
+///
+/// ```
+/// # use scene::config::InstancedMesh;
+/// let pair: InstancedMesh = scene::yaml::from_str("
+/// mesh: { file: meshes/spot.obj, normals: smooth }
+/// places:                                  # the steps of an instance each, as in `transform`
+///   - [{ translate: [-1, 0, 0] }]
+///   - [{ scale: 0.5 }, { rotate: { axis: [0, 1, 0], angle_deg: 90 } }, { translate: [1, 0, 0] }]
+/// ").unwrap();
+/// let arrows: InstancedMesh = scene::yaml::from_str("
+/// mesh: { file: meshes/spot.obj }
+/// points: { file: grains.vtp, scale: { array: diameter, factor: 0.5 }, orient: { array: velocity } }
+/// ").unwrap();
+/// let herd: InstancedMesh = scene::yaml::from_str("
+/// mesh: { file: meshes/spot.obj }
+/// cloud: { count: 10000, min: [-50, 0, -50], max: [50, 0, 50], scale: [0.8, 1.2], turn: [0, 1, 0], seed: 1 }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "InstanceKeys")]
+pub struct InstancedMesh {
+    /// The mesh.
+    pub mesh: MeshFile,
+    /// Where it is placed.
+    pub places: InstancePlaces,
+}
+
+/// The places of instances.
+#[derive(Debug, Clone, PartialEq)]
+pub enum InstancePlaces {
+    /// For each instance a list of steps, at least one instance.
+    Listed(Vec<Vec<TransformStep>>),
+    /// The points of a file.
+    Points(PlacePoints),
+    /// Random places.
+    Cloud(PlaceCloud),
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "instances such as { mesh: { file: … }, places: [ … ] }"
+)]
+struct InstanceKeys {
+    /// The mesh.
+    mesh: MeshFile,
+    /// The places of the instances, at least one: for each a list of steps as in `transform`.
+    #[serde(default, deserialize_with = "places")]
+    places: Option<Vec<Vec<TransformStep>>>,
+    /// Instead of `places`, a table or a VTK file: an instance at each of its points.
+    #[serde(default)]
+    points: Option<PlacePoints>,
+    /// Instead of `places`, random places in a box.
+    #[serde(default)]
+    cloud: Option<PlaceCloud>,
+}
+
+impl TryFrom<InstanceKeys> for InstancedMesh {
+    type Error = &'static str;
+
+    fn try_from(keys: InstanceKeys) -> Result<Self, Self::Error> {
+        let mesh = keys.mesh;
+        let places = match (keys.places, keys.points, keys.cloud) {
+            (Some(places), None, None) => InstancePlaces::Listed(places),
+            (None, Some(points), None) => InstancePlaces::Points(points),
+            (None, None, Some(cloud)) => InstancePlaces::Cloud(cloud),
+            _ => return Err("cannot be placed, expected one of `places`, `points`, `cloud`"),
+        };
+        Ok(Self { mesh, places })
+    }
+}
+
+impl InstancedMesh {
+    /// The YAML key.
+    pub const KEY: &'static str = "instances";
+
+    /// The file of the points, relative to the scene file's folder, if there is one.
+    pub fn points_file(&self) -> Option<&Path> {
+        match &self.places {
+            InstancePlaces::Points(points) => Some(&points.file),
+            InstancePlaces::Listed(_) | InstancePlaces::Cloud(_) => None,
+        }
+    }
+}
+
+fn places<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec<Vec<TransformStep>>>, D::Error> {
+    yaml::non_empty(d, "place").map(Some)
+}
+
+/// A table of places: comma-separated values below a header with the columns `x`, `y` and `z`,
+/// and optionally `scale`, or `scale_x`, `scale_y` and `scale_z`, and `direction_x`,
+/// `direction_y` and `direction_z`, which the x axis of the mesh is turned to. Or a VTK file:
+/// an instance at each of its points.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "points such as { file: trees.csv }")]
+pub struct PlacePoints {
+    /// The file, relative to the scene file's folder.
+    pub file: PathBuf,
+    /// The scale of all instances, other than 0; of a VTK file also an array at its points.
+    #[serde(default)]
+    pub scale: PlaceScale,
+    /// The array of vectors at the points of a VTK file that the x axis of the mesh is turned to.
+    #[serde(default)]
+    pub orient: Option<OrientArray>,
+}
+
+/// An array of directions.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an array such as { array: velocity }"
+)]
+pub struct OrientArray {
+    /// The name of the array of vectors of points.
+    #[serde(deserialize_with = "yaml::name")]
+    array: String,
+}
+
+impl PlacePoints {
+    /// Reads the places from their file at `path`, with the numbers of an array.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is damaged, or has no such array or no place.
+    pub fn read(
+        &self,
+        path: &Path,
+        color: Option<&ArrayChoice>,
+    ) -> import::Result<Vec<InstancePlace>> {
+        let scale = self.scale.array();
+        let arrays = PlaceArrays {
+            scale: scale.as_ref(),
+            orient: self.orient.as_ref().map(|orient| orient.array.as_str()),
+            color,
+        };
+        let mut places = import::read_places(path, arrays)?;
+        for place in &mut places {
+            place.scale *= self.scale.factor();
+        }
+        Ok(places)
+    }
+}
+
+/// Random places in a box, with random scales in a range and random angles, all uniformly
+/// distributed. The same seed gives the same places.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceCloud {
+    /// The number of instances, at least 1.
+    #[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")]
+    pub count: u32,
+    /// One corner of the box of the positions.
+    #[serde(deserialize_with = "yaml::point")]
+    pub min: DVec3,
+    /// The opposite corner.
+    #[serde(deserialize_with = "yaml::point")]
+    pub max: DVec3,
+    /// Least and greatest scale, or one for all; 1 if not given.
+    #[serde(default = "same_size", deserialize_with = "yaml::positive_range")]
+    pub scale: [f32; 2],
+    /// The axis about which each instance is turned by a random angle; no turn if not given.
+    #[serde(default, deserialize_with = "axis")]
+    pub turn: Option<Vec3>,
+    /// The seed of positions, scales and angles; 0 if not given.
+    #[serde(deserialize_with = "yaml::seed", default)]
+    pub seed: u64,
+}
+
+fn same_size() -> [f32; 2] {
+    [1.0; 2]
+}
+
+fn axis<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec3>, D::Error> {
+    yaml::direction(d).map(Some)
+}
+
+impl PlaceCloud {
+    /// The place of instance `i`.
+    pub fn place(&self, i: usize) -> DAffine3 {
+        let [x, y, z, s] = uniform([self.seed, i as u64, 0]);
+        let [angle, ..] = uniform([self.seed, i as u64, 1]);
+        let [least, greatest] = self.scale;
+        let turn = self.turn.map_or(DQuat::IDENTITY, |axis| {
+            let angle = std::f64::consts::TAU * f64::from(angle);
+            DQuat::from_axis_angle(axis.as_dvec3().normalize(), angle)
+        });
+        let position = self.min + (self.max - self.min) * DVec3::new(x.into(), y.into(), z.into());
+        let scale = DVec3::splat((least + (greatest - least) * s).into());
+        DAffine3::from_scale_rotation_translation(scale, turn, position)
+    }
+}

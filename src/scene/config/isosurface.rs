@@ -1,0 +1,61 @@
+//! The isosurfaces of data sets.
+
+use serde::Deserialize;
+use serde::de::Deserializer;
+
+use crate::import::{ArrayChoice, ArrayOf, IsosurfaceChoice};
+use crate::yaml::{self, OneOrList};
+
+/// The surfaces within a data set where an array of its points has a value.
+///
+/// ```
+/// # use scene::config::Isosurface;
+/// let flame: Isosurface = scene::yaml::from_str("
+/// { array: temperature, value: 1200 }
+/// ").unwrap();
+/// let fronts: Isosurface = scene::yaml::from_str("
+/// { array: velocity, component: 2, value: [-0.5, 0.5] }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an isosurface such as { array: temperature, value: 1200 }"
+)]
+pub struct Isosurface {
+    /// The name of the array of points.
+    #[serde(deserialize_with = "yaml::name")]
+    array: String,
+    /// The component of vectors, of which the first is 0; their magnitude by default.
+    #[serde(default, deserialize_with = "component")]
+    component: Option<u32>,
+    /// The value, or a list with one for each surface.
+    #[serde(deserialize_with = "values")]
+    value: Vec<f32>,
+}
+
+impl Isosurface {
+    /// What is read of the file.
+    pub fn choice(&self) -> IsosurfaceChoice {
+        IsosurfaceChoice {
+            array: ArrayChoice {
+                name: self.array.clone(),
+                component: self.component.map(|component| component as usize),
+                is_color: false,
+                of: Some(ArrayOf::Points),
+            },
+            values: self.value.clone(),
+        }
+    }
+}
+
+fn component<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
+    yaml::whole(d, 0..=255).map(Some)
+}
+
+fn values<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f32>, D::Error> {
+    match yaml::coordinate_or_list(d, "a value, or a list of values")? {
+        OneOrList::One(value) => Ok(vec![value]),
+        OneOrList::List(values) => Ok(values),
+    }
+}

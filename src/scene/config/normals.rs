@@ -1,0 +1,95 @@
+//! The shading normals of meshes.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, Visitor};
+
+use crate::yaml::Number;
+
+/// The shading normals of a mesh.
+///
+/// ```
+/// # use scene::config::MeshNormals;
+/// let keyword: MeshNormals = scene::yaml::from_str("smooth").unwrap();
+/// let with_edges: MeshNormals = scene::yaml::from_str("
+/// smooth: { angle_deg: 30 }   # edges of more than this angle stay sharp
+/// ").unwrap();
+/// # assert!(keyword != with_edges);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum MeshNormals {
+    /// Those of the file, or flat normals if it has none; of an isosurface those of the
+    /// gradient.
+    #[default]
+    File,
+    /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are
+    /// any.
+    Smooth(Option<Creases>),
+    /// The geometric normals of the triangles.
+    Flat,
+}
+
+/// Edges at which smooth normals stop.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "creases such as { angle_deg: 30 }")]
+pub struct Creases {
+    /// The largest angle between the normals of two triangles of a smooth edge, 0 to 180.
+    #[serde(deserialize_with = "crease_angle")]
+    pub angle_deg: f32,
+}
+
+fn crease_angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    let number = Number {
+        expected: "an angle from 0 to 180",
+        accepts: |angle| (0.0..=180.0).contains(&angle),
+    };
+    number.deserialize(d)
+}
+
+/// Normals as a word.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`file`, `smooth` or `flat`")]
+enum NormalsWord {
+    File,
+    Smooth,
+    Flat,
+}
+
+/// Normals with keys.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "normals such as `smooth`")]
+struct NormalsKeys {
+    /// The normals of `smooth`, except at creases.
+    smooth: Creases,
+}
+
+struct NormalsVisitor;
+
+impl<'de> Visitor<'de> for NormalsVisitor {
+    type Value = MeshNormals;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("`file`, `smooth` or `flat`")
+    }
+
+    fn visit_str<E: de::Error>(self, found: &str) -> Result<MeshNormals, E> {
+        NormalsWord::deserialize(found.into_deserializer()).map(|word| match word {
+            NormalsWord::File => MeshNormals::File,
+            NormalsWord::Smooth => MeshNormals::Smooth(None),
+            NormalsWord::Flat => MeshNormals::Flat,
+        })
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<MeshNormals, M::Error> {
+        let NormalsKeys { smooth } = NormalsKeys::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(MeshNormals::Smooth(Some(smooth)))
+    }
+}
+
+impl<'de> Deserialize<'de> for MeshNormals {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(NormalsVisitor)
+    }
+}

@@ -1,0 +1,211 @@
+//! The `objects` section.
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+
+use super::file::GeometryFile;
+use super::generator::Generator;
+use super::instances::InstancedMesh;
+use super::tube::Tube;
+use crate::geometry::{Located, Shape, TransformStep};
+use crate::yaml;
+
+/// One of the scene file's `objects`: a geometry under its own key, a material,
+/// and optionally a name and a transform.
+///
+/// ```
+/// # use scene::config::Object;
+/// let object: Object = scene::yaml::from_str("
+/// box: { min: [-1, -1, -1], max: [1, 1, 1] }
+/// material: red
+/// name: tilted box                       # for reports, optional
+/// transform:                             # steps, applied in this order
+///   - rotate: { axis: [0, 1, 0], angle_deg: 30 }
+///   - translate: [0, 1, 4]
+/// ").unwrap();
+/// # assert_eq!(object.transform.len(), 2);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    /// Its name, if the file gives one.
+    pub name: Option<String>,
+    /// Its geometry.
+    pub geometry: Geometry,
+    /// The name of its material; an object of many spheres may have several, and a mesh none:
+    /// those of its file.
+    pub material: MaterialNames,
+    /// Its transform to world space; empty for the identity.
+    pub transform: Vec<TransformStep>,
+}
+
+/// The geometry of an object.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry {
+    /// One shape.
+    Shape(Located<Shape>),
+    /// Many shapes from a generator.
+    Generator(Generator),
+    /// A tube through points.
+    Tube(Tube),
+    /// Many shapes from a file.
+    File(GeometryFile),
+    /// A mesh at many places.
+    Instances(Box<InstancedMesh>),
+}
+
+/// One or more material names: `red` or `[red, green]`; none for the materials of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MaterialNames(pub Vec<String>);
+
+/// The YAML key.
+impl fmt::Display for Geometry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shape(shape) => shape.geometry.fmt(f),
+            Self::Generator(generator) => generator.fmt(f),
+            Self::Tube(_) => f.write_str(Tube::KEY),
+            Self::File(file) => file.fmt(f),
+            Self::Instances(_) => f.write_str(InstancedMesh::KEY),
+        }
+    }
+}
+
+/// The keys of all objects.
+const COMMON: [&str; 3] = ["material", "name", "transform"];
+
+/// The keys of geometries.
+static GEOMETRIES: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    [
+        Shape::KEYS,
+        &[Tube::KEY, InstancedMesh::KEY],
+        Generator::KEYS,
+        GeometryFile::KEYS,
+    ]
+    .concat()
+});
+
+/// All keys.
+static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| [&GEOMETRIES, &COMMON[..]].concat());
+
+impl<'de> Deserialize<'de> for Object {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_map(ObjectVisitor)
+    }
+}
+
+struct ObjectVisitor;
+
+impl<'de> Visitor<'de> for ObjectVisitor {
+    type Value = Object;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object such as { sphere: { … }, material: … }")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Object, A::Error> {
+        let (mut name, mut geometry, mut material, mut transform) = (None, None, None, Vec::new());
+        while let Some(ObjectKey(key)) = map.next_key()? {
+            match key {
+                "name" => name = Some(map.next_value::<Name>()?.0),
+                "material" => material = Some(map.next_value()?),
+                "transform" => transform = map.next_value()?,
+                _ if geometry.is_some() => map.next_value::<SecondShape>().map(drop)?,
+                _ => geometry = next_geometry(key, &mut map)?,
+            }
+        }
+        let geometry = geometry.ok_or_else(|| {
+            let keys = GEOMETRIES.join("`, `");
+            A::Error::custom(format!("cannot lack a shape, expected one of `{keys}`"))
+        })?;
+        let of_file = matches!(
+            geometry,
+            Geometry::File(GeometryFile::Mesh(_)) | Geometry::Instances(_)
+        );
+        let material = material.or_else(|| of_file.then(MaterialNames::default));
+        Ok(Object {
+            name,
+            geometry,
+            material: material.ok_or_else(|| A::Error::missing_field("material"))?,
+            transform,
+        })
+    }
+}
+
+/// An object's name.
+#[derive(serde::Deserialize)]
+struct Name(#[serde(deserialize_with = "yaml::name")] String);
+
+/// Deserializing it always fails, at the position of the second shape.
+struct SecondShape;
+
+impl<'de> Deserialize<'de> for SecondShape {
+    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Self, D::Error> {
+        Err(D::Error::custom(
+            "cannot be in the same object, expected one shape: begin the next with `- `",
+        ))
+    }
+}
+
+fn next_geometry<'de, A: MapAccess<'de>>(
+    key: &str,
+    map: &mut A,
+) -> Result<Option<Geometry>, A::Error> {
+    if let Some(shape) = Shape::next_value(key, map)? {
+        return Ok(Some(Geometry::Shape(shape)));
+    }
+    if key == Tube::KEY {
+        return map.next_value().map(|tube| Some(Geometry::Tube(tube)));
+    }
+    if key == InstancedMesh::KEY {
+        return map.next_value().map(|mesh| Some(Geometry::Instances(mesh)));
+    }
+    if let Some(generator) = Generator::next_value(key, map)? {
+        return Ok(Some(Geometry::Generator(generator)));
+    }
+    Ok(GeometryFile::next_value(key, map)?.map(Geometry::File))
+}
+
+/// One of [`KEYS`].
+struct ObjectKey(&'static str);
+
+impl<'de> Deserialize<'de> for ObjectKey {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let found = String::deserialize(d)?;
+        match KEYS.iter().find(|key| **key == found) {
+            Some(key) => Ok(Self(key)),
+            None => Err(D::Error::unknown_field(&found, &KEYS)),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for MaterialNames {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(MaterialNamesVisitor)
+    }
+}
+
+struct MaterialNamesVisitor;
+
+impl<'de> Visitor<'de> for MaterialNamesVisitor {
+    type Value = MaterialNames;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of a material, or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<MaterialNames, E> {
+        Ok(MaterialNames(vec![name.to_owned()]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<MaterialNames, A::Error> {
+        let names: Vec<String> = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+        if names.is_empty() {
+            Err(A::Error::invalid_length(0, &"at least one material name"))
+        } else {
+            Ok(MaterialNames(names))
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! The `output` section.
+
+use std::fmt;
+
+use clap::ValueEnum;
+use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+
+use super::{Acceleration, CostMode, PixelArray, WrittenArrays};
+use crate::yaml::{self, Fault, FieldPath};
+use base::text;
+
+/// The optional outputs of a run, and the arrays of its VTK files.
+///
+/// ```
+/// # use scene::config::{OptionalOutput, Outputs};
+/// let outputs: Outputs = scene::yaml::from_str("
+/// [objects, bvh: { max_depth: 10, min_visits: 100 }]
+/// ").unwrap();
+/// # assert!(outputs.has(OptionalOutput::Objects) && outputs.has(OptionalOutput::Bvh) && !outputs.has(OptionalOutput::Surface));
+/// # assert_eq!((outputs.bvh.max_depth, outputs.bvh.min_visits), (10, 100));
+/// let outputs: Outputs = scene::yaml::from_str("
+/// { also: [objects], arrays: [RGB, time_ns] }
+/// ").unwrap();
+/// # assert!(outputs.has(OptionalOutput::Objects) && outputs.written_arrays().has("RGB"));
+/// # assert!(!outputs.written_arrays().has("distance"));
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Outputs {
+    optional: Vec<OptionalOutput>,
+    arrays: Option<Vec<PixelArray>>,
+    /// The nodes of the hierarchy that are written.
+    pub bvh: BvhLimits,
+    /// Outputs that were requested and have nothing to show.
+    left_out: Vec<OptionalOutput>,
+}
+
+/// A group of files that is written on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum OptionalOutput {
+    /// The time span and the thread of each tile
+    Schedule,
+    /// The cost of each object and each material
+    Objects,
+    /// The cost of each primitive, on the scene's geometry
+    Surface,
+    /// The boxes of the hierarchy and the cost of each
+    Bvh,
+    /// The linear light of each pixel, as an array of the VTK files
+    Radiance,
+    /// The rays of each pixel by bounce, as an array of the VTK files
+    Bounces,
+    /// The group of each pixel that was timed as a whole, as an array of the VTK files
+    Groups,
+    /// The linear light and all arrays of the pixels as an OpenEXR picture
+    Exr,
+}
+
+/// What a film keeps of its pixels besides what every film keeps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ExtraArrays {
+    /// The radiance.
+    pub radiance: bool,
+    /// Whether VTK files have it, too.
+    pub radiance_in_vtk: bool,
+    /// The color of the surface that the center sample hit.
+    pub albedo: bool,
+    /// The numbers of rays by bounce.
+    pub bounces: bool,
+    /// Whether VTK files have the groups of pixels.
+    pub groups: bool,
+    /// The instance that the center sample hit.
+    pub instance: bool,
+    /// Those of all arrays that cloud and frame have.
+    pub written: WrittenArrays,
+}
+
+/// The nodes of the hierarchy that are written; all, if not given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BvhLimits {
+    /// Greatest depth of a node; the root has depth 0.
+    #[serde(deserialize_with = "depth")]
+    pub max_depth: u32,
+    /// Least number of rays that visited a node.
+    #[serde(deserialize_with = "visits")]
+    pub min_visits: u64,
+}
+
+fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    yaml::whole(d, 0..=u32::MAX)
+}
+
+fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
+    yaml::whole(d, 0..=u64::MAX)
+}
+
+impl OptionalOutput {
+    /// Its name in scene files and on the command line.
+    pub fn name(self) -> String {
+        text::keyword_name(&self)
+    }
+
+    /// Whether it requires the cost attribution, and therefore counters.
+    pub fn needs_attribution(self) -> bool {
+        matches!(self, Self::Objects | Self::Surface | Self::Bvh)
+    }
+
+    /// Whether it requires a bounding volume hierarchy.
+    fn needs_hierarchy(self) -> bool {
+        self == Self::Bvh
+    }
+}
+
+impl BvhLimits {
+    /// Whether they include a node of this depth that this number of rays visited.
+    pub fn include(&self, depth: u32, n_visits: u64) -> bool {
+        depth <= self.max_depth && n_visits >= self.min_visits
+    }
+}
+
+impl Default for BvhLimits {
+    fn default() -> Self {
+        Self {
+            max_depth: u32::MAX,
+            min_visits: 0,
+        }
+    }
+}
+
+impl Outputs {
+    /// Whether the output is requested.
+    pub fn has(&self, requested: OptionalOutput) -> bool {
+        self.optional.contains(&requested)
+    }
+
+    /// Requests the output.
+    pub fn add(&mut self, requested: OptionalOutput) {
+        if !self.has(requested) {
+            self.optional.push(requested);
+        }
+    }
+
+    /// Leaves out what this acceleration structure does not have.
+    pub fn leave_out_without(&mut self, acceleration: Acceleration) {
+        if acceleration == Acceleration::BruteForce {
+            let left_out = |output: &mut OptionalOutput| output.needs_hierarchy();
+            self.left_out.extend(self.optional.extract_if(.., left_out));
+        }
+    }
+
+    /// The requested outputs that have nothing to show without a hierarchy.
+    pub fn left_out(&self) -> &[OptionalOutput] {
+        &self.left_out
+    }
+
+    /// Checks that all requested outputs are possible with this cost.
+    ///
+    /// # Errors
+    /// The output that is impossible, and the fault of the section.
+    pub(super) fn check(&self, cost: CostMode) -> Result<(), (OptionalOutput, Fault)> {
+        for &requested in &self.optional {
+            let name = requested.name();
+            let fault = |message: String, help: &str| {
+                let output = FieldPath::default().key("output");
+                let fault = Fault::of_key(output, message, format!("requests `{name}`"));
+                Err((requested, fault.with_help(help)))
+            };
+            if requested.needs_attribution() && !cost.has_counters() {
+                let message = format!("`{name}` requires counters, and `cost` is `none`");
+                return fault(message, "use `--cost counters`, or do not request it");
+            }
+        }
+        Ok(())
+    }
+
+    /// The chosen arrays of cloud and frame; `None` for all.
+    pub fn arrays(&self) -> Option<&[PixelArray]> {
+        self.arrays.as_deref()
+    }
+
+    /// The arrays that cloud and frame have.
+    pub fn written_arrays(&self) -> WrittenArrays {
+        let chosen = self.arrays.as_deref();
+        chosen.map_or(WrittenArrays::default(), WrittenArrays::only)
+    }
+
+    /// The requested outputs, each once.
+    pub fn iter(&self) -> impl Iterator<Item = OptionalOutput> {
+        self.optional.iter().copied()
+    }
+
+    /// Whether no output is requested.
+    pub fn is_empty(&self) -> bool {
+        self.optional.is_empty()
+    }
+}
+
+/// An entry of the list: a name, or a name with settings.
+enum OutputEntry {
+    Plain(OptionalOutput),
+    Bvh(BvhLimits),
+}
+
+impl From<Vec<OutputEntry>> for Outputs {
+    fn from(entries: Vec<OutputEntry>) -> Self {
+        let mut outputs = Self::default();
+        for entry in entries {
+            match entry {
+                OutputEntry::Plain(requested) => outputs.add(requested),
+                OutputEntry::Bvh(limits) => {
+                    outputs.add(OptionalOutput::Bvh);
+                    outputs.bvh = limits;
+                }
+            }
+        }
+        outputs
+    }
+}
+
+impl<'de> Deserialize<'de> for Outputs {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(OutputsVisitor)
+    }
+}
+
+/// A list of optional outputs, or a mapping with such a list.
+struct OutputsVisitor;
+
+impl<'de> Visitor<'de> for OutputsVisitor {
+    type Value = Outputs;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list such as [objects], or keys such as { arrays: [RGB, time_ns] }")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Outputs, A::Error> {
+        Vec::<OutputEntry>::deserialize(SeqAccessDeserializer::new(list)).map(Outputs::from)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Outputs, A::Error> {
+        let keys = OutputKeys::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Outputs {
+            arrays: keys.arrays,
+            ..keys.also.into()
+        })
+    }
+}
+
+/// The YAML mapping of the section.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OutputKeys {
+    /// The optional outputs.
+    #[serde(default)]
+    also: Vec<OutputEntry>,
+    /// The arrays of `hits.vtu` and `frame.vti`; all if not given.
+    #[serde(default)]
+    arrays: Option<Vec<PixelArray>>,
+}
+
+impl<'de> Deserialize<'de> for OutputEntry {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(OutputEntryVisitor)
+    }
+}
+
+struct OutputEntryVisitor;
+
+impl<'de> Visitor<'de> for OutputEntryVisitor {
+    type Value = OutputEntry;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let outputs = OptionalOutput::value_variants().iter();
+        let names: Vec<String> = outputs
+            .map(|output| format!("`{}`", output.name()))
+            .collect();
+        write!(f, "{} or {{ bvh: … }}", names.join(", "))
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<OutputEntry, E> {
+        OptionalOutput::deserialize(word.into_deserializer()).map(OutputEntry::Plain)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OutputEntry, A::Error> {
+        let settings = Settings::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(OutputEntry::Bvh(settings.bvh))
+    }
+}
+
+/// The YAML mapping of an entry with settings.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    /// The boxes of the hierarchy and the cost of each; these limit how many.
+    bvh: BvhLimits,
+}

@@ -1,0 +1,79 @@
+//! The `tiles` section.
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::yaml;
+use base::text;
+
+/// How the picture is divided among threads. It changes neither the picture nor
+/// its counters.
+///
+/// ```
+/// # use scene::config::{TileOrder, Tiling};
+/// let tiling: Tiling = scene::yaml::from_str("
+/// { size: 32, order: hilbert }
+/// ").unwrap();
+/// # assert_eq!(tiling, Tiling { size: 32, order: TileOrder::Hilbert });
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "tiles such as { size: 32, order: hilbert }"
+)]
+pub struct Tiling {
+    /// Side of a tile in pixels, 2 to 256; 16 if not given.
+    #[serde(deserialize_with = "size")]
+    pub size: u32,
+    /// The order in which threads take tiles.
+    pub order: TileOrder,
+}
+
+/// The order in which threads take tiles.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum TileOrder {
+    /// Row by row, from the top left
+    #[default]
+    Scanline,
+    /// Along a Hilbert curve, where consecutive tiles are neighbors
+    Hilbert,
+    /// The most expensive first, estimated from a few rays through each
+    Cost,
+}
+
+impl Tiling {
+    /// Least side in pixels: the number of tiles of the largest picture then
+    /// fits into 32 bits.
+    pub const MIN_SIZE: u32 = 2;
+    /// Greatest side in pixels.
+    pub const MAX_SIZE: u32 = 256;
+}
+
+impl Default for Tiling {
+    fn default() -> Self {
+        Self {
+            // Small enough to balance the load, large enough to fill a stream.
+            size: 16,
+            order: TileOrder::default(),
+        }
+    }
+}
+
+impl TileOrder {
+    /// Its name in scene files.
+    pub fn name(self) -> String {
+        text::keyword_name(&self)
+    }
+}
+
+impl<'de> Deserialize<'de> for TileOrder {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}
+
+fn size<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    yaml::whole(d, Tiling::MIN_SIZE..=Tiling::MAX_SIZE)
+}

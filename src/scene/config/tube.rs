@@ -1,0 +1,81 @@
+//! A tube through points that the scene file gives.
+
+use glam::DVec3;
+use serde::Deserialize;
+use serde::de::Deserializer;
+
+use crate::geometry::{Sphere, origin_near};
+use crate::import::Tubes;
+use crate::yaml::{self, OneOrList};
+
+/// A tube along the line through points, with round joints and ends.
+///
+/// ```
+/// # use scene::config::Tube;
+/// let pipe: Tube = scene::yaml::from_str("
+/// { points: [[0, 0, 2], [1, 0, 2], [1, 1, 2]], radius: 0.1 }
+/// ").unwrap();
+/// let horn: Tube = scene::yaml::from_str("
+/// { points: [[0, 0, 2], [1, 0, 2], [1, 1, 2]], radius: [0.1, 0.2, 0.4] }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "TubeKeys")]
+pub struct Tube(Tubes);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TubeKeys {
+    /// The points, of which two or more differ.
+    points: Vec<LinePoint>,
+    /// The radius, greater than 0, or a list with one for each point.
+    #[serde(deserialize_with = "radius")]
+    radius: OneOrList,
+}
+
+#[derive(Deserialize)]
+struct LinePoint(#[serde(deserialize_with = "yaml::point")] DVec3);
+
+impl TryFrom<TubeKeys> for Tube {
+    type Error = String;
+
+    fn try_from(TubeKeys { points, radius }: TubeKeys) -> Result<Self, String> {
+        let radii = match radius {
+            OneOrList::One(radius) => vec![radius; points.len()],
+            OneOrList::List(radii) if radii.len() == points.len() => radii,
+            OneOrList::List(radii) => {
+                let (n, n_points) = (radii.len(), points.len());
+                return Err(format!(
+                    "cannot have {n} radii for {n_points} points, expected one radius for each \
+                     point, or one number for all"
+                ));
+            }
+        };
+        let origin = origin_near(points.iter().map(|LinePoint(point)| *point));
+        let spheres = points.into_iter().zip(radii);
+        let spheres = spheres.map(|(LinePoint(center), radius)| Sphere {
+            center: (center - origin).as_vec3(),
+            radius,
+        });
+        Tubes::of_line(spheres)
+            .map(|tubes| Self(tubes.at(origin)))
+            .map_err(|_| "cannot be without a length, expected two different points".to_owned())
+    }
+}
+
+impl Tube {
+    /// The YAML key.
+    pub const KEY: &'static str = "tube";
+
+    /// The tube's segments.
+    pub fn tubes(&self) -> &Tubes {
+        &self.0
+    }
+}
+
+fn radius<'de, D: Deserializer<'de>>(d: D) -> Result<OneOrList, D::Error> {
+    yaml::positive_or_list(
+        d,
+        "a radius greater than 0, or a list with one for each point",
+    )
+}

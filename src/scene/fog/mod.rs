@@ -1,0 +1,66 @@
+//! Homogeneous fog around the objects of a scene.
+
+mod phase;
+mod sphere;
+
+use glam::Vec3;
+use serde::de::DeserializeSeed;
+use serde::{Deserialize, Deserializer};
+
+use crate::yaml::{self, Number};
+
+pub use phase::HenyeyGreenstein;
+pub use sphere::FogSphere;
+
+/// The `fog` section: the same fog everywhere in a sphere around the objects.
+///
+/// ```
+/// # use scene::fog::Fog;
+/// let fog: Fog = scene::yaml::from_str("
+/// mean_free_path: 12     # in world units: 37 % of the light gets as far
+/// color: [0.8, 0.85, 1]
+/// anisotropy: 0.4        # in path tracing: most light is scattered forward
+/// radius: 50             # of the sphere that it fills
+/// ").unwrap();
+/// # assert_eq!(fog.mean_free_path, 12.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "fog such as { mean_free_path: 10, color: 0.8 }"
+)]
+pub struct Fog {
+    /// The distance in world units, greater than 0, at which a fraction of 1/e of the light
+    /// is left.
+    #[serde(deserialize_with = "yaml::positive")]
+    pub mean_free_path: f32,
+    /// Its color; white by default. In path tracing, the fraction of the light that its
+    /// particles scatter, and do not absorb (the albedo). In `blinn_phong`, what all that is
+    /// far away fades to.
+    #[serde(default = "white", deserialize_with = "yaml::color")]
+    pub color: Vec3,
+    /// The mean cosine of the angle by which particles scatter light, -0.99 to 0.99, in path
+    /// tracing: greater than 0 for forward; 0, the same in all directions, by default.
+    #[serde(default, deserialize_with = "anisotropy")]
+    pub anisotropy: f32,
+    /// The radius of the sphere that it fills, around the center of the objects; by default
+    /// the smallest with all objects that have bounds and the camera.
+    #[serde(default, deserialize_with = "radius")]
+    pub radius: Option<f32>,
+}
+
+fn white() -> Vec3 {
+    Vec3::ONE
+}
+
+fn radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::positive(d).map(Some)
+}
+
+fn anisotropy<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    let number = Number {
+        expected: "a number from -0.99 to 0.99",
+        accepts: |n| (-0.99..=0.99).contains(&n),
+    };
+    number.deserialize(d)
+}

@@ -1,0 +1,174 @@
+//! The list of shapes, and all kinds of shapes under their names.
+
+use std::fmt;
+
+use glam::Vec3;
+use serde::de::MapAccess;
+
+use super::{
+    Aabb, Intersectable, Located, N_PARAMETERS, Patch, Project, Ray, Sampled, Seen, SurfaceSample,
+    Transform,
+};
+use math::simd::{Real, Vector};
+
+/// Defines the enum, its YAML keys and its dispatch from one list. A row has the YAML
+/// key and the type in the shape's file.
+macro_rules! shapes {
+    ($($(#[$doc:meta])* $key:literal => $file:ident::$shape:ident,)*) => {
+        $(pub use super::$file::$shape;)*
+
+        /// A shape of any kind, in object space.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Shape {
+            $($(#[$doc])* $shape($shape),)*
+        }
+
+        impl Shape {
+            /// The YAML keys of all kinds.
+            pub const KEYS: &[&str] = &[$($key),*];
+
+            /// Reads the value of `key` from `map`; `None` if the key is not one of
+            /// [`Self::KEYS`].
+            pub fn next_value<'de, A: MapAccess<'de>>(
+                key: &str,
+                map: &mut A,
+            ) -> Result<Option<Located<Self>>, A::Error> {
+                match key {
+                    $($key => {
+                        let shape: Located<$shape> = map.next_value()?;
+                        Ok(Some(shape.map(Self::$shape)))
+                    })*
+                    _ => Ok(None),
+                }
+            }
+        }
+
+        /// The kinds of shapes.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum ShapeKind {
+            $($(#[$doc])* $shape,)*
+        }
+
+        impl ShapeKind {
+            /// All kinds, in the order of declaration.
+            pub const ALL: &[Self] = &[$(Self::$shape),*];
+
+            /// [`Project::project_onto`] of shapes of this kind.
+            #[inline(always)]
+            pub fn project_onto<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                near: Vector<R>,
+            ) -> (Vector<R>, Vector<R>) {
+                match self { $(Self::$shape => $shape::project_onto(parameters, near),)* }
+            }
+
+            /// [`Project::rounding`] of shapes of this kind.
+            #[inline(always)]
+            pub fn rounding<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                point: Vector<R>,
+            ) -> R {
+                match self { $(Self::$shape => $shape::rounding(parameters, point),)* }
+            }
+
+            /// [`Sampled::area`] of a shape of this kind.
+            #[inline(always)]
+            pub fn area<R: Real>(self, parameters: &[R; N_PARAMETERS]) -> R {
+                match self { $(Self::$shape => $shape::area(parameters),)* }
+            }
+
+            /// [`Sampled::sample`] of shapes of this kind.
+            #[inline(always)]
+            pub fn sample<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                from: Vector<R>,
+                numbers: [R; 2],
+            ) -> SurfaceSample<R> {
+                match self { $(Self::$shape => $shape::sample(parameters, from, numbers),)* }
+            }
+
+            /// [`Sampled::density`] of shapes of this kind.
+            #[inline(always)]
+            pub fn density<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                from: Vector<R>,
+                seen: &Seen<R>,
+            ) -> R {
+                match self { $(Self::$shape => $shape::density(parameters, from, seen),)* }
+            }
+        }
+
+        impl Shape {
+            /// Its kind.
+            #[inline(always)]
+            pub fn kind(&self) -> ShapeKind {
+                match self { $(Self::$shape(_) => ShapeKind::$shape,)* }
+            }
+
+            /// The numbers that define it, followed by zeros.
+            #[inline(always)]
+            pub fn parameters(&self) -> [f32; N_PARAMETERS] {
+                match self { $(Self::$shape(shape) => shape.parameters(),)* }
+            }
+
+            /// The point of the surface nearest to `near`, which lies on it up to
+            /// rounding errors, and the outward unit normal there.
+            pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
+                match self { $(Self::$shape(shape) => shape.project(near),)* }
+            }
+        }
+
+        impl Intersectable for Shape {
+            #[inline]
+            fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+                match self { $(Self::$shape(shape) => shape.intersect(ray, t_max),)* }
+            }
+
+            fn bounds(&self) -> Aabb {
+                match self { $(Self::$shape(shape) => shape.bounds(),)* }
+            }
+
+            fn transformed(&self, transform: &Transform) -> Option<Self> {
+                match self {
+                    $(Self::$shape(shape) => shape.transformed(transform).map(Self::$shape),)*
+                }
+            }
+
+            fn patch(&self) -> Option<Patch> {
+                match self { $(Self::$shape(shape) => shape.patch(),)* }
+            }
+        }
+
+        /// The YAML key.
+        impl fmt::Display for Shape {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(match self { $(Self::$shape(_) => $key,)* })
+            }
+        }
+    };
+}
+
+shapes! {
+    /// A sphere.
+    "sphere" => sphere::Sphere,
+    /// An infinite plane.
+    "plane" => plane::Plane,
+    /// A flat disk.
+    "disk" => disk::Disk,
+    /// A triangle.
+    "triangle" => triangle::Triangle,
+    /// An axis-aligned box.
+    "box" => cuboid::Cuboid,
+    /// A rectangle.
+    "rectangle" => rectangle::Rectangle,
+    /// A cylinder.
+    "cylinder" => cylinder::Cylinder,
+    /// A cone, perhaps truncated.
+    "cone" => cone::Cone,
+    /// A capsule.
+    "capsule" => capsule::Capsule,
+}

@@ -1,0 +1,447 @@
+//! Geometry files → checked values.
+//!
+//! Takes the path of a file; returns a [`Mesh`], [`Spheres`] or [`Tubes`] whose numbers are
+//! finite and whose indices are in range, or a [`FileFault`] with the line or the
+//! element. To add a mesh format, write its file, its `mod` line
+//! and its line in `FORMATS`.
+
+mod fault;
+mod choice;
+mod lines;
+mod budget;
+mod picture;
+mod materials;
+mod mesh;
+mod creases;
+mod parts;
+mod obj;
+mod ply;
+mod table;
+mod spheres;
+mod tubes;
+mod stl;
+mod gltf;
+mod places;
+mod vtk;
+mod pieces;
+mod series;
+
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use glam::Vec3;
+
+use base::files::{self, InputFile};
+use base::stop;
+
+use budget::Budget;
+pub use choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
+pub use fault::{FileFault, FileLocation};
+pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
+pub use mesh::{CornerValues, Mesh};
+pub use picture::read_picture;
+pub use pieces::pieces_of;
+pub use places::{InstancePlace, PlaceArrays};
+pub use series::{DataSeries, TimeStep, is_series, read_series, time_steps};
+pub use spheres::Spheres;
+pub use tubes::Tubes;
+
+/// The result of a reader.
+pub type Result<T> = std::result::Result<T, FileFault>;
+
+/// An open file to be read.
+type GeometryFileReader = BufReader<Stoppable>;
+
+/// A file that cannot be read on once the program is asked to end.
+#[derive(Debug)]
+struct Stoppable(InputFile);
+
+impl Seek for Stoppable {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+impl Stoppable {
+    /// The length of the file in bytes.
+    fn length(&self) -> io::Result<u64> {
+        self.0.length()
+    }
+}
+
+impl Read for Stoppable {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        stop::check().map_err(io::Error::other)?;
+        self.0.read(bytes)
+    }
+}
+
+/// A file of geometry, and which time step of a file with several.
+#[derive(Debug, Clone, Copy)]
+pub struct DataFile<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// The time step, the first of which is 0; the first one by default.
+    pub step: Option<usize>,
+}
+
+impl DataFile<'_> {
+    /// Opens a file that has one time step.
+    fn open(self) -> Result<GeometryFileReader> {
+        self.refuse_step()?;
+        open(self.path)
+    }
+
+    /// Refuses a time step other than 0 of a file that has only one.
+    fn refuse_step(self) -> Result<()> {
+        match self.step.filter(|step| *step > 0) {
+            None => Ok(()),
+            Some(step) => {
+                let problem = format!("it has no time step {step}");
+                let expected = "a file with time steps: one of VTKHDF";
+                Err(FileFault::new(problem, expected))
+            }
+        }
+    }
+}
+
+impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for DataFile<'a> {
+    fn from(path: &'a P) -> Self {
+        let path = path.as_ref();
+        Self { path, step: None }
+    }
+}
+
+/// Upper bound of the memory of a reader, in bytes per byte of a file that is none of
+/// VTK's. Each
+/// corner of a polygon adds a triangle, and takes two bytes in a text file and one
+/// in a binary file. A triangle takes twelve bytes; a growing vector takes up to
+/// three times as much, and a grown one twice as much. There is a copy of the triangles
+/// for normals, one for texture coordinates and one for colors. Vertices and the rows of tables
+/// take less, with coordinates of 64 bits until their origin is known: up to 72 bytes for 3 of
+/// a binary file, 160 for 6 of a table.
+pub const MAX_BYTES_PER_BYTE: u64 = 60;
+
+/// What a reader has besides a file.
+#[derive(Debug, Clone, Copy)]
+struct Surroundings<'a> {
+    /// The folder of the file.
+    folder: &'a Path,
+    /// Bytes of memory for pictures, if the materials of the file are wanted.
+    memory: Option<u64>,
+}
+
+/// A reader of one format.
+type MeshReader = fn(GeometryFileReader, &Surroundings) -> Result<Mesh>;
+
+/// The mesh formats by the extension of their files, in lower case; VTK's are besides.
+const FORMATS: &[(&str, MeshReader)] = &[
+    ("obj", obj::read),
+    ("ply", |file, _| ply::read(file)),
+    ("stl", |file, _| stl::read(file)),
+    ("gltf", gltf::read),
+    ("glb", gltf::read),
+];
+
+/// Formats of other programs by the extension of their files, in lower case.
+const FOREIGN: &[(&str, &str)] = &[
+    ("3ds", "3D Studio"),
+    ("3mf", "3MF"),
+    ("abc", "Alembic"),
+    ("blend", "Blender"),
+    ("c4d", "Cinema 4D"),
+    ("dae", "COLLADA"),
+    ("fbx", "FBX"),
+    ("iges", "IGES"),
+    ("igs", "IGES"),
+    ("ma", "Maya"),
+    ("max", "3ds Max"),
+    ("mb", "Maya"),
+    ("skp", "SketchUp"),
+    ("step", "STEP"),
+    ("stp", "STEP"),
+    ("usd", "USD"),
+    ("usda", "USD"),
+    ("usdc", "USD"),
+    ("usdz", "USD"),
+    ("x3d", "X3D"),
+];
+
+/// The name of the format of another program that raycost does not read, by the file's
+/// extension.
+pub fn foreign_format(path: &Path) -> Option<&'static str> {
+    let extension = extension(path);
+    let found = FOREIGN.iter().find(|(known, _)| *known == extension);
+    found.map(|(_, name)| *name)
+}
+
+/// How a file of another program becomes one that can be read.
+pub const EXPORT: &str =
+    "export glTF (.glb) or OBJ from the program that wrote it, or from Blender";
+
+/// Whether the file's extension is that of a mesh format.
+pub fn is_mesh(path: &Path) -> bool {
+    let extension = extension(path);
+    extensions().any(|known| known == extension)
+}
+
+/// The extensions of all mesh formats.
+fn extensions() -> impl Iterator<Item = &'static str> {
+    let own = FORMATS.iter().map(|(known, _)| *known);
+    own.chain(vtk::EXTENSIONS)
+}
+
+/// Reads a triangle mesh; the file's extension determines the format. Of a VTK file this is
+/// the surface.
+///
+/// # Errors
+/// A file that cannot be read, is of no known format, is damaged, or has no
+/// triangle.
+pub fn read_mesh(path: &Path) -> Result<Mesh> {
+    read_mesh_with(path, None)
+}
+
+/// Reads a triangle mesh with the numbers of an array.
+///
+/// # Errors
+/// The errors of [`read_mesh`], and an array that the file does not have.
+pub fn read_mesh_with<'a>(
+    file: impl Into<DataFile<'a>>,
+    array: Option<&ArrayChoice>,
+) -> Result<Mesh> {
+    let file = file.into();
+    with_triangles(read_any_mesh(file, array, None), file.path)
+}
+
+/// Reads a triangle mesh with the materials that its file gives it; of a file without any that
+/// has colors at its vertices, a matte one with these. Their pictures take at most `available`
+/// bytes of memory.
+///
+/// # Errors
+/// The errors of [`read_mesh`], and materials or pictures that are missing or damaged.
+pub fn read_mesh_with_materials<'a>(file: impl Into<DataFile<'a>>, available: u64) -> Result<Mesh> {
+    let file = file.into();
+    let mut mesh = with_triangles(read_any_mesh(file, None, Some(available)), file.path)?;
+    if mesh.materials.is_empty() && mesh.colors.is_some() {
+        mesh.material_of = vec![0; mesh.triangles.len()];
+        mesh.materials.push(MeshMaterial {
+            has_vertex_colors: true,
+            ..MeshMaterial::new("vertex colors", Vec3::ONE)
+        });
+    }
+    Ok(mesh)
+}
+
+/// Refuses a mesh without triangles.
+fn with_triangles(read: Result<Mesh>, path: &Path) -> Result<Mesh> {
+    let read = read.and_then(|mesh| {
+        if mesh.triangles.is_empty() {
+            let expected = if is_vtk(path) {
+                "faces of cells; points are for `spheres`, lines for `tubes`"
+            } else {
+                "faces"
+            };
+            Err(FileFault::new("no triangle in the file", expected))
+        } else {
+            Ok(mesh)
+        }
+    });
+    read.map_err(|fault| fault.in_file(path))
+}
+
+/// Reads a mesh, and its materials if there is `memory` for their pictures.
+fn read_any_mesh(file: DataFile, array: Option<&ArrayChoice>, memory: Option<u64>) -> Result<Mesh> {
+    let path = file.path;
+    if is_vtk(path) {
+        return vtk::read_mesh(file, array);
+    }
+    file.refuse_step()?;
+    let extension = extension(path);
+    let known = FORMATS.iter().find(|(known, _)| *known == extension);
+    let (_, read) = known.ok_or_else(|| unknown_format(path))?;
+    if let Some(array) = array {
+        let problem = format!("it cannot have an array `{}`", array.name);
+        let expected = "a VTK file, such as one that ends in .vtp or .vtu";
+        return Err(FileFault::new(problem, expected));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read(open(path)?, &Surroundings { folder, memory })
+}
+
+/// Reads isosurfaces of an array of a VTK file, with the numbers of another one.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array, or in which the array has the
+/// values nowhere within a cell.
+pub fn read_isosurface<'a>(
+    file: impl Into<DataFile<'a>>,
+    choice: &IsosurfaceChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Mesh> {
+    let file = file.into();
+    let read = if is_vtk(file.path) {
+        vtk::read_isosurface(file, choice, array)
+    } else {
+        let expected = "a VTK file, such as one that ends in .vti or .vtu";
+        Err(FileFault::new(
+            "it has no arrays for an isosurface",
+            expected,
+        ))
+    };
+    read.map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads a list of spheres from a table of comma-separated values, with the numbers of a
+/// column. `radius` is the radius of all spheres if the table has no column `r`, or another
+/// column.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no radius, no such column or no sphere.
+pub fn read_spheres<'a>(
+    file: impl Into<DataFile<'a>>,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
+    let file = file.into();
+    let read = file
+        .open()
+        .and_then(|table| spheres::read(table, radius, array));
+    read.map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads the points of a VTK file as spheres, with the numbers of an array.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array or no point.
+pub fn read_points<'a>(
+    file: impl Into<DataFile<'a>>,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
+    let file = file.into();
+    let read = vtk::read_spheres(file, radius, array).and_then(|spheres| {
+        if spheres.spheres.is_empty() {
+            Err(FileFault::new(
+                "no point in the file",
+                "a point for each sphere",
+            ))
+        } else {
+            Ok(spheres)
+        }
+    });
+    read.map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads tubes from a table of comma-separated values, with the numbers of a column. `radius`
+/// is the radius of all tubes if the table has no column `r`, or another column.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no radius, no such column or no line.
+pub fn read_tubes<'a>(
+    file: impl Into<DataFile<'a>>,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Tubes> {
+    let file = file.into();
+    let read = file
+        .open()
+        .and_then(|table| tubes::read(table, radius, array));
+    read.map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads the lines of a VTK file as tubes, with the numbers of an array.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array or no line.
+pub fn read_lines<'a>(
+    file: impl Into<DataFile<'a>>,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Tubes> {
+    let file = file.into();
+    vtk::read_tubes(file, radius, array).map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads the places of instances: from a table of comma-separated values, which has no arrays,
+/// or from the points of a VTK file without those whose scale is 0 or missing.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, has no such array or no place.
+pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
+    let read = if is_vtk(path) {
+        vtk::read_places(path.into(), arrays).and_then(places::usable)
+    } else {
+        let table = arrays.none().and_then(|()| open(path));
+        table.and_then(places::read)
+    };
+    read.map_err(|fault| fault.in_file(path))
+}
+
+/// Whether the file's extension is one of VTK's.
+pub fn is_vtk(path: &Path) -> bool {
+    vtk::EXTENSIONS.contains(&extension(path).as_str())
+}
+
+/// Whether each of several ranks reads the file from its own disk: HDF5 opens it by its path.
+pub fn is_read_by_each_rank(path: &Path) -> bool {
+    vtk::is_hdf(path)
+}
+
+/// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in
+/// bytes. The arrays of a VTK file, which may be compressed, are not in it: their memory is
+/// checked as they are read.
+///
+/// # Errors
+/// If it is not a regular file, or if its metadata cannot be read.
+pub fn max_bytes(path: &Path) -> Result<u64> {
+    let per_byte = if is_vtk(path) { 1 } else { MAX_BYTES_PER_BYTE };
+    let length = files::length_of(path).map_err(FileFault::from);
+    let n_bytes = length.and_then(|length| match length {
+        Some(length) => Ok(length.saturating_mul(per_byte)),
+        None => Err(FileFault::new("it is not a file", "a file")),
+    });
+    n_bytes.map_err(|fault| fault.in_file(path))
+}
+
+fn open(path: &Path) -> Result<GeometryFileReader> {
+    let file = Stoppable(InputFile::open(path)?);
+    Ok(BufReader::with_capacity(1 << 18, file))
+}
+
+/// All bytes of a file of which none has been read, if the budget has room for them.
+fn read_whole(file: GeometryFileReader, budget: &mut Budget) -> Result<Vec<u8>> {
+    let Stoppable(file) = file.into_inner();
+    let length = file.length()?;
+    budget.take(length)?;
+    if let InputFile::InMemory(bytes) = file {
+        return Ok(bytes.into_inner());
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    Stoppable(file).take(length).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The file name's extension in lower case; empty for none.
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_lowercase()
+}
+
+/// "a, b or c"
+fn listed(words: &[String]) -> String {
+    match words.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => words.concat(),
+    }
+}
+
+fn unknown_format(path: &Path) -> FileFault {
+    let extension = extension(path);
+    let known: Vec<String> = extensions().map(|known| format!(".{known}")).collect();
+    let problem = match (&*extension, foreign_format(path)) {
+        ("", _) => "its name has no extension".to_owned(),
+        (_, Some(format)) => format!("raycost does not read {format} files; {EXPORT}"),
+        _ => format!("unknown mesh format `.{extension}`"),
+    };
+    FileFault::new(problem, format!("a file that ends in {}", listed(&known)))
+}

@@ -1,0 +1,263 @@
+//! Picture files: PNG, JPEG, Radiance HDR and OpenEXR.
+//!
+//! The file's first bytes decide of which format it is, not its name. Nothing of the size
+//! that its header states is allocated before that is known to fit into memory.
+
+use std::error::Error;
+use std::io::{self, BufRead, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::Vec3;
+use image::codecs::hdr::HdrDecoder;
+use image::codecs::jpeg::JpegDecoder;
+use image::codecs::openexr::OpenExrDecoder;
+use image::codecs::png::PngDecoder;
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageResult};
+
+use super::{FileFault, Result, open};
+use crate::color::Transfer;
+use crate::picture::{Picture, Texels};
+use base::files;
+use base::text::numbers::memory_sizes;
+
+/// Reads a picture, which materials share. Its numbers are those of `transfer`; by default sRGB in PNG and JPEG
+/// files, and linear in others.
+///
+/// # Errors
+/// A file that cannot be read, is of no known format, is damaged, is too large for
+/// `available` bytes of memory, or has a color that is not finite.
+pub fn read_picture(
+    path: &Path,
+    transfer: Option<Transfer>,
+    available: u64,
+) -> Result<Arc<Picture>> {
+    read(path, transfer, available).map_err(|fault| fault.in_file(path))
+}
+
+fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Arc<Picture>> {
+    let reading = Reading {
+        transfer,
+        tint: Vec3::ONE,
+        available,
+    };
+    read_picture_of(bytes_of_file(path)?, reading)
+}
+
+/// The bytes of a picture's file.
+pub(super) type PictureBytes = Box<dyn SeekableBytes>;
+
+/// Bytes of a file, or of a part of one.
+pub(super) trait SeekableBytes: BufRead + Seek {}
+
+impl<T: BufRead + Seek> SeekableBytes for T {}
+
+/// Opens the file of a picture.
+///
+/// # Errors
+/// If it cannot be opened, or is not a regular file.
+pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
+    if files::length_of(path)?.is_none() {
+        return Err(FileFault::new("it is not a file", "a file"));
+    }
+    Ok(Box::new(open(path)?))
+}
+
+/// How a picture is read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading {
+    /// What its numbers are; `None` for what is usual in its format.
+    pub(super) transfer: Option<Transfer>,
+    /// The factor of its colors.
+    pub(super) tint: Vec3,
+    /// Bytes of memory that are left for it.
+    pub(super) available: u64,
+}
+
+/// Reads a picture.
+///
+/// # Errors
+/// The errors of [`read_picture`].
+pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Result<Arc<Picture>> {
+    let mut head = Vec::new();
+    let start = file.fill_buf()?;
+    head.extend_from_slice(&start[..start.len().min(MAX_SIGNATURE)]);
+    file.seek(SeekFrom::Start(0))?;
+    let is_of = |format: &&Format| head.starts_with(format.signature);
+    let format = FORMATS.iter().find(is_of).ok_or_else(unknown_format)?;
+    let damaged = |error| format.damaged(&error);
+    let decoder = (format.decoder)(file).map_err(damaged)?;
+    check_size(&*decoder, reading.available)?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    let size = [decoded.width(), decoded.height()];
+    let mut texels = texels(decoded, reading.transfer.unwrap_or(format.transfer))?;
+    texels.multiply(reading.tint);
+    let picture = Picture::new(size, texels).ok_or_else(|| wrong_size(size))?;
+    Ok(Arc::new(picture))
+}
+
+/// A decoder of one format.
+type Decoder = Box<dyn ImageDecoder>;
+
+/// A format of pictures.
+struct Format {
+    name: &'static str,
+    /// The first bytes of its files.
+    signature: &'static [u8],
+    /// What its numbers are by default.
+    transfer: Transfer,
+    decoder: fn(PictureBytes) -> ImageResult<Decoder>,
+}
+
+const FORMATS: [Format; 5] = [
+    Format {
+        name: "PNG",
+        signature: b"\x89PNG\r\n\x1a\n",
+        transfer: Transfer::Srgb,
+        decoder: |file| Ok(Box::new(PngDecoder::new(file)?)),
+    },
+    Format {
+        name: "JPEG",
+        signature: b"\xff\xd8\xff",
+        transfer: Transfer::Srgb,
+        decoder: |file| Ok(Box::new(JpegDecoder::new(file)?)),
+    },
+    Format {
+        name: "OpenEXR",
+        signature: b"\x76\x2f\x31\x01",
+        transfer: Transfer::Linear,
+        decoder: |file| Ok(Box::new(OpenExrDecoder::new(file)?)),
+    },
+    radiance(b"#?RADIANCE"),
+    radiance(b"#?RGBE"),
+];
+
+const fn radiance(signature: &'static [u8]) -> Format {
+    Format {
+        name: "Radiance HDR",
+        signature,
+        transfer: Transfer::Linear,
+        decoder: |file| Ok(Box::new(HdrDecoder::new(file)?)),
+    }
+}
+
+/// Bytes of the longest signature.
+const MAX_SIGNATURE: usize = 10;
+
+/// Upper bound of the memory that is taken to read a channel of one byte of a texel, in
+/// bytes: as decoded, and the smaller copies, two of which are numbers of 32 bits meanwhile.
+const BYTES_PER_CHANNEL: u64 = 4;
+
+/// The same of a texel of more bytes.
+const BYTES_PER_LARGE_TEXEL: u64 = 56;
+
+/// Checks that the picture is not too large, by what its header says.
+fn check_size(decoder: &dyn ImageDecoder, available: u64) -> Result<()> {
+    let (width, height) = decoder.dimensions();
+    let most = Picture::MAX_SIDE;
+    if [width, height]
+        .iter()
+        .any(|side| !(1..=most).contains(side))
+    {
+        return Err(wrong_size([width, height]));
+    }
+    let per_texel = match decoder.color_type() {
+        ColorType::L8 => BYTES_PER_CHANNEL,
+        ColorType::Rgb8 => 3 * BYTES_PER_CHANNEL,
+        ColorType::La8 | ColorType::Rgba8 => 4 * BYTES_PER_CHANNEL,
+        _ => BYTES_PER_LARGE_TEXEL,
+    };
+    let needed = u64::from(width) * u64::from(height) * per_texel;
+    if needed <= available {
+        return Ok(());
+    }
+    let [needed, free] = memory_sizes([needed, available]);
+    let problem = format!(
+        "{width} x {height} pixels are too many: up to {needed} of memory are needed to read \
+         them, {free} are free"
+    );
+    Err(FileFault::new(problem, "a smaller picture"))
+}
+
+fn texels(decoded: DynamicImage, transfer: Transfer) -> Result<Texels> {
+    match decoded.color() {
+        ColorType::L8 => Ok(Texels::Gray(decoded.into_luma8().into_raw(), transfer)),
+        ColorType::Rgb8 => {
+            let bytes = decoded.into_rgb8().into_raw();
+            Ok(Texels::Rgb(bytes.as_chunks().0.to_vec(), transfer))
+        }
+        ColorType::La8 | ColorType::Rgba8 => {
+            let bytes = decoded.into_rgba8().into_raw();
+            Ok(Texels::Bytes(bytes.as_chunks().0.to_vec(), transfer))
+        }
+        _ => {
+            let width = decoded.width();
+            let numbers = decoded.into_rgba32f().into_raw();
+            let mut texels = numbers.as_chunks().0.to_vec();
+            for (i, texel) in (0..).zip(&mut texels) {
+                decode(texel, transfer).ok_or_else(|| not_finite(i % width, i / width))?;
+            }
+            Ok(Texels::Floats(texels))
+        }
+    }
+}
+
+/// Makes linear light of a texel's numbers, as far as they are finite.
+fn decode(texel: &mut [f32; 4], transfer: Transfer) -> Option<()> {
+    if texel.iter().any(|number| !number.is_finite()) {
+        return None;
+    }
+    let [colors @ .., opacity] = texel;
+    for number in colors {
+        // No surface reflects less than nothing.
+        *number = transfer.light(number.max(0.0));
+    }
+    *opacity = opacity.clamp(0.0, 1.0);
+    Some(())
+}
+
+fn not_finite(column: u32, row: u32) -> FileFault {
+    let problem =
+        format!("the pixel in column {column}, row {row} has a number that is not finite");
+    FileFault::new(problem, "finite numbers")
+}
+
+fn wrong_size([width, height]: [u32; 2]) -> FileFault {
+    let most = Picture::MAX_SIDE;
+    FileFault::new(
+        format!("it has {width} x {height} pixels"),
+        format!("1 to {most} in each direction"),
+    )
+}
+
+fn unknown_format() -> FileFault {
+    FileFault::new(
+        "it is not a picture of a known format",
+        "a PNG, JPEG, Radiance HDR or OpenEXR picture",
+    )
+}
+
+impl Format {
+    fn damaged(&self, error: &ImageError) -> FileFault {
+        let name = self.name;
+        match error {
+            ImageError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                FileFault::new(format!("the {name} picture ends early"), "a whole file")
+            }
+            ImageError::IoError(error) => FileFault::new(
+                format!("cannot read it: {error}"),
+                "a file that can be read",
+            ),
+            other => {
+                // The source is the decoder's own sentence.
+                let reason = other
+                    .source()
+                    .map_or(other.to_string(), |own| own.to_string());
+                FileFault::new(
+                    format!("the {name} picture cannot be decoded: {}", reason.trim()),
+                    format!("a {name} picture that other programs show"),
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! Spheres from a table of comma-separated values.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+
+use glam::{DVec3, Vec3};
+
+use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+
+use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
+use super::fault::cut;
+use super::mesh::point;
+use super::table::{missing_column, named_twice, number, of_table, word};
+use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
+use crate::geometry::{Located, Sphere, located_points};
+use crate::yaml::hex_color;
+use base::text::did_you_mean;
+
+/// The spheres of a table.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Spheres {
+    /// The point of the object's space that is the origin of all coordinates.
+    pub origin: DVec3,
+    /// The spheres, at least one.
+    pub spheres: Vec<Sphere>,
+    /// The color of each sphere: linear light, from 0 to 1; `None` if the file has no colors.
+    pub colors: Option<Vec<Vec3>>,
+    /// The number of an array for each sphere, if one was read; NaN for missing ones.
+    pub scalars: Option<Vec<f32>>,
+}
+
+impl Spheres {
+    /// Their memory in bytes.
+    pub fn n_bytes(&self) -> u64 {
+        let n_color_bytes = self
+            .colors
+            .as_ref()
+            .map_or(0, |colors| size_of_val(&colors[..]));
+        let n_scalar_bytes = self
+            .scalars
+            .as_ref()
+            .map_or(0, |scalars| size_of_val(&scalars[..]));
+        (size_of_val(&self.spheres[..]) + n_color_bytes + n_scalar_bytes) as u64
+    }
+}
+
+/// Reads a table. `radius` is that of all spheres, which a column of radii replaces, or a
+/// column with a factor; `array` is the column of the numbers.
+pub(super) fn read(
+    file: GeometryFileReader,
+    radius: Option<&RadiusChoice>,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
+    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let header = table.byte_headers().map_err(of_table)?;
+    let columns = Columns::of(header, "color", radius, array)
+        .map_err(|fault| fault.at(FileLocation::Line(1)))?;
+    // The colors of an array take the place of those of the table.
+    let color_column = columns.extra.filter(|_| array.is_none());
+    let mut found = Spheres {
+        colors: color_column.map(|_| Vec::new()),
+        scalars: array.map(|_| Vec::new()),
+        ..Spheres::default()
+    };
+    let (mut centers, mut radii) = (Vec::new(), Vec::new());
+    let mut row = ByteRecord::new();
+    while table.read_byte_record(&mut row).map_err(of_table)? {
+        let line = row.position().map_or(0, Position::line);
+        let at_line = |fault: FileFault| fault.at(FileLocation::Line(line));
+        let (center, radius) = columns.sphere(&row).map_err(at_line)?;
+        centers.push(center);
+        radii.push(radius);
+        if let (Some(column), Some(colors)) = (color_column, &mut found.colors) {
+            colors.push(color(word(&row, column)).map_err(at_line)?);
+        }
+        if let Some(scalars) = &mut found.scalars {
+            scalars.push(columns.number(&row).map_err(at_line)?);
+        }
+    }
+    if centers.is_empty() {
+        return Err(FileFault::new("no sphere in the file", "a line for each"));
+    }
+    let Located { origin, geometry } = located_points(&centers);
+    let spheres = geometry.into_iter().zip(radii);
+    let sphere = |(center, radius)| Sphere { center, radius };
+    Ok(Spheres {
+        origin,
+        spheres: spheres.map(sphere).collect(),
+        ..found
+    })
+}
+
+/// The positions of a table's columns of points with radii, of one more column and of that of
+/// the numbers.
+pub(super) struct Columns {
+    center: [usize; 3],
+    radius: Radius,
+    pub(super) extra: Option<usize>,
+    number: Option<usize>,
+}
+
+enum Radius {
+    /// The column, and the factor from its numbers to radii.
+    Column(usize, f32),
+    OfAll(f32),
+}
+
+impl Columns {
+    /// Reads the table's first line, in which there may be a column named `extra` and columns
+    /// of other names. `radius` is that of all points if there is no column of radii, or the
+    /// column of radii; `array` is the column of the numbers.
+    pub(super) fn of(
+        header: &ByteRecord,
+        extra: &str,
+        radius: Option<&RadiusChoice>,
+        array: Option<&ArrayChoice>,
+    ) -> Result<Self> {
+        let names: Vec<_> = header.iter().map(String::from_utf8_lossy).collect();
+        let mut known = HashSet::new();
+        let mut given = names.iter().filter(|name| !name.is_empty());
+        if let Some(name) = given.find(|name| !known.insert(*name)) {
+            return Err(named_twice(name));
+        }
+        let find = |name: &str| names.iter().position(|known| known == name);
+        let column = |name: &str| {
+            find(name).ok_or_else(|| missing_column(name, &format!("x,y,z,r,{extra}")))
+        };
+        let center = [column("x")?, column("y")?, column("z")?];
+        let extra_column = find(extra);
+        if extra_column.is_none() {
+            let misspelled = names.iter().find(|name| is_nearly(name, extra));
+            misspelled.map_or(Ok(()), |name| Err(unknown_column(name, extra)))?;
+        }
+        let chosen = |array: &ArrayChoice| chosen_column(array, &names);
+        let radius = match (radius, find("r")) {
+            (Some(RadiusChoice::Array { array, factor }), _) => {
+                Radius::Column(chosen(array)?, *factor)
+            }
+            (_, Some(column)) => Radius::Column(column, 1.0),
+            (Some(RadiusChoice::Same(radius)), None) => Radius::OfAll(*radius),
+            (None, None) => {
+                let expected = "one, or a `radius` in the scene: that of all, or `{ array: … }`";
+                return Err(FileFault::new("there is no column `r`", expected));
+            }
+        };
+        Ok(Self {
+            center,
+            radius,
+            extra: extra_column,
+            number: array.map(chosen).transpose()?,
+        })
+    }
+
+    /// The point of a row and its radius.
+    pub(super) fn sphere(&self, row: &ByteRecord) -> Result<(DVec3, f32)> {
+        let [x, y, z] = self.center.map(|column| number(word(row, column)));
+        let radius = match self.radius {
+            Radius::OfAll(radius) => radius,
+            Radius::Column(column, factor) => factor * number::<f32>(word(row, column))?,
+        };
+        if !(radius.is_finite() && radius > 0.0) {
+            let problem = format!("a radius is {radius}");
+            return Err(FileFault::new(problem, "a number greater than 0"));
+        }
+        Ok((point([x?, y?, z?])?, radius))
+    }
+
+    /// The number of a row in the column of numbers: NaN where it is empty, or where there is
+    /// no such column.
+    pub(super) fn number(&self, row: &ByteRecord) -> Result<f32> {
+        let word = self.number.map_or("", |column| word(row, column));
+        if word.is_empty() {
+            Ok(f32::NAN)
+        } else {
+            number(word)
+        }
+    }
+}
+
+/// The column of an array.
+fn chosen_column(array: &ArrayChoice, names: &[Cow<str>]) -> Result<usize> {
+    let name = cut(&array.name);
+    if array.is_color || array.of == Some(ArrayOf::Cells) || array.component > Some(0) {
+        let problem = format!("`{name}` can only be a column of a table");
+        return Err(FileFault::new(problem, "one number for each point"));
+    }
+    let found = names.iter().position(|known| *known == array.name);
+    found.ok_or_else(|| {
+        let mut problem = format!("it has no column `{name}`");
+        if let Some(suggestion) = did_you_mean(&array.name, names.iter().map(|name| &**name)) {
+            problem += &format!(", {suggestion}");
+        }
+        let known = names.iter().take(MAX_LISTED);
+        let known: Vec<String> = known.map(|name| format!("`{}`", cut(name))).collect();
+        FileFault::new(
+            problem,
+            format!("one of its columns, such as {}", listed(&known)),
+        )
+    })
+}
+
+/// Most names of columns in a message.
+const MAX_LISTED: usize = 8;
+
+/// Whether a name is another one with a letter too many or too few, or in another case.
+fn is_nearly(name: &str, other: &str) -> bool {
+    let is_longer_by_one = name.len().abs_diff(other.len()) == 1;
+    name.eq_ignore_ascii_case(other)
+        || (is_longer_by_one && strsim::levenshtein(&name.to_lowercase(), other) == 1)
+}
+
+fn unknown_column(name: &str, extra: &str) -> FileFault {
+    let problem = format!("unknown column `{}`, did you mean `{extra}`?", cut(name));
+    let expected = format!("a first line such as `x,y,z,r,{extra}`, or another name");
+    FileFault::new(problem, expected)
+}
+
+fn color(word: &str) -> Result<Vec3> {
+    let color = hex_color(word).map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
+    color.ok_or_else(|| FileFault::new(format!("`{}` is not a color", cut(word)), "`#rrggbb`"))
+}

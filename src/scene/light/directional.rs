@@ -1,0 +1,55 @@
+//! The light from one direction.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::illumination::{Illumination, MAX_RADIANCE};
+use crate::geometry::RenderSpace;
+use crate::yaml;
+use math::simd::{Real, Vector};
+
+/// A light infinitely far away, such as the sun.
+///
+/// ```
+/// # use scene::light::Light;
+/// let sun: Light = scene::yaml::from_str("
+/// directional: { direction: [-1, -2, 1], color: [1, 1, 0.9], intensity: 0.8 }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionalLight {
+    /// The direction in which its light travels, a unit vector; the file may give
+    /// any length but zero.
+    #[serde(deserialize_with = "yaml::direction")]
+    pub direction: Vec3,
+    /// Its color, each channel at least 0; white by default.
+    #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
+    pub color: Vec3,
+    /// A factor on the color, at least 0; 1 by default.
+    #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
+    pub intensity: f32,
+}
+
+impl DirectionalLight {
+    pub(super) fn position(&self) -> Option<Vec3> {
+        None
+    }
+
+    pub(super) fn in_space(&self, _: &RenderSpace) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
+        Illumination {
+            direction: Vector::splat(point.x, -self.direction),
+            distance: point.x.splat(f32::INFINITY),
+            radiance: Vector::splat(
+                point.x,
+                (self.color * self.intensity).min(Vec3::splat(MAX_RADIANCE)),
+            ),
+            density: point.x.splat(f32::INFINITY),
+        }
+    }
+}

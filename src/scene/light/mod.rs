@@ -1,0 +1,71 @@
+//! Lights: a point → the light that arrives there.
+//!
+//! Each kind of light has one file. To add a light, write its file, its `mod` line and
+//! its row in the list of lights.
+
+mod default;
+mod directional;
+mod falloff;
+mod illumination;
+mod point;
+mod spot;
+
+use glam::Vec3;
+use serde::Deserialize;
+
+pub use falloff::Falloff;
+pub use illumination::Illumination;
+
+use crate::geometry::RenderSpace;
+use math::simd::{Real, Vector};
+
+/// Defines [`Light`] and its dispatch from one list. A row has the kind, whose YAML key
+/// is its name in snake case, and the type in the kind's file.
+macro_rules! lights {
+    ($($(#[$doc:meta])* $kind:ident($file:ident::$light:ident),)*) => {
+        $(pub use $file::$light;)*
+
+        /// One of the scene file's `lights`.
+        #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+        #[serde(
+            rename_all = "snake_case",
+            expecting = "a light such as { point: { … } }"
+        )]
+        pub enum Light {
+            $($(#[$doc])* $kind($light),)*
+        }
+
+        impl Light {
+            /// Its position, if it has one.
+            pub fn position(&self) -> Option<Vec3> {
+                match self {
+                    $(Self::$kind(light) => light.position(),)*
+                }
+            }
+
+            /// The light, which is in world space, in render space.
+            pub fn in_space(&self, space: &RenderSpace) -> Self {
+                match self {
+                    $(Self::$kind(light) => Self::$kind(light.in_space(space)),)*
+                }
+            }
+
+            /// The light that arrives at `point` unless it is occluded.
+            #[inline(always)]
+            pub fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
+                match self {
+                    $(Self::$kind(light) => light.illuminate(point),)*
+                }
+            }
+        }
+    };
+}
+
+lights! {
+    /// A light at a point.
+    Point(point::PointLight),
+    /// A light infinitely far away.
+    Directional(directional::DirectionalLight),
+    /// A light at a point that shines into a cone.
+    Spot(spot::SpotLight),
+}

@@ -1,0 +1,73 @@
+//! Colors by numbers.
+
+use math::simd::LookupTable;
+
+/// Most categories that a color bar lists.
+pub const MAX_LISTED: usize = 256;
+
+/// See the file's documentation.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ColorTable {
+    /// The numbers of the first and the last color.
+    pub ends: [f32; 2],
+    /// Whether there are numbers below the first and above the last.
+    pub clips: [bool; 2],
+    /// The categories among the numbers in ascending order, at most 256 of them;
+    /// none unless the colors are those of categories that a color bar lists.
+    pub categories: Vec<i64>,
+    pub(super) is_log: bool,
+    pub(super) choice: ColorChoice,
+    /// Linear light.
+    pub(super) colors: Vec<[f32; 3]>,
+    pub(super) nan_color: [f32; 3],
+}
+
+/// Which color of a table a number has.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) enum ColorChoice {
+    /// The one at the nearest of the equally spaced positions from 0 to 1.
+    #[default]
+    Nearest,
+    /// The color of the part of equal width.
+    Band,
+    /// The color of the nearest whole number, in turn.
+    Category,
+}
+
+impl LookupTable<1, 3> for ColorTable {
+    #[inline]
+    fn values_at(&self, [number]: [f32; 1]) -> [f32; 3] {
+        if number.is_nan() {
+            return self.nan_color;
+        }
+        let n = self.colors.len();
+        // The casts saturate.
+        let position = || self.position(number.into());
+        let index = match self.choice {
+            ColorChoice::Nearest => (position() * n.saturating_sub(1) as f64 + 0.5) as usize,
+            ColorChoice::Band => (position() * n as f64) as usize,
+            ColorChoice::Category => category(number).rem_euclid(n.max(1) as i64) as usize,
+        };
+        let last = self.colors.last().copied().unwrap_or([1.0; 3]);
+        self.colors.get(index).copied().unwrap_or(last)
+    }
+}
+
+/// The category of a number: the whole number nearest to it.
+pub(super) fn category(number: f32) -> i64 {
+    // The cast saturates.
+    number.round() as i64
+}
+
+impl ColorTable {
+    /// The position of a number between the ends; from 0 to 1 if it is between them.
+    fn position(&self, number: f64) -> f64 {
+        let [low, high] = self.ends.map(f64::from);
+        if self.is_log {
+            let number = number.max(f64::MIN_POSITIVE);
+            libm::log(number / low) / libm::log(high / low)
+        } else {
+            (number - low) / (high - low)
+        }
+    }
+}

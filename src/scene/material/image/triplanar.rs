@@ -1,0 +1,78 @@
+//! Projections along the axes of world space.
+
+use glam::Vec3;
+
+use crate::geometry::RenderSpace;
+use crate::material::texture_point::TexturePoint;
+use crate::picture::Wrap;
+use math::simd::{Real, Vector};
+
+/// A point's projection along an axis.
+pub(super) struct AxisProjection<R> {
+    /// Its coordinates, in world units.
+    pub(super) uv: [R; 2],
+    /// The fourth power of the normal's coordinate along the axis, divided by the sum of
+    /// all three.
+    pub(super) weight: R,
+    /// The directions to the right and up in the picture.
+    pub(super) axes: [Vector<R>; 2],
+    /// The width of what the ray stands for, projected.
+    pub(super) footprint: R,
+}
+
+/// The projections along the axes of world space: where points to the right and up in the
+/// pictures are counted from.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Triplanar {
+    origins: [Vec3; 2],
+}
+
+impl Triplanar {
+    /// The projections, which are in world space, in render space: of a picture of this size.
+    pub(super) fn in_space(&mut self, space: &RenderSpace, size: [f32; 2], wrap: Wrap) {
+        self.origins = size.map(|length| {
+            // A mirrored picture repeats after two.
+            let period = 2.0 * f64::from(length);
+            space.world_origin((wrap != Wrap::Clamp).then_some(period))
+        });
+    }
+
+    /// The projections along x, y and z. From either side a picture is seen upright and not
+    /// mirrored; along y, up in the picture is -z.
+    #[inline(always)]
+    pub(super) fn projections<R: Real>(&self, point: &TexturePoint<R>) -> [AxisProjection<R>; 3] {
+        let like = point.position.x;
+        let from = self
+            .origins
+            .map(|origin| point.position - Vector::splat(like, origin));
+        let [Vector { x, z, .. }, Vector { y, z: z_up, .. }] = from;
+        let normal = point.normal;
+        let [right, upward, front] = Vec3::AXES;
+        let right = Vector::splat(x, right);
+        let upward = Vector::splat(x, upward);
+        let back = -Vector::splat(x, front);
+        let squares = normal.times(normal);
+        let weights = squares.times(squares);
+        let sum = weights.x + weights.y + weights.z;
+        [
+            AxisProjection {
+                uv: [(-z).flip_sign_by(normal.x), y],
+                weight: weights.x / sum,
+                axes: [back.flip_sign_by(normal.x), upward],
+                footprint: point.width * normal.x.abs().sqrt(),
+            },
+            AxisProjection {
+                uv: [x, (-z_up).flip_sign_by(normal.y)],
+                weight: weights.y / sum,
+                axes: [right, back.flip_sign_by(normal.y)],
+                footprint: point.width * normal.y.abs().sqrt(),
+            },
+            AxisProjection {
+                uv: [x.flip_sign_by(normal.z), y],
+                weight: weights.z / sum,
+                axes: [right.flip_sign_by(normal.z), upward],
+                footprint: point.width * normal.z.abs().sqrt(),
+            },
+        ]
+    }
+}

@@ -1,0 +1,363 @@
+//! Materials: how surfaces reflect light.
+
+mod color_table;
+mod array;
+mod checker;
+mod conductor;
+mod cutout;
+mod dielectric;
+mod image;
+mod normal_map;
+mod of_mesh;
+mod picture_factors;
+mod principled;
+mod rough_surface;
+mod texture_point;
+mod vertex_colors;
+mod texture;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use serde::{Deserialize, Deserializer};
+
+pub use array::{ArrayRange, ArrayScale, ArrayTexture};
+pub use checker::{Axes, Rounding};
+pub use color_table::ColorTable;
+pub use conductor::Conductor;
+pub use cutout::Cutout;
+pub use dielectric::Dielectric;
+pub use image::{Mapping, Planar, Spherical, Triplanar};
+pub use normal_map::NormalMap;
+pub use of_mesh::MaterialDetail;
+pub use picture_factors::{FactorPictures, PictureFactors};
+pub use principled::Principled;
+pub use rough_surface::RoughSurface;
+pub use texture::*;
+pub use texture_point::TexturePoint;
+
+use crate::fog::HenyeyGreenstein;
+use crate::geometry::RenderSpace;
+use crate::yaml;
+use math::optics::{Ggx, Masking};
+use math::simd::{Real, Vector};
+
+/// One of the scene file's `materials`, for the Blinn-Phong model.
+///
+/// ```
+/// # use scene::material::Material;
+/// let mirror: Material = scene::yaml::from_str("
+/// color: \"#c0c8d0\"   # or [r, g, b], one gray, { checker: … }, { image: … }
+/// ambient: 1          # fraction of the ambient light, 0 to 1
+/// diffuse: 0.4        # 0 to 1
+/// specular: 0.6       # 0 to 1
+/// exponent: 80        # size of the highlight: larger is sharper
+/// reflection: 0.5     # fraction of the mirrored ray, 0 to 1
+/// normal_map: { image: { file: dents.png, mapping: planar } }   # bumps and dents
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    try_from = "MaterialKeys",
+    expecting = "a material such as { color: [1, 0, 0] }"
+)]
+pub struct Material {
+    /// The color of its diffuse reflection; white by default, if it is a medium or a
+    /// metal.
+    pub color: Texture,
+    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a
+    /// metal.
+    pub ambient: f32,
+    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
+    pub diffuse: f32,
+    /// Strength of the highlight, 0 to 1; 0 by default.
+    pub specular: f32,
+    /// Exponent of the highlight, at least 0; 50 by default.
+    pub exponent: f32,
+    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a
+    /// medium or a metal, which reflect what Fresnel's equations say.
+    pub reflection: f32,
+    /// The medium inside of the surface, if light enters it.
+    pub dielectric: Option<Dielectric>,
+    /// The metal, for a conductor.
+    pub conductor: Option<Conductor>,
+    /// The principled surface, if it is one.
+    pub principled: Option<Principled>,
+    /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
+    pub roughness: f32,
+    /// Whether light counts that microscopic facets reflect onto each other, in path
+    /// tracing; true by default.
+    pub multiple_scattering: bool,
+    /// Its microscopic facets in path tracing, unless it is smooth: none before
+    /// [`roughen`](Self::roughen).
+    pub rough: Option<Arc<RoughSurface>>,
+    /// The radiance that the surface emits, the same in all directions; none by default.
+    pub emission: Vec3,
+    /// Whether both sides reflect and emit light, or only the outer one: the side of the
+    /// shape's own normal. Both by default.
+    pub two_sided: bool,
+    /// The bumps and dents of the surface, if it has any.
+    pub normal_map: Option<NormalMap>,
+    /// The holes in the surface, if it has any.
+    pub cutout: Option<Cutout>,
+    /// The pictures of its roughness, its share of metal and its light: those that a mesh file
+    /// gives it.
+    pub factors: FactorPictures,
+    /// How the particles scatter light, if it is not a surface but fog.
+    pub particles: Option<HenyeyGreenstein>,
+}
+
+impl Material {
+    /// Particles of fog, with these colors.
+    pub fn of_particles(color: Vec3, phase: HenyeyGreenstein) -> Self {
+        Self {
+            ambient: 0.0,
+            exponent: 0.0,
+            multiple_scattering: false,
+            particles: Some(phase),
+            ..Self::matte(Texture::Color(color))
+        }
+    }
+
+    /// A matte surface: all keys but its color as by default.
+    fn matte(color: Texture) -> Self {
+        Self {
+            color,
+            ambient: 1.0,
+            diffuse: 1.0,
+            specular: 0.0,
+            exponent: 50.0,
+            reflection: 0.0,
+            dielectric: None,
+            conductor: None,
+            principled: None,
+            roughness: 0.0,
+            multiple_scattering: true,
+            rough: None,
+            emission: Vec3::ZERO,
+            two_sided: true,
+            normal_map: None,
+            cutout: None,
+            factors: FactorPictures::default(),
+            particles: None,
+        }
+    }
+
+    /// The material, whose lengths are those of world space, in render space.
+    pub fn in_space(mut self, space: &RenderSpace) -> Self {
+        if let Texture::Checker(checker) = &mut self.color {
+            checker.in_space(space);
+        }
+        self.images_mut().for_each(|image| image.in_space(space));
+        if let Some(medium) = &mut self.dielectric {
+            let absorption = medium.absorption.to_array();
+            medium.absorption = absorption.map(|per| space.times_length(-1, per)).into();
+        }
+        self
+    }
+
+    /// Whether it emits light.
+    pub fn emits(&self) -> bool {
+        self.emission != Vec3::ZERO
+    }
+
+    /// Whether it mirrors.
+    pub fn mirrors(&self) -> bool {
+        self.reflection > 0.0 || self.conductor.is_some()
+    }
+
+    /// Whether it reflects or refracts anything.
+    pub fn scatters(&self) -> bool {
+        self.is_lit() || self.mirrors() || self.dielectric.is_some()
+    }
+
+    /// Prepares it for path tracing.
+    pub fn roughen(&mut self, masking: Masking) {
+        let facets = if let Some(principled) = &self.principled {
+            Some(principled.facets(masking))
+        } else if self.dielectric.is_some() || self.conductor.is_some() {
+            Ggx::of_roughness(self.roughness, masking)
+        } else {
+            // As wide as the highlight: Walter et al., EGSR 2007.
+            let alpha = (2.0 / (2.0 + self.exponent)).sqrt();
+            (self.specular > 0.0).then_some(Ggx {
+                alpha: alpha.max(Ggx::MIN_ALPHA),
+                masking,
+            })
+        };
+        let index = self.dielectric.map(|medium| medium.index);
+        self.rough = facets.map(|facets| {
+            Arc::new(
+                if self.multiple_scattering && self.factors.facets.is_some() {
+                    RoughSurface::varying(facets)
+                } else if self.multiple_scattering {
+                    RoughSurface::new(facets, index)
+                } else {
+                    RoughSurface::losing(facets)
+                },
+            )
+        });
+    }
+
+    /// Its pictures, each with the keys that lead to it.
+    pub fn images(&self) -> impl Iterator<Item = (&'static [&'static str], &ImageTexture)> {
+        let color = self.color.image();
+        let normals = self.normal_map.as_ref().map(|map| &map.image);
+        let holes = self.cutout.as_ref().map(|cutout| &cutout.image);
+        let color = color.map(|image| (&["color", "image"][..], image));
+        let normals = normals.map(|image| (&["normal_map", "image"][..], image));
+        let holes = holes.map(|image| (&["cutout", "image"][..], image));
+        let factors = self.factors.images();
+        let factors = factors.map(|image| (&["factors"][..], image));
+        color.into_iter().chain(normals).chain(holes).chain(factors)
+    }
+
+    /// Its pictures.
+    pub fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
+        let normals = self.normal_map.as_mut().map(|map| &mut map.image);
+        let holes = self.cutout.as_mut().map(|cutout| &mut cutout.image);
+        let color = self.color.image_mut().into_iter();
+        color
+            .chain(normals)
+            .chain(holes)
+            .chain(self.factors.images_mut())
+    }
+
+    /// The normal for the shading of a point, a unit vector on the side of the geometric
+    /// one.
+    #[inline(always)]
+    pub fn normal_at<R: Real>(
+        &self,
+        point: &TexturePoint<R>,
+        geometric_normal: Vector<R>,
+    ) -> Vector<R> {
+        match &self.normal_map {
+            None => point.normal,
+            Some(map) => map.normal_at(point, geometric_normal),
+        }
+    }
+
+    /// Whether it has a picture.
+    pub fn has_images(&self) -> bool {
+        self.images().next().is_some()
+    }
+
+    /// Whether it has a picture that lies on a surface by its texture coordinates.
+    pub fn needs_uvs(&self) -> bool {
+        self.images().any(|(_, image)| image.mapping == Mapping::Uv)
+    }
+
+    /// Whether it reflects light that arrives directly from a light.
+    pub fn is_lit(&self) -> bool {
+        let is_special = self.dielectric.is_some() || self.conductor.is_some() || self.emits();
+        !is_special || self.diffuse > 0.0 || self.specular > 0.0
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a material such as { color: [1, 0, 0] }"
+)]
+struct MaterialKeys {
+    #[serde(default)]
+    color: Option<Texture>,
+    #[serde(default, deserialize_with = "fraction")]
+    ambient: Option<f32>,
+    #[serde(default, deserialize_with = "fraction")]
+    diffuse: Option<f32>,
+    #[serde(default, deserialize_with = "fraction")]
+    specular: Option<f32>,
+    #[serde(default, deserialize_with = "exponent")]
+    exponent: Option<f32>,
+    #[serde(default, deserialize_with = "fraction")]
+    reflection: Option<f32>,
+    #[serde(default)]
+    dielectric: Option<Dielectric>,
+    #[serde(default)]
+    conductor: Option<Conductor>,
+    #[serde(default)]
+    normal_map: Option<NormalMap>,
+    #[serde(default)]
+    cutout: Option<Cutout>,
+    #[serde(default, deserialize_with = "fraction")]
+    roughness: Option<f32>,
+    #[serde(default)]
+    principled: Option<Principled>,
+    #[serde(default = "by_default")]
+    multiple_scattering: bool,
+    #[serde(default, deserialize_with = "yaml::radiance")]
+    emission: Vec3,
+    #[serde(default = "by_default")]
+    two_sided: bool,
+}
+
+fn by_default() -> bool {
+    true
+}
+
+fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::fraction(d).map(Some)
+}
+
+fn exponent<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::non_negative(d).map(Some)
+}
+
+impl TryFrom<MaterialKeys> for Material {
+    type Error = &'static str;
+
+    fn try_from(keys: MaterialKeys) -> Result<Self, Self::Error> {
+        let ways = [
+            keys.reflection.is_some(),
+            keys.dielectric.is_some(),
+            keys.conductor.is_some(),
+            keys.principled.is_some(),
+        ];
+        if ways.into_iter().filter(|is_given| *is_given).count() > 1 {
+            return Err("cannot reflect in two ways, \
+                 expected exactly one of `reflection`, `dielectric`, `conductor` and `principled`");
+        }
+        let has_lobes = keys.diffuse.is_some() || keys.specular.is_some();
+        if keys.principled.is_some() && has_lobes {
+            return Err("cannot be `principled` and `diffuse` or `specular`, \
+                 expected `principled` without them");
+        }
+        let medium_of_principled = keys.principled.and_then(|principled| principled.medium());
+        let dielectric = keys.dielectric.or(medium_of_principled);
+        let is_cut_body = dielectric.is_some() || keys.emission != Vec3::ZERO;
+        if keys.cutout.is_some() && is_cut_body {
+            return Err("cannot have holes, \
+                 expected a `cutout` without `dielectric` and `emission`");
+        }
+        let is_fresnel = keys.dielectric.is_some() || keys.conductor.is_some();
+        if keys.roughness.is_some() && !is_fresnel {
+            return Err("cannot have a `roughness` of its own, \
+                 expected it beside `dielectric` or `conductor` (or `specular` and `exponent`)");
+        }
+        let is_lamp = keys.emission != Vec3::ZERO && keys.color.is_none();
+        let is_special = is_fresnel || is_lamp;
+        let white = is_special.then_some(Texture::Color(Vec3::ONE));
+        let by_default = if is_special { 0.0 } else { 1.0 };
+        Ok(Self {
+            color: keys.color.or(white).ok_or("missing field `color`")?,
+            ambient: keys.ambient.unwrap_or(by_default),
+            diffuse: keys.diffuse.unwrap_or(by_default),
+            specular: keys.specular.unwrap_or(0.0),
+            exponent: keys.exponent.unwrap_or(50.0),
+            reflection: keys.reflection.unwrap_or(0.0),
+            dielectric,
+            conductor: keys.conductor,
+            principled: keys.principled,
+            roughness: keys.roughness.unwrap_or(0.0),
+            multiple_scattering: keys.multiple_scattering,
+            rough: None,
+            emission: keys.emission,
+            two_sided: keys.two_sided,
+            normal_map: keys.normal_map,
+            cutout: keys.cutout,
+            factors: FactorPictures::default(),
+            particles: None,
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! Properties of a surface that vary over it as pictures do.
+
+use glam::Vec3;
+
+use super::image::ImageTexture;
+use super::texture_point::TexturePoint;
+use math::simd::{Real, Vector};
+
+/// The pictures of a material's properties, which the material has one number of each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FactorPictures {
+    /// The factor of the emitted light.
+    pub emission: Option<ImageTexture>,
+    /// The factors of the roughness, in green, and of the share of metal, in blue, as in glTF.
+    pub facets: Option<ImageTexture>,
+}
+
+/// What pictures say about a point, or about one per lane: factors of the properties of its
+/// material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureFactors<R> {
+    /// Of the emitted light.
+    pub emission: Vector<R>,
+    /// Of the roughness, 0 to 1.
+    pub roughness: R,
+    /// Of the share of metal, 0 to 1.
+    pub metallic: R,
+}
+
+impl FactorPictures {
+    /// Its pictures.
+    pub(super) fn images(&self) -> impl Iterator<Item = &ImageTexture> {
+        self.emission.iter().chain(&self.facets)
+    }
+
+    /// Its pictures.
+    pub(super) fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
+        self.emission.iter_mut().chain(&mut self.facets)
+    }
+
+    /// The factors at a point.
+    #[inline(always)]
+    pub fn at<R: Real>(&self, point: &TexturePoint<R>) -> PictureFactors<R> {
+        let mut found = PictureFactors::ones(point.width);
+        if let Some(image) = &self.emission {
+            found.emission = image.color_at(point);
+        }
+        if let Some(image) = &self.facets {
+            [_, found.roughness, found.metallic, _] = image.values_at(point);
+        }
+        found
+    }
+}
+
+impl<R: Real> PictureFactors<R> {
+    /// The factors of a material without pictures.
+    #[inline(always)]
+    pub fn ones(like: R) -> Self {
+        let one = like.splat(1.0);
+        Self {
+            emission: Vector::splat(one, Vec3::ONE),
+            roughness: one,
+            metallic: one,
+        }
+    }
+}

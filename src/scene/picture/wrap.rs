@@ -1,0 +1,62 @@
+//! Pictures beyond their edges.
+
+use serde::Deserialize;
+
+use math::simd::Real;
+
+/// How a picture goes on beyond its edges.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`repeat`, `clamp` or `mirror`")]
+pub enum Wrap {
+    /// It is repeated.
+    #[default]
+    Repeat,
+    /// With the color of the nearest edge.
+    Clamp,
+    /// It is repeated, and every other copy is mirrored.
+    Mirror,
+}
+
+impl Wrap {
+    /// The place from 0 to 1 in the picture for any place of the plane; 0 for NaN.
+    #[inline(always)]
+    pub(super) fn folded(self, place: f32) -> f32 {
+        let folded = match self {
+            Self::Repeat => place - Real::floor(place),
+            Self::Clamp => place,
+            Self::Mirror => {
+                let half = 0.5 * place;
+                let in_pair = 2.0 * (half - Real::floor(half));
+                1.0 - (1.0 - in_pair).abs()
+            }
+        };
+        // The first one makes NaN, also that of infinity, 0.
+        Real::min(Real::max(folded, 0.0), 1.0)
+    }
+
+    /// The texels of `n` in a row on both sides of a place from 0 to 1, and the place
+    /// between their centers, from 0 to 1.
+    #[inline(always)]
+    pub(super) fn neighbors(self, place: f32, n: u32) -> ([u32; 2], f32) {
+        let at = place * n as f32 - 0.5;
+        let before = Real::floor(at);
+        let first = before as i32;
+        (
+            [self.texel(first, n), self.texel(first + 1, n)],
+            at - before,
+        )
+    }
+
+    /// The texel with an index from -1 to `n`.
+    #[inline(always)]
+    fn texel(self, index: i32, n: u32) -> u32 {
+        let last = n as i32 - 1;
+        let wrapped = match self {
+            Self::Repeat if index < 0 => last,
+            Self::Repeat if index > last => 0,
+            // A mirrored edge meets itself.
+            _ => index.clamp(0, last),
+        };
+        wrapped as u32
+    }
+}

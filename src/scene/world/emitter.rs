@@ -1,0 +1,157 @@
+//! Surfaces that emit light.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use super::primitive::MaterialId;
+use crate::geometry::{Aabb, N_PARAMETERS, Seen, ShapeKind};
+use crate::light::Illumination;
+use crate::material::Material;
+use math::sampling::AliasTable;
+use math::simd::{Real, Vector};
+
+/// All shapes of one kind and of one material that emits light, as one light: each point
+/// of their surfaces is chosen with the same probability.
+#[derive(Debug, Clone)]
+pub struct Emitter {
+    /// The material.
+    pub material: MaterialId,
+    /// The kind of the shapes.
+    pub kind: ShapeKind,
+    radiance: glam::Vec3,
+    is_two_sided: bool,
+    shapes: Vec<[f32; N_PARAMETERS]>,
+    /// The shapes by area.
+    by_area: AliasTable,
+    /// The sum of the areas.
+    area: f32,
+    /// The center of a sphere around the shapes.
+    center: glam::Vec3,
+    /// The square of its radius.
+    square_radius: f32,
+    /// The luminance of a white surface that faces them at a distance of 1, in the mean over
+    /// all directions from them.
+    intensity: f32,
+}
+
+impl Emitter {
+    /// The light of shapes of a material; `None` if they cannot be sampled: because they
+    /// have no finite area, or are too many.
+    pub(super) fn new(
+        id: MaterialId,
+        material: &Material,
+        kind: ShapeKind,
+        shapes: Vec<[f32; N_PARAMETERS]>,
+        bounds: Aabb,
+    ) -> Option<Self> {
+        let area = |shape: &[f32; N_PARAMETERS]| f64::from(kind.area(shape));
+        let areas: Vec<f64> = shapes.iter().map(area).collect();
+        let area = areas.iter().sum::<f64>() as f32;
+        // The mean of the area that is seen, over all directions.
+        let share = match kind {
+            ShapeKind::Sphere | ShapeKind::Cuboid => 0.25,
+            _ if material.two_sided => 0.5,
+            _ => 0.25,
+        };
+        Some(Self {
+            material: id,
+            kind,
+            radiance: material.emission,
+            is_two_sided: material.two_sided,
+            by_area: AliasTable::new(&areas)?,
+            area,
+            shapes,
+            center: bounds.center(),
+            square_radius: 0.25 * (bounds.max - bounds.min).length_squared(),
+            intensity: share * FRAC_1_PI * area * luminance(material.emission),
+        })
+    }
+
+    /// Number of shapes.
+    pub(super) fn n_shapes(&self) -> usize {
+        self.shapes.len()
+    }
+
+    /// The light that arrives at `point` from a point of a shape, unless it is occluded;
+    /// a number in [0, 1) chooses the shape, two more its point. `error` is that of the
+    /// position of `point`.
+    #[inline(always)]
+    pub(super) fn illuminate<R: Real>(
+        &self,
+        point: Vector<R>,
+        error: R,
+        which: R,
+        numbers: [R; 2],
+    ) -> Illumination<R> {
+        let shape = R::look_up(&self.shapes[..], [self.by_area.choose(which)]);
+        let sample = self.kind.sample(&shape, point, numbers);
+        let density = sample.density * self.share(&shape);
+        let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
+        let weight = density.splat(FRAC_1_PI) / density.max(least);
+        // A ray that ended at the surface itself would often hit it: it ends as far off its plane
+        // as both ends may be off their surfaces, and the ray off its way.
+        let distance = sample.seen.distance;
+        let at_light = point + sample.seen.direction * distance;
+        let on_way = distance * distance.splat(16.0 / 16_777_216.0);
+        let errors = error + self.kind.rounding(&shape, at_light) + on_way;
+        let gap = errors / sample.seen.cos.abs().max(least);
+        let is_front = zero.lt(sample.seen.cos);
+        let weight = if self.is_two_sided {
+            weight
+        } else {
+            R::select(is_front, weight, zero)
+        };
+        Illumination {
+            direction: sample.seen.direction,
+            distance: (distance - gap).max(zero),
+            radiance: Vector::splat(zero, self.radiance) * weight,
+            density,
+        }
+    }
+
+    /// The density with which a direction to one of the shapes is chosen at the point
+    /// `from`.
+    #[inline(always)]
+    pub fn density<R: Real>(
+        &self,
+        shape: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        seen: &Seen<R>,
+    ) -> R {
+        self.kind.density(shape, from, seen) * self.share(shape)
+    }
+
+    /// The probability of a shape.
+    #[inline(always)]
+    fn share<R: Real>(&self, shape: &[R; N_PARAMETERS]) -> R {
+        let area = self.kind.area(shape);
+        area / area.splat(self.area)
+    }
+
+    /// An estimate of the luminance of a white surface at this point that faces the shapes.
+    #[inline(always)]
+    pub(super) fn arrival<R: Real>(&self, point: Vector<R>) -> R {
+        let to_center = Vector::splat(point.x, self.center) - point;
+        let square = to_center.dot(to_center);
+        point.x.splat(self.intensity) / square.max(square.splat(self.square_radius))
+    }
+
+    /// The emitted power.
+    pub(super) fn power(&self) -> f64 {
+        let sides = if self.is_two_sided { 2.0 } else { 1.0 };
+        sides * f64::from(PI * self.area * luminance(self.radiance))
+    }
+}
+
+/// The luminance of linear light with the primaries of sRGB (ITU-R BT.709).
+pub(super) fn luminance(color: glam::Vec3) -> f32 {
+    luminance_of_lanes(color.into())
+}
+
+/// [`luminance`], or one per lane.
+#[inline(always)]
+pub(super) fn luminance_of_lanes<R: Real>(color: Vector<R>) -> R {
+    color.dot(Vector::splat(
+        color.x,
+        glam::Vec3::new(0.2126, 0.7152, 0.0722),
+    ))
+}

@@ -1,0 +1,522 @@
+//! Config → [`Scene`]: everything placed in render space, ids instead of names.
+//!
+//! Takes a checked [`Config`] and its [`Geometries`]; returns what the tracer
+//! reads, or a [`Fault`] where two parts of the file contradict each other: an
+//! undefined material, a transform without an inverse.
+
+mod primitive;
+mod instances;
+mod pictures;
+mod arrays;
+mod own_materials;
+mod geometries;
+mod vertex_colors;
+mod attributes;
+mod surface_class;
+mod space;
+mod placement;
+mod lower_level;
+mod emitter;
+mod environment;
+mod fog;
+mod light_source;
+mod light_choice;
+mod lights;
+mod timeline;
+
+use glam::Vec3;
+
+use crate::background::Background;
+use crate::camera::{ImagePlane, RayCone};
+use crate::color::Development;
+use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
+use crate::fog::FogSphere;
+use crate::geometry::RenderSpace;
+use crate::material::{FactorPictures, Material, TexturePoint};
+use crate::yaml::{Fault, FieldPath};
+use base::text::{did_you_mean, keyword_name};
+use math::simd::Vector;
+
+use attributes::Attributes;
+pub use attributes::{
+    AttributeKind, interpolated_color, interpolated_normal, interpolated_scalar, scalar_along,
+    with_uv,
+};
+use geometries::ObjectGeometry;
+use lower_level::LowerLevel;
+use placement::{Needs, Placement};
+
+pub use emitter::Emitter;
+pub use environment::EnvironmentLight;
+pub use geometries::Geometries;
+pub use instances::{Instance, InstanceId, Instances, PlacedPrimitive, World};
+pub use light_source::LightNumbers;
+pub use lights::{LightOrigin, Lights};
+pub use primitive::{MaterialId, ObjectId, Primitive};
+pub use surface_class::SurfaceClass;
+pub use timeline::{SceneFrame, Timeline};
+
+/// A scene in render space.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The space of all coordinates and lengths, and the way back to world space.
+    pub space: RenderSpace,
+    /// The positions of the pixels.
+    pub image_plane: ImagePlane,
+    /// The part of the scene that a camera ray stands for, if a material has a picture.
+    pub cone: Option<RayCone>,
+    /// The radiance of rays without a hit.
+    pub background: Background,
+    /// How surfaces are shaded.
+    pub shading: Shading,
+    /// How light becomes the numbers of the picture.
+    pub development: Development,
+    /// The greatest value of a channel of a sample.
+    pub sample_limit: f32,
+    /// What the film keeps besides what every film keeps.
+    pub extra_arrays: ExtraArrays,
+    /// The fog around the objects.
+    pub fog: Option<FogSphere>,
+    /// The lights.
+    pub lights: Lights,
+    /// The materials, by [`MaterialId`].
+    pub materials: Vec<Material>,
+    /// Everything that rays can hit, object by object; with instances what a [`World`] has.
+    pub primitives: Vec<Primitive>,
+    /// The meshes that are placed many times, if there are any.
+    pub instances: Option<Instances>,
+    /// The classes of the primitives.
+    classes: Vec<SurfaceClass>,
+    /// Whether any material is a dielectric.
+    has_media: bool,
+    /// Whether any material has holes.
+    has_cutouts: bool,
+    /// Whether pictures vary the roughness, the share of metal or the light of any material.
+    pub has_factors: bool,
+    /// Number of triangles of meshes that were left out because they have no area.
+    pub n_degenerate: u64,
+    /// The attributes of the objects' primitives, by [`ObjectId`].
+    attributes: Vec<ObjectAttributes>,
+}
+
+#[derive(Debug, Clone)]
+struct ObjectAttributes {
+    /// The object's first primitive.
+    first: u32,
+    attributes: Attributes,
+}
+
+impl Scene {
+    /// The scene of a config and the geometries of its objects.
+    ///
+    /// # Errors
+    /// The first value of the file that contradicts others.
+    pub fn new(config: &Config, geometries: Geometries) -> Result<Self, Fault> {
+        let space = space::render_space(config, &geometries);
+        Self::in_space(config, geometries, space)
+    }
+
+    /// The same in another render space.
+    ///
+    /// # Errors
+    /// The first value of the file that contradicts others.
+    pub fn in_space(
+        config: &Config,
+        geometries: Geometries,
+        space: RenderSpace,
+    ) -> Result<Self, Fault> {
+        if config.objects.is_empty() {
+            return Err(Fault::new(
+                FieldPath::default().key("objects"),
+                "the scene has no objects",
+                "expected at least one",
+            )
+            .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
+        }
+        check_materials(config)?;
+        fog::check(config)?;
+        config.image.check_sampling()?;
+        let plane = config
+            .camera
+            .image_plane(config.image.picture_size(), &space);
+        let has_images = config.materials.values().any(Material::has_images);
+        let materials = config.materials.values().cloned();
+        let mut scene = Self {
+            space,
+            image_plane: plane,
+            cone: has_images.then(|| plane.ray_cone(config.image.samples_per_pixel)),
+            background: geometries.pictures.background(config),
+            shading: config.shading.in_space(&space),
+            development: config.film.development(config.shading.model),
+            sample_limit: config.film.sample_limit(config.shading.model),
+            extra_arrays: config.extra_arrays(),
+            fog: None,
+            lights: Lights::default(),
+            materials: materials
+                .map(|material| material.in_space(&space))
+                .collect(),
+            has_media: config
+                .materials
+                .values()
+                .any(|material| material.dielectric.is_some()),
+            has_cutouts: config
+                .materials
+                .values()
+                .any(|material| material.cutout.is_some()),
+            has_factors: config
+                .materials
+                .values()
+                .any(|material| material.factors != FactorPictures::default()),
+            primitives: Vec::with_capacity(geometries.n_primitives()),
+            instances: None,
+            classes: Vec::with_capacity(geometries.n_primitives()),
+            n_degenerate: 0,
+            attributes: Vec::with_capacity(config.objects.len()),
+        };
+        for (name, material) in config.materials.keys().zip(&mut scene.materials) {
+            geometries.pictures.give_to(name, material);
+            if config.shading.model == ShadingModel::Path {
+                material.roughen(config.shading.masking);
+            }
+        }
+        let numbers_of = |object: usize| geometries.objects[object].scalars();
+        arrays::prepare(config, &geometries.places, numbers_of, &mut scene.materials)?;
+        let mut lower_level = LowerLevel::default();
+        let objects = config.objects.iter().zip(geometries.objects);
+        for (index, (object, geometry)) in objects.enumerate() {
+            let path = FieldPath::default()
+                .key("objects")
+                .index(geometries.places[index]);
+            let materials = material_ids(config, object, &path)?;
+            let needs = Needs {
+                uvs: pictures::needs_uvs(config, object, &materials, geometry.has_uvs(), &path)?,
+                colors: vertex_colors::are_needed(config, object, &geometry, &path)?,
+            };
+            let first = scene.primitives.len() as u32;
+            let id = ObjectId(index as u32);
+            let placement = Placement::new(object, id, &materials, needs, &path, &space);
+            if let ObjectGeometry::Instances(placed) = geometry {
+                let added = lower_level.add(&placement, *placed, &mut scene.n_degenerate)?;
+                scene.attributes.push(added);
+                continue;
+            }
+            let attributes =
+                placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
+            let kind = attributes.kind();
+            let added = &scene.primitives[first as usize..];
+            let class = |primitive| SurfaceClass::new(primitive, kind);
+            scene.classes.extend(added.iter().map(class));
+            scene
+                .attributes
+                .push(ObjectAttributes { first, attributes });
+        }
+        if scene.scatters_paths() {
+            lower_level.check_emission(config)?;
+        }
+        lower_level.add_to(&mut scene);
+        scene.add_fog(config);
+        scene.lights = match config.shading.model {
+            ShadingModel::AmbientOcclusion => {
+                Lights::surroundings(scene.shading.occlusion_distance)
+            }
+            _ => Lights::new(
+                config.lights.iter().map(|light| light.in_space(&space)),
+                &scene.materials,
+                scene.world(),
+                scene.scatters_paths().then_some(&scene.background),
+                config.shading.light_sampling,
+                scene.scattering_fog().copied(),
+                scene.weakens_lights(),
+            ),
+        };
+        Ok(scene)
+    }
+
+    /// Whether any material is a dielectric.
+    pub fn has_media(&self) -> bool {
+        self.has_media
+    }
+
+    /// Whether media weaken the light of light samples: those of the ray to the point.
+    pub fn weakens_lights(&self) -> bool {
+        self.has_media && self.scatters_paths()
+    }
+
+    /// Whether any material has holes.
+    pub fn has_cutouts(&self) -> bool {
+        self.has_cutouts
+    }
+
+    /// Whether paths go on in a direction chosen at random.
+    pub fn scatters_paths(&self) -> bool {
+        self.shading.model == ShadingModel::Path
+    }
+
+    /// Whether media split paths.
+    pub fn splits_paths(&self) -> bool {
+        self.has_media && !self.scatters_paths()
+    }
+
+    /// Whether rays need more than an origin and a direction: media, or the density of
+    /// their choice.
+    pub fn has_branches(&self) -> bool {
+        self.has_media || self.scatters_paths()
+    }
+
+    /// Whether points need the random numbers of their samples.
+    pub fn is_random(&self) -> bool {
+        self.scatters_paths() || self.lights.are_random()
+    }
+
+    /// Number of objects.
+    pub fn n_objects(&self) -> usize {
+        self.attributes.len()
+    }
+
+    /// The material with this id.
+    pub fn material(&self, id: MaterialId) -> &Material {
+        &self.materials[id.0 as usize]
+    }
+
+    /// The color of a primitive at one of its points: its own if it has one, else
+    /// that of its material.
+    pub fn color(&self, primitive: u32, point: &TexturePoint<f32>) -> Vec3 {
+        let material = self.primitives[primitive as usize].material;
+        self.own_color(primitive)
+            .unwrap_or_else(|| self.material(material).color.color_at(point).into())
+    }
+
+    /// The primitive's own color, if it has one.
+    #[inline]
+    pub fn own_color(&self, primitive: u32) -> Option<Vec3> {
+        match self.attributes(primitive) {
+            (Attributes::Colors(colors), i) => Some(colors[i]),
+            _ => None,
+        }
+    }
+
+    /// The normals at the vertices of the primitive, a triangle, if it has any: of
+    /// unit length, on either side; NaN where one is missing.
+    #[inline]
+    pub fn vertex_normals(&self, placed: PlacedPrimitive) -> Option<[Vec3; 3]> {
+        let normals = match self.attributes(placed.primitive) {
+            (Attributes::Corners(corners), i) => corners.normals.as_ref()?.of(i),
+            _ => return None,
+        };
+        Some(match self.transform(placed) {
+            None => normals,
+            Some(transform) => normals.map(|normal| transform.world_normal(normal)),
+        })
+    }
+
+    /// The texture coordinates at the vertices of the primitive, a triangle, if it has
+    /// any and its material needs them.
+    #[inline]
+    pub fn vertex_uvs(&self, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Corners(corners), i) => {
+                let uvs = corners.uvs.as_ref()?.of(i);
+                Some(uvs.map(|uv| uv.to_array()))
+            }
+            _ => None,
+        }
+    }
+
+    /// The numbers of an array at the vertices of the primitive, a triangle, if it has any.
+    #[inline]
+    pub fn vertex_scalars(&self, placed: PlacedPrimitive) -> Option<[f32; 3]> {
+        if let (Some(instances), Some(id)) = (&self.instances, placed.instance)
+            && let Some(scalar) = instances.scalar(id)
+        {
+            return Some([scalar; 3]);
+        }
+        match self.attributes(placed.primitive) {
+            (Attributes::Corners(corners), i) => Some(corners.scalars.as_ref()?.of(i)),
+            _ => None,
+        }
+    }
+
+    /// The colors at the vertices of the primitive, a triangle, if it has any and its material
+    /// needs them.
+    #[inline]
+    pub fn vertex_colors(&self, primitive: u32) -> Option<[Vec3; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Corners(corners), i) => Some(corners.colors.as_ref()?.of(i)),
+            _ => None,
+        }
+    }
+
+    /// A point of a primitive with the color of the vertices around it, if they have any.
+    pub fn with_color(
+        &self,
+        placed: PlacedPrimitive,
+        point: TexturePoint<f32>,
+    ) -> TexturePoint<f32> {
+        let Some(colors) = self.vertex_colors(placed.primitive) else {
+            return point;
+        };
+        let triangle = self.parameters(placed);
+        let colors = colors.map(Vector::from);
+        TexturePoint {
+            color: interpolated_color(&triangle, colors, point.position),
+            ..point
+        }
+    }
+
+    /// The primitive's own number of an array, if it has one.
+    #[inline]
+    pub fn own_scalar(&self, primitive: u32) -> Option<f32> {
+        match self.attributes(primitive) {
+            (Attributes::Scalars(scalars), i) => Some(scalars[i]),
+            _ => None,
+        }
+    }
+
+    /// The numbers of an array at the ends of the primitive, a capsule, if it has any.
+    #[inline]
+    pub fn end_scalars(&self, primitive: u32) -> Option<[f32; 2]> {
+        match self.attributes(primitive) {
+            (Attributes::Ends(scalars), i) => Some(scalars[i]),
+            _ => None,
+        }
+    }
+
+    /// The number of an array at a point of a primitive, if it has one; else NaN.
+    pub fn scalar(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
+        let primitive = placed.primitive;
+        if let Some(scalars) = self.vertex_scalars(placed) {
+            let triangle = self.parameters(placed);
+            return interpolated_scalar(&triangle, scalars, point.into());
+        }
+        if let Some(scalars) = self.end_scalars(primitive) {
+            let primitive = &self.primitives[primitive as usize];
+            let point = primitive.object_point(point);
+            return scalar_along(&primitive.parameters(), scalars, point.into());
+        }
+        self.own_scalar(primitive).unwrap_or(f32::NAN)
+    }
+
+    /// A point of a primitive with its texture coordinates, if it has any.
+    pub fn with_uv(&self, placed: PlacedPrimitive, point: TexturePoint<f32>) -> TexturePoint<f32> {
+        let Some(uvs) = self.vertex_uvs(placed.primitive) else {
+            return point;
+        };
+        let triangle = self.parameters(placed);
+        with_uv(point, &triangle, uvs)
+    }
+
+    /// The shading normal of a primitive at one of its points, of unit length, on
+    /// either side: `geometric` if it has no other.
+    pub fn shading_normal(
+        &self,
+        placed: PlacedPrimitive,
+        point: Vec3,
+        geometric: Vector<f32>,
+    ) -> Vector<f32> {
+        let Some(normals) = self.vertex_normals(placed) else {
+            return geometric;
+        };
+        let triangle = self.parameters(placed);
+        interpolated_normal(
+            &triangle,
+            normals.map(Vector::from),
+            point.into(),
+            geometric,
+        )
+    }
+
+    /// The class of a primitive.
+    #[inline(always)]
+    pub fn class(&self, primitive: u32) -> SurfaceClass {
+        self.classes[primitive as usize]
+    }
+
+    /// The attributes of the primitive's object, and the primitive's index among
+    /// those of the object.
+    fn attributes(&self, primitive: u32) -> (&Attributes, usize) {
+        let object = self.primitives[primitive as usize].object;
+        let ObjectAttributes { first, attributes } = &self.attributes[object.0 as usize];
+        (attributes, (primitive - first) as usize)
+    }
+}
+
+/// Checks that the shading model knows what the materials do.
+fn check_materials(config: &Config) -> Result<(), Fault> {
+    let model = config.shading.model;
+    let is_seed = model == ShadingModel::Seed;
+    let is_path = model == ShadingModel::Path;
+    for (name, material) in &config.materials {
+        let (key, what, help) = if is_seed && material.dielectric.is_some() {
+            ("dielectric", "refraction", NOT_SEED)
+        } else if is_seed && material.emits() {
+            ("emission", "surfaces that emit light", NOT_SEED)
+        } else if is_seed && material.cutout.is_some() {
+            ("cutout", "holes in surfaces", NOT_SEED)
+        } else if is_seed && !material.two_sided {
+            ("two_sided", "sides", NOT_SEED)
+        } else if !is_path && material.roughness > 0.0 {
+            ("roughness", "rough media and metals", PATH)
+        } else if !is_path && material.principled.is_some() {
+            ("principled", "principled surfaces", PATH)
+        } else {
+            continue;
+        };
+        let path = FieldPath::default().key("materials").key(name).key(key);
+        let message = format!("the shading model `{}` has no {what}", keyword_name(&model));
+        return Err(Fault::new(path, message, "expected a material without it").with_help(help));
+    }
+    Ok(())
+}
+
+const NOT_SEED: &str = "remove `model: seed` from `shading`";
+const PATH: &str = "trace paths by `shading: { model: path }`";
+
+fn material_ids(
+    config: &Config,
+    object: &Object,
+    path: &FieldPath,
+) -> Result<Vec<MaterialId>, Fault> {
+    let names = &object.material.0;
+    if names.is_empty() {
+        let message = format!("the {} has no material", object.geometry);
+        return Err(Fault::new(path.clone(), message, "expected a `material`"));
+    }
+    let path = path.clone().key("material");
+    let takes_many = matches!(
+        object.geometry,
+        Geometry::Generator(_) | Geometry::File(GeometryFile::Spheres(_))
+    );
+    if names.len() > 1 && !takes_many {
+        let message = format!(
+            "a {} has one material, not {}",
+            object.geometry,
+            names.len()
+        );
+        return Err(Fault::new(path, message, "expected one name")
+            .with_help("a list of names is for generators, which deal them out"));
+    }
+    let id_of = |(i, name): (usize, &String)| match config.materials.get_index_of(name) {
+        Some(id) => Ok(MaterialId(id as u32)),
+        None => Err(unknown_material(config, name, path.clone().index(i))),
+    };
+    names.iter().enumerate().map(id_of).collect()
+}
+
+fn unknown_material(config: &Config, name: &str, path: FieldPath) -> Fault {
+    let known: Vec<&str> = config.materials.keys().map(String::as_str).collect();
+    let list = if known.is_empty() {
+        "there are no `materials`".to_owned()
+    } else {
+        format!("the materials are {}", known.join(", "))
+    };
+    let help = match did_you_mean(name, known) {
+        Some(suggestion) => format!("{suggestion} ({list})"),
+        None => list,
+    };
+    Fault::new(
+        path,
+        format!("unknown material `{name}`"),
+        "expected a key of `materials`",
+    )
+    .with_help(help)
+}

@@ -1,0 +1,276 @@
+//! An object's geometry → primitives in render space.
+
+use glam::{DAffine3, DVec3, Vec3};
+
+use super::attributes::{Attributes, CornerAttributes};
+use super::geometries::ObjectGeometry;
+use super::primitive::{MaterialId, ObjectId, Primitive};
+use crate::config::{Geometry, InstancePlaces, InstancedMesh, Object};
+use crate::geometry::{Located, RenderSpace, Shape, Transform, world_from_object};
+use crate::import::{CornerValues, Mesh, Spheres};
+use crate::yaml::{Fault, FieldPath};
+use base::stop;
+
+/// The id, the materials and the transform of an object.
+#[derive(Clone)]
+pub(super) struct Placement<'a> {
+    object: &'a Object,
+    id: ObjectId,
+    /// At least one.
+    materials: &'a [MaterialId],
+    needs: Needs,
+    /// The map from the object to the space of its primitives.
+    render_from_object: DAffine3,
+    path: &'a FieldPath,
+}
+
+/// Attributes that the materials of an object need at the corners of triangles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Needs {
+    /// Texture coordinates.
+    pub(super) uvs: bool,
+    /// Colors.
+    pub(super) colors: bool,
+}
+
+impl<'a> Placement<'a> {
+    /// The placement in a space of the object at `path`.
+    pub(super) fn new(
+        object: &'a Object,
+        id: ObjectId,
+        materials: &'a [MaterialId],
+        needs: Needs,
+        path: &'a FieldPath,
+        space: &RenderSpace,
+    ) -> Self {
+        Self {
+            object,
+            id,
+            materials,
+            needs,
+            render_from_object: space.render_from_world() * world_from_object(&object.transform),
+            path,
+        }
+    }
+
+    /// The object.
+    pub(super) fn id(&self) -> ObjectId {
+        self.id
+    }
+
+    /// The same in the object's space, and the map from it.
+    pub(super) fn in_object_space(&self) -> (Self, DAffine3) {
+        let in_object_space = Self {
+            render_from_object: DAffine3::IDENTITY,
+            ..*self
+        };
+        (in_object_space, self.render_from_object)
+    }
+
+    /// The transform of a geometry whose coordinates are relative to `origin`.
+    ///
+    /// # Errors
+    /// It has no inverse.
+    fn transform(&self, origin: DVec3) -> Result<Transform, Fault> {
+        let from_origin = DAffine3::from_translation(origin);
+        Transform::new(&(self.render_from_object * from_origin))
+            .ok_or_else(|| out_of_range(self.object, self.path))
+    }
+
+    /// The fault of an instance that is too small, too large or too far away.
+    pub(super) fn place_out_of_range(&self, index: usize) -> Fault {
+        let path = self.path.clone().key(InstancedMesh::KEY);
+        let path = match &self.object.geometry {
+            Geometry::Instances(instances) => match instances.places {
+                InstancePlaces::Listed(_) => path.key("places").index(index),
+                InstancePlaces::Points(_) => path.key("points").key("file"),
+                InstancePlaces::Cloud(_) => path.key("cloud").key("count"),
+            },
+            _ => path,
+        };
+        let message = format!("instance {index} is too small, too large or too far away");
+        let expected = "expected coordinates within 1e16, and scales from 1e-9 to 1e9";
+        Fault::new(path, message, expected)
+    }
+
+    /// Adds the primitives of a geometry to `primitives`, and the number of its
+    /// degenerate triangles to `n_degenerate`; returns the primitives' attributes.
+    ///
+    /// # Errors
+    /// A transform or a size that exceeds the range of 32-bit numbers.
+    pub(super) fn add_geometry(
+        &self,
+        geometry: ObjectGeometry,
+        primitives: &mut Vec<Primitive>,
+        n_degenerate: &mut u64,
+    ) -> Result<Attributes, Fault> {
+        match geometry {
+            ObjectGeometry::Shape(Located { origin, geometry }) => {
+                self.add(geometry, 0, &self.transform(origin)?, primitives)?;
+            }
+            ObjectGeometry::Generator(generator) => {
+                let Located { origin, geometry } = generator.corners();
+                let transform = self.transform(origin)?;
+                for i in 0..generator.n_spheres() {
+                    // The caller discards what is half done.
+                    if stop::is_requested() {
+                        break;
+                    }
+                    let (sphere, material) = generator.sphere(geometry, i, self.materials.len());
+                    self.add(Shape::Sphere(sphere), material, &transform, primitives)?;
+                }
+            }
+            ObjectGeometry::Spheres(Spheres {
+                origin,
+                spheres,
+                colors,
+                scalars,
+            }) => {
+                let transform = self.transform(origin)?;
+                for (i, sphere) in spheres.into_iter().enumerate() {
+                    let material = i % self.materials.len();
+                    self.add(Shape::Sphere(sphere), material, &transform, primitives)?;
+                }
+                let colors = colors.map(Attributes::Colors);
+                return Ok(colors
+                    .or(scalars.map(Attributes::Scalars))
+                    .unwrap_or_default());
+            }
+            ObjectGeometry::Tubes(tubes) => {
+                let transform = self.transform(tubes.origin)?;
+                for capsule in tubes.capsules() {
+                    self.add(Shape::Capsule(capsule), 0, &transform, primitives)?;
+                }
+                return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
+            }
+            ObjectGeometry::Mesh(mesh) => return self.add_mesh(*mesh, primitives, n_degenerate),
+            // They are no primitives of world space: see `LowerLevel`.
+            ObjectGeometry::Instances(_) => {}
+        }
+        Ok(Attributes::None)
+    }
+
+    /// Adds the mesh's triangles, except for degenerate ones.
+    pub(super) fn add_mesh(
+        &self,
+        mut mesh: Mesh,
+        primitives: &mut Vec<Primitive>,
+        n_degenerate: &mut u64,
+    ) -> Result<Attributes, Fault> {
+        let n_before = primitives.len();
+        let transform = self.transform(mesh.origin)?;
+        let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
+        let (scalars, colors) = (mesh.scalars.take(), mesh.colors.take());
+        let mut kept = Vec::with_capacity(mesh.triangles.len());
+        for &indices in &mesh.triangles {
+            let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0, &transform);
+            if !primitive.is_in_range() {
+                return Err(out_of_range(self.object, self.path));
+            }
+            let is_kept = !is_degenerate(&primitive);
+            kept.push(is_kept);
+            if is_kept {
+                primitives.push(primitive);
+            } else {
+                *n_degenerate += 1;
+            }
+        }
+        if primitives.len() == n_before {
+            let path = match self.object.geometry {
+                Geometry::Instances(_) => self.path.clone().key(InstancedMesh::KEY),
+                _ => self.path.clone(),
+            };
+            let path = path.key("mesh").key("file");
+            let message = "no triangle of the mesh has an area";
+            let expected = "expected corners that are not on one line";
+            return Err(Fault::new(path, message, expected));
+        }
+        Ok(Attributes::Corners(CornerAttributes {
+            normals: normals.map(|normals| CornerValues {
+                values: world_normals(normals.values, &transform),
+                triangles: only(normals.triangles, &kept),
+            }),
+            uvs: uvs.filter(|_| self.needs.uvs).map(|uvs| CornerValues {
+                triangles: only(uvs.triangles, &kept),
+                ..uvs
+            }),
+            scalars: scalars.map(|scalars| CornerValues {
+                triangles: only(scalars.triangles, &kept),
+                ..scalars
+            }),
+            colors: colors
+                .filter(|_| self.needs.colors)
+                .map(|colors| CornerValues {
+                    triangles: only(colors.triangles, &kept),
+                    ..colors
+                }),
+        }))
+    }
+
+    /// Adds one primitive.
+    fn add(
+        &self,
+        shape: Shape,
+        material: usize,
+        transform: &Transform,
+        primitives: &mut Vec<Primitive>,
+    ) -> Result<(), Fault> {
+        let primitive = self.primitive(shape, material, transform);
+        if !primitive.is_in_range() || !primitive.has_extent() {
+            return Err(out_of_range(self.object, self.path));
+        }
+        primitives.push(primitive);
+        Ok(())
+    }
+
+    fn primitive(&self, shape: Shape, material: usize, transform: &Transform) -> Primitive {
+        let material = self.materials[material];
+        Primitive::new(shape, Some(transform), self.id, material)
+    }
+}
+
+/// A mesh's normals as unit vectors in render space; NaN for a zero vector.
+fn world_normals(mut vectors: Vec<Vec3>, transform: &Transform) -> Vec<Vec3> {
+    for vector in &mut vectors {
+        *vector = transform.world_normal(*vector);
+    }
+    vectors
+}
+
+/// The triangles that are kept.
+fn only(mut triangles: Vec<[u32; 3]>, kept: &[bool]) -> Vec<[u32; 3]> {
+    let mut kept = kept.iter();
+    triangles.retain(|_| kept.next().copied().unwrap_or(false));
+    triangles
+}
+
+/// Whether the primitive is a triangle without an area.
+fn is_degenerate(primitive: &Primitive) -> bool {
+    let triangle = match primitive.world_shape() {
+        Some(Shape::Triangle(triangle)) => Some(triangle),
+        _ => None,
+    };
+    triangle.is_some_and(|triangle| triangle.normal().is_none())
+}
+
+/// The fault of an object whose position or size exceeds the range of 32-bit
+/// numbers.
+fn out_of_range(object: &Object, path: &FieldPath) -> Fault {
+    let (key, help) = if object.transform.is_empty() {
+        (
+            object.geometry.to_string(),
+            "make it larger, or bring it nearer to the origin",
+        )
+    } else {
+        (
+            "transform".to_owned(),
+            "bring the `scale` factors nearer to 1, and the object nearer to the origin",
+        )
+    };
+    Fault::new(
+        path.clone().key(key),
+        format!("`{path}` is too small, too large or too far away"),
+        "expected coordinates within 1e16, and a size that shows in their 7 digits",
+    )
+    .with_help(help)
+}

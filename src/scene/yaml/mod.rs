@@ -1,0 +1,44 @@
+//! YAML text → typed, checked values.
+//!
+//! [`Source::parse`] takes a scene file's text and a serde type, and returns
+//! the value or one [`Diagnostic`](base::text::Diagnostic) that points at a line. serde_yaml
+//! deserializes; the events of saphyr-parser give the position of each key and
+//! value, so that every error, also one found later, is shown at its place.
+
+mod color;
+mod name;
+mod number;
+mod field_path;
+mod fault;
+mod quote;
+mod syntax;
+mod expansion;
+mod walk;
+mod position;
+mod tree;
+mod setting;
+mod translate;
+mod deserialize;
+mod source;
+mod meant;
+mod misplaced;
+mod missing;
+mod mistakes;
+mod origins;
+mod include;
+mod document;
+
+pub use color::{ColorOr, ColorPattern, RadianceOr, channels, color, hex_color, radiance};
+pub use document::{Document, Folders};
+pub use fault::{Fault, Spot};
+pub use field_path::{FieldPath, Step};
+pub(crate) use missing::why_missing;
+pub use name::{MAX_NAME, name};
+pub use number::{
+    Number, OneOrList, cone_radii, coordinate, coordinate_or_list, count, direction,
+    exact_coordinate, exact_positive, fraction, intensity, non_empty, non_negative, point,
+    positive, positive_or_list, positive_range, radii, range, scale, seed, size, vector, whole,
+};
+pub use origins::Merging;
+pub use source::refusal;
+pub use source::{Source, from_str};

@@ -1,0 +1,27 @@
+//! The row of a file of a diff: its name, and how it is written.
+
+use std::io;
+
+use serde_json::Value;
+
+use super::{Diff, Side};
+use base::folder::{FileWriter, OutputFolder};
+use base::provenance::RunId;
+
+/// A file of a diff. Its source file defines it; `files.rs` lists all.
+pub struct DiffFile {
+    /// Its name in the folder.
+    pub name: &'static str,
+    pub(super) write: fn(&DiffJob, &mut FileWriter) -> io::Result<()>,
+}
+
+/// What a writer may use.
+pub(super) struct DiffJob<'a> {
+    pub(super) diff: &'a Diff,
+    pub(super) sides: &'a [Side; 2],
+    pub(super) folder: &'a OutputFolder,
+    /// The diff as JSON, with the ID.
+    pub(super) json: &'a Value,
+    /// The ID that the file has to hold.
+    pub(super) run: RunId,
+}

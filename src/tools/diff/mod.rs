@@ -1,0 +1,259 @@
+//! Two outputs of the same size → the change of their costs from the first, A, to
+//! the second, B.
+//!
+//! Compares two folders that `raycost render` wrote. A [`Diff`] is printed by
+//! [`report()`], serialized by [`to_json`] and written to files by [`write()`].
+//! Counters are exact: any change of a counter is a change of the work. Times are
+//! noisy: a statistical test of the repeats decides whether they changed.
+
+mod noise;
+mod group;
+mod picture;
+mod light;
+mod settings;
+mod reached;
+mod side;
+mod change;
+mod gate;
+mod report;
+mod json;
+mod map;
+mod volume;
+mod state;
+mod file;
+mod files;
+
+pub use change::Change;
+pub use files::{refuse_foreign, write};
+pub use gate::{Gate, Limit};
+pub use group::PixelBounds;
+pub use json::to_json;
+pub use light::LightDifference;
+pub use noise::{Noise, Test};
+pub use picture::PictureDifference;
+pub use report::report;
+pub use settings::Setting;
+pub use side::Side;
+pub use state::FILE as STATE;
+
+use group::{Groups, sorted};
+
+use base::text::Diagnostic;
+use tracer::cost::Metric;
+
+/// What changed from A to B.
+#[derive(Debug)]
+pub struct Diff {
+    /// Columns and rows of both outputs.
+    pub size: [u32; 2],
+    /// The costs of the whole frame.
+    pub totals: Totals,
+    /// Whether the change of the time is significant; `None` unless both outputs
+    /// have times.
+    pub noise: Option<Noise>,
+    /// The change per pixel of one metric: of the time or, where one is missing,
+    /// of node visits or primitive tests, whichever changed more.
+    pub change: Change,
+    /// The cost of the pixels that show each object, the greatest change first.
+    pub objects: Vec<CostGroup>,
+    /// The cost of all rays that hit each object, the greatest change first; empty
+    /// unless both outputs have `objects.csv`.
+    pub reached: Vec<CostGroup>,
+    /// The tiles of B, the greatest change first.
+    pub tiles: Vec<CostGroup>,
+    /// The difference of the pictures.
+    pub picture: PictureDifference,
+    /// The difference of the light; `None` unless both outputs have the array
+    /// `radiance`.
+    pub light: Option<LightDifference>,
+    /// Pixels that show different objects in A and B.
+    pub n_other_objects: u64,
+    /// The settings that differ.
+    pub settings: Vec<Setting>,
+    /// The properties of machine and program that differ.
+    pub machine: Vec<Setting>,
+}
+
+/// The total of one metric over some pixels, in A and in B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Total {
+    /// The metric.
+    pub metric: Metric,
+    /// The totals of A and B.
+    pub cost: [f64; 2],
+}
+
+/// The totals of the metrics that both outputs have, in the order of
+/// [`Metric::ALL`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Totals(pub Vec<Total>);
+
+/// The pixels of an object or of a tile, or the rays that hit an object, and their
+/// costs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CostGroup {
+    /// The name of the object or tile.
+    pub name: String,
+    /// The bounds of a tile; `None` for an object.
+    pub bounds: Option<PixelBounds>,
+    /// Its costs.
+    pub totals: Totals,
+}
+
+/// `b / a`: 1, no change, if both are 0, and infinite if only `a` is.
+pub fn ratio([a, b]: [f64; 2]) -> f64 {
+    if a == b { 1.0 } else { b / a }
+}
+
+impl Totals {
+    /// The totals of a metric in A and B, if both have it.
+    pub fn cost(&self, metric: Metric) -> Option<[f64; 2]> {
+        self.total(metric).map(|total| total.cost)
+    }
+
+    /// The total of a metric, if both have it.
+    pub fn total(&self, metric: Metric) -> Option<&Total> {
+        self.0.iter().find(|total| total.metric == metric)
+    }
+
+    /// The sums of node visits and primitive tests in A and B.
+    pub fn steps(&self) -> [f64; 2] {
+        let costs = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS];
+        let [visits, tests] = costs.map(|metric| self.cost(metric).unwrap_or_default());
+        [visits[0] + tests[0], visits[1] + tests[1]]
+    }
+
+    /// The main cost in A and B: the time, or [`Self::steps`] where a time is
+    /// missing.
+    pub fn main(&self) -> [f64; 2] {
+        self.cost(Metric::TIME).unwrap_or_else(|| self.steps())
+    }
+}
+
+impl CostGroup {
+    /// The change B - A of the main cost ([`Totals::main`]).
+    pub fn change(&self) -> f64 {
+        let [a, b] = self.totals.main();
+        b - a
+    }
+}
+
+impl Diff {
+    /// The ratio B / A of a metric of the whole frame, as all reports show it: for
+    /// times with repeats the Hodges-Lehmann estimate, which lies within the
+    /// confidence interval shown beside it; otherwise the ratio of the totals.
+    pub fn ratio(&self, total: &Total) -> f64 {
+        let test = self.noise.as_ref().and_then(Noise::test);
+        match test {
+            Some(test) if total.metric == Metric::TIME => test.ratio.estimate,
+            _ => ratio(total.cost),
+        }
+    }
+
+    /// Compares two outputs.
+    ///
+    /// # Errors
+    /// The outputs differ in size, or have no cost in common, or cannot be read.
+    pub fn of(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
+        let size = common_size(sides)?;
+        let metrics = common_metrics(sides)?;
+        for side in sides {
+            side.require(&["RGB", "object", "tile"])?;
+            if !metrics.contains(&Metric::TIME) {
+                side.require(&[Metric::NODE_VISITS.name, Metric::PRIMITIVE_TESTS.name])?;
+            }
+        }
+        let [a, b] = sides;
+        let mut groups = Groups::of(sides)?;
+        let mut totals = Totals::default();
+        for metric in metrics {
+            let values = [a.values(metric)?, b.values(metric)?];
+            let cost = values.each_ref().map(|values| {
+                let values = values.iter();
+                values.fold(0.0, |sum, &value| metric.combine(sum, value))
+            });
+            totals.0.push(Total { metric, cost });
+            groups.add(metric, &values);
+        }
+        let shown = shown_metric(&totals);
+        let change = Change::of(shown, &[a.values(shown)?, b.values(shown)?]);
+        let noise = match totals.cost(Metric::TIME) {
+            Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
+            None => None,
+        };
+        let values = [a, b].map(|side| settings::values(side.summary()));
+        Ok(Self {
+            size,
+            totals,
+            noise,
+            change,
+            objects: sorted(groups.objects(sides)),
+            reached: sorted(reached::groups(sides)?),
+            tiles: sorted(groups.tiles(size)),
+            picture: PictureDifference::of(&a.colors()?, &b.colors()?),
+            light: match [a.radiance()?, b.radiance()?] {
+                [Some(a), Some(b)] => Some(LightDifference::of(&a, &b)),
+                _ => None,
+            },
+            n_other_objects: groups.n_other_objects,
+            settings: settings::of_run(&values),
+            machine: settings::of_machine(&values),
+        })
+    }
+}
+
+/// Chooses the metric of [`Diff::change`]. A metric whose total is 0 in A or B is not
+/// chosen: without a hierarchy, for example, there are no node visits.
+fn shown_metric(totals: &Totals) -> Metric {
+    let is_in_both = |total: &&Total| total.cost.iter().all(|&cost| cost > 0.0);
+    let change = |total: &Total| (total.cost[1] - total.cost[0]).abs();
+    let steps = [Metric::PRIMITIVE_TESTS, Metric::NODE_VISITS];
+    let in_both = || totals.0.iter().filter(is_in_both);
+    let shown = in_both().find(|total| total.metric == Metric::TIME);
+    let shown = shown.or_else(|| {
+        let steps = in_both().filter(|total| steps.contains(&total.metric));
+        steps.max_by(|x, y| change(x).total_cmp(&change(y)))
+    });
+    let shown = shown.or(totals.0.first());
+    shown.map_or(Metric::NODE_VISITS, |total| total.metric)
+}
+
+/// Returns the metrics that both outputs have.
+///
+/// # Errors
+/// An output has no metric at all.
+fn common_metrics(sides: &[Side; 2]) -> Result<Vec<Metric>, Diagnostic> {
+    for side in sides {
+        if !Metric::ALL.iter().any(|metric| side.has(*metric)) {
+            let message = format!("`{}` holds no cost to compare", side.name());
+            let help = match side.summary().arrays {
+                None => "render it again without `--no-cost`",
+                Some(_) => {
+                    "add costs, such as `node_visits` and `primitive_tests`, to \
+                            `output.arrays`, and render it again"
+                }
+            };
+            return Err(Diagnostic::new(message).with_help(help));
+        }
+    }
+    let is_common = |metric: &Metric| sides.iter().all(|side| side.has(*metric));
+    Ok(Metric::ALL.into_iter().filter(is_common).collect())
+}
+
+fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {
+    if a.size() == b.size() {
+        return Ok(a.size());
+    }
+    let pixels = |side: &Side| {
+        let [width, height] = side.size();
+        format!("`{}` has {width} x {height}", side.name())
+    };
+    let [width, height] = a.size();
+    let message = format!(
+        "the pictures differ in size: {}, {} pixels",
+        pixels(a),
+        pixels(b)
+    );
+    let help = format!("render B again with `--width {width} --height {height}`");
+    Err(Diagnostic::new(message).with_help(help))
+}

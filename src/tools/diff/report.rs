@@ -1,0 +1,237 @@
+//! A diff as text for the terminal.
+
+use super::gate::Gate;
+use super::group::PixelBounds;
+use super::noise::{Noise, Test};
+use super::settings::Setting;
+use super::{CostGroup, Diff, LightDifference, Side, Total, ratio};
+use base::text::numbers::{count, counted};
+use base::text::one_line;
+use math::statistics::CONFIDENCE;
+use tracer::cost::Metric;
+
+/// Most rows of a table of objects or tiles.
+const MAX_ROWS: usize = 5;
+/// Most settings that are listed; the rest is counted.
+const MAX_SETTINGS: usize = 12;
+
+/// Returns the report for the terminal, the most important part first.
+pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
+    let mut text = String::new();
+    for (letter, side) in ["A", "B"].into_iter().zip(sides) {
+        text += &entry(letter, &[one_line(&side.sentence()).into_owned()]);
+    }
+    text += &totals_table(diff);
+    text += &entry("noise", &noise_lines(diff));
+    if let Some(gate) = gate {
+        text += &entry("gate", &[gate.sentence()]);
+    }
+    text += &groups_table("by what the camera sees", &diff.objects);
+    text += &groups_table("by what any ray meets", &diff.reached);
+    text += &groups_table("by tile", &diff.tiles);
+    text.push('\n');
+    text += &entry("picture", &[picture_sentence(diff)]);
+    let light = diff.light.as_ref().map(light_sentence);
+    text += &entry("light", light.as_slice());
+    text += &entry("settings", &setting_lines(&diff.settings));
+    text += &entry("machine", &setting_lines(&diff.machine));
+    text
+}
+
+/// `name    first line`, with the other lines below the first.
+fn entry(name: &str, lines: &[String]) -> String {
+    let names = std::iter::once(name).chain(std::iter::repeat(""));
+    let line = |(name, line): (&str, &String)| format!("{name:<10}{line}\n");
+    names.zip(lines).map(line).collect()
+}
+
+fn totals_table(diff: &Diff) -> String {
+    let heading = ["cost", "A", "B", "B - A", "B / A"].map(str::to_owned);
+    let row = |total: &Total| {
+        let [a, b] = total.cost;
+        let name = total.metric.label.to_owned();
+        [
+            name,
+            total.metric.format(a),
+            total.metric.format(b),
+            total.metric.format_change(b - a),
+            ratio_label(diff.ratio(total)),
+        ]
+    };
+    let is_there = |total: &&Total| total.cost != [0.0; 2];
+    let rows = diff.totals.0.iter().filter(is_there).map(row);
+    format!("\n{}\n", table(std::iter::once(heading).chain(rows)))
+}
+
+/// A table of the groups whose main cost changed most.
+fn groups_table(title: &str, groups: &[CostGroup]) -> String {
+    let Some(first) = groups.first() else {
+        return String::new();
+    };
+    let (metric, name) = match first.totals.cost(Metric::TIME) {
+        Some(_) => (Metric::TIME, "time"),
+        None => (Metric::NODE_VISITS, "nodes + tests"),
+    };
+    let n_changed = groups.iter().filter(|group| group.change() != 0.0).count();
+    let (shown, rest) = groups.split_at(n_changed.min(MAX_ROWS));
+    if shown.is_empty() {
+        return format!("\n{name} {title}: the same\n");
+    }
+    let title = &format!("{name} {title}");
+    let heading = [title, "A", "B", "B - A", "B / A", "nodes", "tests"].map(str::to_owned);
+    let row = |group: &CostGroup| {
+        let [a, b] = group.totals.main();
+        let ratio_of = |metric| {
+            group
+                .totals
+                .cost(metric)
+                .map(|cost| ratio_label(ratio(cost)))
+        };
+        [
+            name_and_place(group),
+            metric.format(a),
+            metric.format(b),
+            metric.format_change(group.change()),
+            ratio_label(ratio([a, b])),
+            ratio_of(Metric::NODE_VISITS).unwrap_or_default(),
+            ratio_of(Metric::PRIMITIVE_TESTS).unwrap_or_default(),
+        ]
+    };
+    let rows = shown.iter().map(row);
+    let mut text = format!("\n{}", table(std::iter::once(heading).chain(rows)));
+    if !rest.is_empty() {
+        let change = metric.format_change(rest.iter().map(CostGroup::change).sum());
+        text += &format!("and {} more: {change} together\n", count(rest.len() as u64));
+    }
+    text
+}
+
+fn name_and_place(group: &CostGroup) -> String {
+    match group.bounds {
+        None => one_line(&group.name).into_owned(),
+        Some(PixelBounds { x, y }) => {
+            format!("{}, x {}..{}, y {}..{}", group.name, x[0], x[1], y[0], y[1])
+        }
+    }
+}
+
+/// Formats a ratio, such as `0.902`; `new` if A's cost is 0.
+pub(super) fn ratio_label(ratio: f64) -> String {
+    if ratio.is_finite() {
+        format!("{ratio:.3}")
+    } else {
+        "new".to_owned()
+    }
+}
+
+/// Rows of cells, the first column flush left, the others flush right.
+fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
+    let rows: Vec<[String; N]> = rows.collect();
+    let width = |column: usize| {
+        let widths = rows.iter().map(|row| row[column].chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let widths: [usize; N] = std::array::from_fn(width);
+    let line = |row: &[String; N]| {
+        let mut line = format!("{:<1$}", row[0], widths[0]);
+        for (cell, width) in row.iter().zip(widths).skip(1) {
+            line += &format!("  {cell:>width$}");
+        }
+        format!("{}\n", line.trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
+fn noise_lines(diff: &Diff) -> Vec<String> {
+    let mut lines = vec![noise_sentence(diff)];
+    let is_hardware = |setting: &Setting| setting.name.starts_with("machine.");
+    if diff.noise.is_some() && diff.machine.iter().any(is_hardware) {
+        lines.push("A and B ran on different machines, which changes their times too".to_owned());
+    }
+    lines
+}
+
+/// The result of the test of the times.
+fn noise_sentence(diff: &Diff) -> String {
+    let Some(noise) = &diff.noise else {
+        return "none: counters are exact; a time is missing in A or B".to_owned();
+    };
+    let advice = "render both with `--repeats 10`";
+    match noise {
+        Noise::Unknown => format!(
+            "a change of time cannot be tested without repeats: {advice}; counters are exact"
+        ),
+        Noise::TooFew(test) => format!(
+            "a change of time cannot be tested with so few repeats, {advice}: {}",
+            evidence(test)
+        ),
+        Noise::WithinNoise(test) => {
+            format!("the change of time is within noise: {}", evidence(test))
+        }
+        Noise::Slower(test) => format!("B is slower by more than noise: {}", evidence(test)),
+        Noise::Faster(test) => format!("B is faster by more than noise: {}", evidence(test)),
+    }
+}
+
+/// The estimate, its confidence interval and the test.
+fn evidence(test: &Test) -> String {
+    let estimate = ratio_label(test.ratio.estimate);
+    let interval = test.ratio.interval.map_or(String::new(), |[low, high]| {
+        let percent = 100.0 * CONFIDENCE;
+        format!(
+            " ({percent} %: {} to {})",
+            ratio_label(low),
+            ratio_label(high)
+        )
+    });
+    let [n_a, n_b] = test.n;
+    format!(
+        "B / A is {estimate}{interval}; Mann-Whitney {}, {n_a} and {n_b} repeats",
+        test.p_label()
+    )
+}
+
+fn light_sentence(light: &LightDifference) -> String {
+    let LightDifference { mean, max, rms } = light;
+    let [a, b] = mean;
+    format!("mean {a:.5} in A, {b:.5} in B; the difference is {max:.5} at most, RMS {rms:.5}")
+}
+
+fn picture_sentence(diff: &Diff) -> String {
+    let picture = &diff.picture;
+    let n_all = count(diff.size.iter().map(|&n| u64::from(n)).product());
+    let colors = match picture.n_pixels {
+        0 => "the same colors".to_owned(),
+        n => format!(
+            "{} of {n_all} pixels differ, by {} of 255 at most, RMS {:.2}",
+            count(n),
+            picture.max,
+            picture.rms
+        ),
+    };
+    match diff.n_other_objects {
+        0 => colors,
+        n => format!(
+            "{colors}; {} another object",
+            match n {
+                1 => "1 pixel sees".to_owned(),
+                n => format!("{} see", counted(n, "pixel")),
+            }
+        ),
+    }
+}
+
+fn setting_lines(settings: &[Setting]) -> Vec<String> {
+    if settings.is_empty() {
+        return vec!["the same".to_owned()];
+    }
+    let line = |setting: &Setting| {
+        let Setting { name, a, b } = setting;
+        one_line(&format!("{name}: {a} → {b}")).into_owned()
+    };
+    let mut lines: Vec<String> = settings.iter().take(MAX_SETTINGS).map(line).collect();
+    if settings.len() > MAX_SETTINGS {
+        lines.push(format!("and {} more", settings.len() - MAX_SETTINGS));
+    }
+    lines
+}

@@ -1,0 +1,206 @@
+//! One of the two outputs that a diff compares.
+
+use std::path::{Path, PathBuf};
+
+use super::Metric;
+use base::text::Diagnostic;
+use output::results::{ObjectsTable, Results};
+use output::summary::{self, Summary};
+use render::film::Column;
+use vtk::Scalar;
+
+/// An output folder, A or B.
+#[derive(Debug)]
+pub struct Side {
+    results: Results,
+    label: String,
+    size: [u32; 2],
+    arrays: Vec<String>,
+}
+
+impl Side {
+    /// Opens two folders, A and B.
+    ///
+    /// # Errors
+    /// A folder does not hold an output, or its files cannot be read.
+    pub fn open([a, b]: [&Path; 2]) -> Result<[Self; 2], Diagnostic> {
+        let labels = labels([a, b]);
+        let [label_a, label_b] = labels;
+        Ok([Self::new(a, label_a)?, Self::new(b, label_b)?])
+    }
+
+    fn new(folder: &Path, label: String) -> Result<Self, Diagnostic> {
+        let results = Results::open(folder)?;
+        let frame = results.frame()?;
+        let names = frame.arrays().iter().map(|array| array.name.clone());
+        Ok(Self {
+            size: [frame.width(), frame.height()],
+            arrays: names.collect(),
+            results,
+            label,
+        })
+    }
+
+    /// The folder's path as the user typed it.
+    pub fn name(&self) -> String {
+        self.results.folder().display().to_string()
+    }
+
+    /// A short name that differs from the other side's.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The contents of `summary.json`.
+    pub fn summary(&self) -> &Summary {
+        &self.results.summary
+    }
+
+    /// Checks that the output has these arrays of the pixels.
+    ///
+    /// # Errors
+    /// Some are missing, with what writes them.
+    pub(super) fn require(&self, arrays: &[&str]) -> Result<(), Diagnostic> {
+        self.results.frame()?.require(arrays)
+    }
+
+    /// Reads `objects.csv`; `None` if the folder has none.
+    pub(super) fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
+        self.results.objects()
+    }
+
+    /// The error for an unusable `objects.csv`.
+    pub(super) fn no_table(&self, why: &str) -> Diagnostic {
+        self.results.no_table(why)
+    }
+
+    /// The path of a file in the folder.
+    pub(super) fn path_of(&self, file: &str) -> PathBuf {
+        self.results.folder().join(file)
+    }
+
+    /// Whether the output has this metric.
+    pub fn has(&self, metric: Metric) -> bool {
+        self.arrays.iter().any(|array| array == metric.name)
+    }
+
+    /// Reads a metric of every pixel, row-major, row 0 on top.
+    pub(super) fn values(&self, metric: Metric) -> Result<Vec<f64>, Diagnostic> {
+        let array = self.results.frame()?.read(metric.name)?;
+        match array.n_components {
+            1 => Ok(array.values.iter().collect()),
+            _ => Err(self.foreign(metric.name)),
+        }
+    }
+
+    /// Reads an array of ids, one per pixel, row-major, row 0 on top.
+    pub(super) fn ids(&self, array: &str) -> Result<Vec<i32>, Diagnostic> {
+        self.numbers(array, 1)
+    }
+
+    /// Reads the color of every pixel, row-major, row 0 on top.
+    pub(super) fn colors(&self) -> Result<Vec<[u8; 3]>, Diagnostic> {
+        let channels: Vec<u8> = self.numbers("RGB", 3)?;
+        Ok(channels.as_chunks().0.to_vec())
+    }
+
+    /// Reads the radiance of every pixel, three channels each, row-major, row 0 on top;
+    /// `None` if the output does not have it.
+    pub(super) fn radiance(&self) -> Result<Option<Vec<f32>>, Diagnostic> {
+        let Column { name, .. } = Column::RADIANCE;
+        let is_there = self.arrays.iter().any(|array| array == name);
+        is_there.then(|| self.numbers(name, 3)).transpose()
+    }
+
+    fn numbers<T: Scalar>(&self, name: &str, n_components: usize) -> Result<Vec<T>, Diagnostic> {
+        let array = self.results.frame()?.read(name)?;
+        let numbers = array
+            .values
+            .as_slice()
+            .filter(|_| array.n_components == n_components);
+        Ok(numbers.ok_or_else(|| self.foreign(name))?.to_vec())
+    }
+
+    /// The summed time of all pixels in each repeat, in nanoseconds; empty if the
+    /// run was not repeated.
+    ///
+    /// # Errors
+    /// A time is not positive.
+    pub(super) fn repeats(&self) -> Result<Vec<f64>, Diagnostic> {
+        let repeats = self.results.summary.repeats.as_ref();
+        let times = repeats.map_or(&[][..], |repeats| &repeats.busy_ns);
+        if times.iter().all(|time| *time > 0.0) {
+            return Ok(times.to_vec());
+        }
+        let path = self.path_of(summary::FILE);
+        let message = format!("`{}`: the time of a repeat is not positive", path.display());
+        Err(Diagnostic::new(message).with_help("render the scene again"))
+    }
+
+    /// The label of an object: its name, or its kind and its index in the scene
+    /// file.
+    pub(super) fn object_name(&self, id: i32) -> String {
+        let objects = &self.results.summary.objects;
+        let object = usize::try_from(id)
+            .ok()
+            .and_then(|index| objects.get(index));
+        match object {
+            _ if id < 0 => "nothing".to_owned(),
+            None => format!("object {id}"),
+            Some(object) => match &object.name {
+                Some(name) => name.clone(),
+                None => format!("{} (object {id})", object.kind),
+            },
+        }
+    }
+
+    /// The folder, the scene and the version of raycost, as one line.
+    pub(super) fn sentence(&self) -> String {
+        let summary = self.summary();
+        let (name, scene) = (self.name(), &summary.scene.file);
+        format!("{name}: {scene}, raycost {}", summary.raycost)
+    }
+
+    fn foreign(&self, array: &str) -> Diagnostic {
+        let path = self.path_of(self.results.frame_name());
+        let message = format!(
+            "`{}`: `{array}` does not have the type that raycost writes",
+            path.display()
+        );
+        Diagnostic::new(message).with_help("render the scene again")
+    }
+}
+
+/// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but
+/// `before/spot` and `after/spot`.
+fn labels(paths: [&Path; 2]) -> [String; 2] {
+    let names = paths.map(|path| {
+        // `.` has a name only after it is resolved.
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let names = path.iter().map(|name| name.to_string_lossy().into_owned());
+        names.collect::<Vec<_>>()
+    });
+    let end = |names: &[String], n: usize| names[names.len().saturating_sub(n)..].join("/");
+    let longest = names.iter().map(Vec::len).max().unwrap_or(0);
+    let differ = |n: &usize| end(&names[0], *n) != end(&names[1], *n);
+    let n = (1..=longest).find(differ).unwrap_or(1);
+    names.each_ref().map(|names| end(names, n))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_of_different_folders_differ() {
+        let labels = |a: &str, b: &str| labels([a, b].map(Path::new));
+        assert_eq!(labels("/no/fast", "/no/high"), ["fast", "high"]);
+        assert_eq!(labels("/no/a/spot", "/no/b/spot"), ["a/spot", "b/spot"]);
+        assert_eq!(labels("/no/spot", "/no/spot"), ["spot", "spot"]);
+    }
+}

@@ -1,0 +1,69 @@
+//! The JSON Schemas of scene files and studies, which editors use to complete and check them.
+//!
+//! The schema is not written down: the `Explorer` finds out what the parser accepts, by
+//! parsing small scenes, and describes that. So a new key is in the schema as soon as it
+//! can be read, with its range. Descriptions are the doc comments of the sources, which
+//! `build.rs` collects, and what the parser says that it expects.
+
+mod attempt;
+mod doc_comments;
+mod numbers;
+mod relations;
+mod explorer;
+
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use crate::study::StudyPlan;
+use explorer::Explorer;
+use scene::config::Config;
+
+/// A kind of file that has a schema.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum SchemaKind {
+    /// A scene
+    #[default]
+    Scene,
+    /// A file that scenes include
+    Part,
+    /// A study
+    Study,
+}
+
+impl SchemaKind {
+    /// The JSON Schema of such files.
+    pub fn schema(self) -> Value {
+        match self {
+            Self::Scene => {
+                let mut schema = of::<Config>("a scene of raycost");
+                if let Some(required) = schema.as_object_mut().and_then(|s| s.remove("required")) {
+                    // Included files may have the other sections.
+                    schema["if"] = json!({ "required": ["include"] });
+                    schema["else"] = json!({ "required": required });
+                }
+                schema
+            }
+            Self::Part => {
+                let mut schema = of::<Config>("a part of a scene of raycost");
+                schema
+                    .as_object_mut()
+                    .and_then(|schema| schema.remove("required"));
+                schema
+            }
+            Self::Study => of::<StudyPlan>("a study of raycost"),
+        }
+    }
+}
+
+/// The JSON Schema of the files that a `T` is read from.
+fn of<T: DeserializeOwned>(title: &str) -> Value {
+    let mut schema = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": title,
+    });
+    let root = Explorer::<T>::new().explore_all();
+    if let (Value::Object(schema), Value::Object(root)) = (&mut schema, root) {
+        schema.extend(root);
+    }
+    schema
+}

@@ -1,0 +1,110 @@
+//! Cloud and frame of all frames as VTKHDF, a step for each.
+//!
+//! The steps are read from the VTK files of the frames, one array at a time.
+
+use std::io;
+use std::path::Path;
+
+use super::{SeriesFrame, frame_folder};
+use base::folder::{Replace, WriteError, write_file_at};
+use base::text::Diagnostic;
+use output::writers::vertices;
+use vtk::array::Array;
+use vtk::data_set::{DataSet, Extent};
+use vtk::hdf::HdfWriter;
+use vtk::read::{DataArrayElement, DataArraysElement, VtkHeader, VtkReader, scalar_of};
+
+/// The files, and those of the frames that are their steps.
+pub(super) const FILES: [(&str, &str); 2] = [
+    ("series_hits.vtkhdf", "hits.vtu"),
+    ("series_frame.vtkhdf", "frame.vti"),
+];
+
+/// Writes the files into the folder of the series; returns their names.
+///
+/// # Errors
+/// A file of a frame cannot be read, or one of these not be written.
+pub(super) fn write(frames: &[SeriesFrame], folder: &Path) -> Result<Vec<String>, WriteError> {
+    let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
+    let mut written = Vec::new();
+    for (name, of_frame) in FILES {
+        // The name says nothing of HDF5's content; the table beside it does.
+        write_file_at(&folder.join(name), Replace::Known, |path| {
+            let mut file = HdfWriter::create(path, Some(&times))?;
+            for frame in frames {
+                let step = folder.join(frame_folder(frame.number)).join(of_frame);
+                append(&mut file, &step)?;
+            }
+            file.finish()
+        })?;
+        written.push(name.to_owned());
+    }
+    Ok(written)
+}
+
+/// Appends the data set of a VTK file.
+fn append(file: &mut HdfWriter, path: &Path) -> io::Result<()> {
+    let (reader, header) = VtkReader::open(path).map_err(failure)?;
+    let VtkHeader { image, grid, .. } = &header;
+    let (fields, data_set) = match (image, grid) {
+        (Some(image), _) => {
+            let (width, height) = image.piece.size().unwrap_or_default();
+            let n = u64::from(width) * u64::from(height);
+            let point_data = arrays(&reader, &image.piece.point_data, n)?;
+            let extent = Extent::of_size([width, height]);
+            (&image.field_data, DataSet::Image { extent, point_data })
+        }
+        (None, Some(grid)) => {
+            let n = grid.piece.n_points;
+            let point_data = arrays(&reader, &grid.piece.point_data, n)?;
+            let mut points = arrays(&reader, &grid.piece.points, n)?;
+            let points = points.pop().ok_or(io::ErrorKind::InvalidData)?;
+            let cloud = vertices(n as usize, points, point_data);
+            (&grid.field_data, DataSet::Grid(cloud))
+        }
+        (None, None) => return Err(io::ErrorKind::InvalidData.into()),
+    };
+    let fields = reader.fields(fields).map_err(failure)?;
+    file.append(&data_set, &fields)
+}
+
+/// Returns the arrays of `n` entries.
+fn arrays<'a>(
+    reader: &'a VtkReader,
+    elements: &'a DataArraysElement,
+    n: u64,
+) -> io::Result<Vec<Array<'a>>> {
+    let array = |element| array(reader, element, n).map_err(failure);
+    elements.arrays.iter().map(array).collect()
+}
+
+/// Returns an array of `n` entries that is read when it is written.
+fn array<'a>(
+    reader: &'a VtkReader,
+    element: &'a DataArrayElement,
+    n: u64,
+) -> Result<Array<'a>, Diagnostic> {
+    let place = reader.place(element, n)?;
+    let scalar = scalar_of(&element.scalar).ok_or_else(|| {
+        reader.foreign(&format!(
+            "`{}` has numbers of an unknown type",
+            element.name
+        ))
+    })?;
+    let n_components = element.n_components as usize;
+    Ok(Array {
+        name: &element.name,
+        scalar,
+        n_components,
+        n_bytes: n * (n_components * scalar.size()) as u64,
+        unit: None,
+        write: Box::new(move |out| {
+            let values = reader.read(&place, 1).map_err(failure)?;
+            out.write_all(values.bytes())
+        }),
+    })
+}
+
+fn failure(fault: Diagnostic) -> io::Error {
+    io::Error::other(fault.to_string())
+}

@@ -1,0 +1,240 @@
+//! The complete frames of an animated scene → files that show them one after the other.
+//!
+//! Takes the summaries of the frames; writes beside `frames/` what plays them: a `.pvd`
+//! for each of their VTK files and one for all, the ParaView states with one range of
+//! colors for all frames, a table and a plot of their costs, and a video. Each file takes
+//! its place when it is complete.
+
+mod hdf;
+mod table;
+mod pvd;
+mod states;
+mod video;
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+pub use video::Video;
+
+use crate::study::RunMetrics;
+use base::files;
+use base::folder::{Replace, WriteError, lock_folder_in_turn, refuse_file, target, write_file};
+use base::provenance::{Hasher, RunId};
+use base::text::one_line;
+use output::summary::Summary;
+use output::writers::{self, StateValues};
+use tracer::accel::BvhStatistics;
+
+/// The folder of the frames' folders.
+pub const FRAMES: &str = "frames";
+/// The prefix of the names of all other files.
+const PREFIX: &str = "series";
+/// The table.
+const TABLE: &str = "series.csv";
+/// The video.
+const VIDEO: &str = "series.mp4";
+/// Longest file beside the frames that is checked, in bytes.
+const MAX_FILE: u64 = 256 << 20;
+
+/// The path of a frame's folder, in the folder of the series.
+pub fn frame_folder(number: u32) -> PathBuf {
+    Path::new(FRAMES).join(format!("{number:04}"))
+}
+
+/// The complete frames of an animated scene.
+#[derive(Debug)]
+pub struct FrameSeries {
+    /// The scene's name.
+    name: String,
+    frames: Vec<SeriesFrame>,
+    /// The values of the states for all frames.
+    states: Option<StateValues>,
+}
+
+/// A complete frame.
+#[derive(Debug)]
+struct SeriesFrame {
+    number: u32,
+    time: f64,
+    run: Option<RunId>,
+    /// The names of its files.
+    files: Vec<String>,
+    metrics: RunMetrics,
+    bvh: Option<BvhStatistics>,
+}
+
+impl FrameSeries {
+    /// Without frames; `name` is that of the scene.
+    pub fn new(name: String) -> Self {
+        Self {
+            name,
+            frames: Vec::new(),
+            states: None,
+        }
+    }
+
+    /// Checks that no file of another program is where those of a series would be.
+    ///
+    /// # Errors
+    /// The first such file.
+    pub fn refuse_foreign(folder: &Path) -> Result<(), WriteError> {
+        let of_frames = writers::files().flat_map(|file| {
+            let state = format!("{PREFIX}_{}", file.name);
+            [state, pvd::name_of(file.name)]
+        });
+        let is_hdf = |name: &String| hdf::FILES.iter().any(|(of_hdf, _)| name == of_hdf);
+        let own = [TABLE, "series.svg", "series.pvd"].map(str::to_owned);
+        for name in own
+            .into_iter()
+            .chain(of_frames.filter(|name| !is_hdf(name)))
+        {
+            target(&folder.join(name), Replace::Marked)?;
+        }
+        // Videos and HDF5 files do not say whose they are; the table beside them does.
+        for name in hdf::FILES.map(|(name, _)| name).into_iter().chain([VIDEO]) {
+            let file = folder.join(name);
+            if file.symlink_metadata().is_ok() && !folder.join(TABLE).exists() {
+                return Err(refuse_file(&file));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a frame, whose number is greater than those of the frames before it.
+    pub fn add(&mut self, summary: &Summary) {
+        let Some(frame) = &summary.frame else {
+            return;
+        };
+        let stages = summary.stages.iter().map(|stage| stage.wall_ms);
+        self.frames.push(SeriesFrame {
+            number: frame.number,
+            time: frame.time,
+            run: summary.run,
+            files: summary.files.iter().map(|file| file.name.clone()).collect(),
+            metrics: RunMetrics::of(summary, stages.sum()),
+            bvh: summary.acceleration.bvh,
+        });
+        let values: Option<StateValues> = serde_json::from_value(frame.states.clone()).ok();
+        self.states = match (&self.states, values) {
+            (Some(before), Some(values)) => Some(before.spanning(&values)),
+            (before, values) => before.clone().or(values),
+        };
+    }
+
+    /// The number of frames.
+    pub fn n_frames(&self) -> u32 {
+        self.frames.len() as u32
+    }
+
+    /// Locks the folder of a series; waits while another run has locked it. A run that
+    /// holds the lock from before the first [`add`](Self::add) until after
+    /// [`write`](Self::write) replaces no series of more frames.
+    ///
+    /// # Errors
+    /// Another run holds the lock for a minute, or an error of the system.
+    pub fn lock(folder: &Path) -> Result<File, WriteError> {
+        lock_folder_in_turn(folder)
+    }
+
+    /// Writes the files into the folder of the series, which is [locked](Self::lock), those of
+    /// VTKHDF if they are asked for, and removes old ones of these. Returns their names.
+    ///
+    /// # Errors
+    /// A file of another program that has one of their names, or an error of the system.
+    pub fn write(&self, folder: &Path, vtkhdf: bool) -> Result<Vec<String>, WriteError> {
+        let mut written = Vec::new();
+        let mut write = |name: String, bytes: &[u8]| {
+            write_file(&folder.join(&name), Replace::Marked, |out| {
+                out.write_all(bytes)
+            })?;
+            written.push(name);
+            Ok::<(), WriteError>(())
+        };
+        for (name, text) in self.texts(folder) {
+            write(name, text.as_bytes())?;
+        }
+        if vtkhdf && !self.frames.is_empty() {
+            written.extend(hdf::write(&self.frames, folder)?);
+        } else {
+            for (name, _) in hdf::FILES {
+                let _ = fs::remove_file(folder.join(name));
+            }
+        }
+        Ok(written)
+    }
+
+    /// The files beside the frames that [`write`](Self::write) has not written of these frames, or
+    /// that are cut: their names, and why. Not checked are the video and files of VTKHDF.
+    pub fn faults(&self, folder: &Path) -> Vec<(String, String)> {
+        let run = self.id().to_string();
+        let fault = |(name, expected): (String, String)| {
+            let why = match files::read(&folder.join(&name), MAX_FILE) {
+                Err(error) if error.kind() == ErrorKind::NotFound => "it is missing".to_owned(),
+                Err(error) => format!("it cannot be read: {error}"),
+                Ok(found) => {
+                    let found = String::from_utf8_lossy(&found);
+                    let end = expected.lines().next_back()?;
+                    // The table has the runs of the frames, other files that of all.
+                    if name != TABLE && !found.contains(&run) {
+                        "it is not of these frames".to_owned()
+                    } else if !found.trim_end().ends_with(end) {
+                        "it is cut, or not of these frames".to_owned()
+                    } else {
+                        return None;
+                    }
+                }
+            };
+            Some((name, why))
+        };
+        self.texts(folder).into_iter().filter_map(fault).collect()
+    }
+
+    /// The files beside the frames that are texts, by their names.
+    fn texts(&self, folder: &Path) -> Vec<(String, String)> {
+        let run = self.id();
+        let plot = table::plot(&self.name, &self.frames, run);
+        let plot = plot.map(|plot| (format!("{PREFIX}.svg"), plot));
+        let table = (TABLE.to_owned(), table::csv(&self.frames));
+        [table]
+            .into_iter()
+            .chain(plot)
+            .chain(pvd::collections(&self.frames, run))
+            .chain(self.states(folder, run))
+            .collect()
+    }
+
+    /// A hash of the frames' runs.
+    fn id(&self) -> RunId {
+        let mut hasher = Hasher::new();
+        for frame in &self.frames {
+            hasher.add(format!("{:?}", (frame.number, frame.time, frame.run)).as_bytes());
+        }
+        hasher.checksum().into()
+    }
+
+    /// The states, by their names.
+    fn states(&self, folder: &Path, run: RunId) -> Vec<(String, String)> {
+        let (Some(values), [first, ..]) = (&self.states, self.frames.as_slice()) else {
+            return Vec::new();
+        };
+        let end = self.frames.last().map_or(first.time, |last| last.time);
+        // Absolute, because ParaView may be started in any folder.
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+        let path_of = |file: &str| folder.join(pvd::name_of(file));
+        states::of_files(&first.files, values, [first.time, end], path_of, run)
+    }
+
+    /// The command that shows the frames in ParaView; `None` without states.
+    pub fn state(&self) -> Option<String> {
+        let first = self.frames.first()?;
+        let has = |name: &&&str| first.files.iter().any(|file| file == **name);
+        let state = ["heatmap.pvsm", "geometry.pvsm"].iter().find(has)?;
+        Some(format!("{PREFIX}_{state}"))
+    }
+
+    /// The scene's name for titles.
+    pub fn title(&self) -> String {
+        one_line(&self.name).into_owned()
+    }
+}

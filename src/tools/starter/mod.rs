@@ -1,0 +1,256 @@
+//! Scenes to begin with: one that shows the sections, and one around a mesh.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+
+use base::host::available_memory;
+use base::text::{Diagnostic, one_line};
+use scene::geometry::Aabb;
+use scene::import::{self, FileFault, Mesh, RadiusChoice, Tubes};
+use scene::yaml::{MAX_NAME, Source};
+
+/// A commented scene.
+pub const SCENE: &str = include_str!("scene.yaml");
+
+/// The vertical angle of view of scenes around meshes, in degrees.
+const FOV_Y_DEG: f32 = 35.0;
+/// The direction from a mesh to the eye: from the front, a little from the right and from
+/// above.
+const TO_EYE: Vec3 = Vec3::new(0.45, 0.35, 1.0);
+/// Light from all around, which is weakest where a mesh stands on the floor.
+const SKY: &str = "\
+  # The sky, from four sides: it leaves shadows where the mesh touches the floor.
+  - directional: { direction: [1, -1.2, 0.3], intensity: 0.09 }
+  - directional: { direction: [-0.3, -1.2, 1], intensity: 0.09 }
+  - directional: { direction: [-1, -1.2, -0.3], intensity: 0.09 }
+  - directional: { direction: [0.3, -1.2, -1], intensity: 0.09 }
+";
+/// The normals of meshes without any: smooth up to edges.
+const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
+
+/// The scene of a mesh, as a file that lies beside the mesh.
+///
+/// # Errors
+/// The mesh cannot be read, is damaged, or may need more memory than is free.
+pub fn scene_beside(mesh: &Path) -> Result<Source, Diagnostic> {
+    let name = Path::new(mesh.file_name().unwrap_or_default());
+    let text = scene_of(mesh, name)?;
+    Ok(Source::new(mesh.display().to_string(), text))
+}
+
+/// The text of a scene that shows a mesh, which its scene file finds at `path_in_scene`.
+///
+/// # Errors
+/// The errors of [`scene_beside`].
+pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic> {
+    let of_file = |fault: FileFault| {
+        Diagnostic::new(fault.message()).with_help(format!("expected {}", fault.expected))
+    };
+    let n_bytes = import::max_bytes(mesh).map_err(of_file)?;
+    if n_bytes > available_memory() {
+        let message = format!("`{}` may need more memory than is free", mesh.display());
+        return Err(Diagnostic::new(message).with_help("use a smaller file"));
+    }
+    let file = path_in_scene;
+    let subject = subject_of(mesh, file).map_err(of_file)?;
+    Ok(text_of(&subject, file))
+}
+
+/// The subject of a mesh's scene, which finds the mesh at `file`.
+fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
+    let fault = match import::read_mesh_with_materials(mesh, available_memory() / 2) {
+        Ok(mesh) => return Ok(Subject::surface(mesh, file)),
+        Err(fault) => fault,
+    };
+    // Pictures are often lost on the way.
+    if let Ok(mesh) = import::read_mesh(mesh) {
+        return Ok(Subject {
+            lost: Some(fault.message()),
+            ..Subject::surface(mesh, file)
+        });
+    }
+    // A data set of lines has no triangle.
+    let radius = RadiusChoice::Same(1.0);
+    let tubes = import::is_vtk(mesh).then(|| import::read_lines(mesh, &radius, None));
+    match tubes {
+        Some(Ok(tubes)) => Ok(Subject::lines(tubes, file)),
+        _ => Err(fault),
+    }
+}
+
+/// What a scene shows.
+struct Subject {
+    /// The origin of its box.
+    origin: DVec3,
+    bounds: Aabb,
+    colors: SubjectColors,
+    /// Why its own materials cannot be used, if it has any.
+    lost: Option<String>,
+    /// The object's geometry, with a comment on its keys.
+    geometry: String,
+}
+
+/// The source of a subject's colors.
+enum SubjectColors {
+    /// One for all of it.
+    One,
+    /// An array of this name.
+    Array(String),
+    /// The materials of the file.
+    OfFile,
+}
+
+impl Subject {
+    fn surface(mesh: Mesh, file: &Path) -> Self {
+        let corners = mesh.triangles.iter().flatten();
+        let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
+        let normals = if mesh.normals.is_none() {
+            SMOOTH
+        } else {
+            "file"
+        };
+        let file = quoted(&file.to_string_lossy());
+        Self {
+            origin: mesh.origin,
+            bounds,
+            colors: match first_array(mesh.arrays) {
+                _ if !mesh.materials.is_empty() => SubjectColors::OfFile,
+                Some(array) => SubjectColors::Array(array),
+                None => SubjectColors::One,
+            },
+            lost: None,
+            geometry: format!(
+                "\
+    # `normals` are those of the file, `smooth` (here up to edges), or `flat`.
+    mesh: {{ file: {file}, normals: {normals} }}"
+            ),
+        }
+    }
+
+    fn lines(tubes: Tubes, file: &Path) -> Self {
+        let bounds = tubes.bounds();
+        let radius = 0.004 * (bounds.max - bounds.min).length();
+        let file = quoted(&file.to_string_lossy());
+        Self {
+            origin: tubes.origin,
+            bounds,
+            colors: first_array(tubes.arrays).map_or(SubjectColors::One, SubjectColors::Array),
+            lost: None,
+            geometry: format!(
+                "\
+    # `radius` may also be that of an array: {{ array: …, scale: … }}.
+    tubes: {{ file: {file}, radius: {} }}",
+                digits(radius.max(1e-15).into(), radius)
+            ),
+        }
+    }
+}
+
+/// The first array that can be named in a scene.
+fn first_array(arrays: Vec<String>) -> Option<String> {
+    let mut arrays = arrays.into_iter();
+    arrays.find(|name| name.chars().count() <= MAX_NAME && !name.chars().any(char::is_control))
+}
+
+/// JSON is YAML.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+fn text_of(subject: &Subject, file: &Path) -> String {
+    let Subject {
+        origin,
+        bounds,
+        geometry,
+        ..
+    } = subject;
+    let center = origin + bounds.center().as_dvec3();
+    // All of the sphere around the box is in view.
+    let radius = (0.5 * (bounds.max - bounds.min).length()).max(1e-6);
+    let distance = radius / (0.5 * FOV_Y_DEG.to_radians()).sin();
+    let eye = center + (distance * TO_EYE.normalize()).as_dvec3();
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().take(200).collect();
+    let (materials, material) = match &subject.colors {
+        SubjectColors::One => (
+            "\n  clay: { color: [0.66, 0.55, 0.46], specular: 0.12, exponent: 40 }".to_owned(),
+            "material: clay",
+        ),
+        SubjectColors::Array(array) => {
+            let array = quoted(array);
+            let color = format!("{{ array: {{ name: {array}, bar: {array} }} }}, specular: 0.05");
+            (
+                format!("\n  field: {{ color: {color} }}"),
+                "material: field",
+            )
+        }
+        SubjectColors::OfFile => (
+            String::new(),
+            "# Without a `material`, the mesh has those of its file.",
+        ),
+    };
+    // The colors of an array are to be read off, without shadows of a floor.
+    let is_measured = matches!(subject.colors, SubjectColors::Array(_));
+    let (floor_material, floor) = if is_measured {
+        (String::new(), String::new())
+    } else {
+        let at = point(
+            DVec3::new(center.x, origin.y + f64::from(bounds.min.y), center.z),
+            radius,
+        );
+        (
+            "\n  floor: { color: [0.4, 0.41, 0.43] }".to_owned(),
+            format!(
+                "  - name: floor\n    plane: {{ point: {at}, normal: [0, 1, 0] }}\n    \
+                 material: floor\n"
+            ),
+        )
+    };
+    let (ambient, sky) = if is_measured { (0.3, "") } else { (0.1, SKY) };
+    format!(
+        "\
+# The mesh {title}: the camera sees all of it, with +y up.
+{lost}image: {{ width: 800, height: 600, samples_per_pixel: 4 }}
+camera:
+  look_at: {{ eye: {eye}, target: {target}, fov_y_deg: {FOV_Y_DEG} }}
+background: {{ gradient: {{ bottom: [0.5, 0.53, 0.57], top: [0.2, 0.27, 0.38] }} }}
+shading: {{ ambient: {ambient}, max_depth: 2 }}
+materials:{materials}{floor_material}
+lights:
+  # The key light from the upper left, and a weak one that fills its shadows.
+  - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.7 }}
+  - directional: {{ direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.15 }}
+{sky}objects:
+  - name: {name}
+{geometry}
+    {material}
+{floor}",
+        title = one_line(&stem),
+        eye = point(eye, radius),
+        target = point(center, radius),
+        name = quoted(&name),
+        lost = subject.lost.as_ref().map_or(String::new(), |lost| {
+            format!("# Its own materials cannot be used: {}\n", one_line(lost))
+        }),
+    )
+}
+
+/// A point with as many digits as its distance from others, `scale`, needs.
+fn point(point: DVec3, scale: f32) -> String {
+    let [x, y, z] = point.to_array().map(|x| digits(x, scale));
+    format!("[{x}, {y}, {z}]")
+}
+
+/// A number with four digits of `scale`.
+fn digits(x: f64, scale: f32) -> String {
+    let exponent = f64::from(scale).log10().floor() as i32 - 3;
+    let power = 10.0_f64.powi(exponent.abs());
+    // Powers of ten below one are not exact; those above are, and lead to the shortest digits.
+    let rounded = if exponent < 0 {
+        (x * power).round() / power
+    } else {
+        (x / power).round() * power
+    };
+    (rounded + 0.0).to_string()
+}

@@ -1,0 +1,112 @@
+//! Levels of factors: how YAML states them, and the flags that select them.
+
+use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use scene::config::MAX_SIDE;
+use scene::yaml;
+
+/// One level of a factor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FactorLevel {
+    /// The level in the results: a number or a text.
+    pub value: Value,
+    /// The flags of `raycost render` that select it.
+    pub flags: Vec<String>,
+}
+
+/// How a study file states the levels of a factor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FactorForm {
+    /// As a list of at least one.
+    List,
+    /// As one value.
+    One,
+}
+
+/// A list of at least one level.
+pub(super) struct Choices<T>(pub(super) Vec<T>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Choices<T> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        yaml::non_empty(d, "choice").map(Self)
+    }
+}
+
+/// The level `--flag=value` of a flag with keywords, such as `--cost=time`.
+pub(super) fn keyword(flag: &str, value: impl Serialize) -> FactorLevel {
+    let value = json!(value);
+    let text = value.as_str().unwrap_or_default();
+    FactorLevel {
+        flags: vec![format!("--{flag}={text}")],
+        value,
+    }
+}
+
+/// The level `--max-depth=depth`, from 0 to 255.
+pub(super) fn max_depth(depth: u8) -> FactorLevel {
+    FactorLevel {
+        value: json!(depth),
+        flags: vec![format!("--max-depth={depth}")],
+    }
+}
+
+/// The level `--set=path=value`: a number or a text in the results, and JSON if the value
+/// is a list or a mapping.
+pub(super) fn setting(path: &str, value: Value) -> FactorLevel {
+    let json = value.to_string();
+    FactorLevel {
+        flags: vec![format!("--set={path}={json}")],
+        value: match value {
+            Value::Number(_) | Value::String(_) => value,
+            _ => json.into(),
+        },
+    }
+}
+
+/// A number from 1 to `MAX`.
+pub(super) struct BoundedCount<const MAX: u64>(u64);
+
+impl<const MAX: u64> BoundedCount<MAX> {
+    /// The level `--flag=number`.
+    pub(super) fn level(self, flag: &str) -> FactorLevel {
+        FactorLevel {
+            value: json!(self.0),
+            flags: vec![format!("--{flag}={}", self.0)],
+        }
+    }
+
+    /// The level that the launcher selects, not a flag.
+    pub(super) fn level_of_launcher(self) -> FactorLevel {
+        FactorLevel {
+            value: json!(self.0),
+            flags: Vec::new(),
+        }
+    }
+}
+
+impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        yaml::whole(d, 1..=MAX).map(Self)
+    }
+}
+
+/// Width and height of an image in pixels.
+#[derive(Deserialize)]
+#[serde(expecting = "a size [width, height]")]
+pub(super) struct ImageSize(
+    BoundedCount<{ MAX_SIDE as u64 }>,
+    BoundedCount<{ MAX_SIDE as u64 }>,
+);
+
+impl ImageSize {
+    /// The level `--width=width --height=height`, `widthxheight` in the results.
+    pub(super) fn level(self) -> FactorLevel {
+        let Self(BoundedCount(width), BoundedCount(height)) = self;
+        FactorLevel {
+            value: json!(format!("{width}x{height}")),
+            flags: vec![format!("--width={width}"), format!("--height={height}")],
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! The study file as serde types.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
+
+use super::factor_level::FactorForm;
+use super::point::scene_names;
+use super::{Factor, FactorLevel, Launcher, PlotSpec, StudyPoint};
+use math::sampling::uniform;
+use scene::yaml;
+
+/// A study file.
+///
+/// ```
+/// # use raycost::{study::StudyPlan, yaml};
+/// let plan: StudyPlan = yaml::from_str("
+/// title: Threads
+/// scenes: [../seed_extended.yaml]
+/// vary: { threads: [1, 2], cost: [counters, time] }
+/// repeats: 5
+/// ").unwrap();
+/// # assert_eq!(plan.points().len(), 4);
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyPlan {
+    /// The title of tables and plots.
+    #[serde(deserialize_with = "yaml::name")]
+    pub title: String,
+    /// Scene files, relative to the study's folder; at least one.
+    #[serde(deserialize_with = "scenes")]
+    pub scenes: Vec<PathBuf>,
+    /// The factors that are crossed: each level of one with each level of the others.
+    #[serde(default)]
+    pub vary: Vary,
+    /// Levels that change together, such as the image size with the threads; each case
+    /// is crossed with [`vary`](Self::vary).
+    #[serde(default)]
+    pub cases: Vec<Case>,
+    /// Flags of `raycost render` for all runs.
+    #[serde(default)]
+    pub flags: Vec<String>,
+    /// The command that starts a run on so many `ranks`, such as `mpirun -n {ranks}`.
+    #[serde(default)]
+    pub launcher: Option<Launcher>,
+    /// Runs of each point that enter the statistics; 10 if not given.
+    #[serde(default = "ten", deserialize_with = "repeats")]
+    pub repeats: u32,
+    /// Earlier runs of each point that do not; 1 if not given.
+    #[serde(default = "one", deserialize_with = "warm_up")]
+    pub warm_up: u32,
+    /// Time in seconds after which no further run starts; no limit if not given.
+    #[serde(default, deserialize_with = "budget")]
+    pub time_budget_s: Option<f32>,
+    /// The plots to draw.
+    #[serde(default)]
+    pub plots: Vec<PlotSpec>,
+    /// Whether to measure the machine's limits once and to draw the points below them,
+    /// as `roofline.svg`; no if not given.
+    #[serde(default)]
+    pub roofline: bool,
+    /// The replacements that `--quick` selects, to test the study.
+    #[serde(default)]
+    pub quick: Option<QuickPlan>,
+}
+
+/// Replacements for a smaller study.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct QuickPlan {
+    /// Replaces [`StudyPlan::vary`].
+    #[serde(default)]
+    pub vary: Option<Vary>,
+    /// Replaces [`StudyPlan::cases`].
+    #[serde(default)]
+    pub cases: Option<Vec<Case>>,
+    /// Replaces [`StudyPlan::flags`], for smaller images.
+    #[serde(default)]
+    pub flags: Option<Vec<String>>,
+    /// Replaces [`StudyPlan::repeats`]; 3 if not given.
+    #[serde(default = "three", deserialize_with = "repeats")]
+    pub repeats: u32,
+}
+
+/// Factors and their levels, in the order of the file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Vary(pub Vec<(Factor, Vec<FactorLevel>)>);
+
+/// One level of each of some factors.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Case(pub Vec<(Factor, FactorLevel)>);
+
+/// One run that a study makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlannedRun {
+    /// The index of its point in [`StudyPlan::points`].
+    pub point: usize,
+    /// The round, from 0; the first [`StudyPlan::warm_up`] rounds are warm-up.
+    pub round: u32,
+}
+
+impl StudyPlan {
+    /// Maximum number of runs of a study: at one second each, a little more than a day.
+    pub const MAX_RUNS: u64 = 100_000;
+
+    /// The plan with the replacements for `--quick`.
+    pub fn into_quick(mut self) -> Self {
+        let quick = self.quick.take();
+        self.repeats = quick.as_ref().map_or_else(three, |quick| quick.repeats);
+        self.warm_up = self.warm_up.min(1);
+        if let Some(quick) = quick {
+            self.vary = quick.vary.unwrap_or(self.vary);
+            self.cases = quick.cases.unwrap_or(self.cases);
+            self.flags = quick.flags.unwrap_or(self.flags);
+        }
+        self
+    }
+
+    /// The total number of runs, warm-up included, saturating.
+    pub fn n_runs(&self) -> u64 {
+        let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
+        let counts = [self.scenes.len(), self.cases.len().max(1)].into_iter();
+        let rounds = u64::from(self.warm_up) + u64::from(self.repeats);
+        counts
+            .chain(levels)
+            .fold(rounds, |n, count| n.saturating_mul(count as u64))
+    }
+
+    /// All points: scene by scene, then case by case, then level by level.
+    pub fn points(&self) -> Vec<StudyPoint> {
+        let scenes = self.scenes.iter().zip(scene_names(&self.scenes));
+        let scenes = scenes.map(|(scene, name)| StudyPoint::of_scene(scene, name));
+        let cases = scenes.flat_map(|point| {
+            if self.cases.is_empty() {
+                vec![point]
+            } else {
+                self.cases.iter().map(|case| case.of(&point)).collect()
+            }
+        });
+        let cross = |points: Vec<StudyPoint>, (factor, levels): &(Factor, Vec<FactorLevel>)| {
+            let with_levels = |point: &StudyPoint| {
+                let points = levels.iter().map(|level| point.with(factor, level));
+                points.collect::<Vec<_>>()
+            };
+            points.iter().flat_map(with_levels).collect()
+        };
+        self.vary.0.iter().fold(cases.collect(), cross)
+    }
+
+    /// All runs, round by round. Each round has all points once, in a pseudo-random order
+    /// that depends on the round alone.
+    pub fn runs(&self) -> Vec<PlannedRun> {
+        let n_points = self.points().len();
+        let round_of = |round: u32| {
+            let mut points: Vec<usize> = (0..n_points).collect();
+            let key = |point: usize| uniform([u64::from(round), point as u64, 0])[0];
+            points.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
+            points
+                .into_iter()
+                .map(move |point| PlannedRun { point, round })
+        };
+        (0..self.warm_up + self.repeats)
+            .flat_map(round_of)
+            .collect()
+    }
+}
+
+impl Case {
+    /// The point with all levels of the case.
+    fn of(&self, point: &StudyPoint) -> StudyPoint {
+        let with =
+            |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(factor, level);
+        self.0.iter().fold(point.clone(), with)
+    }
+}
+
+impl<'de> Deserialize<'de> for Vary {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_map(FactorsVisitor(FactorForm::List))
+            .map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Case {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let factors = d
+            .deserialize_map(FactorsVisitor(FactorForm::One))?
+            .into_iter();
+        let one = |(factor, levels): (Factor, Vec<FactorLevel>)| {
+            Some((factor, levels.into_iter().next()?))
+        };
+        Ok(Self(factors.filter_map(one).collect()))
+    }
+}
+
+struct FactorsVisitor(FactorForm);
+
+impl<'de> Visitor<'de> for FactorsVisitor {
+    type Value = Vec<(Factor, Vec<FactorLevel>)>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self.0 {
+            FactorForm::List => "lists by name, such as { threads: [1, 2] }",
+            FactorForm::One => "values by name, such as { threads: 1, image_size: [512, 512] }",
+        })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut factors = Vec::new();
+        while let Some(factor) = map.next_key::<Factor>()? {
+            let levels = factor.next_levels(&mut map, self.0)?;
+            factors.push((factor, levels));
+        }
+        Ok(factors)
+    }
+}
+
+fn scenes<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<PathBuf>, D::Error> {
+    yaml::non_empty(d, "scene file")
+}
+
+fn repeats<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    yaml::whole(d, 1..=100_000)
+}
+
+fn warm_up<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    yaml::whole(d, 0..=1000)
+}
+
+fn budget<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    yaml::positive(d).map(Some)
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn three() -> u32 {
+    3
+}
+
+fn ten() -> u32 {
+    10
+}

@@ -1,0 +1,199 @@
+//! Checks of a study file beyond the types of its values.
+
+use super::metric_list::{MetricNeed, StudyMetric};
+use super::point::scene_names;
+use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, Vary};
+use base::text::did_you_mean;
+use scene::yaml::{Fault, FieldPath};
+
+impl StudyPlan {
+    /// Checks that no point occurs twice, that there is a launcher where ranks are varied and
+    /// nowhere else, and that plots name factors and metrics of the study.
+    ///
+    /// # Errors
+    /// The first mistake.
+    pub fn check(&self) -> Result<(), Fault> {
+        self.check_points()?;
+        self.check_launcher()?;
+        let factors = self.factor_names();
+        for (number, plot) in self.plots.iter().enumerate() {
+            check_plot(plot, &factors, key("plots").index(number))?;
+        }
+        Ok(())
+    }
+
+    /// The names of all factors, the scene first.
+    fn factor_names(&self) -> Vec<&str> {
+        let in_cases = self.cases.iter().flat_map(|case| &case.0);
+        let in_cases = in_cases.map(|(factor, _)| factor.name());
+        let in_vary = self.vary.0.iter().map(|(factor, _)| factor.name());
+        let mut names = vec!["scene"];
+        for name in in_cases.chain(in_vary) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Checks that no point occurs twice: its runs would count for both.
+    fn check_points(&self) -> Result<(), Fault> {
+        let names: Vec<String> = scene_names(&self.scenes).collect();
+        check_differ(&names, &key("scenes"))?;
+        let quick = self.quick.as_ref();
+        let of_quick = |name| key("quick").key(name);
+        let quick_vary = quick.and_then(|quick| quick.vary.as_ref());
+        let quick_cases = quick.and_then(|quick| quick.cases.as_ref());
+        check_vary(&self.vary, &key("vary"))?;
+        check_cases(&self.cases, &key("cases"))?;
+        if let Some(vary) = quick_vary {
+            check_vary(vary, &of_quick("vary"))?;
+        }
+        if let Some(cases) = quick_cases {
+            check_cases(cases, &of_quick("cases"))?;
+        }
+        let in_cases = || self.cases.iter().flat_map(|case| &case.0);
+        for (factor, _) in &self.vary.0 {
+            if in_cases().any(|(other, _)| other == factor) {
+                let name = factor.name();
+                let message = format!("`{name}` is in `cases`, too");
+                let fault = Fault::of_key(key("vary").key(name), message, "has two values");
+                return Err(fault.with_help("leave it in one of the two"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that there is a launcher where ranks are varied, and nowhere else.
+    fn check_launcher(&self) -> Result<(), Fault> {
+        let is_ranks = |factor: &Factor| *factor == Factor::Flag(FlagFactor::Ranks);
+        let in_cases = self.cases.iter().flat_map(|case| &case.0);
+        let ranks_in_cases = in_cases.map(|(factor, _)| factor).any(is_ranks);
+        let ranks_in_vary = self.vary.0.iter().any(|(factor, _)| is_ranks(factor));
+        let (path, message, help) = match (&self.launcher, ranks_in_vary || ranks_in_cases) {
+            (None, true) => (
+                key(if ranks_in_vary { "vary" } else { "cases" }),
+                "`ranks` need a `launcher`",
+                "add `launcher: \"mpirun -n {ranks}\"`",
+            ),
+            (Some(_), false) => (
+                key("launcher"),
+                "a `launcher` needs the factor `ranks`",
+                "add `ranks: [1, 2, 4]` to `vary`, or leave the launcher out",
+            ),
+            (Some(launcher), true) => return launcher.check(key("launcher")),
+            (None, false) => return Ok(()),
+        };
+        Err(Fault::new(path, message, "one is there without the other").with_help(help))
+    }
+}
+
+/// The path of a key of the study.
+fn key(name: &str) -> FieldPath {
+    FieldPath::default().key(name)
+}
+
+/// Checks that no item of the list at `path` is there twice.
+fn check_differ<T: PartialEq>(list: &[T], path: &FieldPath) -> Result<(), Fault> {
+    let twice = (0..list.len()).find(|&n| list[..n].contains(&list[n]));
+    let Some(twice) = twice else { return Ok(()) };
+    let message = format!("`{path}` has an item twice");
+    let fault = Fault::new(path.clone().index(twice), message, "is there already");
+    Err(fault.with_help("leave one of them out: `repeats` measures each point several times"))
+}
+
+fn check_vary(vary: &Vary, path: &FieldPath) -> Result<(), Fault> {
+    for (factor, levels) in &vary.0 {
+        let values: Vec<_> = levels.iter().map(|level| &level.value).collect();
+        check_differ(&values, &path.clone().key(factor.name()))?;
+    }
+    Ok(())
+}
+
+fn check_cases(cases: &[Case], path: &FieldPath) -> Result<(), Fault> {
+    let value_of = |case: &Case| -> serde_json::Map<_, _> {
+        let levels = case.0.iter();
+        let level = levels.map(|(factor, level)| (factor.name().to_owned(), level.value.clone()));
+        level.collect()
+    };
+    let values: Vec<_> = cases.iter().map(value_of).collect();
+    check_differ(&values, path)
+}
+
+/// Checks the names of a plot in a study of these factors.
+fn check_plot(plot: &PlotSpec, factors: &[&str], path: FieldPath) -> Result<(), Fault> {
+    if !factors.contains(&&*plot.x) {
+        let kind = "factor or metric";
+        check_metric(&plot.x, factors, kind, path.clone().key("x"))?;
+    }
+    for (number, name) in plot.y.iter().enumerate() {
+        let path = path.clone().key("y").index(number);
+        check_metric(name, factors, "metric", path)?;
+    }
+    for (number, name) in plot.by.iter().flatten().enumerate() {
+        if !factors.contains(&&**name) {
+            let path = path.clone().key("by").index(number);
+            return Err(unknown(name, "factor", path, factors, &[]));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that runs of a study of these factors may have a metric.
+fn check_metric(name: &str, factors: &[&str], kind: &str, path: FieldPath) -> Result<(), Fault> {
+    let all = StudyMetric::all();
+    let Some(metric) = all.iter().find(|metric| metric.name == name) else {
+        return Err(unknown(name, kind, path, factors, &all));
+    };
+    let needed: &[&str] = match metric.need {
+        MetricNeed::Nothing => return Ok(()),
+        MetricNeed::ThreadsOrRanks => &["threads", "ranks"],
+        MetricNeed::RanksOnly => &["ranks"],
+    };
+    if needed.iter().any(|factor| factors.contains(factor)) {
+        return Ok(());
+    }
+    let message = format!(
+        "the study varies no `{}`, which `{name}` needs",
+        needed.join("` or `")
+    );
+    Err(Fault::new(path, message, "has no values here").with_help("add the factor to `vary`"))
+}
+
+/// The fault of a name that is none of the factors and metrics.
+fn unknown(
+    name: &str,
+    kind: &str,
+    path: FieldPath,
+    factors: &[&str],
+    metrics: &[StudyMetric],
+) -> Fault {
+    let of_study = format!("the factors of this study are `{}`", factors.join("`, `"));
+    let list = "`raycost study --list-metrics` lists the metrics";
+    if kind == "metric" && (factors.contains(&name) || FlagFactor::NAMES.contains(&name)) {
+        let message = format!("`{name}` is a factor, not a metric");
+        return Fault::new(path, message, "expected a metric").with_help(list);
+    }
+    if FlagFactor::NAMES.contains(&name) {
+        let message = format!("this study does not vary `{name}`");
+        let expected = format!("expected a {kind} of the study");
+        return Fault::new(path, message, expected)
+            .with_help(format!("add it to `vary`; {of_study}"));
+    }
+    let metric_names = metrics.iter().map(|metric| &*metric.name);
+    let known: Vec<&str> = match kind {
+        "metric" => metric_names.collect(),
+        _ => factors.iter().copied().chain(metric_names).collect(),
+    };
+    let listed = match kind {
+        "metric" => list.to_owned(),
+        "factor" => of_study,
+        _ => format!("{of_study}; {list}"),
+    };
+    let help = match did_you_mean(name, known) {
+        Some(meant) => format!("{meant} ({listed})"),
+        None => listed,
+    };
+    let message = format!("there is no {kind} `{name}`");
+    Fault::new(path, message, format!("expected a {kind}")).with_help(help)
+}

@@ -1,0 +1,200 @@
+//! The log of runs, `runs.jsonl`.
+//!
+//! JSON Lines: a header with the provenance of the runs, which is all that determines them
+//! besides their points, then one line per run. An
+//! incomplete last line, of an interrupted write, is cut off when the study continues.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::{RunMetrics, StudyPoint};
+use base::files;
+use base::provenance::difference;
+use base::text::Diagnostic;
+
+/// Version of the format; files of other versions are refused.
+const FORMAT: u32 = 2;
+/// Maximum length of a line in bytes; a run has a few thousand.
+const MAX_LINE: u64 = 1 << 20;
+
+/// A log of runs, open for appending.
+#[derive(Debug)]
+pub struct RunLog {
+    file: File,
+    /// The runs so far, in the order of the file.
+    pub runs: Vec<Run>,
+}
+
+/// One run of a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// The point's values, by factor name.
+    pub point: Map<String, Value>,
+    /// The round, from 0.
+    pub round: u32,
+    /// The metrics of the run.
+    pub metrics: RunMetrics,
+}
+
+impl Run {
+    /// Whether the other run has the same point and round.
+    fn duplicates(&self, other: &Self) -> bool {
+        (self.round, &self.point) == (other.round, &other.point)
+    }
+}
+
+/// The first line of the file.
+#[derive(Serialize, Deserialize)]
+struct RunLogHeader {
+    raycost_study: u32,
+    /// Provenance of the runs by key: machine and program; flags, launcher and a hash of the
+    /// contents of each scene.
+    made_by: Value,
+}
+
+impl RunLog {
+    /// Opens the log at `path`, or creates one for runs with the provenance `made_by`.
+    ///
+    /// # Errors
+    /// If the file cannot be read or written, is not a log of runs, has a run twice, or if
+    /// its runs have another provenance. The file stays unchanged.
+    pub fn open(path: &Path, made_by: &Value) -> Result<Self, Diagnostic> {
+        let failed = |error| cannot_open(path, &error);
+        let mut options = OpenOptions::new();
+        options.read(true).append(true).create(true);
+        let mut file = files::open_with(&mut options, path).map_err(failed)?;
+        if file.metadata().map_err(failed)?.len() == 0 {
+            let header = RunLogHeader {
+                raycost_study: FORMAT,
+                made_by: made_by.clone(),
+            };
+            append(&mut file, &header).map_err(failed)?;
+            return Ok(Self {
+                file,
+                runs: Vec::new(),
+            });
+        }
+        let mut lines = CompleteLines::of(&file).map_err(failed)?;
+        check_header(path, lines.next().map_err(failed)?.as_deref(), made_by)?;
+        let mut runs = Vec::new();
+        while let Some(line) = lines.next().map_err(failed)? {
+            let run = serde_json::from_str(&line);
+            let run: Run = run.map_err(|error| invalid_run(path, runs.len() + 2, &error))?;
+            if let Some(first) = runs.iter().position(|other| run.duplicates(other)) {
+                return Err(duplicate_run(path, [first + 2, runs.len() + 2]));
+            }
+            runs.push(run);
+        }
+        let whole = lines.n_bytes;
+        file.set_len(whole).map_err(failed)?;
+        Ok(Self { file, runs })
+    }
+
+    /// Whether the log has this round of the point.
+    pub fn has(&self, point: &StudyPoint, round: u32) -> bool {
+        let is_it = |run: &Run| run.round == round && run.point == point.values;
+        self.runs.iter().any(is_it)
+    }
+
+    /// Appends a run; it is on the disk when this returns.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn add(&mut self, run: Run) -> io::Result<()> {
+        append(&mut self.file, &run)?;
+        self.file.sync_data()?;
+        self.runs.push(run);
+        Ok(())
+    }
+}
+
+/// The complete lines of a file.
+struct CompleteLines {
+    reader: BufReader<File>,
+    /// Length of the lines so far in bytes, with their line ends.
+    n_bytes: u64,
+}
+
+impl CompleteLines {
+    fn of(file: &File) -> io::Result<Self> {
+        let mut file = file.try_clone()?;
+        file.seek(SeekFrom::Start(0))?;
+        Ok(Self {
+            reader: BufReader::new(file),
+            n_bytes: 0,
+        })
+    }
+
+    /// The next line without its line end; `None` at the end of the file or at an
+    /// incomplete line.
+    fn next(&mut self) -> io::Result<Option<String>> {
+        let mut line = String::new();
+        let n = (&mut self.reader).take(MAX_LINE).read_line(&mut line)?;
+        if n as u64 == MAX_LINE {
+            let message = "a line of it is longer than 1 MiB";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+        if !line.ends_with('\n') {
+            return Ok(None);
+        }
+        self.n_bytes += n as u64;
+        Ok(Some(line.trim_end().to_owned()))
+    }
+}
+
+fn append(file: &mut File, value: &impl Serialize) -> io::Result<()> {
+    let mut line = serde_json::to_string(value)?;
+    line.push('\n');
+    file.write_all(line.as_bytes())
+}
+
+/// Checks that the first line is a header of runs with the same provenance.
+fn check_header(path: &Path, header: Option<&str>, made_by: &Value) -> Result<(), Diagnostic> {
+    let (name, folder) = (path.display(), path.parent().unwrap_or(path).display());
+    let remedy = format!("give another folder by `--out`, or delete `{folder}` to measure anew");
+    let Some(header) = header.and_then(|line| serde_json::from_str::<RunLogHeader>(line).ok())
+    else {
+        let message = format!("`{name}` holds no results of a study");
+        return Err(Diagnostic::new(message).with_help(remedy));
+    };
+    if header.raycost_study != FORMAT {
+        let found = header.raycost_study;
+        let message = format!(
+            "`{name}` has format {found} of results, which this raycost does not continue: it has \
+             {FORMAT}"
+        );
+        return Err(Diagnostic::new(message).with_help(remedy));
+    }
+    match difference(&header.made_by, made_by) {
+        None => Ok(()),
+        Some(difference) => {
+            let message = format!("the runs in `{name}` were made with {difference}");
+            Err(Diagnostic::new(message).with_help(remedy))
+        }
+    }
+}
+
+fn cannot_open(path: &Path, error: &io::Error) -> Diagnostic {
+    Diagnostic::new(format!("cannot use `{}`: {error}", path.display()))
+        .with_help("give a folder that can be written to by `--out`")
+}
+
+fn duplicate_run(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {
+    Diagnostic::new(format!(
+        "line {again} of `{}` is the same run as line {first}: it would count twice",
+        path.display()
+    ))
+    .with_help("remove one of the two lines")
+}
+
+fn invalid_run(path: &Path, line: usize, error: &serde_json::Error) -> Diagnostic {
+    Diagnostic::new(format!(
+        "line {line} of `{}` is not a run: {error}",
+        path.display()
+    ))
+    .with_help("remove the line to have it measured again")
+}

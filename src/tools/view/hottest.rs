@@ -1,0 +1,135 @@
+//! The most expensive pixels of a rendering, and the command that traces them.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::frame::ShownPixels;
+use base::text::Diagnostic;
+use base::text::numbers::shell_word;
+use output::results::{FrameFile, FramePiece};
+use output::summary::Summary;
+use render::film::{HotPixel, Times, highest_counts};
+use tracer::cost::Metric;
+use vtk::ArrayValues;
+
+/// Most pixels listed for each metric.
+const MAX_PIXELS_LISTED: usize = 3;
+
+/// Returns the most expensive pixels by time and by node visits, each if measured. A
+/// pixel has its column, its row, its value, and its index among the shown pixels, or
+/// null if it is not shown.
+///
+/// # Errors
+/// The frame is damaged.
+pub(super) fn json(
+    summary: &Summary,
+    frame: &mut FrameFile,
+    pixels: &ShownPixels,
+) -> Result<Value, Diagnostic> {
+    let mut found = Vec::new();
+    if let Some(Metric { name, .. }) = Metric::of_times(summary.cost.mode) {
+        found.push((name, by_time(name, summary, frame)?));
+    }
+    found.push(("node_visits", by_count(frame, "node_visits")?));
+    let width = u64::from(frame.width());
+    let pixel = |HotPixel { place, value }: &HotPixel| {
+        let (x, y) = *place;
+        let shown_at = pixels.index(u64::from(y) * width + u64::from(x));
+        json!({ "x": x, "y": y, "value": value, "index": shown_at })
+    };
+    let by_array = |(array, found): &(&str, Vec<HotPixel>)| json!({ "array": array, "pixels": found.iter().map(pixel).collect::<Vec<_>>() });
+    let is_found = |(_, found): &&(&str, Vec<HotPixel>)| !found.is_empty();
+    Ok(found.iter().filter(is_found).map(by_array).collect())
+}
+
+/// The command that traces pixels of this rendering, without `--pixel`.
+pub(super) fn trace_command(summary: &Summary) -> String {
+    let image = &summary.image;
+    let frame = summary.frame.as_ref();
+    let frame = frame.map_or(String::new(), |frame| format!(" --frame {}", frame.number));
+    format!(
+        "raycost trace {}{frame} --width {} --height {} --spp {} --seed {}",
+        shell_word(Path::new(&summary.scene.file)),
+        image.width,
+        image.height,
+        image.samples_per_pixel,
+        image.seed,
+    )
+}
+
+fn by_time(
+    name: &str,
+    summary: &Summary,
+    frame: &mut FrameFile,
+) -> Result<Vec<HotPixel>, Diagnostic> {
+    let width = frame.width() as usize;
+    let n_repeats = summary.repeats.as_ref().map_or(1, |repeats| repeats.n);
+    hottest_of(frame, |piece| {
+        let mut read = |name: &str| {
+            if piece.has(name) {
+                piece.read(name).map(|array| Some(array.values))
+            } else {
+                Ok(None)
+            }
+        };
+        let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(&mut read);
+        let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
+        let times = Times {
+            ns: rows_of_f32(ns.as_ref(), width),
+            mad_ns: rows_of_f32(mad_ns.as_ref(), width),
+            n_rejected: match &n_rejected {
+                Some(ArrayValues::U8(all)) => all.chunks_exact(width).collect(),
+                _ => Vec::new(),
+            },
+            n_repeats: n_repeats.try_into().unwrap_or(u8::MAX),
+        };
+        Ok(times.hottest(MAX_PIXELS_LISTED))
+    })
+}
+
+/// The most expensive pixels of all pieces, given those of each with rows from its first.
+fn hottest_of(
+    frame: &mut FrameFile,
+    of_piece: impl Fn(&mut FramePiece) -> Result<Vec<HotPixel>, Diagnostic>,
+) -> Result<Vec<HotPixel>, Diagnostic> {
+    let mut hottest = Vec::new();
+    for piece in frame.pieces() {
+        let pixels = of_piece(piece)?.into_iter();
+        hottest.extend(pixels.map(
+            |HotPixel {
+                 place: (x, y),
+                 value,
+             }| HotPixel {
+                place: (x, y + piece.first_row()),
+                value,
+            },
+        ));
+    }
+    hottest.sort_by(|a, b| b.value.total_cmp(&a.value));
+    hottest.truncate(MAX_PIXELS_LISTED);
+    Ok(hottest)
+}
+
+fn rows_of_f32(values: Option<&ArrayValues>, width: usize) -> Vec<&[f32]> {
+    match values {
+        Some(ArrayValues::F32(all)) => all.chunks_exact(width).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn by_count(frame: &mut FrameFile, name: &str) -> Result<Vec<HotPixel>, Diagnostic> {
+    if !frame.has(name) {
+        return Ok(Vec::new());
+    }
+    let width = frame.width() as usize;
+    hottest_of(frame, |piece| {
+        Ok(match piece.read(name)?.values {
+            ArrayValues::U32(all) => {
+                let rows = all.chunks_exact(width);
+                highest_counts(rows, MAX_PIXELS_LISTED)
+            }
+            _ => Vec::new(),
+        })
+    })
+}

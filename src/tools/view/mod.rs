@@ -1,0 +1,116 @@
+//! An output folder → `view.html`, a page that shows all of it in a browser.
+//!
+//! Converts [`Results`] to a page that needs no server and no network: it embeds the
+//! arrays as text and the script that shows them. A rendering that is too large for a
+//! page, or for the requested size, is subsampled evenly and deterministically, and the
+//! page says so: every shown value is an exact value of the rendering.
+
+mod about;
+mod budget;
+mod cloud;
+mod frame;
+mod hottest;
+mod html;
+mod payload;
+mod table;
+
+use std::io::{self, Write};
+
+use rayon::prelude::*;
+
+use base::provenance::{RunId, checksum};
+use base::text::Diagnostic;
+use output::results::Results;
+
+use cloud::Cloud;
+use frame::{MAX_PIXELS, ShownPixels};
+use payload::Payload;
+
+/// The page's name in the output folder.
+pub const FILE: &str = "view.html";
+
+/// The content of a page.
+#[derive(Debug)]
+pub struct Page {
+    title: String,
+    /// The id of the run.
+    run: RunId,
+    /// The JSON that the script reads.
+    about: String,
+    payloads: Vec<Payload>,
+    notes: Vec<String>,
+    /// The number of shown pixels.
+    n_pixels: u64,
+    /// The bytes of the page that depend on the shown pixels.
+    n_pixel_bytes: u64,
+}
+
+impl Page {
+    /// Reads the content of a page, with at most as many pixels as full HD has.
+    ///
+    /// # Errors
+    /// A file of the folder is missing or damaged.
+    pub fn of(results: &Results) -> Result<Self, Diagnostic> {
+        Self::of_at_most(MAX_PIXELS, results)
+    }
+
+    /// Reads the content of a page with at most `n_pixels` pixels.
+    fn of_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
+        let mut frame = results.frame()?;
+        let pixels = ShownPixels::at_most(n_pixels, [frame.width(), frame.height()]);
+        // The page cannot be drawn without these arrays: report the missing ones.
+        frame.require(&["RGB", "footprint"])?;
+        let arrays = pixels.read(&mut frame)?;
+        // Relative to the camera, points have digits enough in 32 bits, wherever they are.
+        let camera = results.summary.camera.as_ref();
+        let origin = camera.map_or([0.0; 3], |camera| camera.origin);
+        let cloud = Cloud::read(&mut results.hits()?, &pixels, origin)?;
+        let table = results.objects()?;
+        let notes = [
+            results
+                .summary
+                .partial
+                .map(|partial| format!("The picture is {partial}.")),
+            pixels.note(),
+            cloud.note(),
+            about::missing(&results.summary),
+        ];
+        let notes: Vec<String> = notes.into_iter().flatten().collect();
+        let hottest = hottest::json(&results.summary, &mut frame, &pixels)?;
+        let about = about::json(&results.summary, &pixels, &arrays, &cloud, &notes, hottest);
+        let mut payloads: Vec<Payload> = arrays
+            .par_iter()
+            .enumerate()
+            .map(|(i, array)| Payload::of_numbers(&about::array_id(i), &array.values))
+            .collect();
+        payloads.extend(cloud.payloads());
+        let n_pixel_bytes = payloads.iter().map(Payload::n_bytes).sum();
+        payloads.extend(table.as_ref().map(table::payload));
+        Ok(Self {
+            title: match results.summary.partial {
+                Some(_) => format!("{} (partial)", results.summary.scene.name),
+                None => results.summary.scene.name.clone(),
+            },
+            // Outputs of older versions have no id: the page needs one.
+            run: (results.summary.run).unwrap_or_else(|| checksum(about.as_bytes()).into()),
+            about,
+            payloads,
+            notes,
+            n_pixels: pixels.n_shown(),
+            n_pixel_bytes,
+        })
+    }
+
+    /// Writes the page.
+    ///
+    /// # Errors
+    /// `out` fails.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        html::write(&self.title, self.run, &self.about, &self.payloads, out)
+    }
+
+    /// Notes on what the page does not show, and why; one or two sentences each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}

@@ -1,0 +1,108 @@
+//! Encodes numbers as text of a page.
+
+use std::io::{self, Write};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
+use vtk::ArrayValues;
+
+/// Bytes under an id, compressed by zlib and encoded in base64.
+#[derive(Debug)]
+pub(super) struct Payload {
+    id: String,
+    base64: String,
+}
+
+impl Payload {
+    /// Encodes numbers as byte planes, the least significant first: the high bytes of
+    /// counters are zeros, and runs of zeros compress well.
+    pub(super) fn of_numbers(id: &str, values: &ArrayValues) -> Self {
+        Self::of_bytes(id, &planes(values.bytes(), width(values)))
+    }
+
+    /// Encodes bytes.
+    pub(super) fn of_bytes(id: &str, bytes: &[u8]) -> Self {
+        let mut zlib = ZlibEncoder::new(Vec::new(), Compression::default());
+        let compressed = zlib.write_all(bytes).and_then(|()| zlib.finish());
+        let compressed = compressed.expect("writing to a Vec cannot fail");
+        Self {
+            id: id.to_owned(),
+            base64: STANDARD.encode(compressed),
+        }
+    }
+
+    /// The length of the text in bytes.
+    pub(super) fn n_bytes(&self) -> u64 {
+        self.base64.len() as u64
+    }
+
+    /// Writes the element that holds the text. Neither base64 nor an id contains `<`.
+    pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let Self { id, base64 } = self;
+        writeln!(
+            out,
+            "<script type=\"text/plain\" id=\"{id}\">{base64}</script>"
+        )
+    }
+}
+
+/// The name of the number type in the page's script.
+pub(super) fn type_name(values: &ArrayValues) -> &'static str {
+    match values {
+        ArrayValues::U8(_) => "u8",
+        ArrayValues::I32(_) => "i32",
+        ArrayValues::U32(_) => "u32",
+        ArrayValues::I64(_) => "i64",
+        ArrayValues::U64(_) => "u64",
+        ArrayValues::F32(_) => "f32",
+        ArrayValues::F64(_) => "f64",
+    }
+}
+
+/// Bytes per number; 1 if there are no numbers.
+fn width(values: &ArrayValues) -> usize {
+    match values.len() {
+        0 => 1,
+        n => values.bytes().len() / n,
+    }
+}
+
+/// Transposes numbers to byte planes: the least significant bytes of all numbers, then
+/// the next bytes, and so on.
+fn planes(bytes: &[u8], width: usize) -> Vec<u8> {
+    let at = |plane| {
+        if cfg!(target_endian = "little") {
+            plane
+        } else {
+            width - 1 - plane
+        }
+    };
+    let plane = |plane| bytes.iter().skip(at(plane)).step_by(width).copied();
+    (0..width).flat_map(plane).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    #[test]
+    fn bytes_of_equal_significance_are_adjacent() {
+        let numbers = ArrayValues::U32(vec![0x0403_0201, 0x1413_1211]);
+        let bytes = planes(numbers.bytes(), width(&numbers));
+        assert_eq!(bytes, [1, 0x11, 2, 0x12, 3, 0x13, 4, 0x14]);
+    }
+
+    #[test]
+    fn a_payload_is_zlib_in_base64() {
+        let payload = Payload::of_bytes("a", b"all of it");
+        let compressed = STANDARD.decode(&payload.base64).unwrap();
+        let mut text = String::new();
+        let mut zlib = flate2::read::ZlibDecoder::new(&compressed[..]);
+        zlib.read_to_string(&mut text).unwrap();
+        assert_eq!(text, "all of it");
+    }
+}

@@ -1,0 +1,108 @@
+//! The optimal eight-wide tree that a binary tree can be collapsed into, by the
+//! choices that `forests` has made.
+
+use super::nodes::{BinaryNode, TreePosition};
+use super::reference::Reference;
+use scene::geometry::Aabb;
+
+/// A binary tree: its inner nodes, and the references that are its leaves.
+pub(super) struct BinaryTree {
+    pub(super) nodes: Vec<BinaryNode>,
+    pub(super) references: Vec<Reference>,
+    pub(super) root: TreePosition,
+}
+
+impl BinaryTree {
+    /// The box of a subtree.
+    pub(super) fn bounds(&self, subtree: TreePosition) -> Aabb {
+        if subtree.is_leaf {
+            self.references[subtree.reference].bounds().to_aabb()
+        } else {
+            self.nodes[subtree.node].bounds
+        }
+    }
+
+    /// The references of a subtree that becomes a leaf where it is a single root;
+    /// `None` if it becomes a node.
+    pub(super) fn leaf(&self, subtree: TreePosition) -> Option<&[Reference]> {
+        let n = if subtree.is_leaf {
+            1
+        } else {
+            let choices = self.nodes[subtree.node].choices;
+            choices.is_leaf().then(|| choices.leaf_size())?
+        };
+        self.references
+            .get(subtree.reference..subtree.reference + n)
+    }
+
+    /// Cache lines of a subtree as a single root.
+    pub(super) fn n_lines(&self, subtree: TreePosition) -> usize {
+        if subtree.is_leaf {
+            self.references[subtree.reference].kind().n_lines(1)
+        } else {
+            self.nodes[subtree.node].n_lines as usize
+        }
+    }
+}
+
+/// Up to eight subtrees.
+#[derive(Default)]
+pub(super) struct Roots {
+    positions: [TreePosition; 8],
+    n: usize,
+}
+
+impl Roots {
+    /// The children of an eight-wide node over the subtree.
+    pub(super) fn below(tree: &BinaryTree, subtree: TreePosition) -> Self {
+        let mut roots = Self::default();
+        if subtree.is_leaf {
+            roots.add(subtree);
+        } else {
+            roots.distribute(tree, subtree, 8);
+        }
+        roots
+    }
+
+    /// The subtree as a single root.
+    pub(super) fn alone(subtree: TreePosition) -> Self {
+        let mut roots = Self::default();
+        roots.add(subtree);
+        roots
+    }
+
+    /// The subtrees.
+    pub(super) fn positions(&self) -> &[TreePosition] {
+        &self.positions[..self.n]
+    }
+
+    fn add(&mut self, subtree: TreePosition) {
+        self.positions[self.n] = subtree;
+        self.n += 1;
+    }
+
+    /// Adds the cheapest forest of at most `n_roots` roots of the subtree.
+    fn expand(&mut self, tree: &BinaryTree, subtree: TreePosition, mut n_roots: usize) {
+        if subtree.is_leaf {
+            return self.add(subtree);
+        }
+        let choices = tree.nodes[subtree.node].choices;
+        while n_roots > 1 && choices.n_first(n_roots) == 0 {
+            n_roots -= 1;
+        }
+        if n_roots > 1 {
+            self.distribute(tree, subtree, n_roots);
+        } else {
+            self.add(subtree);
+        }
+    }
+
+    /// Adds `n_roots` roots from the two subtrees of a node.
+    fn distribute(&mut self, tree: &BinaryTree, subtree: TreePosition, n_roots: usize) {
+        let node = &tree.nodes[subtree.node];
+        let n_first = node.choices.n_first(n_roots);
+        let [first, second] = node.children(subtree);
+        self.expand(tree, first, n_first);
+        self.expand(tree, second, n_roots - n_first);
+    }
+}

@@ -1,0 +1,205 @@
+//! Primitives → the arena of a hierarchy.
+//!
+//! Two steps: a binary tree over `reference`s to primitives, one per leaf
+//! (`binary`), with the choices that lead to the optimal tree of eight-wide nodes
+//! and leaves (`forests`); the cache lines of that tree (`collapse`, `emit`).
+//!
+//! `split_candidate` chooses how a node of the binary tree is split, by the
+//! surface area heuristic: by the centers of whole references (`object_split`)
+//! or, with quality `high`, by a plane that splits triangles (`spatial_split`).
+//! `partition` moves the references. With quality `balanced` the worst triangles
+//! are split beforehand (`presplit`).
+//!
+//! The build runs in parallel on disjoint slices of memory, with all threads from
+//! the first split on; each thread builds its subtrees in lanes (`simd`). No decision
+//! depends on the number of threads or on the instruction set.
+
+mod bounds;
+mod clip;
+mod reference;
+mod object_bins;
+mod object_split;
+mod spatial_split;
+mod partition;
+mod split_candidate;
+mod workers;
+mod presplit;
+mod prepare;
+mod forests;
+mod nodes;
+mod few;
+mod binary;
+mod collapse;
+mod order;
+mod emit;
+mod refit;
+
+use std::fmt;
+
+use super::arena::Arena;
+use super::layout::{CacheLine, NodeRef};
+use binary::{BuildContext, Subtree};
+use collapse::BinaryTree;
+use math::simd::Simd;
+use nodes::{BinaryNode, TreePosition};
+use partition::Subset;
+use prepare::references_per_primitive;
+use reference::Reference;
+pub(super) use refit::{has_triangles, refitted};
+use scene::config::Quality;
+use scene::world::Primitive;
+use split_candidate::SplitContext;
+
+/// Greatest number of primitives. 32 bits have to suffice to count the cache
+/// lines of the arena, at worst ten per primitive, before it is known whether
+/// they are few enough for a [`NodeRef`].
+pub(super) const MAX_PRIMITIVES: usize = 1 << 28;
+
+/// Upper bound of the cache lines of the arena per reference. Typical are less
+/// than one, and 1.5 for shapes that are tested one by one.
+const LINES_PER_REFERENCE: f64 = 2.0;
+
+/// Typical cache lines of the arena per reference to a triangle.
+const TYPICAL_LINES_PER_REFERENCE: usize = 1;
+
+/// Upper bound of the build's bytes per primitive: its share of the binary tree and
+/// of the arena. Until it is written, the arena is the memory for the partition.
+pub(super) fn bytes_per_primitive(quality: Quality) -> usize {
+    let tree = (size_of::<BinaryNode>() + size_of::<Reference>()) as f64;
+    let arena = LINES_PER_REFERENCE * size_of::<CacheLine>() as f64;
+    (references_per_primitive(quality) * (tree + arena)).ceil() as usize
+}
+
+/// Upper bound of the cache lines of the arena per primitive.
+pub(super) fn lines_per_primitive(quality: Quality) -> usize {
+    (references_per_primitive(quality) * LINES_PER_REFERENCE).ceil() as usize
+}
+
+/// Builds the hierarchy over all primitives but the `unbounded`, whose indices ascend;
+/// without any, or if the build was stopped, the arena is empty. Calls `report` with
+/// each finished share of the build, from any thread; the shares add up to 1.
+pub(super) fn arena(
+    simd: Simd,
+    primitives: &[Primitive],
+    unbounded: &[u32],
+    quality: Quality,
+    report: impl Fn(f64) + Sync,
+) -> Result<Arena, TooLarge> {
+    let (references, whole) = prepare::references(simd, primitives, unbounded, quality);
+    if references.is_empty() {
+        return Ok(Arena::default());
+    }
+    let split = SplitContext {
+        primitives,
+        simd,
+        root_half_area: whole.bounds.half_area(),
+    };
+    // Memory for the partition at first.
+    let mut lines = bytemuck::zeroed_vec(TYPICAL_LINES_PER_REFERENCE * references.len());
+    let Some(tree) = binary_tree(split, references, whole, &mut lines, report) else {
+        return Ok(Arena::default());
+    };
+    let lines = emit::lines(simd, &tree, primitives, lines)?;
+    let bounds = tree.bounds(tree.root);
+    let (arena, ()) = rayon::join(|| Arena::new(lines, bounds), || drop(tree));
+    Ok(arena)
+}
+
+/// A hierarchy has more cache lines than a node reference can address.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TooLarge {
+    /// The memory that it would take.
+    pub bytes: u64,
+}
+
+/// "the hierarchy would take 9.1 GiB, and 8 GiB is the most".
+impl fmt::Display for TooLarge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        let most = (NodeRef::MAX_LINES * size_of::<CacheLine>()) as u64;
+        let (bytes, most) = (gib(self.bytes), gib(most));
+        write!(
+            f,
+            "the hierarchy would take {bytes:.1} GiB, and {most} GiB is the most"
+        )
+    }
+}
+
+impl std::error::Error for TooLarge {}
+
+/// Builds the binary tree over these references; `None` if it was stopped. `scratch`
+/// has at least half as many lines as there are references; its contents change.
+fn binary_tree(
+    split: SplitContext,
+    mut references: Vec<Reference>,
+    whole: Subset,
+    scratch: &mut [CacheLine],
+    report: impl Fn(f64) + Sync,
+) -> Option<BinaryTree> {
+    let capacity = references.len();
+    let mut nodes = bytemuck::zeroed_vec(capacity - 1);
+    let context = BuildContext {
+        split,
+        report: |n_done: usize| report(n_done as f64 / capacity as f64),
+    };
+    let root = Subtree {
+        subset: whole,
+        depth: 0,
+        references: &mut references,
+        scratch: &mut bytemuck::cast_slice_mut(scratch)[..capacity],
+        stays: true,
+        nodes: &mut nodes,
+    };
+    root.build(&context)?;
+    Some(BinaryTree {
+        nodes,
+        references,
+        root: TreePosition {
+            node: 0,
+            reference: 0,
+            is_leaf: whole.n == 1,
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use math::sampling::uniform;
+    use scene::geometry::{Shape, Sphere, Triangle};
+    use scene::world::{MaterialId, ObjectId};
+
+    /// Spheres and triangles, some of them much longer than the others.
+    fn primitives() -> Vec<Primitive> {
+        let shape = |i: u64| {
+            let point = |corner| {
+                let [x, y, z, w] = uniform([3, i, corner]);
+                (Vec3::new(x, y, z), w)
+            };
+            let (center, w) = point(0);
+            if i.is_multiple_of(5) {
+                let radius = 0.01 * w;
+                return Shape::Sphere(Sphere { center, radius });
+            }
+            let size = if i.is_multiple_of(7) { 0.5 } else { 0.02 };
+            let vertices = [1, 2, 3].map(|corner| center + size * point(corner).0);
+            Shape::Triangle(Triangle { vertices })
+        };
+        let primitive = |i| Primitive::new(shape(i), None, ObjectId(0), MaterialId(0));
+        (0..20_000).map(primitive).collect()
+    }
+
+    #[test]
+    fn every_instruction_set_builds_the_same_tree() {
+        let primitives = primitives();
+        for quality in [Quality::Fast, Quality::Balanced, Quality::High] {
+            let build = |simd| arena(simd, &primitives, &[], quality, |_| {}).unwrap();
+            let sets = Simd::available();
+            for simd in &sets[1..] {
+                assert!(build(*simd) == build(sets[0]), "{simd}, {quality}");
+            }
+        }
+    }
+}

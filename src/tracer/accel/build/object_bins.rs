@@ -1,0 +1,190 @@
+//! References counted in bins by their centers, for object splits.
+
+use std::ops::Range;
+
+use super::bounds::LaneBounds;
+use super::reference::{Reference, center};
+use math::simd::{InstructionSet, Lanes, Real};
+
+/// From 2^23 on, floats are integers: adding 2^23 rounds, and the low bits are the
+/// integer. A conversion would cost more: it has to handle NaN.
+pub(super) const TWO_TO_23: f32 = 8_388_608.0;
+
+/// The positions of the bins.
+#[derive(Clone, Copy)]
+pub(super) struct CentroidGrid {
+    /// Twice the least coordinates of the centers, in the upper lanes.
+    from: LaneBounds,
+    /// 0 on an axis without extent.
+    bins_per_length: LaneBounds,
+}
+
+impl CentroidGrid {
+    #[inline(always)]
+    pub(super) fn new<const N: usize>(centers: &LaneBounds) -> Self {
+        let (mut from, mut bins_per_length) = ([0.0; 8], [0.0; 8]);
+        for axis in 0..3 {
+            from[4 + axis] = centers.min(axis);
+            // Slightly less than N bins, so that the last center is in the last bin.
+            let factor = N as f32 * 0.9999 / centers.extent(axis);
+            if factor.is_finite() && factor > 0.0 {
+                bins_per_length[4 + axis] = factor;
+            }
+        }
+        Self {
+            from: LaneBounds(from),
+            bins_per_length: LaneBounds(bins_per_length),
+        }
+    }
+
+    /// The bin on an axis, plus 2^23.
+    #[inline(always)]
+    pub(super) fn bin(&self, reference: &Reference, axis: usize) -> f32 {
+        let above = reference.center(axis) - self.from.0[4 + axis];
+        let above = above * self.bins_per_length.0[4 + axis] - 0.5;
+        if above > 0.0 {
+            above + TWO_TO_23
+        } else {
+            TWO_TO_23
+        }
+    }
+
+    /// The bins on all axes, in the low bits of the upper lanes.
+    #[inline(always)]
+    fn bins<I: InstructionSet>(&self, set: I, bounds: I::Lanes) -> [u32; 8] {
+        let above = center(bounds) - self.from.lanes(set);
+        let above = above * self.bins_per_length.lanes(set) - set.splat(0.5);
+        (above.max(set.splat(0.0)) + set.splat(TWO_TO_23)).to_bits()
+    }
+}
+
+/// Numbers of references and the boxes around them, `N` bins on each axis.
+pub(super) struct ObjectBins<const N: usize> {
+    bins: [Bin; N],
+}
+
+/// Bins with the same number on each axis.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Bin {
+    boxes: [LaneBounds; 3],
+    counts: [u32; 3],
+}
+
+impl Bin {
+    const EMPTY: Self = Self {
+        boxes: [LaneBounds::EMPTY; 3],
+        counts: [0; 3],
+    };
+}
+
+impl<const N: usize> ObjectBins<N> {
+    #[inline(always)]
+    pub(super) fn of<I: InstructionSet>(
+        set: I,
+        references: &[Reference],
+        grid: &CentroidGrid,
+    ) -> Self {
+        let mut bins = [Bin::EMPTY; N];
+        for reference in references {
+            let bounds = reference.lanes(set);
+            let indices = grid.bins(set, bounds);
+            for axis in 0..3 {
+                // All bins are less than N; `%` removes the bits of 2^23 and the
+                // bounds check.
+                let bin = &mut bins[indices[4 + axis] as usize % N];
+                let sum = bin.boxes[axis].lanes(set).max(bounds);
+                bin.boxes[axis] = LaneBounds::of(sum);
+                bin.counts[axis] += 1;
+            }
+        }
+        Self { bins }
+    }
+
+    pub(super) fn merged(mut self, other: Self) -> Self {
+        for (bin, other) in self.bins.iter_mut().zip(other.bins) {
+            for axis in 0..3 {
+                bin.boxes[axis] = bin.boxes[axis].union(other.boxes[axis]);
+                bin.counts[axis] += other.counts[axis];
+            }
+        }
+        self
+    }
+
+    /// The cheapest plane between two bins by the surface area heuristic: its axis and
+    /// the bin to the right of it. `None` if all references are in the same bin on
+    /// each axis.
+    #[inline(always)]
+    pub(super) fn cheapest_plane<I: InstructionSet>(&self, set: I) -> Option<(usize, usize)> {
+        // The costs of the right side of the plane before each bin.
+        let mut right_costs = [[f32::INFINITY; 3]; N];
+        let mut right = Sums::new(set);
+        for (bin, costs) in right_costs.iter_mut().enumerate().skip(1).rev() {
+            *costs = right.add(set, &self.bins[bin]);
+        }
+        let mut left = Sums::new(set);
+        // From infinity, the first comparison would become one that valgrind 3.19 gets
+        // wrong for NaN (`vcmpneq_oqps`).
+        let (mut least, mut first_right_bins) = ([f32::MAX; 3], [0; 3]);
+        for (bin, right_costs) in right_costs.iter().enumerate().skip(1) {
+            let costs = left.add(set, &self.bins[bin - 1]);
+            for axis in 0..3 {
+                let cost = costs[axis] + right_costs[axis];
+                // An empty side has a cost that is not a number.
+                if cost < least[axis] {
+                    (least[axis], first_right_bins[axis]) = (cost, bin);
+                }
+            }
+        }
+        let mut axis = usize::from(least[1] < least[0]);
+        axis = if least[2] < least[axis] { 2 } else { axis };
+        let bin = first_right_bins[axis];
+        (bin > 0).then_some((axis, bin))
+    }
+
+    /// The box around a range of bins and their number of references.
+    #[inline(always)]
+    pub(super) fn sum<I: InstructionSet>(
+        &self,
+        set: I,
+        axis: usize,
+        bins: Range<usize>,
+    ) -> (LaneBounds, usize) {
+        let mut bounds = set.splat(f32::NEG_INFINITY);
+        let mut n = 0;
+        for bin in &self.bins[bins] {
+            bounds = bounds.max(bin.boxes[axis].lanes(set));
+            n += bin.counts[axis];
+        }
+        (LaneBounds::of(bounds), n as usize)
+    }
+}
+
+/// The union of successive bins on each axis.
+struct Sums<L> {
+    bounds: [L; 3],
+    n: [u32; 3],
+}
+
+impl<L: Lanes> Sums<L> {
+    #[inline(always)]
+    fn new<I: InstructionSet<Lanes = L>>(set: I) -> Self {
+        Self {
+            bounds: [set.splat(f32::NEG_INFINITY); 3],
+            n: [0; 3],
+        }
+    }
+
+    /// Adds a bin on each axis; returns the costs of the sums: half of the surface
+    /// area times the number of references, which is not a number if there are none.
+    #[inline(always)]
+    fn add<I: InstructionSet<Lanes = L>>(&mut self, set: I, bin: &Bin) -> [f32; 3] {
+        let mut costs = [0.0; 3];
+        for (axis, cost) in costs.iter_mut().enumerate() {
+            self.bounds[axis] = self.bounds[axis].max(bin.boxes[axis].lanes(set));
+            self.n[axis] += bin.counts[axis];
+            *cost = LaneBounds::of(self.bounds[axis]).half_area() * self.n[axis] as f32;
+        }
+        costs
+    }
+}

@@ -1,0 +1,201 @@
+//! Partitions references: moves them to the two sides of a split.
+
+use rayon::prelude::*;
+
+use super::bounds::LaneBounds;
+use super::object_split::ObjectSplit;
+use super::reference::{Reference, center};
+use super::spatial_split::SpatialSplit;
+use math::simd::{InstructionSet, Mask, Real, Simd, SimdKernel};
+use scene::world::Primitive;
+
+/// References per task.
+const CHUNK: usize = 1 << 12;
+
+/// The size and the bounds of a subset of the references.
+#[derive(Clone, Copy)]
+pub(super) struct Subset {
+    pub(super) n: usize,
+    pub(super) bounds: LaneBounds,
+    /// The box around the centers, times two.
+    pub(super) centers: LaneBounds,
+}
+
+impl Subset {
+    const EMPTY: Self = Self {
+        n: 0,
+        bounds: LaneBounds::EMPTY,
+        centers: LaneBounds::EMPTY,
+    };
+
+    /// Measures these references.
+    pub(super) fn of(simd: Simd, references: &[Reference]) -> Self {
+        let chunks = references.par_chunks(CHUNK);
+        let of_chunk = |references: &[Reference]| simd.run(Enclose(references));
+        // Maxima and sums of integers are independent of the order.
+        chunks.map(of_chunk).reduce(Self::empty, Self::union)
+    }
+
+    #[inline(always)]
+    fn with<I: InstructionSet>(&mut self, set: I, reference: &Reference) {
+        let lanes = reference.lanes(set);
+        self.n += 1;
+        self.bounds = LaneBounds::of(self.bounds.lanes(set).max(lanes));
+        self.centers = LaneBounds::of(self.centers.lanes(set).max(center(lanes)));
+    }
+
+    /// Empty, without references.
+    pub(super) fn empty() -> Self {
+        Self::EMPTY
+    }
+
+    /// The union of the references of both.
+    pub(super) fn union(self, other: Self) -> Self {
+        Self {
+            n: self.n + other.n,
+            bounds: self.bounds.union(other.bounds),
+            centers: self.centers.union(other.centers),
+        }
+    }
+}
+
+/// Finds the bounds of references.
+pub(super) struct Enclose<'a>(pub(super) &'a [Reference]);
+
+impl SimdKernel for Enclose<'_> {
+    type Output = Subset;
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) -> Subset {
+        let mut subset = Subset::EMPTY;
+        for reference in self.0 {
+            subset.with(set, reference);
+        }
+        subset
+    }
+}
+
+/// Where the references of the left and of the right side go.
+pub(super) type Sides<'a> = [&'a mut [Reference]; 2];
+
+/// Moves whole references to the sides of a split; keeps their order.
+pub(super) struct Scatter<'a, 'r> {
+    pub(super) references: &'a [Reference],
+    pub(super) to: Sides<'r>,
+    pub(super) split: &'a ObjectSplit,
+}
+
+impl SimdKernel for Scatter<'_, '_> {
+    /// The boxes around the centers on both sides.
+    type Output = [LaneBounds; 2];
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) -> [LaneBounds; 2] {
+        let mut ends = [0; 2];
+        let empty = set.splat(f32::NEG_INFINITY);
+        let [mut left, mut right] = [empty; 2];
+        for reference in self.references {
+            // No branch on the side: it is unpredictable.
+            let is_left = self.split.left_mask(set, reference);
+            let side = usize::from(is_left.bits() == 0);
+            self.to[side][ends[side]] = *reference;
+            ends[side] += 1;
+            let center = center(reference.lanes(set));
+            left = left.max(I::Lanes::select(is_left, center, empty));
+            right = right.max(I::Lanes::select(is_left, empty, center));
+        }
+        [left, right].map(LaneBounds::of)
+    }
+}
+
+/// The subsets on both sides of a split, given the boxes around their centers.
+#[inline(always)]
+pub(super) fn subsets(n: usize, split: &ObjectSplit, centers: [LaneBounds; 2]) -> [Subset; 2] {
+    let [left, right] = centers;
+    [
+        Subset {
+            n: split.n_left,
+            bounds: split.left,
+            centers: left,
+        },
+        Subset {
+            n: n - split.n_left,
+            bounds: split.right,
+            centers: right,
+        },
+    ]
+}
+
+/// Moves references in parallel: gives each chunk its own slice of either side.
+pub(super) fn scatter_in_parallel(
+    simd: Simd,
+    references: &[Reference],
+    to: Sides,
+    split: &ObjectSplit,
+) -> [LaneBounds; 2] {
+    let chunks = references.par_chunks(CHUNK);
+    let n_left = |chunk: &[Reference]| chunk.iter().filter(|r| split.is_left(r)).count();
+    let n_left: Vec<usize> = chunks.clone().map(n_left).collect();
+    let [mut left, mut right] = to;
+    let mut take = |(n_left, chunk): (usize, &[Reference])| {
+        let n_right = chunk.len() - n_left;
+        Some([
+            left.split_off_mut(..n_left)?,
+            right.split_off_mut(..n_right)?,
+        ])
+    };
+    let slices: Option<Vec<Sides>> = n_left
+        .into_iter()
+        .zip(references.chunks(CHUNK))
+        .map(&mut take)
+        .collect();
+    chunks
+        .zip(slices.expect("both sides were counted"))
+        .map(|(references, to)| {
+            simd.run(Scatter {
+                references,
+                to,
+                split,
+            })
+        })
+        .reduce(
+            || [LaneBounds::EMPTY; 2],
+            |[a, b], [c, d]| [a.union(c), b.union(d)],
+        )
+}
+
+/// Partitions references at a plane; splits those that straddle it.
+pub(super) fn by_spatial_split(
+    simd: Simd,
+    references: &[Reference],
+    to: Sides,
+    split: &SpatialSplit,
+    primitives: &[Primitive],
+) -> [Subset; 2] {
+    let mut ends = [0; 2];
+    for reference in references {
+        for (side, part) in split.sides(reference, primitives).into_iter().enumerate() {
+            if let Some(part) = part {
+                to[side][ends[side]] = part;
+                ends[side] += 1;
+            }
+        }
+    }
+    // If rounding left a side empty, one redundant reference does no harm.
+    for side in 0..2 {
+        if ends[side] == 0 {
+            to[side][0] = to[1 - side][0];
+            ends[side] = 1;
+        }
+    }
+    [0, 1].map(|side| simd.run(Enclose(&to[side][..ends[side]])))
+}
+
+/// Moves the first half to the left and the second half to the right.
+pub(super) fn in_halves(simd: Simd, references: &[Reference], to: Sides) -> [Subset; 2] {
+    let (left, right) = references.split_at(references.len() / 2);
+    let [to_left, to_right] = to;
+    to_left[..left.len()].copy_from_slice(left);
+    to_right[..right.len()].copy_from_slice(right);
+    [left, right].map(|half| Subset::of(simd, half))
+}

@@ -1,0 +1,67 @@
+//! Primitives → references to them.
+
+use bytemuck::Zeroable;
+use rayon::prelude::*;
+
+use super::partition::{Enclose, Subset};
+use super::presplit;
+use super::reference::Reference;
+use math::simd::Simd;
+use scene::config::Quality;
+use scene::world::Primitive;
+
+/// References that spatial splits may add per triangle.
+const SPATIAL_SPLITS_PER_TRIANGLE: f64 = 0.5;
+
+/// References per task.
+const CHUNK: usize = 1 << 12;
+
+/// Greatest number of references per primitive.
+pub(super) fn references_per_primitive(quality: Quality) -> f64 {
+    match quality {
+        Quality::Fast => 1.0,
+        Quality::Balanced => 1.0 + presplit::SPLITS_PER_TRIANGLE,
+        Quality::High => 1.0 + SPATIAL_SPLITS_PER_TRIANGLE,
+    }
+}
+
+/// The references to all primitives but the `unbounded`, presplit or with memory for
+/// spatial splits, and the subset of all of them.
+pub(super) fn references(
+    simd: Simd,
+    primitives: &[Primitive],
+    unbounded: &[u32],
+    quality: Quality,
+) -> (Vec<Reference>, Subset) {
+    let (mut references, mut whole) = of_bounded(simd, primitives, unbounded);
+    match quality {
+        Quality::Fast => {}
+        Quality::Balanced => {
+            references = presplit::presplit(references, primitives, &whole.bounds);
+            whole = Subset::of(simd, &references);
+        }
+        Quality::High => {
+            let n_triangles = references.iter().filter(|r| r.is_triangle()).count();
+            let n_splits = (SPATIAL_SPLITS_PER_TRIANGLE * n_triangles as f64) as usize;
+            references.resize(references.len() + n_splits, Reference::zeroed());
+        }
+    }
+    (references, whole)
+}
+
+/// The references to all primitives but the `unbounded`, whose indices ascend.
+fn of_bounded(simd: Simd, primitives: &[Primitive], unbounded: &[u32]) -> (Vec<Reference>, Subset) {
+    // How many bounded primitives precede each unbounded one.
+    let n_before: Vec<usize> = (0..).zip(unbounded).map(|(i, &u)| u as usize - i).collect();
+    let mut references = bytemuck::zeroed_vec(primitives.len() - unbounded.len());
+    let chunks = references.par_chunks_mut(CHUNK).enumerate();
+    let of_chunk = |(chunk, slots): (usize, &mut [Reference])| {
+        for (i, slot) in (chunk * CHUNK..).zip(slots.iter_mut()) {
+            let index = i + n_before.partition_point(|&n| n <= i);
+            *slot = Reference::new(&primitives[index], index as u32);
+        }
+        simd.run(Enclose(slots))
+    };
+    let whole = chunks.map(of_chunk).reduce(Subset::empty, Subset::union);
+    (references, whole)
+}

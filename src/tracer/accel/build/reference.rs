@@ -1,0 +1,129 @@
+//! References to primitives: what the build sorts and splits.
+
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
+use super::bounds::LaneBounds;
+use super::clip;
+use crate::accel::layout::{ID_BIT, LeafKind};
+use math::simd::{InstructionSet, Lanes};
+use scene::geometry::Shape;
+use scene::world::Primitive;
+
+/// A primitive and a box around it, or around the part of it that the reference
+/// stands for. Half a cache line, in the layout of [`LaneBounds`].
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub(super) struct Reference {
+    negated_min: [f32; 3],
+    /// The primitive's index and [`ID_BIT`].
+    id: u32,
+    max: [f32; 3],
+    /// A [`LeafKind`] and [`ID_BIT`].
+    kind: u32,
+}
+
+impl Reference {
+    /// The reference to the whole primitive with this index.
+    pub(super) fn new(primitive: &Primitive, index: u32) -> Self {
+        let bounds = primitive.bounds();
+        Self {
+            negated_min: (-bounds.min).into(),
+            id: index | ID_BIT,
+            max: bounds.max.into(),
+            kind: LeafKind::of(primitive) as u32 | ID_BIT,
+        }
+    }
+
+    /// The primitive's index.
+    #[inline(always)]
+    pub(super) fn primitive(&self) -> u32 {
+        self.id & !ID_BIT
+    }
+
+    /// The kind of leaf that holds the primitive.
+    #[inline(always)]
+    pub(super) fn kind(&self) -> LeafKind {
+        LeafKind::from_number(self.kind & !ID_BIT).unwrap_or(LeafKind::Others)
+    }
+
+    /// Whether the primitive is a triangle.
+    #[inline(always)]
+    pub(super) fn is_triangle(&self) -> bool {
+        self.kind() == LeafKind::Triangles
+    }
+
+    /// Its box.
+    #[inline(always)]
+    pub(super) fn bounds(&self) -> LaneBounds {
+        LaneBounds(bytemuck::cast(*self))
+    }
+
+    /// Half of the surface area of its box.
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f32 {
+        self.bounds().half_area()
+    }
+
+    /// Its box in lanes.
+    #[inline(always)]
+    pub(super) fn lanes<I: InstructionSet>(&self, set: I) -> I::Lanes {
+        set.load(bytemuck::cast_ref(self))
+    }
+
+    /// Twice the center of its box on an axis.
+    #[inline(always)]
+    pub(super) fn center(&self, axis: usize) -> f32 {
+        self.max[axis] - self.negated_min[axis]
+    }
+
+    /// Splits the reference to a triangle at `position` on an axis: the parts
+    /// below and above the plane, `None` for an empty one. Returns any other
+    /// reference as it is.
+    pub(super) fn split(
+        &self,
+        primitives: &[Primitive],
+        axis: usize,
+        position: f32,
+    ) -> [Option<Self>; 2] {
+        let shape = primitives[self.primitive() as usize].world_shape();
+        let Some(Shape::Triangle(triangle)) = shape else {
+            return [Some(*self), None];
+        };
+        clip::split(triangle, axis, position).map(|part| {
+            let part = part.intersection(self.bounds());
+            let LaneBounds([a, b, c, _, x, y, z, _]) = part;
+            (!part.is_empty()).then_some(Self {
+                negated_min: [a, b, c],
+                max: [x, y, z],
+                ..*self
+            })
+        })
+    }
+}
+
+/// The box that contains twice the center of a box alone: `max + min` in the lanes
+/// of the upper corner, its negation in those of the lower one.
+#[inline(always)]
+pub(super) fn center<L: Lanes>(bounds: L) -> L {
+    bounds - bounds.swap_halves()
+}
+
+/// Maps chunks of references and reduces the results, in parallel from
+/// `parallel` references on. The reduction has to be independent of its order:
+/// maxima and sums of integers are.
+#[inline]
+pub(super) fn map_reduce<T: Send>(
+    references: &[Reference],
+    parallel: usize,
+    map: impl Fn(&[Reference]) -> T + Send + Sync,
+    reduce: impl Fn(T, T) -> T + Send + Sync,
+) -> T {
+    if references.len() < parallel {
+        return map(references);
+    }
+    references
+        .par_chunks(parallel / 4)
+        .map(&map)
+        .reduce(|| map(&[]), reduce)
+}

@@ -1,0 +1,110 @@
+//! The candidates for the split of a node, and the choice between them.
+
+use super::object_split::ObjectSplit;
+use super::partition::Subset;
+use super::reference::Reference;
+use super::spatial_split::SpatialSplit;
+use math::simd::Simd;
+use scene::world::Primitive;
+
+/// Least number of references for a spatial split: fewer fit into a leaf.
+pub(super) const MIN_SPATIAL_SPLIT: usize = 9;
+/// An object split is good enough if the boxes of both sides overlap by less
+/// than this fraction of the root's surface area (Stich et al., section 4.2).
+const SMALL_OVERLAP: f32 = 1e-5;
+
+/// Inputs of the choice besides the references.
+pub(super) struct SplitContext<'a> {
+    pub(super) primitives: &'a [Primitive],
+    pub(super) simd: Simd,
+    /// Half of the surface area of the root.
+    pub(super) root_half_area: f32,
+}
+
+/// A way to split references into two subsets.
+pub(super) enum SplitCandidate {
+    /// Whole references, by their centers.
+    Object(ObjectSplit),
+    /// By a plane that splits the references that straddle it.
+    Spatial(SpatialSplit),
+    /// In the middle of the list.
+    Halves,
+}
+
+impl SplitCandidate {
+    /// The cheaper one of the best object split and the best spatial split that
+    /// duplicates at most `max_duplicates` references.
+    #[inline(always)]
+    pub(super) fn cheapest(
+        context: &SplitContext,
+        object: Option<ObjectSplit>,
+        references: &[Reference],
+        subset: &Subset,
+        max_duplicates: usize,
+    ) -> Self {
+        let may_split = max_duplicates > 0 && references.len() >= MIN_SPATIAL_SPLIT;
+        let max_overlap = SMALL_OVERLAP * context.root_half_area;
+        let is_good = |split: &ObjectSplit| split.overlap() <= max_overlap;
+        let spatial = if may_split && !object.as_ref().is_some_and(is_good) {
+            let primitives = context.primitives;
+            SpatialSplit::cheapest(references, primitives, &subset.bounds, max_duplicates)
+        } else {
+            None
+        };
+        match (object, spatial) {
+            (Some(object), Some(spatial)) if object.cost() <= spatial.cost() => {
+                Self::Object(object)
+            }
+            (_, Some(spatial)) => Self::Spatial(spatial),
+            (Some(object), None) => Self::Object(object),
+            (None, None) => Self::Halves,
+        }
+    }
+
+    /// The part of the capacity that the left side gets.
+    #[inline]
+    pub(super) fn left_capacity(&self, references: &[Reference], capacity: usize) -> usize {
+        let [n_left, n_right] = self.counts(references.len());
+        match capacity - n_left - n_right {
+            0 => n_left,
+            // Large boxes get the rest: they are the ones to be split.
+            rest => n_left + (rest as f64 * self.left_share(references)) as usize,
+        }
+    }
+
+    /// Upper bounds of the numbers of references on the two sides, out of `n`.
+    #[inline]
+    fn counts(&self, n: usize) -> [usize; 2] {
+        match self {
+            Self::Object(split) => [split.n_left, n - split.n_left],
+            Self::Spatial(split) => split.counts,
+            Self::Halves => [n / 2, n - n / 2],
+        }
+    }
+
+    /// The left side's share, from 0 to 1, of the surface area of all boxes.
+    fn left_share(&self, references: &[Reference]) -> f64 {
+        let mut areas = [0.0; 2];
+        for reference in references {
+            let area = f64::from(reference.bounds().half_area());
+            let is_on_sides = self.is_on_sides(reference);
+            for (sum, is_on_side) in areas.iter_mut().zip(is_on_sides) {
+                *sum += if is_on_side { area } else { 0.0 };
+            }
+        }
+        let [left, right] = areas;
+        left / (left + right)
+    }
+
+    /// Whether a part of the reference goes left, and whether one goes right.
+    fn is_on_sides(&self, reference: &Reference) -> [bool; 2] {
+        match self {
+            Self::Object(split) => {
+                let is_left = split.is_left(reference);
+                [is_left, !is_left]
+            }
+            Self::Spatial(split) => split.is_on_sides(reference),
+            Self::Halves => [true; 2],
+        }
+    }
+}

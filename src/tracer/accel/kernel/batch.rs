@@ -1,0 +1,51 @@
+//! A batch of queries.
+
+use crate::accel::arena::Arena;
+use crate::accel::search::Queries;
+use crate::accel::unbounded::Unbounded;
+use crate::cost::{StreamProbe, Traversals};
+use scene::world::Primitive;
+
+/// Queries about rays through an arena, which may be empty, and their answers.
+pub(in crate::accel) struct Batch<'a, Q: Queries, P> {
+    pub(in crate::accel) arena: &'a Arena,
+    pub(in crate::accel) primitives: &'a [Primitive],
+    /// Primitives outside the hierarchy, which are tested first.
+    pub(in crate::accel) unbounded: &'a Unbounded,
+    pub(in crate::accel) queries: &'a Q,
+    /// One per query.
+    pub(in crate::accel) answers: &'a mut [Q::Answer],
+    /// Receives the numbers of node visits and primitive tests.
+    pub(in crate::accel) probe: &'a mut P,
+}
+
+impl<'a, Q: Queries, P: StreamProbe> Batch<'a, Q, P> {
+    /// The same batch, borrowed for a shorter time.
+    pub(in crate::accel) fn reborrow(&mut self) -> Batch<'_, Q, P> {
+        Batch {
+            answers: self.answers,
+            probe: self.probe,
+            ..*self
+        }
+    }
+
+    /// Writes the answer of the query with this index and reports its counters.
+    #[inline(always)]
+    pub(super) fn answer(
+        &mut self,
+        index: usize,
+        search: &Q::Search<'a>,
+        n_visits: u32,
+        n_tests: u32,
+    ) {
+        if P::COUNTS {
+            let traversal = Traversals {
+                node_visits: &[n_visits],
+                primitive_tests: &[n_tests],
+                active: 1,
+            };
+            self.probe.traversals(index, &traversal);
+        }
+        self.answers[index] = Q::answer(search);
+    }
+}

@@ -1,0 +1,178 @@
+//! The test of a ray against all primitives of a leaf at once.
+//!
+//! It performs the same operations in the same order as the tests in `geometry`:
+//! each lane has the same `t` as [`Triangle`](scene::geometry::Triangle),
+//! [`Sphere`](scene::geometry::Sphere) or [`Capsule`], to the bit.
+
+use crate::accel::arena::Leaf;
+use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
+use crate::accel::search::Search;
+use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
+use scene::geometry::{AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear};
+
+/// Set-up of a ray that its tests against all leaves share.
+pub(super) struct LeafIntersector {
+    pub(super) ray: Ray,
+    /// The direction's squared length.
+    pub(super) a: f32,
+    pub(super) inverse_a: f32,
+    pub(super) shear: Shear,
+    /// The origin, its axes permuted as in the shear.
+    pub(super) permuted_origin: [f32; 3],
+}
+
+impl LeafIntersector {
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Self {
+        Self::with_shear(ray, Shear::along(ray.direction))
+    }
+
+    /// For a ray whose shear is known.
+    #[inline(always)]
+    pub(super) fn with_shear(ray: &Ray, shear: Shear) -> Self {
+        let a = ray.direction.dot(ray.direction);
+        Self {
+            ray: *ray,
+            a,
+            inverse_a: a.recip(),
+            shear,
+            permuted_origin: shear.permute(ray.origin),
+        }
+    }
+
+    /// Tests the primitives of a leaf; reports the hits to the search.
+    #[inline(always)]
+    pub(super) fn test<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        match leaf.kind() {
+            LeafKind::Triangles => self.triangles(set, leaf, search),
+            LeafKind::Spheres => self.spheres(set, leaf, search),
+            LeafKind::Capsules => self.capsules(set, leaf, search),
+            LeafKind::Others => {
+                for i in 0..leaf.len() {
+                    search.test(&self.ray, leaf.primitive(0, i));
+                }
+            }
+        }
+    }
+
+    /// Tests triangles.
+    #[inline(always)]
+    fn triangles<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        let [x, y, z] = self.shear.axes;
+        let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
+        // No `array::map` here: it is not always inlined.
+        let vertices = [
+            self.sheared(set, x[0], y[0], z[0]),
+            self.sheared(set, x[1], y[1], z[1]),
+            self.sheared(set, x[2], y[2], z[2]),
+        ];
+        let scale = set.splat(self.shear.scale);
+        let AreaTest { hits, is_unsure, t } = Areas::new(&vertices).test(scale);
+        let (zero, limit) = (set.splat(0.0), set.splat(search.limit()));
+        // One branch for all: a mispredicted one costs as much as the test.
+        let hits = (hits & zero.lt(t) & t.lt(limit)).bits() & used_lanes(leaf);
+        if hits != 0 {
+            report(leaf, TRIANGLE_ROWS, t.to_array(), hits, search);
+        }
+        let unsure = is_unsure.bits() & used_lanes(leaf);
+        if unsure != 0 {
+            self.unsure_triangles(leaf, unsure, search);
+        }
+    }
+
+    /// Tests the triangles in these lanes, one by one.
+    #[cold]
+    #[inline(never)]
+    fn unsure_triangles<S: Search>(&self, leaf: Leaf, mut lanes: u8, search: &mut S) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % N_LANES;
+            lanes &= lanes - 1;
+            let vertices = self.shear.points(&self.ray, leaf.triangle(lane));
+            match self.shear.intersect_exactly(vertices) {
+                Some(t) if t > 0.0 && t < search.limit() => {
+                    search.found(t, leaf.primitive(TRIANGLE_ROWS, lane));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The points with these coordinates in the space of the [`Shear`].
+    #[inline(always)]
+    fn sheared<I: InstructionSet>(
+        &self,
+        set: I,
+        x: &[f32; N_LANES],
+        y: &[f32; N_LANES],
+        z: &[f32; N_LANES],
+    ) -> Vector<I::Lanes> {
+        let [origin_x, origin_y, origin_z] = &self.permuted_origin;
+        let x = set.load(x) - set.splat(*origin_x);
+        let y = set.load(y) - set.splat(*origin_y);
+        let z = set.load(z) - set.splat(*origin_z);
+        let [slope_x, slope_y] = &self.shear.slopes;
+        Vector {
+            x: x - set.splat(*slope_x) * z,
+            y: y - set.splat(*slope_y) * z,
+            z,
+        }
+    }
+
+    /// Tests spheres.
+    #[inline(always)]
+    fn spheres<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        let zero = set.splat(0.0);
+        let center = Vector {
+            x: set.load(leaf.row(0)),
+            y: set.load(leaf.row(1)),
+            z: set.load(leaf.row(2)),
+        };
+        let r2 = set.load(leaf.row(3));
+        let d = set.splat_vector(self.ray.direction);
+        let c = center - set.splat_vector(self.ray.origin);
+        let (a, inverse_a) = (set.splat(self.a), set.splat(self.inverse_a));
+        let b = c.dot(d);
+        let nearest = c - d * (b * inverse_a);
+        let discriminant = r2 - nearest.dot(nearest);
+        let is_hit = zero.le(discriminant);
+        // A negative discriminant gives NaN, in lanes that are masked already.
+        let q = b + (a * discriminant).sqrt().flip_sign_by(b);
+        let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
+        let (near, far) = (t0.min(t1), t1.max(t0));
+        let t = I::Lanes::select(zero.lt(near), near, far);
+        let hits = is_hit & zero.lt(t) & t.lt(set.splat(search.limit()));
+        report(leaf, SPHERE_ROWS, t.to_array(), hits.bits(), search);
+    }
+
+    /// Tests capsules.
+    #[inline(always)]
+    fn capsules<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        let zero = set.splat(0.0);
+        let mut parameters = [zero; N_PARAMETERS];
+        for (parameter, row) in parameters[..CAPSULE_ROWS].iter_mut().zip(1..) {
+            *parameter = set.load(leaf.row(row));
+        }
+        let origin = set.splat_vector(self.ray.origin);
+        let direction = set.splat_vector(self.ray.direction);
+        let t = Capsule::hits(&parameters, origin, direction);
+        let hits = zero.lt(t) & t.lt(set.splat(search.limit()));
+        report(leaf, 0, t.to_array(), hits.bits(), search);
+    }
+}
+
+/// The lanes that hold a primitive, as bits.
+#[inline(always)]
+fn used_lanes(leaf: Leaf) -> u8 {
+    u8::MAX >> (N_LANES - leaf.len())
+}
+
+/// Reports to the search the hits at `t` in these lanes, as far as they are used.
+#[inline(always)]
+fn report<S: Search>(leaf: Leaf, n_rows: usize, t: [f32; N_LANES], hits: u8, search: &mut S) {
+    let mut hits = hits & used_lanes(leaf);
+    while hits != 0 {
+        let lane = hits.trailing_zeros() as usize % N_LANES;
+        hits &= hits - 1;
+        search.found(t[lane], leaf.primitive(n_rows, lane));
+    }
+}

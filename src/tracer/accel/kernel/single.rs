@@ -1,0 +1,131 @@
+//! The traversal of the hierarchy by one ray.
+#![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
+
+use super::children::push_entered;
+use super::leaf::LeafIntersector;
+use super::slab::Slabs;
+use super::stack::{Stacks, Top};
+use crate::accel::arena::Arena;
+use crate::accel::layout::{NodeRef, WideNode};
+use crate::accel::search::Search;
+use crate::cost::Probe;
+use math::simd::{InstructionSet, Mask, N_LANES, Real, SimdKernel};
+use scene::geometry::Ray;
+
+/// One ray's traversal of an arena, which is not empty.
+pub(in crate::accel) struct SingleTraversal<'a, S, P> {
+    pub(in crate::accel) arena: &'a Arena,
+    pub(in crate::accel) ray: &'a Ray,
+    /// Tests the primitives that the ray may hit.
+    pub(in crate::accel) search: &'a mut S,
+    /// Receives the numbers of node visits and primitive tests.
+    pub(in crate::accel) probe: &'a mut P,
+    /// Number of tests that the ray has had before.
+    pub(in crate::accel) n_tests: u32,
+}
+
+impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        let slabs = Slabs::new(self.ray, self.arena.largest());
+        let intersector = LeafIntersector::new(self.ray);
+        let mut stacks = Stacks::<1>::new(self.arena);
+        let mut top = stacks.restart(0);
+        let (mut n_visits, mut n_tests) = (0, self.n_tests);
+        let mut limit = set.splat(self.search.limit());
+        let mut current = NodeRef::ROOT;
+        loop {
+            let next = if current.is_leaf() {
+                n_tests += current.leaf_size() as u32;
+                // SAFETY: the reference is a child of a node, and to a leaf.
+                let leaf = unsafe { self.arena.leaf(current) };
+                if S::RECORDS {
+                    let n = if leaf.kind().is_tested_at_once() {
+                        leaf.len()
+                    } else {
+                        0
+                    };
+                    let lanes = 0..n;
+                    let primitive = |lane| leaf.primitive(leaf.kind().n_rows(), lane);
+                    self.search.visit_leaf(current.line(), lanes.map(primitive));
+                }
+                intersector.test(set, leaf, self.search);
+                if self.search.is_done() {
+                    break;
+                }
+                limit = set.splat(self.search.limit());
+                None
+            } else {
+                n_visits += 1;
+                // SAFETY: the reference is the root or a child of a node, and to
+                // a node.
+                let next = unsafe {
+                    let node = self.arena.node(current);
+                    descend::<I, S>(set, &slabs, node, limit, &mut stacks, &mut top)
+                };
+                if S::RECORDS {
+                    self.search.visit_node(current.line(), next.is_some());
+                }
+                next
+            };
+            current = match next.or_else(|| pop_within_limit(&mut stacks, &mut top, self.search)) {
+                Some(next) => next,
+                None => break,
+            };
+        }
+        self.probe.traversal(n_visits, n_tests);
+    }
+}
+
+/// Returns the first of the children that the ray enters, if there is one, and
+/// pushes the others.
+///
+/// # Safety
+/// The node is of an arena; it is the root or was popped off this stack.
+#[inline(always)]
+unsafe fn descend<I: InstructionSet, S: Search>(
+    set: I,
+    slabs: &Slabs,
+    node: &WideNode,
+    limit: I::Lanes,
+    stacks: &mut Stacks<1>,
+    top: &mut Top,
+) -> Option<NodeRef> {
+    let (enter, exit) = slabs.span(set, node, limit);
+    let entered = enter.le(exit).bits();
+    if entered == 0 {
+        return None;
+    }
+    if entered & (entered - 1) == 0 {
+        let only = entered.trailing_zeros() as usize % N_LANES;
+        return Some(NodeRef(node.children[only]));
+    }
+    // SAFETY: the caller's promise; a child was pushed.
+    unsafe {
+        push_entered::<I, S, 1>(set, node, enter, exit, slabs.order_shift(), stacks, top);
+        Some(stacks.pop(top))
+    }
+}
+
+/// Pops the next child that the ray enters before the limit.
+#[inline(always)]
+fn pop_within_limit<S: Search>(
+    stacks: &mut Stacks<1>,
+    top: &mut Top,
+    search: &S,
+) -> Option<NodeRef> {
+    loop {
+        // SAFETY: it pops the sentinel last; a search for the nearest hit pushes
+        // parameters.
+        let (node_ref, is_late) = unsafe {
+            let node_ref = stacks.pop(top);
+            let is_late = S::NEAREST_FIRST && stacks.popped_enter(top) > search.limit();
+            (node_ref, is_late)
+        };
+        if !is_late {
+            return (node_ref != NodeRef::END).then_some(node_ref);
+        }
+    }
+}

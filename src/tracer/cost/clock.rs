@@ -1,0 +1,209 @@
+//! A clock cheap enough to be read for every pixel.
+//!
+//! On x86-64 with an invariant time stamp counter (Intel SDM vol. 3, 19.17.1)
+//! it reads that counter, calibrated once against the operating system's
+//! clock; elsewhere it reads the operating system's clock itself.
+//!
+//! A reading also holds the CPU of the thread: a time during which the thread
+//! migrated to another CPU includes the migration and its cache misses.
+
+use std::time::Instant as OsInstant;
+
+use super::cpu;
+#[cfg(target_arch = "x86_64")]
+use super::tsc;
+use math::statistics::median;
+
+/// Back-to-back readings whose median is the overhead of the clock.
+const N_READINGS: usize = 1001;
+
+/// A calibrated clock.
+#[derive(Debug, Clone, Copy)]
+pub struct Clock {
+    source: ClockSource,
+    /// Cost of one reading.
+    overhead_ns: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum ClockSource {
+    /// The x86-64 time stamp counter.
+    #[cfg(target_arch = "x86_64")]
+    Tsc { ns_per_tick: f64 },
+    /// The operating system's clock, counted from this moment.
+    Os { start: OsInstant },
+}
+
+/// A reading of the clock.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant {
+    ticks: u64,
+    /// The CPU that the thread ran on; always 0 where the system does not report
+    /// it.
+    cpu: u32,
+}
+
+impl Instant {
+    /// Whether both readings were made on the same CPU; true where the system
+    /// does not report CPUs.
+    #[inline]
+    pub fn is_on_cpu_of(self, other: Self) -> bool {
+        self.cpu == other.cpu
+    }
+}
+
+#[cfg(test)]
+impl Instant {
+    /// A reading of a simulated clock.
+    pub fn of_ticks(ticks: u64) -> Self {
+        Self { ticks, cpu: 0 }
+    }
+
+    /// The ticks since the clock's start.
+    pub fn ticks(self) -> u64 {
+        self.ticks
+    }
+}
+
+impl Clock {
+    /// Chooses and calibrates the clock; takes about 0.5 ms.
+    pub fn calibrated() -> Self {
+        let mut clock = Self {
+            source: ClockSource::best(),
+            overhead_ns: 0.0,
+        };
+        clock.overhead_ns = clock.measured_overhead_ns();
+        clock
+    }
+
+    /// Reads the clock.
+    #[inline]
+    pub fn now(&self) -> Instant {
+        match self.source {
+            #[cfg(target_arch = "x86_64")]
+            ClockSource::Tsc { .. } => {
+                let (ticks, cpu) = tsc::read();
+                Instant { ticks, cpu }
+            }
+            ClockSource::Os { start } => Instant {
+                ticks: start.elapsed().as_nanos() as u64,
+                cpu: cpu::current(),
+            },
+        }
+    }
+
+    /// Returns the nanoseconds from one reading to a later one, less the cost of
+    /// one reading; at least 1.
+    #[inline]
+    pub fn elapsed_ns(&self, from: Instant, to: Instant) -> f32 {
+        (self.raw_ns(from, to) - self.overhead_ns).max(1.0) as f32
+    }
+
+    /// The cost of one reading in nanoseconds.
+    pub fn overhead_ns(&self) -> f64 {
+        self.overhead_ns
+    }
+
+    /// The name of its source: `"tsc"` or `"os"`.
+    pub fn source_name(&self) -> &'static str {
+        match self.source {
+            #[cfg(target_arch = "x86_64")]
+            ClockSource::Tsc { .. } => "tsc",
+            ClockSource::Os { .. } => "os",
+        }
+    }
+
+    fn raw_ns(&self, from: Instant, to: Instant) -> f64 {
+        let ticks = to.ticks.saturating_sub(from.ticks) as f64;
+        match self.source {
+            #[cfg(target_arch = "x86_64")]
+            ClockSource::Tsc { ns_per_tick } => ticks * ns_per_tick,
+            ClockSource::Os { .. } => ticks,
+        }
+    }
+
+    /// Returns the median time between two consecutive readings.
+    fn measured_overhead_ns(&self) -> f64 {
+        let mut gaps: Vec<f64> = (0..N_READINGS)
+            .map(|_| {
+                let from = self.now();
+                self.raw_ns(from, self.now())
+            })
+            .collect();
+        median(&mut gaps).unwrap_or_default()
+    }
+}
+
+impl ClockSource {
+    #[cfg(target_arch = "x86_64")]
+    fn best() -> Self {
+        if !tsc::is_usable() {
+            return Self::Os {
+                start: OsInstant::now(),
+            };
+        }
+        Self::Tsc {
+            ns_per_tick: tsc::ns_per_tick(),
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn best() -> Self {
+        Self::Os {
+            start: OsInstant::now(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn it_agrees_with_the_operating_system() {
+        let clock = Clock::calibrated();
+        // Even if the test is interrupted, the span of the clock lies between
+        // those of the inner and the outer readings.
+        let os = OsInstant::now();
+        let [outer_from, from, inner_from] = bracketed_ns(&clock, os);
+        std::thread::sleep(Duration::from_millis(20));
+        let [inner_to, to, outer_to] = bracketed_ns(&clock, os);
+        let ns = to - from;
+        let (least, most) = (inner_to - inner_from, outer_to - outer_from);
+        assert!(
+            0.95 * least < ns && ns < 1.05 * most,
+            "{least} < {ns} < {most}"
+        );
+    }
+
+    /// Reads the clock between two readings of the operating system's; in
+    /// nanoseconds.
+    fn bracketed_ns(clock: &Clock, os: OsInstant) -> [f64; 3] {
+        let os_ns = || os.elapsed().as_nanos() as f64;
+        let before = os_ns();
+        let now = clock.now();
+        let after = os_ns();
+        let zero = Instant { ticks: 0, ..now };
+        [before, clock.raw_ns(zero, now), after]
+    }
+
+    #[test]
+    fn readings_hold_the_cpu() {
+        let clock = Clock::calibrated();
+        // The thread may migrate in between, but not ten times in a row.
+        let stays = || clock.now().is_on_cpu_of(clock.now());
+        assert!((0..10).any(|_| stays()));
+        let here = Instant { ticks: 1, cpu: 0 };
+        let there = Instant { ticks: 2, cpu: 1 };
+        assert!(here.is_on_cpu_of(here) && !here.is_on_cpu_of(there));
+    }
+
+    #[test]
+    fn no_time_is_one_nanosecond() {
+        let clock = Clock::calibrated();
+        let now = clock.now();
+        assert_eq!(clock.elapsed_ns(now, now), 1.0);
+    }
+}

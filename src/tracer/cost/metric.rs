@@ -1,0 +1,270 @@
+//! The cost metrics of pixels: one table, from which films, files, pictures,
+//! tables and pages take names, labels and units.
+//!
+//! To add a metric, add its row to [`Metric::ALL`]; one that is counted also needs
+//! its row in the list of [`Counter`]s, its field in [`Cost`], and the code that counts
+//! it.
+
+use std::time::Duration;
+
+use clap::builder::PossibleValue;
+
+use super::{Cost, Counter};
+use base::text::numbers;
+use scene::config::CostMode;
+
+/// A cost metric of pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Metric {
+    /// Name of its array in files.
+    pub name: &'static str,
+    /// Name in tables and menus.
+    pub label: &'static str,
+    /// Name of one value, in a sentence.
+    pub title: &'static str,
+    /// Description in a line.
+    pub about: &'static str,
+    /// Unit.
+    pub unit: MetricUnit,
+    /// How the values of several pixels combine.
+    pub aggregation: Aggregation,
+    /// Whether values usually span decades, so that a logarithmic scale suits.
+    pub spans_decades: bool,
+    /// Where the values come from.
+    pub source: MetricSource,
+}
+
+/// The unit of a cost metric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MetricUnit {
+    /// Time.
+    Nanoseconds,
+    /// A count of what the label names.
+    Count,
+}
+
+/// How the values of several pixels combine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aggregation {
+    /// Their sum.
+    Sum,
+    /// The greatest value.
+    Max,
+}
+
+/// The origin of a metric's values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MetricSource {
+    /// The clock. The only one with noise.
+    Clock,
+    /// A counter.
+    Counter(Counter),
+    /// The sum of the rays of all kinds.
+    AllRays,
+}
+
+const fn counter(name: &'static str, label: &'static str, counter: Counter) -> Metric {
+    Metric {
+        name,
+        label,
+        title: label,
+        about: label,
+        unit: MetricUnit::Count,
+        aggregation: Aggregation::Sum,
+        spans_decades: false,
+        source: MetricSource::Counter(counter),
+    }
+}
+
+impl Metric {
+    /// Thread time.
+    pub const TIME: Self = Self {
+        title: "time per pixel",
+        about: "thread time spent in the pixel",
+        unit: MetricUnit::Nanoseconds,
+        spans_decades: true,
+        source: MetricSource::Clock,
+        ..counter("time_ns", "time", Counter::NodeVisits)
+    };
+    /// BVH nodes visited.
+    pub const NODE_VISITS: Self = Self {
+        title: "BVH nodes visited per pixel",
+        about: "BVH nodes visited by all rays of the pixel",
+        spans_decades: true,
+        ..counter("node_visits", "node visits", Counter::NodeVisits)
+    };
+    /// Ray-primitive tests.
+    pub const PRIMITIVE_TESTS: Self = Self {
+        title: "primitive tests per pixel",
+        about: "tests of all rays of the pixel against primitives",
+        spans_decades: true,
+        ..counter(
+            "primitive_tests",
+            "primitive tests",
+            Counter::PrimitiveTests,
+        )
+    };
+    /// Rays of all kinds.
+    pub const RAYS: Self = Self {
+        title: "rays per pixel",
+        about: "rays of all kinds",
+        source: MetricSource::AllRays,
+        ..counter("rays", "rays", Counter::ShadowRays)
+    };
+    /// Samples, where pixels have different numbers.
+    pub const SAMPLES: Self = Self {
+        title: "samples per pixel",
+        about: "samples, each with its camera ray",
+        ..counter("samples", "samples", Counter::Samples)
+    };
+    /// The longest path.
+    pub const DEPTH: Self = Self {
+        title: "bounces of the longest path per pixel",
+        about: "bounces of the longest path of the pixel",
+        aggregation: Aggregation::Max,
+        ..counter("depth", "bounces", Counter::Depth)
+    };
+
+    /// All metrics: in files, tables and menus they have this order, and heatmaps
+    /// show the first two that are not zero.
+    pub const ALL: [Self; 10] = [
+        Self::TIME,
+        Self::NODE_VISITS,
+        Self::PRIMITIVE_TESTS,
+        Self::RAYS,
+        Self::SAMPLES,
+        Self {
+            title: "shadow rays per pixel",
+            about: "rays toward lights",
+            ..counter("shadow_rays", "shadow rays", Counter::ShadowRays)
+        },
+        Self {
+            title: "reflection rays per pixel",
+            about: "rays reflected by surfaces",
+            ..counter(
+                "reflection_rays",
+                "reflection rays",
+                Counter::ReflectionRays,
+            )
+        },
+        Self {
+            title: "refraction rays per pixel",
+            about: "rays refracted by surfaces",
+            ..counter(
+                "refraction_rays",
+                "refraction rays",
+                Counter::RefractionRays,
+            )
+        },
+        Self {
+            title: "diffuse rays per pixel",
+            about: "rays scattered by rough surfaces",
+            ..counter("diffuse_rays", "diffuse rays", Counter::DiffuseRays)
+        },
+        Self::DEPTH,
+    ];
+
+    /// Returns all metrics that are counted; [`Self::SAMPLES`] only `with_samples`.
+    pub fn counted(with_samples: bool) -> impl Iterator<Item = Self> {
+        let is_counted =
+            move |metric: &Self| !metric.is_timed() && (with_samples || *metric != Self::SAMPLES);
+        Self::ALL.into_iter().filter(is_counted)
+    }
+
+    /// Returns the metric of the times that a mode measures, if it does.
+    pub fn of_times(mode: CostMode) -> Option<Self> {
+        match mode {
+            CostMode::None | CostMode::Counters => None,
+            CostMode::SingleRayTime | CostMode::Time => Some(Self::TIME),
+        }
+    }
+
+    /// Whether its values come from the clock.
+    pub fn is_timed(self) -> bool {
+        self.source == MetricSource::Clock
+    }
+
+    /// Returns its value of a counted cost; 0 for a time.
+    pub fn of(self, cost: &Cost) -> u64 {
+        match self.source {
+            MetricSource::Clock => 0,
+            MetricSource::Counter(counter) => cost.get(counter),
+            MetricSource::AllRays => cost.n_rays(),
+        }
+    }
+
+    /// Combines the values of two pixels or groups of pixels.
+    pub fn combine(self, a: f64, b: f64) -> f64 {
+        match self.aggregation {
+            Aggregation::Sum => a + b,
+            Aggregation::Max => a.max(b),
+        }
+    }
+
+    /// The unit in legends: "ns", or the label of what is counted.
+    pub const fn unit_label(self) -> &'static str {
+        match self.unit {
+            MetricUnit::Nanoseconds => "ns",
+            MetricUnit::Count => self.label,
+        }
+    }
+
+    /// Formats a value for people, a time with its unit.
+    pub fn format(self, value: f64) -> String {
+        match self.unit {
+            MetricUnit::Nanoseconds => numbers::duration(Duration::from_nanos(value as u64)),
+            MetricUnit::Count => numbers::count(value as u64),
+        }
+    }
+
+    /// Formats a change of a value, with its sign.
+    pub fn format_change(self, change: f64) -> String {
+        match change {
+            0.0 => "0".to_owned(),
+            ..0.0 => format!("-{}", self.format(-change)),
+            _ => format!("+{}", self.format(change)),
+        }
+    }
+}
+
+/// A metric as an option of the command line.
+impl clap::ValueEnum for Metric {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name).help(self.about))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_counter_is_a_metric_and_every_metric_has_its_value() {
+        let counters = Metric::ALL.iter().filter_map(|metric| match metric.source {
+            MetricSource::Counter(counter) => Some(counter),
+            MetricSource::Clock | MetricSource::AllRays => None,
+        });
+        assert!(counters.eq(Counter::ALL));
+        let cost = Cost {
+            node_visits: 1,
+            primitive_tests: 2,
+            rays: [10, 20, 30, 40, 50],
+            depth: 3,
+        };
+        let values = Metric::ALL.map(|metric| metric.of(&cost));
+        assert_eq!(values, [0, 1, 2, 150, 10, 20, 30, 40, 50, 3]);
+    }
+
+    #[test]
+    fn values_and_changes_have_units() {
+        assert_eq!(Metric::TIME.format(1500.0), "1.50 µs");
+        assert_eq!(Metric::RAYS.format_change(-1500.0), "-1,500");
+        assert_eq!(Metric::TIME.format_change(2.0), "+2 ns");
+        assert_eq!(Metric::DEPTH.combine(3.0, 2.0), 3.0);
+        assert_eq!(Metric::RAYS.combine(3.0, 2.0), 5.0);
+    }
+}

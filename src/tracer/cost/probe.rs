@@ -1,0 +1,164 @@
+//! Probes: receivers of the counters of traced rays.
+
+use super::{Cost, Counters, RayKind, Traversals};
+
+/// Receives the counters of one pixel. Kernels count in local variables and
+/// report once per ray.
+pub trait Probe {
+    /// Whether it uses what it receives.
+    const COUNTS: bool;
+    /// A ray starts.
+    fn ray(&mut self, kind: RayKind);
+    /// The traversal of a ray has ended, with these numbers of node visits and
+    /// primitive tests.
+    fn traversal(&mut self, node_visits: u32, primitive_tests: u32);
+    /// A path has reached this number of bounces.
+    fn bounce(&mut self, depth: u32);
+}
+
+/// Ignores everything and costs nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoProbe;
+
+impl Probe for NoProbe {
+    const COUNTS: bool = false;
+
+    #[inline(always)]
+    fn ray(&mut self, _: RayKind) {}
+    #[inline(always)]
+    fn traversal(&mut self, _: u32, _: u32) {}
+    #[inline(always)]
+    fn bounce(&mut self, _: u32) {}
+}
+
+impl Probe for Cost {
+    const COUNTS: bool = true;
+
+    #[inline]
+    fn ray(&mut self, kind: RayKind) {
+        self.rays[kind as usize] += 1;
+    }
+
+    #[inline]
+    fn traversal(&mut self, node_visits: u32, primitive_tests: u32) {
+        self.node_visits += u64::from(node_visits);
+        self.primitive_tests += u64::from(primitive_tests);
+    }
+
+    #[inline]
+    fn bounce(&mut self, depth: u32) {
+        self.depth = self.depth.max(depth.into());
+    }
+}
+
+/// Receives the counters of rays that are traced many at a time.
+pub trait StreamProbe {
+    /// Whether [`traversals`](Self::traversals) has to be called.
+    const COUNTS: bool;
+    /// The traversals of the rays from index `first` on have ended.
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>);
+}
+
+impl StreamProbe for NoProbe {
+    const COUNTS: bool = false;
+
+    #[inline(always)]
+    fn traversals<const N: usize>(&mut self, _: usize, _: &Traversals<N>) {}
+}
+
+/// Receives the counters of many pixels, numbered from 0.
+pub trait PixelProbe: Default {
+    /// Whether it uses what it receives.
+    const COUNTS: bool;
+    /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
+    /// rays each; 0 if they will be counted.
+    fn reset(&mut self, n_pixels: usize, n_samples: u32);
+    /// `n` rays of this kind start for a pixel; camera rays only if they are counted.
+    fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
+    /// The traversal of one ray of each of these pixels has ended.
+    fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);
+    /// A path of a pixel has reached this number of bounces.
+    fn bounce(&mut self, pixel: usize, depth: u32);
+    /// The counters, if it counts.
+    fn counted(&self) -> Option<&Counters>;
+}
+
+impl PixelProbe for NoProbe {
+    const COUNTS: bool = false;
+
+    fn reset(&mut self, _: usize, _: u32) {}
+    #[inline(always)]
+    fn rays(&mut self, _: RayKind, _: usize, _: usize) {}
+    #[inline(always)]
+    fn traversals<const N: usize>(&mut self, _: &[u32; N], _: &Traversals<N>) {}
+    #[inline(always)]
+    fn bounce(&mut self, _: usize, _: u32) {}
+
+    fn counted(&self) -> Option<&Counters> {
+        None
+    }
+}
+
+impl PixelProbe for Counters {
+    const COUNTS: bool = true;
+
+    fn reset(&mut self, n_pixels: usize, n_samples: u32) {
+        self.reset(n_pixels, n_samples);
+    }
+
+    #[inline(always)]
+    fn rays(&mut self, kind: RayKind, pixel: usize, n: usize) {
+        self.add_rays(kind, pixel, n as u64);
+    }
+
+    #[inline(always)]
+    fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>) {
+        self.add_traversals(pixels, traversals);
+    }
+
+    #[inline(always)]
+    fn bounce(&mut self, pixel: usize, depth: u32) {
+        self.bounce(pixel, depth.into());
+    }
+
+    fn counted(&self) -> Option<&Counters> {
+        Some(self)
+    }
+}
+
+/// Attributes the counters of a stream's rays to their pixels.
+#[derive(Debug)]
+pub struct ByPixel<'a, P> {
+    probe: &'a mut P,
+    pixels: &'a [u32],
+}
+
+impl<'a, P: PixelProbe> ByPixel<'a, P> {
+    /// The pixel of ray `i` is `pixels[i]`.
+    pub fn new(probe: &'a mut P, pixels: &'a [u32]) -> Self {
+        Self { probe, pixels }
+    }
+
+    /// The pixel of ray `i`.
+    pub fn pixel(&self, i: usize) -> u32 {
+        self.pixels[i]
+    }
+
+    /// The same for other rays.
+    pub(crate) fn with_pixels<'b>(&'b mut self, pixels: &'b [u32]) -> ByPixel<'b, P> {
+        ByPixel::new(self.probe, pixels)
+    }
+}
+
+impl<P: PixelProbe> StreamProbe for ByPixel<'_, P> {
+    const COUNTS: bool = P::COUNTS;
+
+    #[inline(always)]
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>) {
+        if P::COUNTS {
+            let pixels = self.pixels[first..].first_chunk();
+            self.probe
+                .traversals(pixels.expect("one pixel per ray"), traversals);
+        }
+    }
+}

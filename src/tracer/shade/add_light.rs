@@ -1,0 +1,115 @@
+//! The light that surface points reflect to the viewer, in lanes.
+
+use glam::Vec3;
+
+use super::arriving_light::SampledLight;
+use super::bsdf::Boundary;
+use super::interfaces::Interfaces;
+use super::model::{Bounce, Model};
+use super::paths::PathWave;
+use crate::trace::{PointLanes, Points};
+use math::simd::{
+    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, bits_of, lanes, set_lane,
+};
+use scene::world::Scene;
+
+/// Sets the radiance of points to the reflected ambient light.
+pub(super) struct AddAmbient<'a, M> {
+    pub(super) model: M,
+    pub(super) scene: &'a Scene,
+    pub(super) points: &'a Points,
+    pub(super) radiance: &'a mut VectorColumn,
+}
+
+impl<M: Model> SimdKernel for AddAmbient<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        let ambient = self.scene.shading.ambient;
+        for group in self.points.groups() {
+            let material = self.scene.material(group.material);
+            for at in group.lanes() {
+                let color = self.points.colors(set, at);
+                let reflected = self.model.ambient(material, ambient, color);
+                let lanes = set.mask(self.points.scattering_sides(set, at, material));
+                let none = set.splat_vector(Vec3::ZERO);
+                self.radiance
+                    .store(at.first, Vector::select(lanes, reflected, none));
+            }
+        }
+    }
+}
+
+/// Where the paths of a wave start.
+#[derive(Debug, Clone, Copy)]
+pub enum Eyes<'a> {
+    /// All at one point.
+    One(Vec3),
+    /// Each at its own point, by slot.
+    OfSlots(&'a [Vec3]),
+}
+
+/// Adds the light from one light to the radiance of points.
+pub(super) struct AddLight<'a, M> {
+    pub(super) model: M,
+    pub(super) scene: &'a Scene,
+    pub(super) light: SampledLight<'a>,
+    pub(super) eyes: Eyes<'a>,
+    pub(super) wave: &'a PathWave,
+    pub(super) points: &'a Points,
+    /// Whether the light reaches each point: 0 or 1.
+    pub(super) reached: &'a [u8],
+    pub(super) radiance: &'a mut VectorColumn,
+}
+
+impl<M: Model> SimdKernel for AddLight<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for group in self.points.groups() {
+            let material = self.scene.material(group.material);
+            for at in group.lanes() {
+                let reached = bits_of(lanes(self.reached, at.first));
+                if reached == 0 {
+                    continue;
+                }
+                let point = self.points.shading(set, at);
+                let light = self.light.at(set, at.first, point.position);
+                let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
+                let to_viewer = self.model.to_viewer(&point, eye, direction);
+                let boundary = if M::BOUNCE == Bounce::Scattered && material.dielectric.is_some() {
+                    let (rays, flipped) = (self.points.rays(at), point.side.signs());
+                    Interfaces::met(self.scene, self.wave, group.material, rays, flipped)
+                        .boundary(set)
+                } else {
+                    Boundary::of_no_medium(point.side)
+                };
+                let reflected = self
+                    .model
+                    .reflected(material, &boundary, &point, &light, to_viewer);
+                let before = self.radiance.load(set, at.first);
+                let after = Vector::select(set.mask(reached), before + reflected, before);
+                self.radiance.store(at.first, after);
+            }
+        }
+    }
+}
+
+impl<M> AddLight<'_, M> {
+    /// Where the paths of eight points start.
+    #[inline(always)]
+    fn eyes<I: InstructionSet>(&self, set: I, at: PointLanes) -> Vector<I::Lanes> {
+        let eyes = match self.eyes {
+            Eyes::One(eye) => return set.splat_vector(eye),
+            Eyes::OfSlots(eyes) => eyes,
+        };
+        let mut columns = [[0.0; N_LANES]; 3];
+        for (lane, &ray) in self.points.rays(at).iter().enumerate() {
+            let slot = self.wave.slots()[ray as usize];
+            set_lane(&mut columns, lane, eyes[slot as usize]);
+        }
+        set.load_vector(&columns)
+    }
+}

@@ -1,0 +1,98 @@
+//! Surfaces whose shading normal is tilted against the geometric one.
+//!
+//! Formulas by the shading normal scatter a part of the light into the surface, where it would be
+//! lost. As in Schüssler et al., "Microfacet-Based Normal Mapping for Robust Monte Carlo Path
+//! Tracing", SIGGRAPH Asia 2017, this part is reflected once more, and none is lost. Where a
+//! mirror would leave it close to the plane of the surface, and so double the light of a lamp that
+//! sets behind a facet of a mesh, it is spread here: light from below is turned up to a height
+//! that is greater by the reciprocal of the sine of the tilt, which takes the lowest to the
+//! normal. Solid angles grow by the same factor, by Archimedes.
+
+use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
+use math::simd::{Mask, Real, Vector};
+
+/// Scattering from a direction.
+#[inline(always)]
+pub(in crate::shade) fn evaluate<R: Real>(
+    bsdf: impl Scatters,
+    at: &Leaving<R>,
+    boundary: &Boundary<R>,
+    to_light: Vector<R>,
+) -> Scattering<R> {
+    let zero = to_light.x.splat(0.0);
+    let direct = bsdf.evaluate(at, boundary, to_light);
+    let tilt = tilt(at);
+    if tilt.le(zero).all() {
+        return direct;
+    }
+    let height = to_light.dot(at.point.geometric_normal);
+    let is_between = (height * to_light.dot(at.point.normal)).lt(zero);
+    let turned = turned(at, to_light, -height * tilt);
+    let is_turned = zero.lt(tilt) & zero.lt(height * turned.dot(at.point.normal));
+    let none = Scattering::none(zero);
+    let direct = Scattering::select(is_between, none, direct);
+    let other = bsdf.evaluate(at, boundary, turned).scaled(tilt);
+    direct.with(Scattering::select(is_turned, other, none))
+}
+
+/// Chooses a direction.
+#[inline(always)]
+pub(in crate::shade) fn sample<R: Real>(
+    bsdf: impl Scatters,
+    at: &Leaving<R>,
+    boundary: &Boundary<R>,
+    numbers: [R; 2],
+    lobe: R,
+) -> Scattered<R> {
+    let chosen = bsdf.sample(at, boundary, numbers, lobe);
+    let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
+    let tilt = tilt(at);
+    if tilt.le(zero).all() {
+        return chosen;
+    }
+    let side = R::select(chosen.is_refracted, -one, one);
+    let cos = side * chosen.direction.dot(at.point.normal);
+    let height = chosen.direction.dot(at.point.geometric_normal);
+    let is_lost = zero.lt(tilt) & zero.lt(cos) & (side * height).lt(zero);
+    let least = tilt.max(one.splat(f32::MIN_POSITIVE));
+    let to = R::select(
+        is_lost,
+        (height.abs() / least).min(one) * side,
+        -height * tilt,
+    );
+    let turned = turned(at, chosen.direction, to);
+    let is_found = zero.lt(tilt) & zero.lt(cos) & zero.lt(side * turned.dot(at.point.normal));
+    let of_turned = bsdf.evaluate(at, boundary, turned).density;
+    let density = R::select(
+        is_lost,
+        chosen.density * tilt + of_turned,
+        chosen.density + of_turned * tilt,
+    );
+    Scattered {
+        direction: Vector::select(is_lost, turned, chosen.direction),
+        density: R::select(is_found, density, chosen.density),
+        ..chosen
+    }
+}
+
+/// The sine of the angle between the normals, 0 where they are equal.
+#[inline(always)]
+fn tilt<R: Real>(at: &Leaving<R>) -> R {
+    let chord = at.point.normal - at.point.geometric_normal;
+    let chord2 = chord.dot(chord);
+    let one = chord2.splat(1.0);
+    (chord2 * (one - chord2 * one.splat(0.25)).max(one.splat(0.0))).sqrt()
+}
+
+/// A direction turned about an axis in the plane of the surface, so that its cosine with the
+/// geometric normal is this.
+#[inline(always)]
+fn turned<R: Real>(at: &Leaving<R>, direction: Vector<R>, height: R) -> Vector<R> {
+    let (zero, one) = (height.splat(0.0), height.splat(1.0));
+    let normal = at.point.geometric_normal;
+    let before = direction.dot(normal);
+    let along = direction - normal * before;
+    let length2 = along.dot(along).max(one.splat(1e-12));
+    let scale = ((one - height * height).max(zero) / length2).sqrt();
+    along * scale + normal * height
+}

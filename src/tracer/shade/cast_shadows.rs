@@ -1,0 +1,96 @@
+//! Surface points → shadow rays toward one light, in lanes.
+
+use super::arriving_light::SampledLight;
+use super::model::Model;
+use super::models::lit_groups;
+use super::paths::PathWave;
+use crate::accel::ShadowStream;
+use crate::trace::{PointLanes, Points};
+use math::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
+use scene::material::Material;
+use scene::world::Scene;
+
+/// Shadow rays toward one light.
+#[derive(Debug, Default)]
+pub struct ShadowWave {
+    /// The rays.
+    pub rays: ShadowStream,
+    /// The point that each ray leaves, with room for whole lanes.
+    points: Vec<u32>,
+    /// The pixel of each ray, with room for whole lanes.
+    pixels: Vec<u32>,
+}
+
+impl ShadowWave {
+    /// Removes all rays.
+    pub(super) fn clear(&mut self) {
+        self.rays.clear();
+    }
+
+    /// The point that each ray leaves.
+    pub(super) fn points(&self) -> &[u32] {
+        &self.points[..self.rays.len()]
+    }
+
+    /// The pixel of each ray.
+    pub fn pixels(&self) -> &[u32] {
+        &self.pixels[..self.rays.len()]
+    }
+}
+
+/// Collects the shadow rays of all points that the light may reach.
+pub(super) struct CastShadows<'a, M> {
+    pub(super) model: M,
+    pub(super) scene: &'a Scene,
+    pub(super) light: SampledLight<'a>,
+    pub(super) wave: &'a PathWave,
+    pub(super) points: &'a Points,
+    pub(super) shadows: &'a mut ShadowWave,
+}
+
+impl<M: Model> SimdKernel for CastShadows<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(mut self, set: I) {
+        for group in lit_groups(self.scene, self.points) {
+            let material = self.scene.material(group.material);
+            for at in group.lanes() {
+                let lanes = at.bits() & self.points.scattering_sides(set, at, material);
+                self.cast(set, material, at, lanes);
+            }
+        }
+    }
+}
+
+impl<M: Model> CastShadows<'_, M> {
+    /// Collects the shadow rays of these lanes.
+    #[inline(always)]
+    fn cast<I: InstructionSet>(&mut self, set: I, material: &Material, at: PointLanes, lanes: u8) {
+        let point = self.points.shading(set, at);
+        let light = self.light.at(set, at.first, point.position);
+        let mut lanes = self.model.may_arrive(material, &point, &light).bits() & lanes;
+        let mask = set.mask(lanes);
+        let origin = self.model.origin(&point, light.direction);
+        let shadows = &mut *self.shadows;
+        let mut next = shadows.rays.len();
+        let t_max = self.model.end(&light);
+        shadows
+            .rays
+            .push_lanes(origin, light.direction, t_max, mask);
+        grow(&mut shadows.points, next + N_LANES);
+        grow(&mut shadows.pixels, next + N_LANES);
+        let rays = self.points.rays(at);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % N_LANES;
+            lanes &= lanes - 1;
+            let point = at.first + lane;
+            if M::IGNORES_OWN_OBJECT {
+                shadows.rays.ignored.push(Some(self.points.object(point)));
+            }
+            shadows.points[next] = point as u32;
+            shadows.pixels[next] = self.wave.pixels()[rays[lane] as usize];
+            next += 1;
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The radiance of surface points and of the background → the colors of paths.
+
+use super::emission::of_background;
+use super::fresnel::{mirrored_share, split_at};
+use super::interfaces::Interfaces;
+use super::model::{Bounce, Model};
+use super::path::is_worth_tracing;
+use super::paths::{Continued, PathWave};
+use crate::cost::RayKind;
+use crate::trace::{PointLanes, Points};
+use math::optics::Split;
+use math::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, VectorColumn, bits_of, lanes};
+use scene::material::Material;
+use scene::world::{MaterialId, Scene};
+
+/// Adds the radiance of points to their paths, and collects the reflected rays, unless the
+/// model scatters them.
+pub(super) struct EndPoints<'a, M> {
+    pub(super) model: M,
+    pub(super) scene: &'a Scene,
+    pub(super) points: &'a Points,
+    pub(super) radiance: &'a VectorColumn,
+    /// Whether some light reaches each point: 0 or 1.
+    pub(super) lit: &'a [u8],
+    pub(super) wave: &'a PathWave,
+    pub(super) next: &'a mut PathWave,
+    /// The color of each path, by slot.
+    pub(super) colors: &'a mut VectorColumn,
+}
+
+impl<M: Model> SimdKernel for EndPoints<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(mut self, set: I) {
+        let may_bounce = M::BOUNCE == Bounce::Mirrored
+            && self.wave.depth < u32::from(self.scene.shading.max_depth);
+        for group in self.points.groups() {
+            let material = self.scene.material(group.material);
+            let reflects = may_bounce && material.mirrors();
+            for at in group.lanes() {
+                let mut ended = at.bits();
+                if M::NEEDS_LIGHT {
+                    ended &= bits_of(lanes(self.lit, at.first));
+                }
+                self.add(set, at, ended);
+                ended &= self.points.scattering_sides(set, at, material);
+                match material.dielectric {
+                    None if reflects => self.reflect(set, material, at, ended),
+                    Some(_) if may_bounce => self.split(set, group.material, at, ended),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+impl<M: Model> EndPoints<'_, M> {
+    /// Adds the radiance of these lanes.
+    #[inline(always)]
+    fn add<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
+        let radiance = self.radiance.load(set, at.first);
+        let (slots, weights) =
+            self.wave
+                .of_rays(set, self.points.rays(at), self.scene.splits_paths());
+        let added = self
+            .wave
+            .with_gained(set, self.points.rays(at), radiance.times(weights));
+        self.colors.add_to(set, &slots, added, lanes);
+    }
+
+    /// Collects the reflected rays of these lanes.
+    #[inline(always)]
+    fn reflect<I: InstructionSet>(
+        &mut self,
+        set: I,
+        material: &Material,
+        at: PointLanes,
+        lanes: u8,
+    ) {
+        let point = self.points.shading(set, at);
+        let arriving = self.points.directions(set, at);
+        let direction = point.mirrored(arriving);
+        let origin = self.model.origin(&point, direction);
+        let rays = self.points.rays(at);
+        let before = self.wave.weights.gather(set, rays);
+        let reflected = Continued {
+            origin,
+            direction,
+            weight: before.times(mirrored_share(material, &point, arriving)),
+            rays,
+            kinds: [RayKind::Reflection; N_LANES],
+            densities: [f32::INFINITY; N_LANES],
+            distances: self.points.distances(at),
+            media: None,
+        };
+        self.next.bounce(set, &reflected, self.wave, lanes);
+    }
+
+    /// Collects the reflected and the refracted rays of these lanes, at the surface of a
+    /// medium.
+    #[inline(always)]
+    fn split<I: InstructionSet>(
+        &mut self,
+        set: I,
+        material: MaterialId,
+        at: PointLanes,
+        lanes: u8,
+    ) {
+        let point = self.points.shading(set, at);
+        let direction = self.points.directions(set, at);
+        let rays = self.points.rays(at);
+        let Interfaces {
+            eta,
+            visible,
+            behind,
+        } = Interfaces::met(self.scene, self.wave, material, rays, point.side.signs());
+        let Split {
+            reflectance,
+            refracted,
+        } = split_at(&point, direction, set.load(&eta), set.mask(visible));
+        let mirrored = point.mirrored(direction);
+        let refraction = set.splat(1.0) - reflectance;
+        let before = self.wave.weights.gather(set, rays);
+        for (kind, direction, factor, media) in [
+            (RayKind::Reflection, mirrored, reflectance, None),
+            (RayKind::Refraction, refracted, refraction, Some(&behind)),
+        ] {
+            let continued = Continued {
+                origin: self.model.origin(&point, direction),
+                direction,
+                weight: before * factor,
+                rays,
+                kinds: [kind; N_LANES],
+                densities: [f32::INFINITY; N_LANES],
+                distances: self.points.distances(at),
+                media,
+            };
+            let lanes = lanes & self.worth(rays, factor.to_array());
+            self.next.bounce(set, &continued, self.wave, lanes);
+        }
+    }
+
+    /// The lanes whose rays would still have enough weight after a factor.
+    #[inline(always)]
+    fn worth(&self, rays: &[u32; N_LANES], factors: [f32; N_LANES]) -> u8 {
+        let mut lanes = 0;
+        for (lane, (&ray, factor)) in rays.iter().zip(factors).enumerate() {
+            let weight = self.wave.weights.get(ray as usize) * factor;
+            lanes |= u8::from(is_worth_tracing(weight)) << lane;
+        }
+        lanes
+    }
+}
+
+/// Adds the background to the paths whose rays hit nothing.
+pub(super) struct AddBackground<'a> {
+    pub(super) scene: &'a Scene,
+    /// The rays that hit nothing.
+    pub(super) missed: &'a [u32],
+    pub(super) wave: &'a PathWave,
+    /// The color of each path, by slot.
+    pub(super) colors: &'a mut VectorColumn,
+}
+
+impl SimdKernel for AddBackground<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        for missed in self.missed.chunks(N_LANES) {
+            let mut rays = [missed[0]; N_LANES];
+            rays[..missed.len()].copy_from_slice(missed);
+            let mut densities = [f32::INFINITY; N_LANES];
+            for (density, &ray) in densities.iter_mut().zip(&rays) {
+                if let Some(branch) = self.wave.branches.get(ray as usize) {
+                    *density = branch.density;
+                }
+            }
+            let ray = self.wave.rays.gather(set, &rays);
+            let radiance = of_background(self.scene, ray, set.load(&densities));
+            let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());
+            let lanes = u8::MAX >> (N_LANES - missed.len());
+            let added = self.wave.with_gained(set, &rays, radiance.times(weights));
+            self.colors.add_to(set, &slots, added, lanes);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The shading models by their names in the scene file.
+
+use super::model::Model;
+use crate::trace::{PointGroup, Points};
+use scene::world::Scene;
+
+/// Calls the function with the model of the scene.
+macro_rules! by_model {
+    ($scene:expr, |$model:ident| $call:expr) => {
+        match $scene.shading.model {
+            scene::config::ShadingModel::BlinnPhong => {
+                let $model = $crate::shade::standard::Standard;
+                $call
+            }
+            scene::config::ShadingModel::Seed => {
+                let $model = $crate::shade::seed::Seed;
+                $call
+            }
+            scene::config::ShadingModel::AmbientOcclusion => {
+                let $model = $crate::shade::occlusion::AmbientOcclusion;
+                $call
+            }
+            scene::config::ShadingModel::Path => {
+                let $model = $crate::shade::path_tracing::PathTracing;
+                $call
+            }
+        }
+    };
+}
+pub(super) use by_model;
+
+/// The groups of points to whose reflection light samples contribute.
+pub(super) fn lit_groups<'a>(
+    scene: &'a Scene,
+    points: &'a Points,
+) -> impl Iterator<Item = &'a PointGroup> {
+    let is_lit = move |group: &&PointGroup| {
+        let material = scene.material(group.material);
+        by_model!(scene, |model| model.is_lit(material))
+    };
+    points.groups().iter().filter(is_lit)
+}

@@ -1,0 +1,156 @@
+//! The random numbers of points of paths.
+
+use super::paths::PathWave;
+use math::sampling::{Dimension, Sampler};
+use math::simd::{InstructionSet, Integer, N_LANES, Real, lanes_mut};
+use scene::world::{LightNumbers, Lights};
+
+/// The sample of a picture that a path is, or one per lane.
+#[derive(Debug, Clone, Copy)]
+pub struct SampleId<N> {
+    /// The number of the pixel in the picture.
+    pub pixel: N,
+    /// The number of the sample in its pixel.
+    pub sample: N,
+}
+
+/// The random numbers at the point that a path reaches after some bounces, or at one per
+/// lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PointNumbers<N> {
+    pub(super) sampler: Sampler,
+    pub(super) id: SampleId<N>,
+    /// The number of bounces.
+    pub(super) depth: u32,
+}
+
+/// The samples that paths are, by slot.
+#[derive(Debug, Default)]
+pub struct SampleIds {
+    pixels: Vec<u32>,
+    samples: Vec<u32>,
+}
+
+impl SampleIds {
+    /// Makes room for this number of slots.
+    pub fn resize(&mut self, n_slots: usize) {
+        self.pixels.resize(n_slots, 0);
+        self.samples.resize(n_slots, 0);
+    }
+
+    /// Sets the samples of eight slots from `first` on: the same of eight pixels.
+    #[inline(always)]
+    pub fn set(&mut self, first: usize, pixels: &[u32; N_LANES], sample: u32) {
+        *lanes_mut(&mut self.pixels, first) = *pixels;
+        *lanes_mut(&mut self.samples, first) = [sample; N_LANES];
+    }
+
+    /// The sample of the path in this slot.
+    pub(super) fn of_slot(&self, slot: u32) -> SampleId<u32> {
+        SampleId {
+            pixel: self.pixels[slot as usize],
+            sample: self.samples[slot as usize],
+        }
+    }
+
+    /// The samples of the paths of eight rays of a wave.
+    #[inline(always)]
+    fn of_rays<I: InstructionSet>(
+        &self,
+        set: I,
+        wave: &PathWave,
+        rays: &[u32; N_LANES],
+    ) -> SampleId<<I::Lanes as Real>::Integer> {
+        let (mut pixels, mut samples) = ([0; N_LANES], [0; N_LANES]);
+        for (lane, &ray) in rays.iter().enumerate() {
+            let slot = wave.slots()[ray as usize] as usize;
+            (pixels[lane], samples[lane]) = (self.pixels[slot], self.samples[slot]);
+        }
+        SampleId {
+            pixel: set.load_integers(&pixels),
+            sample: set.load_integers(&samples),
+        }
+    }
+}
+
+/// The random numbers of the points of a wave.
+#[derive(Clone, Copy)]
+pub(super) struct WaveNumbers<'a> {
+    pub(super) sampler: Sampler,
+    pub(super) ids: &'a SampleIds,
+}
+
+impl WaveNumbers<'_> {
+    /// Numbers of the points that eight rays have hit.
+    #[inline(always)]
+    pub(super) fn of_rays<I: InstructionSet>(
+        &self,
+        set: I,
+        wave: &PathWave,
+        rays: &[u32; N_LANES],
+    ) -> PointNumbers<<I::Lanes as Real>::Integer> {
+        PointNumbers {
+            sampler: self.sampler,
+            id: self.ids.of_rays(set, wave, rays),
+            depth: wave.depth,
+        }
+    }
+}
+
+/// What pairs of numbers choose at a point.
+const DIRECTION: u32 = 0;
+const LOBE: u32 = 1;
+/// Of light sample `i`: `FIRST_LIGHT + 2 * i` chooses the light and its shape, the next
+/// one the point of the shape.
+const FIRST_LIGHT: u32 = 2;
+
+/// Where a ray in fog meets a particle.
+const FLIGHT: u32 = (1 << 20) - 1;
+
+/// Light samples with numbers of their own; the others repeat them.
+const N_LIGHTS: u32 = (1 << 19) - 2;
+
+impl<N: Integer> PointNumbers<N> {
+    /// The numbers that choose a direction.
+    #[inline(always)]
+    pub(super) fn direction<R: Real<Integer = N>>(&self) -> [R; 2] {
+        self.pair(DIRECTION)
+    }
+
+    /// The numbers that choose how light is scattered, and whether the path ends.
+    #[inline(always)]
+    pub(super) fn lobe<R: Real<Integer = N>>(&self) -> [R; 2] {
+        self.pair(LOBE)
+    }
+
+    /// The number that chooses where the ray to the point meets a particle of fog.
+    #[inline(always)]
+    pub(super) fn flight<R: Real<Integer = N>>(&self) -> R {
+        let [number, _] = self.pair(FLIGHT);
+        number
+    }
+
+    /// The numbers that choose the light of sample `i`.
+    #[inline(always)]
+    pub(super) fn light<R: Real<Integer = N>>(&self, lights: &Lights, i: usize) -> LightNumbers<R> {
+        let first = FIRST_LIGHT + 2 * (i as u32 % N_LIGHTS);
+        let point: [R; 2] = self.pair(first + 1);
+        let [source, shape] = if lights.need_choices() {
+            self.pair(first)
+        } else {
+            point
+        };
+        LightNumbers {
+            source,
+            shape,
+            point,
+        }
+    }
+
+    #[inline(always)]
+    fn pair<R: Real<Integer = N>>(&self, choice: u32) -> [R; 2] {
+        let SampleId { pixel, sample } = self.id;
+        let dimension = Dimension::after_bounces(self.depth, choice);
+        self.sampler.pair(pixel, sample, dimension)
+    }
+}

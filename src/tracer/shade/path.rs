@@ -1,0 +1,73 @@
+//! The rays of a path.
+
+use glam::Vec3;
+
+use super::media::Media;
+use super::numbers::SampleId;
+use crate::cost::RayKind;
+use scene::geometry::Ray;
+
+/// A ray that starts at the camera, or continues a path from a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct PathRay {
+    /// The ray.
+    pub ray: Ray,
+    /// Its kind.
+    pub kind: RayKind,
+    /// The number of bounces before it.
+    pub depth: u32,
+    /// The length of the path before it, in world units.
+    pub length: f32,
+    /// The share of the radiance that it meets which reaches the camera.
+    pub(super) weight: Vec3,
+    /// The media that it is in.
+    pub(super) media: Media,
+    /// The density with which its direction was chosen, per steradian; infinite if it
+    /// was the only one.
+    pub(super) density: f32,
+    /// The sample that the path is.
+    pub(super) id: SampleId<u32>,
+}
+
+impl PathRay {
+    /// The camera ray of a sample.
+    pub fn from_camera(ray: Ray, id: SampleId<u32>) -> Self {
+        Self {
+            ray,
+            kind: RayKind::Camera,
+            depth: 0,
+            length: 0.0,
+            weight: Vec3::ONE,
+            media: Media::default(),
+            density: f32::INFINITY,
+            id,
+        }
+    }
+
+    /// The ray of the path after a bounce which leaves this share of the light.
+    pub(super) fn continued(&self, kind: RayKind, ray: Ray, share: Vec3) -> Self {
+        Self {
+            ray,
+            kind,
+            depth: self.depth + 1,
+            length: self.length,
+            weight: self.weight * share,
+            ..*self
+        }
+    }
+
+    /// Whether it is worth tracing.
+    pub(super) fn has_weight(&self) -> bool {
+        is_worth_tracing(self.weight)
+    }
+}
+
+/// Least weight of a ray that is split off at the surface of a medium, in its greatest
+/// channel: without a limit, the number of rays doubles with each bounce.
+const MIN_WEIGHT: f32 = 1.0 / 4096.0;
+
+/// Whether a ray of this weight, split off at the surface of a medium, is traced.
+#[inline(always)]
+pub(super) fn is_worth_tracing(weight: Vec3) -> bool {
+    weight.max_element() >= MIN_WEIGHT
+}

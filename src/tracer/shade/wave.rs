@@ -1,0 +1,276 @@
+//! The shading of a wave of surface points, in lanes.
+
+use super::add_light::{AddAmbient, AddLight, Eyes};
+use super::arriving_light::{ArrivingLight, SampleLights, SampledLight};
+use super::bsdf::{Bsdf, by_kind};
+use super::cast_shadows::{CastShadows, ShadowWave};
+use super::emission::AddEmission;
+use super::end_paths::{AddBackground, EndPoints};
+use super::model::Model;
+use super::models::by_model;
+use super::numbers::{SampleIds, WaveNumbers};
+use super::paths::PathWave;
+use super::scatter::ScatterPaths;
+use crate::accel::Hit;
+use crate::trace::Points;
+use math::sampling::Sampler;
+use math::simd::{Simd, VectorColumn};
+use scene::world::Scene;
+
+/// Where the paths of a wave start.
+#[derive(Debug, Clone, Copy)]
+pub struct PathStarts<'a> {
+    /// The origins of the camera rays.
+    pub eyes: Eyes<'a>,
+    /// The samples; empty in a scene that needs no random numbers.
+    pub ids: &'a SampleIds,
+}
+
+/// Shades waves of points. For each light in turn, [`cast`](Self::cast) collects the
+/// shadow rays of all points, so that rays toward one light are neighbors, and
+/// [`add_light`](Self::add_light) adds the light of those that are not occluded. At
+/// last `end` adds the points' radiance to their paths.
+#[derive(Debug)]
+pub struct WaveShader<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) sampler: Sampler,
+    simd: Simd,
+    /// The shadow rays toward the current light.
+    pub shadows: ShadowWave,
+    /// The light of those rays, by point.
+    arriving: ArrivingLight,
+    /// The radiance of each point.
+    radiance: VectorColumn,
+    /// Whether the current light reaches each point: 0 or 1.
+    reached: Vec<u8>,
+    /// Whether some light reaches each point: 0 or 1.
+    lit: Vec<u8>,
+    /// Only in scenes with media.
+    split: SplitPaths,
+}
+
+/// Buffers for paths that may be split.
+#[derive(Debug, Default)]
+struct SplitPaths {
+    /// What each ray adds to its path.
+    added: VectorColumn,
+    /// The rays that continue the paths, in the order of the points.
+    unsorted: PathWave,
+    order: Vec<Option<u32>>,
+}
+
+impl<'a> WaveShader<'a> {
+    /// Shades the points of a scene with an instruction set.
+    pub(super) fn new(scene: &'a Scene, sampler: Sampler, simd: Simd) -> Self {
+        Self {
+            scene,
+            sampler,
+            simd,
+            shadows: ShadowWave::default(),
+            arriving: ArrivingLight::default(),
+            radiance: VectorColumn::default(),
+            reached: Vec::new(),
+            lit: Vec::new(),
+            split: SplitPaths::default(),
+        }
+    }
+
+    /// Whether rays need more than an origin and a direction.
+    pub fn has_branches(&self) -> bool {
+        self.scene.has_branches()
+    }
+
+    /// Whether pictures need the lengths of paths.
+    pub fn measures_paths(&self) -> bool {
+        self.scene.cone.is_some()
+    }
+
+    /// Whether [`PathStarts::ids`] are needed.
+    pub fn is_random(&self) -> bool {
+        self.scene.is_random()
+    }
+
+    /// Whether shadow rays decide which lights reach a point.
+    pub fn casts_shadows(&self) -> bool {
+        self.scene.shading.shadows
+    }
+
+    /// Number of light samples at the points of a wave after this number of bounces.
+    pub fn n_light_samples(&self, depth: u32) -> usize {
+        let max_depth = self.scene.shading.max_depth.into();
+        let lights = &self.scene.lights;
+        by_model!(self.scene, |model| model
+            .n_light_samples(lights, depth, max_depth))
+    }
+
+    /// Begins a wave of these points.
+    pub fn begin(&mut self, wave: &PathWave, points: &Points) {
+        self.radiance.grow(points.end());
+        self.lit.clear();
+        self.lit.resize(points.end(), 0);
+        by_model!(self.scene, |model| self.simd.run(AddAmbient {
+            model,
+            scene: self.scene,
+            points,
+            radiance: &mut self.radiance,
+        }));
+        self.simd.run(AddEmission {
+            scene: self.scene,
+            wave,
+            points,
+            radiance: &mut self.radiance,
+        });
+    }
+
+    /// Collects the shadow rays of all points for light sample `sample`.
+    pub fn cast(&mut self, sample: usize, starts: PathStarts, wave: &PathWave, points: &Points) {
+        self.shadows.clear();
+        if self.scene.lights.plain(sample).is_none() {
+            self.arriving.grow(points.end());
+            self.simd.run(SampleLights {
+                scene: self.scene,
+                sample,
+                numbers: self.numbers(starts),
+                wave,
+                points,
+                arriving: &mut self.arriving,
+            });
+        }
+        let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
+        by_model!(self.scene, |model| self.simd.run(CastShadows {
+            model,
+            scene: self.scene,
+            light,
+            wave,
+            points,
+            shadows: &mut self.shadows,
+        }));
+    }
+
+    fn numbers<'b>(&self, starts: PathStarts<'b>) -> WaveNumbers<'b> {
+        WaveNumbers {
+            sampler: self.sampler,
+            ids: starts.ids,
+        }
+    }
+
+    /// Adds the light of light sample `sample`, whose shadow rays were collected, as far as
+    /// it is not occluded.
+    pub fn add_light(
+        &mut self,
+        sample: usize,
+        starts: PathStarts,
+        wave: &PathWave,
+        points: &Points,
+        occluded: &[bool],
+    ) {
+        self.reached.clear();
+        self.reached.resize(self.lit.len(), 0);
+        for (&point, is_occluded) in self.shadows.points().iter().zip(occluded) {
+            self.reached[point as usize] = u8::from(!is_occluded);
+        }
+        for (lit, reached) in self.lit.iter_mut().zip(&self.reached) {
+            *lit |= reached;
+        }
+        let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
+        by_model!(self.scene, |model| self.simd.run(AddLight {
+            model,
+            scene: self.scene,
+            light,
+            eyes: starts.eyes,
+            wave,
+            points,
+            reached: &self.reached,
+            radiance: &mut self.radiance,
+        }));
+    }
+
+    /// Weakens the light of rays by the media and the fog on the way to their hits.
+    pub fn weaken(&self, wave: &mut PathWave, hits: &[Option<Hit>]) {
+        if self.scene.has_media() {
+            wave.weaken(hits, &self.scene.materials);
+        }
+        if let Some(fog) = self.scene.fading_fog() {
+            wave.fade(hits, fog);
+        }
+    }
+
+    /// Adds the radiance of the points, and the background that the other rays see,
+    /// to `colors`, by slot. Overwrites `next` with the rays that continue the paths.
+    pub fn end(
+        &mut self,
+        starts: PathStarts,
+        wave: &PathWave,
+        points: &Points,
+        next: &mut PathWave,
+        colors: &mut VectorColumn,
+    ) {
+        if !self.scene.splits_paths() {
+            next.restart(wave.depth + 1);
+            return self.end_paths(starts, wave, points, next, colors);
+        }
+        // Several rays of a path add to its color: in an order that depends on the path
+        // alone, not on the other paths of the wave.
+        let mut split = std::mem::take(&mut self.split);
+        split.added.reset(wave.rays.len());
+        split.unsorted.restart(wave.depth + 1);
+        self.end_paths(starts, wave, points, &mut split.unsorted, &mut split.added);
+        for (ray, &slot) in wave.slots().iter().enumerate() {
+            colors.add(slot as usize, split.added.get(ray));
+        }
+        let n_before = wave.rays.len();
+        split.unsorted.sort_into(next, n_before, &mut split.order);
+        self.split = split;
+    }
+
+    fn end_paths(
+        &self,
+        starts: PathStarts,
+        wave: &PathWave,
+        points: &Points,
+        next: &mut PathWave,
+        colors: &mut VectorColumn,
+    ) {
+        self.simd.run(AddBackground {
+            scene: self.scene,
+            missed: points.missed(),
+            wave,
+            colors,
+        });
+        by_model!(self.scene, |model| self.simd.run(EndPoints {
+            model,
+            scene: self.scene,
+            points,
+            radiance: &self.radiance,
+            lit: &self.lit,
+            wave,
+            next,
+            colors,
+        }));
+        if self.scene.scatters_paths() {
+            self.scatter(starts, wave, points, next);
+        }
+    }
+
+    /// Collects the scattered rays of points.
+    fn scatter(&self, starts: PathStarts, wave: &PathWave, points: &Points, next: &mut PathWave) {
+        if wave.depth >= u32::from(self.scene.shading.max_depth) {
+            return;
+        }
+        for &group in points.groups() {
+            let material = self.scene.material(group.material);
+            if !material.scatters() {
+                continue;
+            }
+            by_kind!(Bsdf::of(material), |scatter| self.simd.run(ScatterPaths {
+                scene: self.scene,
+                scatter,
+                group,
+                numbers: self.numbers(starts),
+                points,
+                wave,
+                next,
+            }));
+        }
+    }
+}

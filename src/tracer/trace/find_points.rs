@@ -1,0 +1,369 @@
+//! Hits → surface points, in lanes.
+
+use glam::Vec3;
+
+use super::parameters::parameters;
+use super::points::{PointGroup, PointLanes, Points};
+use super::surface_point::{on_side_of, side, width};
+use crate::accel::Hit;
+use math::simd::{
+    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes, lanes_mut, set_lane,
+    to_arrays,
+};
+use scene::geometry::{InstanceTransform, RayStream};
+use scene::material::{PictureFactors, TexturePoint};
+use scene::world::{
+    AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
+    interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+};
+
+/// Computes the points of grouped hits.
+pub(super) struct FindPoints<'a> {
+    pub(super) scene: &'a Scene,
+    /// The lengths of the paths before the rays, in a scene with a cone.
+    pub(super) lengths: &'a [f32],
+    pub(super) rays: &'a RayStream,
+    pub(super) hits: &'a [Option<Hit>],
+    pub(super) points: &'a mut Points,
+}
+
+/// Eight hits.
+struct LaneHits {
+    primitives: [u32; N_LANES],
+    /// The instances that they belong to; `None` for all in a scene without instances.
+    instances: [Option<InstanceId>; N_LANES],
+    t: [f32; N_LANES],
+}
+
+impl LaneHits {
+    /// The primitive that was hit in a lane.
+    #[inline(always)]
+    fn placed(&self, lane: usize) -> PlacedPrimitive {
+        PlacedPrimitive {
+            primitive: self.primitives[lane],
+            instance: self.instances[lane],
+        }
+    }
+}
+
+impl SimdKernel for FindPoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(mut self, set: I) {
+        self.collect_hits();
+        for i in 0..self.points.groups.len() {
+            let group = self.points.groups[i];
+            let is_fog = self.scene.material(group.material).particles.is_some();
+            for at in group.lanes() {
+                if is_fog {
+                    self.find_particles(set, &group, at);
+                } else {
+                    self.find(set, &group, at);
+                }
+            }
+        }
+    }
+}
+
+impl FindPoints<'_> {
+    /// Writes the hits of all points to their columns. Eight at a time would be loaded right
+    /// after they were stored one by one, for which the CPU has to wait.
+    #[inline(always)]
+    fn collect_hits(&mut self) {
+        let end = self.points.end();
+        let Points {
+            rays,
+            distance,
+            primitives,
+            instances,
+            ..
+        } = &mut *self.points;
+        let hits = rays[..end].iter().map(|&ray| self.hits[ray as usize]);
+        let columns = distance[..end].iter_mut().zip(&mut primitives[..end]);
+        for ((distance, primitive), hit) in columns.zip(hits.clone()) {
+            (*distance, *primitive) = hit.map_or((0.0, 0), |hit| (hit.t, hit.primitive));
+        }
+        if self.scene.instances.is_some() {
+            for (instance, hit) in instances[..end].iter_mut().zip(hits) {
+                *instance = hit.and_then(|hit| hit.instance);
+            }
+        }
+    }
+
+    /// Computes eight points.
+    #[inline(always)]
+    fn find<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
+        let hits = self.hits(at);
+        let [origin, direction] = self.rays.gather(set, self.points.rays(at));
+        let near = origin + direction * set.load(&hits.t);
+        let parameters = parameters(set, self.scene, &hits.primitives, &hits.instances);
+        let (position, outward) = match group.shape {
+            Some(shape) => shape.project_onto(&parameters, near),
+            None => self.project_placed(set, &hits.primitives, near),
+        };
+        let error = match group.shape {
+            Some(shape) => shape.rounding(&parameters, position),
+            None => self.placed_rounding(set, &hits.primitives),
+        };
+        let outward = match &self.scene.instances {
+            None => outward,
+            Some(_) => outward.flip_sign_by(self.mirror_signs(set, &hits)),
+        };
+        let side = side(outward, direction);
+        let geometric_normal = outward.flip_sign_by(side);
+        let normal = if group.attributes.has_normals() {
+            let normals = |lane| self.scene.vertex_normals(hits.placed(lane));
+            let normals = of_vertices(set, normals);
+            let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
+            on_side_of(geometric_normal, normal)
+        } else {
+            geometric_normal
+        };
+        let mut at_point = TexturePoint::new(position, normal);
+        if group.attributes.has_uvs() {
+            let uvs = self.vertex_uvs(set, &hits.primitives);
+            at_point = with_uv(at_point, &parameters, uvs);
+        }
+        if group.attributes.has_corner_colors() {
+            let colors = |lane| self.scene.vertex_colors(hits.primitives[lane]);
+            let colors = of_vertices(set, colors);
+            at_point.color = interpolated_color(&parameters, colors, position);
+        }
+        if group.attributes.has_corner_scalars() {
+            let scalars = self.vertex_scalars(set, &hits);
+            at_point.scalar = interpolated_scalar(&parameters, scalars, position);
+        } else if group.attributes == AttributeKind::Scalars {
+            at_point.scalar = self.own_scalars(set, &hits.primitives);
+        } else if group.attributes == AttributeKind::Ends {
+            at_point.scalar = match group.shape {
+                Some(_) => {
+                    let scalars = self.end_scalars(set, &hits.primitives);
+                    scalar_along(&parameters, scalars, position)
+                }
+                None => self.placed_scalars(set, &hits, position),
+            };
+        }
+        if let Some(cone) = self.scene.cone {
+            let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
+            at_point.width = width(cone, distance, geometric_normal, direction);
+        }
+        let material = self.scene.material(group.material);
+        let normal = material.normal_at(&at_point, geometric_normal);
+        let color = match group.attributes {
+            AttributeKind::Colors => self.own_colors(set, &hits.primitives),
+            _ => material.color.color_at(&at_point),
+        };
+        let points = &mut *self.points;
+        *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
+        let objects = lanes_mut(&mut points.objects, at.first);
+        for (object, &primitive) in objects.iter_mut().zip(&hits.primitives) {
+            *object = self.scene.primitives[primitive as usize].object;
+        }
+        points.position.store(at.first, position);
+        points.normal.store(at.first, normal);
+        points.geometric_normal.store(at.first, geometric_normal);
+        points.color.store(at.first, color);
+        if points.has_factors {
+            let factors = material.factors.at(&at_point);
+            points.store_factors(at.first, &factors);
+        }
+        points.direction.store(at.first, direction);
+        *lanes_mut(&mut points.error, at.first) = error.to_array();
+        *lanes_mut(&mut points.side, at.first) = side.to_array();
+    }
+
+    /// Computes eight particles of fog: [`SurfacePoint::of_particle`](super::SurfacePoint).
+    #[inline(always)]
+    fn find_particles<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
+        let [origin, direction] = self.rays.gather(set, self.points.rays(at));
+        let color = self.scene.fog.map_or(Vec3::ZERO, |fog| fog.color);
+        let (none, first) = (set.splat_vector(Vec3::ZERO), at.first);
+        let distances = set.load(self.points.distances(at));
+        let points = &mut *self.points;
+        *lanes_mut(&mut points.materials, first) = [group.material; N_LANES];
+        *lanes_mut(&mut points.objects, first) = [ObjectId(0); N_LANES];
+        let position = origin + direction * distances;
+        points.position.store(first, position);
+        points.normal.store(first, none);
+        points.geometric_normal.store(first, none);
+        points.color.store(first, set.splat_vector(color));
+        if points.has_factors {
+            points.store_factors(first, &PictureFactors::ones(set.splat(1.0)));
+        }
+        points.direction.store(first, direction);
+        *lanes_mut(&mut points.error, first) = [0.0; N_LANES];
+        *lanes_mut(&mut points.side, first) = [1.0; N_LANES];
+    }
+
+    /// The hits of eight points.
+    #[inline(always)]
+    fn hits(&self, at: PointLanes) -> LaneHits {
+        LaneHits {
+            primitives: *lanes(&self.points.primitives, at.first),
+            instances: match self.scene.instances {
+                Some(_) => *lanes(&self.points.instances, at.first),
+                None => [None; N_LANES],
+            },
+            t: *self.points.distances(at),
+        }
+    }
+
+    /// The lengths of the paths before eight rays.
+    #[inline(always)]
+    fn lengths(&self, at: PointLanes) -> [f32; N_LANES] {
+        let mut lengths = [0.0; N_LANES];
+        for (length, &ray) in lengths.iter_mut().zip(self.points.rays(at)) {
+            *length = self.lengths[ray as usize];
+        }
+        lengths
+    }
+
+    /// The nearest points and normals of primitives under a transform, one by one.
+    #[inline(always)]
+    fn project_placed<I: InstructionSet>(
+        &self,
+        set: I,
+        primitives: &[u32; N_LANES],
+        near: Vector<I::Lanes>,
+    ) -> (Vector<I::Lanes>, Vector<I::Lanes>) {
+        let near = to_arrays(near);
+        let (mut positions, mut normals) = ([[0.0; N_LANES]; 3], [[0.0; N_LANES]; 3]);
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let primitive = &self.scene.primitives[primitive as usize];
+            let (position, normal) = primitive.project(lane_of(&near, lane));
+            set_lane(&mut positions, lane, position);
+            set_lane(&mut normals, lane, normal);
+        }
+        (set.load_vector(&positions), set.load_vector(&normals))
+    }
+
+    /// The bounds of rounding errors of primitives under a transform, one by one.
+    #[inline(always)]
+    fn placed_rounding<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
+        let rounding = |&primitive: &u32| {
+            let primitive = &self.scene.primitives[primitive as usize];
+            primitive.rounding(Vec3::ZERO)
+        };
+        set.load(&primitives.each_ref().map(rounding))
+    }
+
+    /// Numbers whose signs are those by which the normals of triangles have to be flipped:
+    /// negative on mirrored instances.
+    #[inline(always)]
+    fn mirror_signs<I: InstructionSet>(&self, set: I, hits: &LaneHits) -> I::Lanes {
+        let mut signs = [1.0; N_LANES];
+        for (lane, sign) in signs.iter_mut().enumerate() {
+            let transform = self.scene.transform(hits.placed(lane));
+            if transform.is_some_and(InstanceTransform::is_mirrored) {
+                *sign = -1.0;
+            }
+        }
+        set.load(&signs)
+    }
+
+    /// The texture coordinates at the vertices of eight triangles.
+    #[inline(always)]
+    fn vertex_uvs<I: InstructionSet>(
+        &self,
+        set: I,
+        primitives: &[u32; N_LANES],
+    ) -> [[I::Lanes; 2]; 3] {
+        let mut columns = [[[0.0; N_LANES]; 2]; 3];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let uvs = self.scene.vertex_uvs(primitive).unwrap_or_default();
+            for (column, [u, v]) in columns.iter_mut().zip(uvs) {
+                (column[0][lane], column[1][lane]) = (u, v);
+            }
+        }
+        let mut uvs = [[set.splat(0.0); 2]; 3];
+        for (uv, [u, v]) in uvs.iter_mut().zip(&columns) {
+            *uv = [set.load(u), set.load(v)];
+        }
+        uvs
+    }
+
+    /// The numbers of an array at the vertices of eight triangles.
+    #[inline(always)]
+    fn vertex_scalars<I: InstructionSet>(&self, set: I, hits: &LaneHits) -> [I::Lanes; 3] {
+        let mut columns = [[0.0; N_LANES]; 3];
+        for lane in 0..N_LANES {
+            let scalars = self.scene.vertex_scalars(hits.placed(lane));
+            for (column, scalar) in columns.iter_mut().zip(scalars.unwrap_or_default()) {
+                column[lane] = scalar;
+            }
+        }
+        let [a, b, c] = &columns;
+        [set.load(a), set.load(b), set.load(c)]
+    }
+
+    /// The own numbers of eight primitives.
+    #[inline(always)]
+    fn own_scalars<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
+        let mut column = [f32::NAN; N_LANES];
+        for (scalar, &primitive) in column.iter_mut().zip(primitives) {
+            *scalar = self.scene.own_scalar(primitive).unwrap_or(f32::NAN);
+        }
+        set.load(&column)
+    }
+
+    /// The numbers of an array at the ends of eight capsules.
+    #[inline(always)]
+    fn end_scalars<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> [I::Lanes; 2] {
+        let mut columns = [[f32::NAN; N_LANES]; 2];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let scalars = self.scene.end_scalars(primitive);
+            let [from, to] = scalars.unwrap_or([f32::NAN; 2]);
+            (columns[0][lane], columns[1][lane]) = (from, to);
+        }
+        [set.load(&columns[0]), set.load(&columns[1])]
+    }
+
+    /// The numbers of an array at points of primitives under a transform, one by one.
+    #[inline(always)]
+    fn placed_scalars<I: InstructionSet>(
+        &self,
+        set: I,
+        hits: &LaneHits,
+        points: Vector<I::Lanes>,
+    ) -> I::Lanes {
+        let points = to_arrays(points);
+        let mut column = [f32::NAN; N_LANES];
+        for (lane, scalar) in column.iter_mut().enumerate() {
+            *scalar = self.scene.scalar(hits.placed(lane), lane_of(&points, lane));
+        }
+        set.load(&column)
+    }
+
+    /// The own colors of eight primitives.
+    #[inline(always)]
+    fn own_colors<I: InstructionSet>(
+        &self,
+        set: I,
+        primitives: &[u32; N_LANES],
+    ) -> Vector<I::Lanes> {
+        let mut columns = [[0.0; N_LANES]; 3];
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let color = self.scene.own_color(primitive).unwrap_or_default();
+            set_lane(&mut columns, lane, color);
+        }
+        set.load_vector(&columns)
+    }
+}
+
+/// The normals or the colors at the vertices of eight triangles, by lane.
+#[inline(always)]
+fn of_vertices<I: InstructionSet>(
+    set: I,
+    vectors_of: impl Fn(usize) -> Option<[Vec3; 3]>,
+) -> [Vector<I::Lanes>; 3] {
+    let mut columns = [[[0.0; N_LANES]; 3]; 3];
+    for lane in 0..N_LANES {
+        let vectors = vectors_of(lane).unwrap_or_default();
+        for (column, vector) in columns.iter_mut().zip(vectors) {
+            set_lane(column, lane, vector);
+        }
+    }
+    let [a, b, c] = &columns;
+    [set.load_vector(a), set.load_vector(b), set.load_vector(c)]
+}

@@ -1,0 +1,131 @@
+//! Rays through the holes of surfaces with a [cutout](scene::material::Cutout).
+//!
+//! A ray that hits a hole is traced again from behind it, until it hits something else.
+//! It stays one ray, and what it visits behind its holes counts as its own.
+
+use super::Tracer;
+use crate::accel::{Hit, ShadowStream};
+use crate::cost::{ByPixel, PixelProbe};
+use math::simd::N_LANES;
+use scene::geometry::{Ray, RayStream};
+use scene::material::TexturePoint;
+
+/// A ray behind some holes.
+struct Passage {
+    ray: Ray,
+    /// The way from the ray's first origin.
+    length: f32,
+}
+
+impl Passage {
+    /// The hit, as one of the whole ray.
+    fn hit(&self, hit: Hit) -> Hit {
+        Hit {
+            t: self.length + hit.t,
+            ..hit
+        }
+    }
+}
+
+impl Tracer<'_> {
+    /// The nearest hit of a ray that is not in a hole, if it is before `limit`. `nearest`
+    /// finds the nearest hit.
+    pub(super) fn hit_behind_holes(
+        &self,
+        ray: &Ray,
+        limit: f32,
+        mut nearest: impl FnMut(&Ray) -> Option<Hit>,
+    ) -> Option<Hit> {
+        let mut passage = Passage {
+            ray: *ray,
+            length: 0.0,
+        };
+        loop {
+            let hit = nearest(&passage.ray)?;
+            match self.behind_hole(&passage, hit, limit) {
+                Some(next) => passage = next,
+                None => return Some(passage.hit(hit)).filter(|hit| hit.t < limit),
+            }
+        }
+    }
+
+    /// Replaces the nearest hits of rays that are in holes, before the limit of each, by
+    /// those behind them.
+    pub(super) fn hits_behind_holes<P: PixelProbe>(
+        &self,
+        rays: &RayStream,
+        limit: impl Fn(usize) -> f32,
+        hits: &mut [Option<Hit>],
+        mut probes: ByPixel<P>,
+    ) {
+        let whole = |i| Passage {
+            ray: rays.get(i),
+            length: 0.0,
+        };
+        let behind = |i: usize| self.behind_hole(&whole(i), hits[i]?, limit(i));
+        let mut passages: Vec<(usize, Passage)> = (0..rays.len())
+            .filter_map(|i| Some((i, behind(i)?)))
+            .collect();
+        let mut found = Vec::new();
+        while !passages.is_empty() {
+            let rays: RayStream = passages.iter().map(|(_, passage)| passage.ray).collect();
+            let indices = passages.iter().map(|&(i, _)| i);
+            let mut pixels: Vec<u32> = indices.map(|i| probes.pixel(i)).collect();
+            pixels.resize(pixels.len() + 2 * N_LANES, 0);
+            self.accel
+                .nearest_stream(&rays, &mut found, &mut probes.with_pixels(&pixels));
+            let mut next = Vec::new();
+            for ((i, passage), found) in passages.into_iter().zip(&found) {
+                hits[i] = found.map(|hit| passage.hit(hit));
+                let behind = found.and_then(|hit| self.behind_hole(&passage, hit, limit(i)));
+                next.extend(behind.map(|passage| (i, passage)));
+            }
+            passages = next;
+        }
+    }
+
+    /// [`shadow_stream`](Tracer::shadow_stream) by the nearest hits.
+    pub(super) fn shadows_behind_holes<P: PixelProbe>(
+        &self,
+        shadows: &ShadowStream,
+        shadowed: &mut Vec<bool>,
+        mut probes: ByPixel<P>,
+    ) {
+        let mut hits = Vec::new();
+        let limit = |i: usize| shadows.t_max(i);
+        self.accel
+            .nearest_stream(shadows.rays(), &mut hits, &mut probes);
+        self.hits_behind_holes(shadows.rays(), limit, &mut hits, probes);
+        shadowed.clear();
+        let is_shadowed = |(i, hit): (usize, &Option<Hit>)| hit.is_some_and(|hit| hit.t < limit(i));
+        shadowed.extend(hits.iter().enumerate().map(is_shadowed));
+    }
+
+    /// The ray that goes on past the hit of a ray, if that is in a hole before `limit`.
+    fn behind_hole(
+        &self,
+        Passage { ray, length }: &Passage,
+        hit: Hit,
+        limit: f32,
+    ) -> Option<Passage> {
+        let primitive = &self.scene.primitives[hit.primitive as usize];
+        let cutout = self.scene.material(primitive.material).cutout.as_ref()?;
+        if length + hit.t >= limit {
+            return None;
+        }
+        let (position, normal) = self.scene.project(hit.placed(), ray.at(hit.t));
+        let at = TexturePoint::new(position.into(), normal.into());
+        let at = self.scene.with_uv(hit.placed(), at);
+        if !cutout.is_hole(&at) {
+            return None;
+        }
+        let error = self.scene.rounding(hit.placed(), position);
+        let behind = Ray::leaving([position, normal], error, ray.direction);
+        let next = length + (behind.origin - ray.origin).dot(ray.direction);
+        // A ray along the surface may not get on by rounding errors: it ends there.
+        (next > *length).then_some(Passage {
+            ray: behind,
+            length: next,
+        })
+    }
+}

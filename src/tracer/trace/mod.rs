@@ -1,0 +1,184 @@
+//! Rays → the surface points that they hit.
+//!
+//! [`Tracer`] traces rays one by one or as a stream. [`Points`] are the surface points of
+//! a stream's hits, computed in lanes, with the formulas of a single point.
+
+mod surface_point;
+mod parameters;
+mod points;
+mod group_points;
+mod find_points;
+mod holes;
+
+use crate::accel::{Accel, Hit, ShadowRay, ShadowStream, TraversalStep};
+use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
+use find_points::FindPoints;
+use math::simd::{Simd, Vector};
+pub use points::{PointGroup, PointLanes, Points};
+use scene::geometry::{Ray, RayStream};
+use scene::material::TexturePoint;
+use scene::world::Scene;
+pub use surface_point::{ShadingPoint, SurfacePoint};
+use surface_point::{on_side_of, side, width};
+
+/// Traces rays through a scene and reports their counters to a probe.
+#[derive(Debug, Clone, Copy)]
+pub struct Tracer<'a> {
+    scene: &'a Scene,
+    accel: &'a Accel<'a>,
+}
+
+impl<'a> Tracer<'a> {
+    /// Traces rays through `scene`; `accel` is a structure over its primitives.
+    pub fn new(scene: &'a Scene, accel: &'a Accel<'a>) -> Self {
+        Self { scene, accel }
+    }
+
+    /// The nearest surface point on a camera ray, whose direction is a unit vector.
+    pub fn trace<P: Probe>(&self, ray: &Ray, kind: RayKind, probe: &mut P) -> Option<SurfacePoint> {
+        self.trace_after(0.0, ray, kind, probe)
+    }
+
+    /// The nearest surface point on a ray, whose direction is a unit vector, after a path
+    /// of this length from the camera.
+    pub fn trace_after<P: Probe>(
+        &self,
+        length: f32,
+        ray: &Ray,
+        kind: RayKind,
+        probe: &mut P,
+    ) -> Option<SurfacePoint> {
+        probe.ray(kind);
+        let hit = if self.scene.has_cutouts() {
+            self.hit_behind_holes(ray, f32::INFINITY, |ray| self.accel.nearest(ray, probe))?
+        } else {
+            self.accel.nearest(ray, probe)?
+        };
+        Some(self.surface_point(length, ray, hit))
+    }
+
+    /// Whether the shadow ray is occluded.
+    pub fn is_shadowed<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> bool {
+        probe.ray(RayKind::Shadow);
+        let ShadowRay {
+            ray,
+            t_max,
+            ignored,
+        } = shadow;
+        if self.scene.has_cutouts() {
+            let hit = self.hit_behind_holes(ray, *t_max, |ray| self.accel.nearest(ray, probe));
+            return hit.is_some();
+        }
+        self.accel.occluded(ray, *t_max, *ignored, probe)
+    }
+
+    /// The hit that [`trace`](Self::trace) finds; appends every step of the
+    /// traversal to `steps`.
+    pub fn record(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
+        let mut record = |ray: &Ray| self.accel.record_nearest(ray, steps);
+        if self.scene.has_cutouts() {
+            return self.hit_behind_holes(ray, f32::INFINITY, record);
+        }
+        record(ray)
+    }
+
+    /// The hit that occludes the ray of [`is_shadowed`](Self::is_shadowed); appends
+    /// every step of the traversal to `steps`.
+    pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
+        if self.scene.has_cutouts() {
+            let record = |ray: &Ray| self.accel.record_nearest(ray, steps);
+            return self.hit_behind_holes(&shadow.ray, shadow.t_max, record);
+        }
+        self.accel.record_occluded(shadow, steps)
+    }
+
+    /// The nearest hits of many rays. Overwrites `hits` with one entry per ray.
+    /// Reports the traversals to the probes, but not the starts of the rays: that
+    /// is up to the caller.
+    pub fn nearest_stream<P: PixelProbe>(
+        &self,
+        rays: &RayStream,
+        hits: &mut Vec<Option<Hit>>,
+        mut probes: ByPixel<P>,
+    ) {
+        self.accel.nearest_stream(rays, hits, &mut probes);
+        if self.scene.has_cutouts() {
+            self.hits_behind_holes(rays, |_| f32::INFINITY, hits, probes);
+        }
+    }
+
+    /// [`is_shadowed`](Self::is_shadowed) of many rays, in the manner of
+    /// [`nearest_stream`](Self::nearest_stream). Overwrites `shadowed` with one
+    /// entry per ray.
+    pub fn shadow_stream<P: PixelProbe>(
+        &self,
+        rays: &ShadowStream,
+        shadowed: &mut Vec<bool>,
+        mut probes: ByPixel<P>,
+    ) {
+        if self.scene.has_cutouts() {
+            return self.shadows_behind_holes(rays, shadowed, probes);
+        }
+        self.accel.occluded_stream(rays, shadowed, &mut probes);
+    }
+
+    /// The instruction set that waves are shaded with.
+    pub fn simd(&self) -> Simd {
+        self.accel.simd()
+    }
+
+    /// Overwrites `points` with the surface points of the hits of these rays. `lengths`
+    /// are those of the paths before them, in a scene with a [`cone`](Scene::cone).
+    pub fn surface_points(
+        &self,
+        lengths: &[f32],
+        rays: &RayStream,
+        hits: &[Option<Hit>],
+        points: &mut Points,
+    ) {
+        points.group(self.scene, hits);
+        self.simd().run(FindPoints {
+            scene: self.scene,
+            lengths,
+            rays,
+            hits,
+            points,
+        });
+    }
+
+    /// The surface point of a hit, after a path of this length.
+    fn surface_point(&self, length: f32, ray: &Ray, hit: Hit) -> SurfacePoint {
+        let primitive = &self.scene.primitives[hit.primitive as usize];
+        let placed = hit.placed();
+        let (position, outward) = self.scene.project(placed, ray.at(hit.t));
+        let outward = Vector::from(outward);
+        let side = side(outward, ray.direction.into());
+        let geometric_normal = outward.flip_sign_by(side);
+        let normal = self
+            .scene
+            .shading_normal(placed, position, geometric_normal);
+        let normal = on_side_of(geometric_normal, normal);
+        let mut at = TexturePoint::new(position.into(), normal);
+        at.scalar = self.scene.scalar(placed, position);
+        at = self.scene.with_color(placed, at);
+        if let Some(cone) = self.scene.cone {
+            at = self.scene.with_uv(placed, at);
+            at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());
+        }
+        let material = self.scene.material(primitive.material);
+        SurfacePoint {
+            position,
+            normal: material.normal_at(&at, geometric_normal).into(),
+            geometric_normal: geometric_normal.into(),
+            color: self.scene.color(hit.primitive, &at),
+            distance: hit.t,
+            error: self.scene.rounding(placed, position),
+            object: primitive.object,
+            material: primitive.material,
+            primitive: hit.primitive,
+            instance: hit.instance,
+            is_flipped: side < 0.0,
+            factors: material.factors.at(&at),
+        }
+    }
+}
