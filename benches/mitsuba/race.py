@@ -23,7 +23,7 @@ from PIL import Image
 
 WIDTH, HEIGHT, SAMPLES, N_THREADS = 1600, 1200, 4, 2
 FOV_Y_DEG = 40
-GOALS = {"counters": 1.0, "attributed_time": 0.5, "time": 0.5}
+GOALS = {"counters": 1.0, "time": 0.5, "single_ray_time": 0.5}
 # Share of all pixels: the patterns of samples differ, and with them the edges.
 MOST_ELSEWHERE = 0.02
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -167,7 +167,7 @@ def main():
         racers = {"Mitsuba llvm_ad_rgb": Mitsuba("llvm_ad_rgb", setting)}
         if options.scalar:
             racers["Mitsuba scalar_rgb"] = Mitsuba("scalar_rgb", setting)
-        costs = {f"raycost, {cost}": cost for cost in ["none", "counters", "attributed_time", "time"]}
+        costs = {f"raycost, {cost}": cost for cost in ["none", "counters", "time", "single_ray_time"]}
         program = options.raycost.resolve()
         racers |= {name: Raycost(program, cost, folder, setting) for name, cost in costs.items()}
         times = race(racers, options.rounds)

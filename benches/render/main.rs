@@ -4,11 +4,8 @@
 //! Takes scene files and folders of them; those in `configs/` if none is named. Renders on
 //! one thread; the modes take turns in one process, so that a drift of the machine affects
 //! all of them equally. Prints medians and, in brackets, the speed relative to the first
-//! mode: the gain of streams, and the cost of counters and of attributed times. Then compares the
-//! attributed time of each pixel with its time by the clock: the mean difference, in the
-//! picture and within tiles.
+//! mode: the gain of streams, and the cost of counters and of the clock of waves.
 
-mod agreement;
 mod scenes;
 
 use std::fs;
@@ -17,7 +14,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use agreement::agreement;
 use clap::Parser;
 use raycost::accel::Accel;
 use raycost::config::{Config, CostMode};
@@ -31,8 +27,8 @@ use serde_json::{Value, json};
 
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 4] = [
+    CostMode::SingleRayTime,
     CostMode::Time,
-    CostMode::AttributedTime,
     CostMode::Counters,
     CostMode::None,
 ];
@@ -110,25 +106,16 @@ fn compare(path: &Path) -> Result<Value, Diagnostic> {
         let relative = medians[0] / seconds;
         print!("   {mode:?} {speed:6.2} ({relative:.2})");
     }
-    let agreement = agreement(&config, &scene, &accel, &plan);
-    println!(
-        "   attributed {:.1} %, within tiles {:.1} %",
-        100.0 * agreement.of_picture,
-        100.0 * agreement.within_tiles
-    );
-    let [time, attributed_time, counters, none] = medians;
+    println!();
+    let [single_ray_time, time, counters, none] = medians;
     Ok(json!({
         "scene": name,
         "n_rays": n_rays,
         "seconds": {
+            "single_ray_time": single_ray_time,
             "time": time,
-            "attributed_time": attributed_time,
             "counters": counters,
             "none": none,
-        },
-        "attributed_difference": {
-            "of_picture": agreement.of_picture,
-            "within_tiles": agreement.within_tiles,
         },
     }))
 }

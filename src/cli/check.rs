@@ -344,19 +344,21 @@ fn cost(config: &Config) -> String {
     match (config.cost, config.repeats) {
         (CostMode::None, _) => "none; rays are traced in streams".to_owned(),
         (CostMode::Counters, _) => "counters, no time; rays are traced in streams".to_owned(),
-        (CostMode::AttributedTime, _) => {
-            "counters, and each tile's time, attributed to its pixels; rays are traced in streams"
-                .to_owned()
+        (mode, repeats) => {
+            let median = match repeats {
+                Repeats::ONCE => String::new(),
+                Repeats::Exactly(n) => format!(", the median of {n}"),
+                Repeats::Auto => {
+                    let most = most_repeats(config);
+                    format!(", the median of up to {most} within half a second")
+                }
+            };
+            let rays = match mode {
+                CostMode::SingleRayTime => "each ray is traced alone",
+                _ => "rays are traced and timed in streams",
+            };
+            format!("counters and time{median}; {rays}")
         }
-        (CostMode::Time, Repeats::ONCE) => "counters and time; each ray is traced alone".to_owned(),
-        (CostMode::Time, Repeats::Exactly(n)) => {
-            format!("counters and time, the median of {n}; each ray is traced alone")
-        }
-        (CostMode::Time, Repeats::Auto) => format!(
-            "counters and time, the median of up to {} within half a second; \
-             each ray is traced alone",
-            most_repeats(config)
-        ),
     }
 }
 

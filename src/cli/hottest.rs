@@ -58,8 +58,8 @@ pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
 /// the metric.
 pub(super) fn searched(config: &Config, metric: Metric) -> Config {
     let (cost, repeats) = match metric {
+        Metric::TIME if config.cost.has_time() => (config.cost, config.repeats),
         Metric::TIME => (CostMode::Time, config.repeats),
-        Metric::ATTRIBUTED_TIME => (CostMode::AttributedTime, config.repeats),
         _ => (CostMode::Counters, Repeats::ONCE),
     };
     Config {

@@ -74,11 +74,11 @@ fn repeats(rendering: &RenderingView) -> Option<String> {
 /// The overhead of measurement.
 fn overhead(overhead: &Overhead) -> String {
     format!(
-        "measure counters {:+.1} %, time {:+.1} %: rays one by one instead of in streams {:+.1} %, \
-         a clock {:+.1} % ({N_ROUNDS} rounds)\n",
+        "measure counters {:+.1} %, a clock {:+.1} %, both {:+.1} %; \
+         rays one by one instead of in streams {:+.1} % ({N_ROUNDS} rounds)\n",
         overhead.counters_percent(),
+        overhead.clock_percent(),
         overhead.time_percent(),
         overhead.single_ray_percent(),
-        overhead.clock_percent(),
     )
 }

@@ -52,13 +52,7 @@ impl PixelArray {
             Self::Object | Self::Material | Self::Pixel | Self::Horizon => None,
             Self::Instance if config.has_instances() => None,
             Self::Instance => lacks("instances", "only scenes with `instances` have it"),
-            Self::TimeNs | Self::AttributedTimeNs => {
-                let mode = match self {
-                    Self::TimeNs => CostMode::Time,
-                    _ => CostMode::AttributedTime,
-                };
-                (cost != mode).then(|| of_mode(mode, cost))
-            }
+            Self::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),
             Self::TimeMadNs | Self::NRejected if !cost.has_time() => {
                 Some(of_mode(CostMode::Time, cost))
             }
@@ -72,6 +66,7 @@ impl PixelArray {
             ),
             Self::Radiance => asks_for(OptionalOutput::Radiance),
             Self::RaysByBounce => asks_for(OptionalOutput::Bounces),
+            Self::Group => asks_for(OptionalOutput::Groups),
             _ if cost.has_counters() => None,
             _ => Some(of_mode(CostMode::Counters, cost)),
         }

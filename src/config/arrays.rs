@@ -38,8 +38,6 @@ pub enum PixelArray {
     Horizon,
     /// The time of the pixel
     TimeNs,
-    /// The pixel's share of its tile's time
-    AttributedTimeNs,
     /// The spread of repeated times
     TimeMadNs,
     /// The number of rejected times
@@ -70,6 +68,8 @@ pub enum PixelArray {
     Radiance,
     /// The rays by bounce
     RaysByBounce,
+    /// The group that was timed as a whole
+    Group,
 }
 
 /// Which arrays the cloud and the frame have: all, or those that were chosen.

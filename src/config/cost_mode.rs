@@ -20,10 +20,10 @@ pub enum CostMode {
     None,
     /// Node visits, primitive tests and rays; traces rays in streams
     Counters,
-    /// Counters, and the time of each tile, attributed to its pixels by their
-    /// counters; traces rays in streams
-    AttributedTime,
-    /// Counters and nanoseconds; traces rays one by one
+    /// Counters, and the time of each pixel; traces rays one by one
+    SingleRayTime,
+    /// Counters, and the times of waves of rays, split over their pixels by the
+    /// counters of each stage; traces rays in streams
     #[default]
     Time,
 }
@@ -34,17 +34,17 @@ impl CostMode {
         self != Self::None
     }
 
-    /// Whether each pixel has a time: its own, or its share of its tile's.
+    /// Whether each pixel has a time: its own, or its share of its group's.
     pub fn has_time(self) -> bool {
-        matches!(self, Self::AttributedTime | Self::Time)
+        matches!(self, Self::SingleRayTime | Self::Time)
     }
 
-    /// The name of the kernel: `single_ray` if each pixel is timed, which excludes
+    /// The name of the kernel: `single_ray` if each pixel is timed alone, which excludes
     /// the other, `stream`, as it traces the rays of many pixels together.
     pub fn kernel(self) -> &'static str {
         match self {
-            Self::None | Self::Counters | Self::AttributedTime => "stream",
-            Self::Time => "single_ray",
+            Self::None | Self::Counters | Self::Time => "stream",
+            Self::SingleRayTime => "single_ray",
         }
     }
 }

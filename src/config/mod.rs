@@ -145,6 +145,7 @@ impl Config {
             radiance_in_vtk,
             albedo: has_exr,
             bounces: self.output.has(OptionalOutput::Bounces),
+            groups: self.output.has(OptionalOutput::Groups),
             instance: self.has_instances(),
             written: self.output.written_arrays(),
         }

@@ -52,6 +52,8 @@ pub enum OptionalOutput {
     Radiance,
     /// The rays of each pixel by bounce, as an array of the VTK files
     Bounces,
+    /// The group of each pixel that was timed as a whole, as an array of the VTK files
+    Groups,
     /// The linear light and all arrays of the pixels as an OpenEXR picture
     Exr,
 }
@@ -67,6 +69,8 @@ pub struct ExtraArrays {
     pub albedo: bool,
     /// The numbers of rays by bounce.
     pub bounces: bool,
+    /// Whether VTK files have the groups of pixels.
+    pub groups: bool,
     /// The instance that the center sample hit.
     pub instance: bool,
     /// Those of all arrays that cloud and frame have.

@@ -10,9 +10,9 @@ pub enum Meter {
     Off,
     /// Counters only.
     Counters,
-    /// Counters, and a clock for tiles.
-    AttributedTime(Clock),
-    /// Counters, and a clock for pixels.
+    /// Counters, and a clock for rays one by one.
+    SingleRayTime(Clock),
+    /// Counters, and a clock for waves.
     Time(Clock),
 }
 
@@ -23,7 +23,7 @@ impl Meter {
         match mode {
             CostMode::None => Self::Off,
             CostMode::Counters => Self::Counters,
-            CostMode::AttributedTime => Self::AttributedTime(Clock::calibrated()),
+            CostMode::SingleRayTime => Self::SingleRayTime(Clock::calibrated()),
             CostMode::Time => Self::Time(Clock::calibrated()),
         }
     }
@@ -33,7 +33,7 @@ impl Meter {
         match self {
             Self::Off => CostMode::None,
             Self::Counters => CostMode::Counters,
-            Self::AttributedTime(_) => CostMode::AttributedTime,
+            Self::SingleRayTime(_) => CostMode::SingleRayTime,
             Self::Time(_) => CostMode::Time,
         }
     }
@@ -41,7 +41,7 @@ impl Meter {
     /// The clock, if there is one.
     pub fn clock(&self) -> Option<&Clock> {
         match self {
-            Self::AttributedTime(clock) | Self::Time(clock) => Some(clock),
+            Self::SingleRayTime(clock) | Self::Time(clock) => Some(clock),
             Self::Off | Self::Counters => None,
         }
     }

@@ -57,8 +57,6 @@ pub enum Aggregation {
 pub enum MetricSource {
     /// The clock. The only one with noise.
     Clock,
-    /// The clock, per tile, attributed to pixels by their counters.
-    TileClock,
     /// A counter.
     Counter(Counter),
     /// The sum of the rays of all kinds.
@@ -87,15 +85,6 @@ impl Metric {
         spans_decades: true,
         source: MetricSource::Clock,
         ..counter("time_ns", "time", Counter::NodeVisits)
-    };
-    /// Share of the tile's thread time.
-    pub const ATTRIBUTED_TIME: Self = Self {
-        title: "attributed time per pixel",
-        about: "share of the tile's thread time, by the counters of the pixel",
-        source: MetricSource::TileClock,
-        name: "attributed_time_ns",
-        label: "attributed time",
-        ..Self::TIME
     };
     /// BVH nodes visited.
     pub const NODE_VISITS: Self = Self {
@@ -138,9 +127,8 @@ impl Metric {
 
     /// All metrics: in files, tables and menus they have this order, and heatmaps
     /// show the first two that are not zero.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 10] = [
         Self::TIME,
-        Self::ATTRIBUTED_TIME,
         Self::NODE_VISITS,
         Self::PRIMITIVE_TESTS,
         Self::RAYS,
@@ -187,20 +175,19 @@ impl Metric {
     pub fn of_times(mode: CostMode) -> Option<Self> {
         match mode {
             CostMode::None | CostMode::Counters => None,
-            CostMode::AttributedTime => Some(Self::ATTRIBUTED_TIME),
-            CostMode::Time => Some(Self::TIME),
+            CostMode::SingleRayTime | CostMode::Time => Some(Self::TIME),
         }
     }
 
     /// Whether its values come from the clock.
     pub fn is_timed(self) -> bool {
-        matches!(self.source, MetricSource::Clock | MetricSource::TileClock)
+        self.source == MetricSource::Clock
     }
 
     /// Returns its value of a counted cost; 0 for a time.
     pub fn of(self, cost: &Cost) -> u64 {
         match self.source {
-            MetricSource::Clock | MetricSource::TileClock => 0,
+            MetricSource::Clock => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }
@@ -259,7 +246,7 @@ mod tests {
     fn every_counter_is_a_metric_and_every_metric_has_its_value() {
         let counters = Metric::ALL.iter().filter_map(|metric| match metric.source {
             MetricSource::Counter(counter) => Some(counter),
-            MetricSource::Clock | MetricSource::TileClock | MetricSource::AllRays => None,
+            MetricSource::Clock | MetricSource::AllRays => None,
         });
         assert!(counters.eq(Counter::ALL));
         let cost = Cost {
@@ -269,7 +256,7 @@ mod tests {
             depth: 3,
         };
         let values = Metric::ALL.map(|metric| metric.of(&cost));
-        assert_eq!(values, [0, 0, 1, 2, 150, 10, 20, 30, 40, 50, 3]);
+        assert_eq!(values, [0, 1, 2, 150, 10, 20, 30, 40, 50, 3]);
     }
 
     #[test]

@@ -34,6 +34,8 @@ enum Origin {
     Tile,
     /// The threads that rendered the tiles.
     Thread,
+    /// The groups of pixels that are timed together.
+    Group,
 }
 
 /// A [`Column`] from a field of [`Strip`].
@@ -80,8 +82,8 @@ const GEOMETRY: [Column; 6] = [
     column!("material", material, I32 x 1),
 ];
 
-// Thread time without the overhead of the clock, at least 1; or the share of the
-// tile's, by another name.
+// Thread time without the overhead of the clock, at least 1: that of the pixel, or its share
+// of that of its group.
 const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1 in Metric::TIME.unit_label());
 
 // The spread of repeated times, and the number of rejected ones.
@@ -125,10 +127,12 @@ pub(super) fn kept_columns(
     let radiance = extra.radiance_in_vtk.then_some(Column::RADIANCE);
     let bounces = extra.bounces.then_some(Column::BOUNCES);
     let instance = extra.instance.then_some(Column::INSTANCE);
+    let groups = extra.groups.then_some(Column::GROUP);
     all_columns(cost, repeats, counts_samples)
         .chain(radiance)
         .chain(bounces)
         .chain(instance)
+        .chain(groups)
 }
 
 /// [`columns`], with the numbers of samples if they are counted.
@@ -137,7 +141,7 @@ fn all_columns(
     repeats: Repeats,
     counts_samples: bool,
 ) -> impl Iterator<Item = Column> {
-    let time = Metric::of_times(cost).map(|Metric { name, .. }| Column { name, ..TIME });
+    let time = cost.has_time().then_some(TIME);
     let is_repeated = cost.has_time() && repeats.has_spread();
     let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
     let counted = |metric: Metric| Column {
@@ -180,6 +184,9 @@ impl Column {
     /// instances.
     pub const INSTANCE: Self = column!("instance", instance, I32 x 1);
 
+    /// The first pixel of the group that is timed together; on request.
+    pub const GROUP: Self = computed("group", ScalarType::I32, Origin::Group);
+
     /// The color of the surface; not in VTK files.
     pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
 
@@ -198,7 +205,7 @@ impl Column {
         match self.origin {
             Origin::Stored(_) => true,
             Origin::Counted(metric) => metric.source != MetricSource::AllRays,
-            Origin::Position | Origin::Tile | Origin::Thread => false,
+            Origin::Position | Origin::Tile | Origin::Thread | Origin::Group => false,
         }
     }
 
@@ -216,6 +223,7 @@ impl Column {
             Origin::Counted(metric) => film.counts(strip, metric, buffer),
             Origin::Tile => film.tile_numbers(strip, buffer),
             Origin::Thread => film.threads(strip, buffer),
+            Origin::Group => film.groups(strip, buffer),
         }
         bytemuck::cast_slice(buffer)
     }
@@ -235,7 +243,7 @@ mod tests {
         let modes = [
             (CostMode::None, 43),
             (CostMode::Counters, 71),
-            (CostMode::AttributedTime, 76),
+            (CostMode::SingleRayTime, 76),
             (CostMode::Time, 76),
         ];
         for (mode, expected) in modes {
@@ -273,18 +281,17 @@ mod tests {
             radiance_in_vtk: true,
             bounces: true,
             instance: true,
+            groups: true,
             written: WrittenArrays::only(&[]),
             ..ExtraArrays::default()
         };
         let mut n_chosen = 0;
-        for mode in [CostMode::Time, CostMode::AttributedTime] {
-            for column in kept_columns(mode, Repeats::Auto, true, extra) {
-                assert!(!extra.written.has(column.name), "{}", column.name);
-                n_chosen += usize::from(mode == CostMode::Time);
-            }
+        for column in kept_columns(CostMode::Time, Repeats::Auto, true, extra) {
+            assert!(!extra.written.has(column.name), "{}", column.name);
+            n_chosen += 1;
         }
-        // The time of the other mode, and two of the cloud.
-        assert_eq!(PixelArray::value_variants().len(), n_chosen + 3);
+        // Two of the cloud.
+        assert_eq!(PixelArray::value_variants().len(), n_chosen + 2);
     }
 
     #[test]

@@ -8,7 +8,7 @@ impl Film {
     pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
         counts.clear();
         match metric.source {
-            MetricSource::Clock | MetricSource::TileClock => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Clock => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => self.counter(strip, counter, counts),
             MetricSource::AllRays => {
                 counts.resize(strip.rgb.len(), self.n_samples);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Film, PackedCounters, Strip};
 use crate::cost::Counter;
-use crate::schedule::TileGrid;
+use crate::schedule::{MAX_PIXELS, TileGrid};
 
 /// The thread that rendered a tile, and the tile's counters.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -33,6 +33,28 @@ impl Film {
                 tile => tile.thread,
             }
         });
+    }
+
+    /// Overwrites `groups` with the groups that the pixels of a strip are timed in, each by the
+    /// number of its first pixel.
+    pub(super) fn groups(&self, strip: &Strip, groups: &mut Vec<u32>) {
+        let width = self.grid.width;
+        groups.clear();
+        groups.resize((strip.n_rows * width) as usize, 0);
+        let rows = strip.first_row..strip.first_row + strip.n_rows;
+        let size = self.grid.tile_size;
+        let rows_of_tiles = rows.start / size..rows.end.div_ceil(size);
+        let n_columns = self.grid.n_columns;
+        for number in rows_of_tiles.start * n_columns..rows_of_tiles.end * n_columns {
+            let tile = self.grid.tile(number);
+            let parts = tile.parts(MAX_PIXELS);
+            for group in parts.flat_map(|part| part.groups(self.n_samples)) {
+                let first = group.rows[0] * width + group.columns[0];
+                for (x, y) in group.pixels().filter(|(_, y)| rows.contains(y)) {
+                    groups[((y - strip.first_row) * width + x) as usize] = first;
+                }
+            }
+        }
     }
 
     /// The tiles of its rows.

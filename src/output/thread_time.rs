@@ -9,7 +9,7 @@ pub fn thread_time(rendering: &RenderingView) -> Option<ThreadTime> {
     let clock = rendering.meter.clock()?;
     let repeats = rendering.repeats;
     let n_readings = match rendering.meter {
-        Meter::Time(_) => repeats.len() * rendering.config.image.n_pixels(),
+        Meter::SingleRayTime(_) => repeats.len() * rendering.config.image.n_pixels(),
         _ => 0,
     };
     let busy_ns = repeats.iter().map(|repeat| repeat.busy_ns).sum::<u64>();

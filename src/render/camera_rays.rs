@@ -71,6 +71,11 @@ impl Places {
         self.n
     }
 
+    /// The index of each pixel.
+    pub(super) fn numbers(&self) -> &[u32] {
+        &self.pixels[..self.n]
+    }
+
     /// Number of blocks of eight pixels; the last one may have fewer.
     pub(super) fn n_blocks(&self) -> usize {
         self.n.div_ceil(N_LANES)

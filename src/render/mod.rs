@@ -1,9 +1,9 @@
 //! The tile loop: scene → film, on all threads.
 //!
 //! Each thread takes one tile after the other and renders it in one of two ways:
-//! `stream` traces many rays together, which hides the latency of memory;
-//! `timed` traces rays one by one, so that each pixel can be timed. Both give
-//! the same pixels and the same counters.
+//! `stream` traces many rays together, which hides the latency of memory, and times
+//! their waves; `timed` traces rays one by one, so that each pixel can be timed alone.
+//! Both give the same pixels and the same counters.
 
 mod canvas;
 mod pass;
@@ -18,7 +18,8 @@ mod stream;
 mod stopwatch;
 mod timed;
 mod time_hottest;
-mod attribute_time;
+mod wave_times;
+mod groups;
 mod prepass;
 mod tile_times;
 mod tile_plan;
@@ -38,10 +39,10 @@ use crate::accel::Accel;
 use crate::cost::{Counters, CpuWait, Meter, NoProbe};
 use crate::film::{Film, Rendered};
 use crate::scene::Scene;
-use crate::schedule::{Schedule, Tile, TileRun};
-use attribute_time::attribute_time;
+use crate::schedule::{MAX_PIXELS, Schedule, Tile, TileRun};
 use canvas::Canvas;
 use deal::deal;
+use groups::GroupRenderer;
 use pass::Pass;
 pub(crate) use rounds::SampleSums;
 use stream::StreamRenderer;
@@ -58,10 +59,6 @@ pub use stored::StoredPicture;
 pub use tile_plan::TilePlan;
 pub use tile_times::estimate_times;
 pub use worker::work;
-
-/// Most pixels rendered at a time: a larger tile is rendered in groups of rows,
-/// whose pixels stay in the cache until they are written to the film.
-const MAX_PIXELS: usize = 2048;
 
 /// The work done since the last report.
 #[derive(Debug, Clone, Copy, Default)]
@@ -114,20 +111,21 @@ fn render_onto(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let counted = || StreamRenderer::<Counters>::new(view);
     match meter {
         Meter::Off => {
             let renderer = || StreamRenderer::<NoProbe>::new(view);
             render_tiles(film, plan, pass, renderer, report)
         }
-        Meter::Counters => render_tiles(film, plan, pass, counted, report),
-        Meter::AttributedTime(_) => {
-            let (mut film, schedule) = render_tiles(film, plan, pass, counted, report);
-            attribute_time(&mut film, &schedule);
-            (film, schedule)
+        Meter::Counters => {
+            let renderer = || StreamRenderer::<Counters>::new(view);
+            render_tiles(film, plan, pass, renderer, report)
         }
         Meter::Time(clock) => {
-            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.room());
+            let renderer = || GroupRenderer::new(view, clock);
+            render_tiles(film, plan, pass, renderer, report)
+        }
+        Meter::SingleRayTime(clock) => {
+            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
             render_tiles(film, plan, pass, renderer, report)
         }
     }

@@ -2,8 +2,8 @@
 //!
 //! The same picture is rendered by four variants in turn, so that a drift of the
 //! machine affects all of them equally. Each variant adds one thing: first rays in
-//! streams without measurement, then counters, then rays one by one, as rays of a
-//! stream cannot be timed separately, then a reading of the clock per pixel.
+//! streams without measurement, then counters, then the clock of waves. The last one
+//! traces rays one by one, and reads the clock for each pixel.
 //!
 //! CPU times are compared: other running programs may double the wall time, but
 //! hardly change the CPU time.
@@ -12,13 +12,10 @@ use std::hint::black_box;
 
 use cpu_time::ProcessTime;
 
-use super::pass::Pass;
-use super::timed::SingleRayRenderer;
-use super::{Progress, TilePlan, View, render, render_tiles};
+use super::{Progress, TilePlan, render};
 use crate::accel::Accel;
 use crate::config::CostMode;
 use crate::cost::Meter;
-use crate::film::Film;
 use crate::scene::Scene;
 use crate::statistics::median;
 
@@ -36,19 +33,19 @@ pub struct Overhead {
     pub none_ms: f64,
     /// Rays in streams, counted.
     pub counters_ms: f64,
-    /// Rays one by one, counted.
-    pub single_ray_ms: f64,
-    /// Rays one by one, counted, and each pixel timed.
+    /// Rays in streams, counted, and their waves timed.
     pub time_ms: f64,
+    /// Rays one by one, counted, and each pixel timed.
+    pub single_ray_ms: f64,
 }
 
-/// A way to render and measure.
-#[derive(Debug, Clone, Copy)]
-enum Variant {
-    Measured(Meter),
-    /// Rays one by one, counted and not timed.
-    SingleRay,
-}
+/// The modes in the order of [`Overhead`]'s times.
+const MODES: [CostMode; 4] = [
+    CostMode::None,
+    CostMode::Counters,
+    CostMode::Time,
+    CostMode::SingleRayTime,
+];
 
 impl Overhead {
     /// Renders the picture [`N_RENDERINGS`] times on the current rayon pool.
@@ -58,21 +55,14 @@ impl Overhead {
         plan: &TilePlan,
         report: impl Fn(Progress) + Sync,
     ) -> Self {
-        let [none, counters, time] =
-            [CostMode::None, CostMode::Counters, CostMode::Time].map(Meter::new);
-        let variants = [
-            Variant::Measured(none),
-            Variant::Measured(counters),
-            Variant::SingleRay,
-            Variant::Measured(time),
-        ];
+        let meters = MODES.map(Meter::new);
         let mut times_ms: [Vec<f64>; 4] = Default::default();
         for round in 0..N_ROUNDS {
-            for turn in 0..variants.len() {
-                let variant = (round + turn) % variants.len();
+            for turn in 0..meters.len() {
+                let mode = (round + turn) % meters.len();
                 let begin = ProcessTime::now();
-                let film = variants[variant].render(scene, accel, plan, &report);
-                times_ms[variant].push(begin.elapsed().as_secs_f64() * 1e3);
+                let (film, _) = render(scene, accel, plan, &meters[mode], &report);
+                times_ms[mode].push(begin.elapsed().as_secs_f64() * 1e3);
                 // Freed outside of the measured time.
                 drop(black_box(film));
             }
@@ -82,13 +72,13 @@ impl Overhead {
 
     /// Computes the medians; `times_ms` has one entry per field, in their order.
     fn of(times_ms: [Vec<f64>; 4]) -> Self {
-        let [none_ms, counters_ms, single_ray_ms, time_ms] =
+        let [none_ms, counters_ms, time_ms, single_ray_ms] =
             times_ms.map(|mut times_ms| median(&mut times_ms).unwrap_or_default());
         Self {
             none_ms,
             counters_ms,
-            single_ray_ms,
             time_ms,
+            single_ray_ms,
         }
     }
 
@@ -97,40 +87,20 @@ impl Overhead {
         percent_more(self.counters_ms, self.none_ms)
     }
 
-    /// The overhead of tracing rays one by one instead of in streams, in percent;
-    /// negative if streams are slower.
-    pub fn single_ray_percent(&self) -> f64 {
-        percent_more(self.single_ray_ms, self.counters_ms)
-    }
-
-    /// The overhead of the clock on top of that, in percent.
+    /// The overhead of the clock of waves on top of that, in percent.
     pub fn clock_percent(&self) -> f64 {
-        percent_more(self.time_ms, self.single_ray_ms)
+        percent_more(self.time_ms, self.counters_ms)
     }
 
-    /// The overhead of all three, in percent of streams without measurement.
+    /// The overhead of both, in percent of streams without measurement.
     pub fn time_percent(&self) -> f64 {
         percent_more(self.time_ms, self.none_ms)
     }
-}
 
-impl Variant {
-    fn render(
-        self,
-        scene: &Scene,
-        accel: &Accel,
-        plan: &TilePlan,
-        report: impl Fn(Progress) + Sync,
-    ) -> Film {
-        match self {
-            Self::Measured(meter) => render(scene, accel, plan, &meter, report).0,
-            Self::SingleRay => {
-                let view = View::new(scene, accel, &plan.image);
-                let film = plan.film(scene, CostMode::Counters);
-                let renderer = || SingleRayRenderer::new(view, None, plan.room());
-                render_tiles(film, plan, &Pass::default(), renderer, report).0
-            }
-        }
+    /// The overhead of tracing and timing rays one by one instead of in counted streams, in
+    /// percent; negative if streams are slower.
+    pub fn single_ray_percent(&self) -> f64 {
+        percent_more(self.single_ray_ms, self.counters_ms)
     }
 }
 
@@ -151,15 +121,15 @@ mod tests {
             Overhead {
                 none_ms: 100.0,
                 counters_ms: 110.0,
-                single_ray_ms: 165.0,
-                time_ms: 210.0,
+                time_ms: 165.0,
+                single_ray_ms: 210.0,
             }
         );
         let percents = [
             (overhead.counters_percent(), 10.0),
-            (overhead.single_ray_percent(), 50.0),
-            (overhead.clock_percent(), 300.0 / 11.0),
-            (overhead.time_percent(), 110.0),
+            (overhead.clock_percent(), 50.0),
+            (overhead.time_percent(), 60.0),
+            (overhead.single_ray_percent(), 100.0),
         ];
         for (percent, expected) in percents {
             assert!((percent - expected).abs() < 1e-9, "{percent}");

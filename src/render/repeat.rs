@@ -148,10 +148,8 @@ pub fn repeat_within(
     if let Some(samples) = samples {
         samples.summarize(&mut film);
     }
-    if let Meter::Time(clock) = meter
-        && limits.checkpoint.is_none_or(|kept| kept.n_restored() == 0)
-    {
-        time_hottest_again(&mut film, view, clock, plan);
+    if limits.checkpoint.is_none_or(|kept| kept.n_restored() == 0) {
+        time_hottest_again(&mut film, view, meter, plan);
     }
     (film, schedule, done)
 }

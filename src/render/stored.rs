@@ -5,10 +5,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::canvas::Canvas;
+use super::clear_missing;
 use super::samples::Samples;
-use super::{attribute_time, clear_missing};
 use crate::checkpoint::Checkpoint;
-use crate::config::CostMode;
 use crate::film::{Film, STRIP_ROWS};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, TileGrid};
@@ -58,9 +57,6 @@ impl<'a> StoredPicture<'a> {
         let mut samples = has_spread.then(|| Samples::new(&film));
         for rendering in 0..film.n_repeats {
             self.read_tiles(rendering, &rows, &mut film);
-            if film.cost == CostMode::AttributedTime {
-                attribute_time(&mut film, self.schedule);
-            }
             if let Some(samples) = &mut samples {
                 samples.take(&film);
             }

@@ -13,8 +13,9 @@ use super::TileRenderer;
 use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
 use super::noisy_pixels::NoisyPixels;
 use super::view::View;
+use super::wave_times::{ByStage, Stage, WaveTimes};
 use crate::accel::Hit;
-use crate::cost::{BounceCounts, ByPixel, CpuWait, PixelProbe, RayKind};
+use crate::cost::{BounceCounts, ByPixel, Clock, CpuWait, PixelProbe, RayKind};
 use crate::film::{Pixel, PixelColumns, Rendered};
 use crate::schedule::Tile;
 use crate::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
@@ -26,6 +27,19 @@ use crate::trace::Points;
 /// the kernel busy, few enough to stay in the cache between two steps.
 pub(super) const WAVE_LEN: usize = 2048;
 
+/// Where the wave's paths started.
+macro_rules! starts {
+    ($renderer:expr) => {
+        PathStarts {
+            eyes: match $renderer.view.eye() {
+                Some(eye) => Eyes::One(eye),
+                None => Eyes::OfSlots(&$renderer.eyes),
+            },
+            ids: &$renderer.ids,
+        }
+    };
+}
+
 /// Renders tiles in waves of rays and counts with a `P`. All buffers are reused
 /// from tile to tile.
 pub(super) struct StreamRenderer<'a, P> {
@@ -36,6 +50,8 @@ pub(super) struct StreamRenderer<'a, P> {
     pixels: PixelColumns,
     probe: P,
     bounces: BounceCounts,
+    /// The times of the waves' stages, if they are measured.
+    times: Option<WaveTimes<'a>>,
     wave: PathWave,
     /// The next wave.
     next: PathWave,
@@ -67,6 +83,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             pixels: PixelColumns::default(),
             probe: P::default(),
             bounces: BounceCounts::new(view.counts_bounces),
+            times: None,
             wave: PathWave::default(),
             next: PathWave::default(),
             hits: Vec::new(),
@@ -82,19 +99,35 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
+    /// Times the stages of its waves.
+    pub(super) fn timed(view: View<'a>, clock: &'a Clock) -> Self {
+        Self {
+            times: Some(WaveTimes::new(clock, view.rounds.n_uniform())),
+            ..Self::new(view)
+        }
+    }
+
     /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order: the
     /// number, the column and the row of each.
     pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
         self.places.fill(places);
+        self.begin(self.places.len());
         self.follow_places();
+    }
+
+    /// Begins with so many pixels of which nothing is counted.
+    pub(super) fn begin(&mut self, n_pixels: usize) {
+        self.pixels.resize(n_pixels);
+        self.probe.reset(n_pixels, self.view.rounds.n_uniform());
+        self.bounces.reset(n_pixels);
+        if let Some(times) = &mut self.times {
+            times.begin_tile(n_pixels);
+        }
     }
 
     /// Traces all paths of the pixels of its places.
     fn follow_places(&mut self) {
         let n_pixels = self.places.len();
-        self.pixels.resize(n_pixels);
-        self.probe.reset(n_pixels, self.view.rounds.n_uniform());
-        self.bounces.reset(n_pixels);
         self.means.reset(n_pixels);
         self.distances.clear();
         self.distances.resize(n_pixels + N_LANES, f32::NAN);
@@ -139,10 +172,19 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         &self.probe
     }
 
+    /// Ends a stage of the wave, if waves are timed.
+    #[inline]
+    fn lap(&mut self, stage: Stage) {
+        if let Some(times) = &mut self.times {
+            times.lap(stage);
+        }
+    }
+
     /// Renders these samples of all pixels.
     fn render_samples(&mut self, samples: Range<u32>) {
         self.start(samples.clone());
         self.count_samples(samples.len() as u32);
+        self.lap(Stage::Samples);
         let middle = samples.contains(&self.view.middle);
         let stored = middle.then(|| (self.view.middle - samples.start) as usize);
         self.trace(stored.map(|sample| (sample, samples.len())));
@@ -213,6 +255,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         let probe = ByPixel::new(&mut self.probe, self.wave.pixels());
         let tracer = &self.view.tracer;
         tracer.nearest_stream(&self.wave.rays, &mut self.hits, probe);
+        self.lap(Stage::Hierarchy);
         let has_particles = self.shader.has_particles();
         if stored.is_some() || !has_particles {
             self.find_points();
@@ -225,6 +268,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                 .meet_particles(&self.ids, &self.wave, &mut self.hits);
             self.find_points();
         }
+        if let Some(times) = &mut self.times {
+            times.count_hits(self.wave.pixels(), &self.hits);
+        }
+        self.lap(Stage::Surfaces);
     }
 
     /// Computes the points of the wave's hits.
@@ -256,53 +303,113 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Shades the points; the reflected rays become the wave.
     fn shade(&mut self) {
-        let eyes = match self.view.eye() {
-            Some(eye) => Eyes::One(eye),
-            None => Eyes::OfSlots(&self.eyes),
-        };
-        let starts = PathStarts {
-            eyes,
-            ids: &self.ids,
-        };
-        let Self {
-            wave,
-            points,
-            shader,
-            ..
-        } = self;
-        shader.weaken(wave, &self.hits);
-        shader.begin(wave, points);
-        for sample in 0..shader.n_light_samples(wave.depth) {
-            shader.cast(sample, starts, wave, points);
-            let shadows = &shader.shadows;
-            if !shader.casts_shadows() {
-                self.occluded.clear();
-                self.occluded.resize(shadows.pixels().len(), false);
-                shader.add_light(sample, starts, wave, points, &self.occluded);
-                continue;
-            }
-            for &pixel in shadows.pixels() {
-                self.probe.rays(RayKind::Shadow, pixel as usize, 1);
-                self.bounces.add(pixel as usize, wave.depth, 1);
-            }
-            let probe = ByPixel::new(&mut self.probe, shadows.pixels());
-            let tracer = &self.view.tracer;
-            tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
-            shader.add_light(sample, starts, wave, points, &self.occluded);
+        self.shader.weaken(&mut self.wave, &self.hits);
+        self.shader.begin(&self.wave, &self.points);
+        self.lap(Stage::Surfaces);
+        self.count_shadow_steps();
+        for sample in 0..self.shader.n_light_samples(self.wave.depth) {
+            self.light(sample);
         }
-        shader.end(starts, wave, points, &mut self.next, &mut self.colors);
+        self.count_shadow_steps();
+        let starts = starts!(self);
+        let (wave, points) = (&self.wave, &self.points);
+        self.shader
+            .end(starts, wave, points, &mut self.next, &mut self.colors);
         for (i, &pixel) in self.next.pixels().iter().enumerate() {
             self.probe.rays(self.next.kind(i), pixel as usize, 1);
             self.probe.bounce(pixel as usize, self.next.depth);
             self.bounces.add(pixel as usize, self.next.depth, 1);
         }
         std::mem::swap(&mut self.wave, &mut self.next);
+        self.lap(Stage::Paths);
     }
-}
 
-impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
-    fn render(&mut self, tile: &Tile, _: &mut CpuWait) -> Rendered<'_> {
-        self.places.fill_tile(tile);
+    /// Adds the light of one sample of the lights at all points.
+    fn light(&mut self, sample: usize) {
+        let (wave, points) = (&self.wave, &self.points);
+        self.shader.cast(sample, starts!(self), wave, points);
+        self.lap(Stage::Lights);
+        let shadows = &self.shader.shadows;
+        if self.shader.casts_shadows() {
+            for &pixel in shadows.pixels() {
+                self.probe.rays(RayKind::Shadow, pixel as usize, 1);
+                self.bounces.add(pixel as usize, self.wave.depth, 1);
+            }
+            let probe = ByPixel::new(&mut self.probe, shadows.pixels());
+            let tracer = &self.view.tracer;
+            tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
+            self.lap(Stage::ShadowRays);
+        } else {
+            self.occluded.clear();
+            self.occluded.resize(shadows.pixels().len(), false);
+        }
+        let (wave, points) = (&self.wave, &self.points);
+        let occluded = &self.occluded;
+        self.shader
+            .add_light(sample, starts!(self), wave, points, occluded);
+        self.lap(Stage::Lights);
+    }
+
+    /// Counts the steps of shadow rays if waves are timed; called before and after them.
+    fn count_shadow_steps(&mut self) {
+        if let (Some(times), Some(counters)) = (&mut self.times, self.probe.counted()) {
+            times.count_shadow_steps(counters, self.places.numbers());
+        }
+    }
+
+    /// Renders a group of a tile's pixels; returns the nanoseconds of each stage if waves are
+    /// timed.
+    pub(super) fn render_group(&mut self, tile: &Tile, group: &Tile) -> ByStage {
+        if group == tile {
+            self.places.fill_tile(tile);
+        } else {
+            let place = |at| (tile.index(at), at);
+            self.places.fill(group.pixels().map(place));
+        }
+        if let Some(times) = &mut self.times {
+            times.begin();
+        }
+        self.render_places();
+        self.times
+            .as_ref()
+            .map_or(ByStage::default(), WaveTimes::ns)
+    }
+
+    /// What the stages of waves that are timed have counted of a pixel.
+    pub(super) fn counts(&self, pixel: u32) -> ByStage {
+        match (&self.times, self.probe.counted()) {
+            (Some(times), Some(counters)) => times.counts(counters, pixel as usize),
+            _ => ByStage::default(),
+        }
+    }
+
+    /// Exchanges the counters of the pixels by those of pixels that count for nothing, or the
+    /// other way round.
+    pub(super) fn exchange_counters(
+        &mut self,
+        (probe, bounces): &mut (P, BounceCounts),
+        count: bool,
+    ) {
+        std::mem::swap(&mut self.probe, probe);
+        std::mem::swap(&mut self.bounces, bounces);
+        if let Some(times) = &mut self.times {
+            times.set_counting(count);
+        }
+    }
+
+    /// The pixels that were last rendered.
+    pub(super) fn rendered(&self) -> Rendered<'_> {
+        Rendered {
+            pixels: &self.pixels,
+            counters: self.probe.counted(),
+            bounces: self.bounces.get(),
+            times: &[],
+            warm_up_ns: 0.0,
+        }
+    }
+
+    /// Renders the pixels of its places.
+    fn render_places(&mut self) {
         self.follow_places();
         let rounds = &self.view.rounds;
         self.simd.run(FinishPixels {
@@ -319,12 +426,14 @@ impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
             let position = self.pixels.position[number];
             self.pixels.footprint[number] = self.view.footprint(position, self.footprints[i]);
         }
-        Rendered {
-            pixels: &self.pixels,
-            counters: self.probe.counted(),
-            bounces: self.bounces.get(),
-            times: &[],
-            warm_up_ns: 0.0,
-        }
+        self.lap(Stage::Samples);
+    }
+}
+
+impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
+    fn render(&mut self, tile: &Tile, _: &mut CpuWait) -> Rendered<'_> {
+        self.begin(tile.n_pixels());
+        self.render_group(tile, tile);
+        self.rendered()
     }
 }

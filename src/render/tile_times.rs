@@ -17,6 +17,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::canvas::Canvas;
+use super::groups::GroupRenderer;
 use super::prepass::{self, RayCounts, ray_counts};
 use super::stream::StreamRenderer;
 use super::timed::SingleRayRenderer;
@@ -53,11 +54,15 @@ pub fn estimate_times(plan: TilePlan, (scene, accel): (&Scene, &Accel), meter: &
     let film = plan.film_without_rows(scene, meter.mode());
     let view = View::new(scene, accel, &plan.image);
     let measured = match meter {
-        Meter::Time(clock) => {
-            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.room());
+        Meter::SingleRayTime(clock) => {
+            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
             measured(&film, &plan, &tiles, renderer)
         }
-        Meter::Off | Meter::Counters | Meter::AttributedTime(_) => {
+        Meter::Time(clock) => {
+            let renderer = || GroupRenderer::new(view, clock);
+            measured(&film, &plan, &tiles, renderer)
+        }
+        Meter::Off | Meter::Counters => {
             let renderer = || StreamRenderer::<Counters>::new(view);
             measured(&film, &plan, &tiles, renderer)
         }

@@ -4,12 +4,13 @@
 //! is looked at.
 
 use super::TilePlan;
+use super::groups::GroupRenderer;
 use super::samples::median_and_deviation;
 use super::timed::SingleRayRenderer;
 use super::view::View;
-use crate::cost::{Clock, CpuWait, Metric};
+use crate::cost::{CpuWait, Meter, Metric};
 use crate::film::{Film, HotPixel};
-use crate::schedule::Tile;
+use crate::schedule::{MAX_PIXELS, Tile};
 use crate::stop;
 
 /// Pixels that are timed together.
@@ -21,15 +22,38 @@ const N_BEFORE: u32 = 4;
 /// Most rounds: in each, the pixels that take the places of others are timed, too.
 const N_ROUNDS: usize = 5;
 
+/// Times a pixel of the film once, in nanoseconds.
+type TimePixel<'a> = &'a mut dyn FnMut((u32, u32), &mut CpuWait) -> f32;
+
 /// Times the most expensive pixels of a film that has been timed again, until the first of
-/// them is one of these, and gives the film the medians of their times. A film without rows
-/// stays as it is.
-pub(super) fn time_hottest_again(film: &mut Film, view: View, clock: &Clock, plan: &TilePlan) {
+/// them is one of these, and gives the film the medians of their times. A film without rows,
+/// or without times, stays as it is.
+pub(super) fn time_hottest_again(film: &mut Film, view: View, meter: &Meter, plan: &TilePlan) {
     if !film.has_rows() {
         return;
     }
-    let image = &plan.image;
-    let mut renderer = SingleRayRenderer::new(view, Some(clock), (N_BEFORE as usize + 1, image));
+    match meter {
+        Meter::Off | Meter::Counters => {}
+        Meter::Time(clock) => {
+            let mut renderer = GroupRenderer::new(view, clock);
+            again(film, &mut |place, wait| {
+                let part = plan.in_picture(&part(plan, place));
+                renderer.time_pixel(&part, in_picture(plan, place), wait)
+            });
+        }
+        Meter::SingleRayTime(clock) => {
+            let room = (N_BEFORE as usize + 1, &plan.image);
+            let mut renderer = SingleRayRenderer::new(view, clock, room);
+            again(film, &mut |place, wait| {
+                let place = in_picture(plan, place);
+                let before = before(place, plan.image.width);
+                renderer.time_last(before.chain([place]), wait)
+            });
+        }
+    }
+}
+
+fn again(film: &mut Film, time_pixel: TimePixel) {
     let mut wait = CpuWait::of_this_thread();
     let mut timed: Vec<(u32, u32)> = Vec::new();
     for _ in 0..N_ROUNDS {
@@ -44,10 +68,7 @@ pub(super) fn time_hottest_again(film: &mut Film, view: View, clock: &Clock, pla
         for _ in 0..N_TIMES {
             for (times, &place) in times.iter_mut().zip(&new) {
                 wait.begin();
-                let place = in_picture(plan, place);
-                let before = before(place, image.width);
-                let ns = renderer.time_last(before.chain([place]), &mut wait);
-                times.push(f64::from(ns));
+                times.push(f64::from(time_pixel(place, &mut wait)));
             }
         }
         for (mut times, &place) in times.into_iter().zip(&new) {
@@ -57,6 +78,14 @@ pub(super) fn time_hottest_again(film: &mut Film, view: View, clock: &Clock, pla
         }
         timed.extend(new);
     }
+}
+
+/// The part of a tile of the film that a pixel was rendered with.
+fn part(plan: &TilePlan, (x, y): (u32, u32)) -> Tile {
+    let size = plan.grid.tile_size;
+    let tile = plan.grid.tile(y / size * plan.grid.n_columns + x / size);
+    let mut parts = tile.parts(MAX_PIXELS);
+    parts.find(|part| part.has((x, y))).unwrap_or(tile)
 }
 
 /// Where a pixel of the film is in the picture.
@@ -106,7 +135,7 @@ mod tests {
             film.set_time(place, [1e15, 0.0]);
         }
         let view = View::new(&scene, &accel, &plan.image);
-        time_hottest_again(&mut film, view, meter.clock().unwrap(), &plan);
+        time_hottest_again(&mut film, view, &meter, &plan);
         let [hottest] = film.hottest(Metric::TIME, 1)[..] else {
             panic!("no time is trusted");
         };

@@ -1,5 +1,4 @@
-//! Renders ray by ray and times each pixel. Without a clock it measures the
-//! overhead of timing. If pixels are timed, the first ones of a tile are rendered
+//! Renders ray by ray and times each pixel. The first pixels of a tile are rendered
 //! twice, so that their times do not include cold caches.
 
 use glam::Vec3;
@@ -28,10 +27,9 @@ const SPREAD: u32 = 8;
 /// Paths for which there is room before any is traced.
 const PATHS: usize = 256;
 
-/// Renders tiles pixel by pixel, counts each and optionally times it.
+/// Renders tiles pixel by pixel, counts each and times it.
 pub(super) struct SingleRayRenderer<'a> {
-    /// `None` to measure the overhead of timing.
-    clock: Option<&'a Clock>,
+    clock: &'a Clock,
     /// The pixels of the tile in the order in which they are rendered, which is listed before
     /// any is timed: to find the next one takes longer where a row of a block ends.
     places: Vec<PixelPlace>,
@@ -71,7 +69,7 @@ impl<'a> SingleRayRenderer<'a> {
     /// thread, and warms up the thread.
     pub(super) fn new(
         view: View<'a>,
-        clock: Option<&'a Clock>,
+        clock: &'a Clock,
         (n_pixels, image): (usize, &Image),
     ) -> Self {
         // Filled with nonzero values, so that page faults are not part of a pixel's
@@ -107,9 +105,6 @@ impl<'a> SingleRayRenderer<'a> {
     /// the first pixel of a thread that hits something took up to 12 microseconds
     /// more, and it was the same pixel in each rendering.
     fn warm_up_thread(&mut self, image: &Image) {
-        if self.clock.is_none() {
-            return;
-        }
         self.renderer.bounces.reset(1);
         let spread = |i: u32, side: u32| (2 * i + 1) * side / (2 * SPREAD);
         for i in 0..SPREAD * SPREAD {
@@ -135,9 +130,8 @@ impl<'a> SingleRayRenderer<'a> {
         self.places.clear();
         self.places.extend(places.enumerate().map(place));
         self.renderer.bounces.reset(self.places.len());
-        if let Some(clock) = self.clock {
-            self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
-        }
+        let clock = self.clock;
+        self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
         self.times[self.places.len() - 1].ns
     }
 
@@ -157,19 +151,9 @@ impl<'a> SingleRayRenderer<'a> {
         });
         let n_done = stopwatch.time_each(times, &mut render);
         let times = &mut times[..n_done];
-        let again_ns = stopwatch.time(|stopwatch| stopwatch.time_again(times, &mut render));
+        let again_ns =
+            stopwatch.time(|stopwatch| stopwatch.time_again(times, |_| 1.0, &mut render));
         (n_done, warm_up_ns + again_ns)
-    }
-
-    /// Renders the pixels; returns how many.
-    fn render_untimed(&mut self) -> usize {
-        for (i, &place) in self.places.iter().enumerate() {
-            if stop::is_requested() {
-                return i;
-            }
-            self.renderer.render_pixel(place, i);
-        }
-        self.places.len()
     }
 }
 
@@ -225,10 +209,8 @@ impl TileRenderer for SingleRayRenderer<'_> {
             index: tile.index(at) as usize,
         }));
         self.renderer.bounces.reset(n_pixels);
-        let (n_done, warm_up_ns) = match self.clock {
-            Some(clock) => self.render_timed(Stopwatch::new(ThreadTimer { clock, wait })),
-            None => (self.render_untimed(), 0.0),
-        };
+        let clock = self.clock;
+        let (n_done, warm_up_ns) = self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
         let PixelRenderer { view, pixels, .. } = &self.renderer;
         self.counters.reset(n_pixels, view.rounds.n_uniform());
         for (i, &PixelPlace { index, .. }) in self.places.iter().enumerate() {
@@ -238,15 +220,11 @@ impl TileRenderer for SingleRayRenderer<'_> {
                 self.counters.add(index, &self.renderer.costs[i]);
             }
         }
-        let n_times = match self.clock {
-            Some(_) => n_pixels,
-            None => 0,
-        };
         Rendered {
             pixels: &self.columns,
             counters: Some(&self.counters),
             bounces: self.renderer.bounces.get(),
-            times: &self.times_by_row[..n_times],
+            times: &self.times_by_row[..n_pixels],
             warm_up_ns,
         }
     }
@@ -303,6 +281,7 @@ mod tests {
     use crate::accel::Accel;
     use crate::config::{Config, Tiling};
     use crate::render::TilePlan;
+    use crate::render::stream::StreamRenderer;
     use crate::scene::{Geometries, Scene};
     use crate::yaml::Source;
 
@@ -317,8 +296,8 @@ mod tests {
         let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
         let view = View::new(&scene, &accel, &config.image);
         let clock = Clock::calibrated();
-        let mut cold = SingleRayRenderer::new(view, None, plan.room());
-        let mut warm = SingleRayRenderer::new(view, Some(&clock), plan.room());
+        let mut cold = StreamRenderer::<Counters>::new(view);
+        let mut warm = SingleRayRenderer::new(view, &clock, plan.room());
         let mut wait = CpuWait::of_this_thread();
         for number in [0, 200, 399] {
             let tile = plan.tile(number).unwrap();

@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::canvas::Canvas;
+use super::groups::GroupRenderer;
 use super::stream::StreamRenderer;
 use super::timed::SingleRayRenderer;
 use super::{TilePlan, TileRenderer, View, render_tile};
@@ -35,11 +36,15 @@ pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, me
     let view = View::new(scene, accel, &plan.image);
     match meter {
         Meter::Off => render_dealt(ranks, film, plan, || StreamRenderer::<NoProbe>::new(view)),
-        Meter::Counters | Meter::AttributedTime(_) => {
+        Meter::Counters => {
             render_dealt(ranks, film, plan, || StreamRenderer::<Counters>::new(view));
         }
         Meter::Time(clock) => {
-            let renderer = || SingleRayRenderer::new(view, Some(clock), plan.room());
+            let renderer = || GroupRenderer::new(view, clock);
+            render_dealt(ranks, film, plan, renderer);
+        }
+        Meter::SingleRayTime(clock) => {
+            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
             render_dealt(ranks, film, plan, renderer);
         }
     }

@@ -155,9 +155,6 @@ impl Arrays {
         if written_with(CostMode::Counters, Repeats::ONCE) {
             return error.with_help("render again without `--no-cost`");
         }
-        if written_with(CostMode::AttributedTime, Repeats::ONCE) {
-            return error.with_help("render again with `--cost attributed_time`");
-        }
         if written_with(CostMode::Time, Repeats::ONCE) {
             return error.with_help("render again with `--cost time`");
         }

@@ -6,6 +6,17 @@ use std::ops::Range;
 /// as a packet has rays.
 const BLOCK_SIDE: u32 = 4;
 
+/// Most pixels rendered at a time: a larger tile is rendered in groups of rows,
+/// whose pixels stay in the cache until they are written to the film.
+pub const MAX_PIXELS: usize = 2048;
+
+/// Paths of a group of pixels that are traced and timed together: enough to keep the kernel
+/// busy.
+const GROUP_PATHS: u32 = 512;
+
+/// Most pixels of a group.
+const GROUP_PIXELS: u32 = 256;
+
 /// An image divided into square tiles, numbered along rows from the top left. The
 /// tiles at the right and the bottom edge may be smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,6 +127,34 @@ impl Tile {
             })
     }
 
+    /// Divides a part of the tile into the groups of pixels whose paths are traced and timed
+    /// together, if each pixel has so many samples (0 if that differs): of 256 pixels at one
+    /// sample, and of one at 512.
+    pub fn groups(&self, n_samples: u32) -> impl Iterator<Item = Tile> + use<> {
+        let part = *self;
+        let n_pixels = (GROUP_PATHS / n_samples.max(1)).clamp(1, GROUP_PIXELS);
+        let log = n_pixels.ilog2();
+        let cells = |[first, end]: [u32; 2], side: u32| {
+            let starts = (first..end).step_by(side as usize);
+            starts.map(move |start| [start, (start + side).min(end)])
+        };
+        let sides = [1 << log.div_ceil(2), 1 << (log / 2)];
+        cells(part.rows, sides[1]).flat_map(move |rows| {
+            cells(part.columns, sides[0]).map(move |columns| Tile {
+                columns,
+                rows,
+                ..part
+            })
+        })
+    }
+
+    /// Whether it has this pixel.
+    pub fn has(&self, (x, y): (u32, u32)) -> bool {
+        let [left, right] = self.columns;
+        let [top, bottom] = self.rows;
+        (left..right).contains(&x) && (top..bottom).contains(&y)
+    }
+
     /// Number of pixels.
     pub fn n_pixels(&self) -> usize {
         let [top, bottom] = self.rows;
@@ -155,13 +194,19 @@ mod tests {
                     assert_eq!(tile.pixels().count(), tile.n_pixels());
                     let mut along_rows: Vec<_> = tile.pixels().collect();
                     along_rows.sort_by_key(|&(x, y)| (y, x));
-                    let indices = along_rows.into_iter().map(|place| tile.index(place));
+                    let indices = along_rows.iter().map(|&place| tile.index(place));
                     assert!(indices.eq(0..tile.n_pixels() as u32));
                     // Parts of whole blocks have the order of the tile.
                     let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());
                     assert!(parts.eq(tile.pixels()));
                     let parts = tile.parts(100).flat_map(|part| part.pixels());
                     assert_eq!(parts.count(), tile.n_pixels());
+                    for n_samples in [0, 1, 4, 31, 512, 5000] {
+                        let groups = tile.groups(n_samples);
+                        let mut grouped: Vec<_> = groups.flat_map(|it| it.pixels()).collect();
+                        grouped.sort_by_key(|&(x, y)| (y, x));
+                        assert_eq!(grouped, along_rows);
+                    }
                     pixels.extend(tile.pixels().map(|(x, y)| y * width + x));
                 }
                 pixels.sort_unstable();

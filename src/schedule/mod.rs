@@ -11,7 +11,7 @@ mod worker_share;
 
 use std::time::{Duration, Instant};
 
-pub use grid::{Tile, TileGrid};
+pub use grid::{MAX_PIXELS, Tile, TileGrid};
 pub use hilbert::hilbert_curve;
 pub use load::Load;
 pub use worker_share::{WorkerShare, pause};

@@ -8,9 +8,8 @@ use crate::study::Figure;
 
 /// The metrics that the plot may show, the preferred one first: name, unit and the factor to
 /// that unit.
-const PLOTTED: [(&str, &str, f64); 4] = [
+const PLOTTED: [(&str, &str, f64); 3] = [
     ("time_ns", "Thread time of all pixels (ms)", 1e-6),
-    ("attributed_time_ns", "Thread time of all pixels (ms)", 1e-6),
     ("node_visits", "BVH nodes visited", 1.0),
     ("render_wall_ms", "Wall time of rendering (ms)", 1.0),
 ];

@@ -78,18 +78,18 @@ pub struct OverheadSection {
     pub none_ms: f64,
     /// Rays in streams, counted.
     pub counters_ms: f64,
-    /// Rays one by one, counted.
-    pub single_ray_ms: f64,
-    /// Rays one by one, counted, and each pixel timed.
+    /// Rays in streams, counted, and their waves timed.
     pub time_ms: f64,
+    /// Rays one by one, counted, and each pixel timed.
+    pub single_ray_ms: f64,
     /// The overhead of counters in streams.
     pub counters_percent: Option<f64>,
-    /// The overhead of tracing rays one by one instead of in streams.
-    pub single_ray_percent: Option<f64>,
-    /// The overhead of the clock on top of that.
+    /// The overhead of the clock of waves on top of that.
     pub clock_percent: Option<f64>,
-    /// The overhead of all three.
+    /// The overhead of both.
     pub time_percent: Option<f64>,
+    /// The overhead of tracing and timing rays one by one instead of in counted streams.
+    pub single_ray_percent: Option<f64>,
 }
 
 impl From<&Stage> for StageEntry {
@@ -144,12 +144,12 @@ impl From<&Overhead> for OverheadSection {
             rounds: N_ROUNDS,
             none_ms: overhead.none_ms,
             counters_ms: overhead.counters_ms,
-            single_ray_ms: overhead.single_ray_ms,
             time_ms: overhead.time_ms,
+            single_ray_ms: overhead.single_ray_ms,
             counters_percent: Some(overhead.counters_percent()),
-            single_ray_percent: Some(overhead.single_ray_percent()),
             clock_percent: Some(overhead.clock_percent()),
             time_percent: Some(overhead.time_percent()),
+            single_ray_percent: Some(overhead.single_ray_percent()),
         }
     }
 }

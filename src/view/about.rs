@@ -74,7 +74,7 @@ pub(super) fn array_id(position: usize) -> String {
 /// A note on what was not measured; `None` if everything was.
 pub(super) fn missing(summary: &Summary) -> Option<String> {
     let note = match summary.cost.mode {
-        CostMode::AttributedTime | CostMode::Time => return None,
+        CostMode::SingleRayTime | CostMode::Time => return None,
         CostMode::Counters => "Time was not measured: render again with `--cost time` to see it.",
         CostMode::None => {
             "Cost was not measured: render again without `--no-cost` to see time and counters."

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 const STUDY: &str = "
 title: A small roofline
 scenes: [scene.yaml]
-vary: { cost: [time, counters] }
+vary: { cost: [single_ray_time, counters] }
 flags: [--width=12, --height=9]
 repeats: 2
 ";
@@ -146,7 +146,7 @@ fn without_instructions_the_plot_shows_rays_over_bytes() {
         let ns = metric("render_ns_per_ray") * metric("rays");
         assert!((ns - 1e6 * metric("render_cpu_ms")).abs() <= 1e-9 * ns);
         assert!(metric("fetches_per_ray") > metric("node_visits_per_ray"));
-        let in_flight = if run["point"]["cost"] == "time" {
+        let in_flight = if run["point"]["cost"] == "single_ray_time" {
             1.0
         } else {
             32.0

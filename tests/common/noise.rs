@@ -9,6 +9,7 @@ use raycost::schedule::TileGrid;
 /// Returns a film of noise: all arrays differ, and NaN occurs with many bit patterns.
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     let extra = ExtraArrays {
+        groups: false,
         radiance: true,
         radiance_in_vtk: true,
         albedo: true,

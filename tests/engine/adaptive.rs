@@ -92,7 +92,7 @@ fn threads_and_modes_change_no_byte() {
     };
     let config = marbles(200, Some(adaptive));
     let expected = lasting(film(&config, 1));
-    for mode in [CostMode::Counters, CostMode::AttributedTime, CostMode::Time] {
+    for mode in [CostMode::Counters, CostMode::SingleRayTime, CostMode::Time] {
         for n_threads in [2, 3] {
             let found = film(&with_cost(config.clone(), mode), n_threads);
             assert!(lasting(found) == expected, "{mode:?}, {n_threads} threads");

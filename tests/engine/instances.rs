@@ -239,7 +239,7 @@ fn the_film_knows_the_instance_of_each_pixel() {
         transform: "[]".to_owned(),
     };
     let config = config(&group.placed());
-    for cost in [CostMode::Counters, CostMode::Time] {
+    for cost in [CostMode::Counters, CostMode::Time, CostMode::SingleRayTime] {
         let film = film(&with_cost(config.clone(), cost), 2);
         let objects = film.values(|strip| &strip.object);
         let pixels: Vec<(i32, i32)> = objects.zip(film.values(|strip| &strip.instance)).collect();

@@ -396,7 +396,7 @@ objects:
 ",
         file.display()
     ));
-    for mode in [CostMode::None, CostMode::Time] {
+    for mode in [CostMode::None, CostMode::SingleRayTime] {
         config.cost = mode;
         let colors: Vec<[u8; 3]> = film(&config, 1).values(|strip| &strip.rgb).collect();
         assert_eq!(colors.len(), 32 * 32);

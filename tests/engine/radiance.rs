@@ -71,7 +71,7 @@ fn streams_and_single_rays_keep_the_same_bits() {
     for name in ["textures", "trellis", "seed_extended"] {
         let mut config = config(name);
         (config.image.width, config.image.height) = (60, 45);
-        let [streams, single] = [CostMode::Counters, CostMode::Time]
+        let [streams, single] = [CostMode::Counters, CostMode::SingleRayTime]
             .map(|mode| with_radiance(&with_cost(config.clone(), mode)));
         let bits = |film: &Film| -> Vec<_> {
             radiance(film)

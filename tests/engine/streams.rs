@@ -16,9 +16,15 @@ proptest! {
         let mut config = scene.config();
         config.output.add(OptionalOutput::Bounces);
         let in_mode = |mode| film(&with_cost(config.clone(), mode), 2);
-        let [none, counters, time] =
-            [CostMode::None, CostMode::Counters, CostMode::Time].map(in_mode);
+        let [none, counters, time, single_ray_time] = [
+            CostMode::None,
+            CostMode::Counters,
+            CostMode::Time,
+            CostMode::SingleRayTime,
+        ]
+        .map(in_mode);
         prop_assert_eq!(counters.totals, time.totals);
+        prop_assert!(lasting(single_ray_time) == lasting(time.clone()));
         prop_assert!(lasting(none).0 == lasting(time.clone()).0);
         let n_rays: Vec<u32> = rays(&time);
         let by_bounce = time.values(|strip| &strip.bounces);
@@ -97,7 +103,7 @@ objects:
     let blocker =
         "  - disk: { center: [0, 3.5, 0], normal: [0, -1, 0], radius: 1.5 }\n    material: floor";
     let in_mode = |mode| film(&with_cost(scene(false, blocker), mode), 2);
-    let [streams, single] = [CostMode::Counters, CostMode::Time].map(in_mode);
+    let [streams, single] = [CostMode::Counters, CostMode::SingleRayTime].map(in_mode);
     assert_eq!(sum(&streams, Counter::ShadowRays), 0);
     assert!(lasting(streams.clone()) == lasting(single));
     let picture = |film: &Film| film.values(|strip| &strip.rgb).collect::<Vec<[u8; 3]>>();

@@ -41,7 +41,7 @@ fn ranks_render_the_same_picture_as_one_process() {
         ("glass", &["--cost=time", "--repeats=3", "--tile-size=7"]),
         (
             "cornell_box",
-            &["--cost=attributed_time", "--spp=4", "--also=exr,bounces"],
+            &["--cost=single_ray_time", "--spp=4", "--also=exr,bounces"],
         ),
         (
             "marbles",

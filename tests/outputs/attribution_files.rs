@@ -302,16 +302,17 @@ fn number(row: &Row, column: &str) -> f64 {
 
 #[test]
 fn the_rows_of_the_table_sum_up_to_the_summary() {
-    check_sums("time", "time_ns");
+    check_sums("time");
 }
 
 #[test]
-fn the_rows_sum_up_to_attributed_times_too() {
-    check_sums("attributed_time", "attributed_time_ns");
+fn the_rows_sum_up_to_times_of_single_rays_too() {
+    check_sums("single_ray_time");
 }
 
-/// Checks the sums of `objects.csv` in a mode of `cost`, whose times have this name.
-fn check_sums(cost: &str, time: &str) {
+/// Checks the sums of `objects.csv` in a mode of `cost`.
+fn check_sums(cost: &str) {
+    let time = "time_ns";
     let folder = tempfile::tempdir().unwrap();
     render("hall_of_mirrors.yaml", folder.path(), &["--cost", cost]);
     let rows = rows(folder.path());

@@ -119,7 +119,7 @@ fn pieces_have_the_pixels_of_a_whole_picture() {
         ("seed_extended", &["--cost=time", "--repeats=1"]),
         (
             "seed_sphere",
-            &["--cost=attributed_time", "--also=radiance"],
+            &["--cost=single_ray_time", "--also=radiance"],
         ),
         ("seed_extended", &["--cost=counters", "--set=film.bits=16"]),
     ];

@@ -54,7 +54,10 @@ fn every_optional_output_but_an_array_has_a_file() {
     let n_without = expected_of_every_run().len();
     for output in OptionalOutput::value_variants() {
         let n_with = expected(CostMode::Time, &[*output]).len();
-        let is_array = matches!(output, OptionalOutput::Radiance | OptionalOutput::Bounces);
+        let is_array = matches!(
+            output,
+            OptionalOutput::Radiance | OptionalOutput::Bounces | OptionalOutput::Groups
+        );
         assert_eq!(n_with > n_without, !is_array, "{output:?}");
     }
 }

@@ -80,7 +80,7 @@ fn merged_parts_are_the_whole_picture() {
         ("glass", &["--cost=time", "--repeats=3", "--tile-size=7"], 5),
         (
             "cornell_box",
-            &["--cost=attributed_time", "--spp=4", "--also=exr,bounces"],
+            &["--cost=single_ray_time", "--spp=4", "--also=exr,bounces"],
             2,
         ),
         (

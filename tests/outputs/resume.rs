@@ -87,7 +87,7 @@ fn a_killed_rendering_goes_on_with_the_same_bytes() {
         (&["--cost=time", "--repeats=3", "--spp=40"], &[20, 50, 90]),
         (
             &[
-                "--cost=attributed_time",
+                "--cost=single_ray_time",
                 "--spp=150",
                 "--also=objects,radiance",
             ],
@@ -329,7 +329,7 @@ fn a_timeout_before_the_first_tile_leaves_an_empty_picture() {
         "--cost=none",
         "--cost=counters",
         "--cost=time",
-        "--cost=attributed_time",
+        "--cost=single_ray_time",
     ] {
         let slow = Slow::new(&["--spp=1", cost, "--also=objects,schedule,bvh,surface"]);
         let slow = if cost == "--cost=none" {

@@ -76,7 +76,10 @@ pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
         .map(|column| column.n_components)
         .iter()
         .sum::<usize>();
-    let on_request = Column::BOUNCES.n_components + Column::INSTANCE.n_components;
+    let on_request = [Column::BOUNCES, Column::INSTANCE, Column::GROUP]
+        .map(|column| column.n_components)
+        .iter()
+        .sum::<usize>();
     numbers.sum::<usize>() + n_in_vectors + on_request + 1
 }
 

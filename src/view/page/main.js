@@ -198,7 +198,7 @@ async function start() {
   listenToControls();
   rgb = await frameArray("RGB");
   picture.paint(pictureColor(rgb, null));
-  const first = ["time_ns", "attributed_time_ns", "node_visits", "distance"].find((name) => FIELDS.has(name));
+  const first = ["time_ns", "node_visits", "distance"].find((name) => FIELDS.has(name));
   await chooseArray(first ?? byId("array").value);
   placeCursors();
   createHottest(byId("hottest"), {

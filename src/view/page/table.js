@@ -27,7 +27,7 @@ async function createTable(section, { onPick }) {
   const shareOf = (name) => `${name}_share`;
   const isShare = (name) => columns.some((other) => name === shareOf(other));
   const shown = columns.filter((name) => !CHOICES.includes(name) && !isShare(name));
-  const sort = { by: ["time_ns", "attributed_time_ns", "node_visits"].find((name) => shown.includes(name)) ?? shown[0], down: true };
+  const sort = { by: ["time_ns", "node_visits"].find((name) => shown.includes(name)) ?? shown[0], down: true };
 
   const choices = CHOICES.filter((name) => columns.includes(name)).map((name) => {
     const options = [...new Set(rows.map((row) => row[column(name)]))];

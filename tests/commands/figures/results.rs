@@ -22,7 +22,6 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("codec-none", |of| of.codec("none")),
     ("codec-lz4", |of| of.codec("lz4")),
     ("codec-zlib", |of| of.codec("zlib")),
-    ("attributed-time", Results::attributed_time),
     ("vtk-write", Results::vtk_write),
     ("embree", Results::embree),
     ("embree-single", |of| of.embree_ratios("single rays")),
@@ -140,29 +139,6 @@ impl Results {
             percent("hits_vtu_bytes")?,
             time?
         ))
-    }
-
-    /// A table: what attributed times cost, and how they differ from those of the clock.
-    fn attributed_time(&self) -> Option<String> {
-        let row = |row: &Value| {
-            let seconds = |mode: &str| row["seconds"][mode].as_f64();
-            let percent = |part: &str| Some(100.0 * row["attributed_difference"][part].as_f64()?);
-            Some(format!(
-                "| `{}` | {:.2} | {:.2} | {:.0} % | {:.0} % |",
-                row["scene"].as_str()?,
-                seconds("time")? / seconds("attributed_time")?,
-                seconds("attributed_time")? / seconds("counters")?,
-                percent("within_tiles")?,
-                percent("of_picture")?
-            ))
-        };
-        let rows: Vec<String> = self
-            .list("render", "rows")?
-            .iter()
-            .filter_map(row)
-            .collect();
-        let head = "| scene | speed over `time` | time over `counters` | difference within tiles | in the picture |\n|---|--:|--:|--:|--:|";
-        (!rows.is_empty()).then(|| format!("\n{head}\n{}\n", rows.join("\n")))
     }
 
     fn vtk_write(&self) -> Option<String> {

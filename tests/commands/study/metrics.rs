@@ -22,7 +22,7 @@ fn every_metric_of_a_run_is_listed() {
     let study = STUDY
         .replace(
             "vary: { tile_size: [4, 8], max_depth: [0, 3] }",
-            "vary: { cost: [time, attributed_time], threads: [1] }",
+            "vary: { cost: [time, single_ray_time], threads: [1] }",
         )
         .replace("x: tile_size", "x: threads")
         .replace(

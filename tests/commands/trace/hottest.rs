@@ -92,7 +92,7 @@ fn invalid_requests_are_refused() {
         (&[][..], "--pixel <X,Y>"),
         (
             &["--hottest=3", "--by=cost"][..],
-            "possible values: time_ns, attributed_time_ns, node_visits",
+            "possible values: time_ns, node_visits",
         ),
         (
             &["--hottest=3", "--by=refraction_rays"][..],

@@ -209,9 +209,8 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     let (time, counters) = match (film.cost, film.repeats) {
         (CostMode::None, _) => (&[][..], &[][..]),
         (CostMode::Counters, _) => (&[][..], counters),
-        (CostMode::AttributedTime, _) => unreachable!("its name is that of another array"),
-        (CostMode::Time, Repeats::ONCE) => (&time[..1], counters),
-        (CostMode::Time, _) => (time, counters),
+        (_, Repeats::ONCE) => (&time[..1], counters),
+        _ => (time, counters),
     };
     let radiance = [("radiance", Field::Vec3(|strip| &strip.radiance))];
     let radiance = radiance.iter().filter(|_| film.extra.radiance_in_vtk);

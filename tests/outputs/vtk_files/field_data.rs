@@ -107,7 +107,7 @@ fn units_are_those_of_the_arrays() {
 fn the_range_of_the_cost_is_that_of_cost_png() {
     for (mode, name) in [
         ("time", "time_ns"),
-        ("attributed_time", "attributed_time_ns"),
+        ("single_ray_time", "time_ns"),
         ("counters", "node_visits"),
     ] {
         for file in ["frame.vti", "hits.vtu"] {
