@@ -34,6 +34,19 @@ pub struct ImagePlane {
     pub size: [u32; 2],
 }
 
+impl ImagePlane {
+    /// The part of the plane with these numbers of columns and rows, from this column and this
+    /// row on.
+    pub fn part(&self, origin: [u32; 2], size: [u32; 2]) -> Self {
+        let [left, top] = origin.map(|n| n as f32);
+        Self {
+            to_first: self.to_first + left * self.right + top * self.down,
+            size,
+            ..*self
+        }
+    }
+}
+
 /// How rays pass through the image plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {

@@ -132,7 +132,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let small = small(&image);
     scene.image_plane = config
         .camera
-        .image_plane([small.width, small.height], &scene.space)
+        .image_plane(small.picture_size(), &scene.space)
         .of_pinhole();
     let (cloud, _) = pool.install(|| {
         let plan = TilePlan::new(&scene, &accel, &small, Tiling::default());
@@ -224,20 +224,13 @@ impl TraceArguments {
 /// A small image with the same aspect ratio and one sample per pixel.
 fn small(image: &Image) -> Image {
     let longest = image.width.max(image.height);
-    let shrunk = |side: u32| {
+    image.shrunk(|side| {
         if longest <= CLOUD_SIDE {
             side
         } else {
-            (side * CLOUD_SIDE).div_ceil(longest)
+            (u64::from(side) * u64::from(CLOUD_SIDE)).div_ceil(u64::from(longest)) as u32
         }
-    };
-    Image {
-        width: shrunk(image.width),
-        height: shrunk(image.height),
-        samples_per_pixel: 1,
-        adaptive: None,
-        ..*image
-    }
+    })
 }
 
 /// Traces the rays of all pixels, if they fit into half of the free memory; the other

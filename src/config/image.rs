@@ -1,7 +1,7 @@
 //! The `image` section.
 
-use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer};
+use serde::{Deserialize, Serialize};
 
 use super::adaptive::{Adaptive, MAX_SAMPLES};
 use crate::sampling::{PixelFilter, PixelPattern};
@@ -51,9 +51,71 @@ pub struct Image {
     /// is the most that a pixel gets.
     #[serde(default)]
     pub adaptive: Option<Adaptive>,
+    /// Where it is in a larger picture, if it is a window of one.
+    #[serde(skip)]
+    pub window: Option<PictureWindow>,
+}
+
+/// The place of a window in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PictureWindow {
+    /// The column and the row of its first pixel in the picture.
+    pub origin: [u32; 2],
+    /// Columns and rows of the picture.
+    pub picture: [u32; 2],
 }
 
 impl Image {
+    /// Columns and rows of the whole picture.
+    pub fn picture_size(&self) -> [u32; 2] {
+        let size = [self.width, self.height];
+        self.window.map_or(size, |window| window.picture)
+    }
+
+    /// The column and the row of the first pixel in the whole picture.
+    pub fn origin(&self) -> [u32; 2] {
+        self.window.map_or([0; 2], |window| window.origin)
+    }
+
+    /// Only this window, by its first column and row, its width and its height; `None` if it
+    /// is empty or reaches beyond the image.
+    pub fn cropped(&self, [x, y, width, height]: [u32; 4]) -> Option<Self> {
+        let fits = |first: u32, n: u32, all: u32| n > 0 && first <= all && n <= all - first;
+        let [left, top] = self.origin();
+        let window = PictureWindow {
+            origin: [left + x, top + y],
+            picture: self.picture_size(),
+        };
+        (fits(x, width, self.width) && fits(y, height, self.height)).then_some(Self {
+            width,
+            height,
+            window: Some(window),
+            ..*self
+        })
+    }
+
+    /// An image with the sides that `shrink` returns, and one sample per pixel.
+    pub(crate) fn shrunk(&self, shrink: impl Fn(u32) -> u32) -> Self {
+        let [width, height] = [self.width, self.height].map(&shrink);
+        let window = self.window.map(|window| {
+            let picture = window.picture.map(&shrink);
+            let [left, top] = window.origin.map(&shrink);
+            let origin = [
+                left.min(picture[0].saturating_sub(width)),
+                top.min(picture[1].saturating_sub(height)),
+            ];
+            PictureWindow { origin, picture }
+        });
+        Self {
+            width,
+            height,
+            window,
+            samples_per_pixel: 1,
+            adaptive: None,
+            ..*self
+        }
+    }
+
     /// The number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize

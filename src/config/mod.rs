@@ -37,7 +37,7 @@ pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
-pub use image::{Image, MAX_SIDE};
+pub use image::{Image, MAX_SIDE, PictureWindow};
 pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
 pub use normals::{Creases, MeshNormals};

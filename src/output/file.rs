@@ -121,7 +121,7 @@ impl Job<'_> {
     pub(super) fn encoding(&self) -> Encoding {
         let rendering = self.rendering;
         let mut fields = fields::of_run(&[rendering.name], self.run);
-        fields.extend(fields::of_camera(&rendering.scene.image_plane));
+        fields.extend(fields::of_camera(&rendering.image_plane()));
         let partial = rendering.partial.map(|partial| partial.to_string());
         fields.extend(partial.map(|partial| Field::texts("partial", [partial])));
         fields.extend(rendering.frame.map(|frame| fields::of_time(frame.time)));

@@ -64,6 +64,7 @@ use states::States;
 
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
+use crate::camera::ImagePlane;
 use crate::config::{Config, CostMode};
 use crate::cost::Meter;
 use crate::film::Film;
@@ -270,6 +271,15 @@ pub struct RenderingView<'a> {
 }
 
 impl RenderingView<'_> {
+    /// The image plane of the pixels: a part of the scene's if they are a window.
+    pub(crate) fn image_plane(&self) -> ImagePlane {
+        let (plane, image) = (self.scene.image_plane, &self.config.image);
+        match image.window {
+            None => plane,
+            Some(window) => plane.part(window.origin, [image.width, image.height]),
+        }
+    }
+
     /// Wall time of one rendering: the [upper median](upper_median) of several.
     pub fn median_wall(&self) -> Duration {
         let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();

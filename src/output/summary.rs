@@ -42,7 +42,7 @@ fn of(job: &Job) -> Summary {
         partial: rendering.partial,
         image: (&config.image).into(),
         film: FilmSection::new(&config.film, config.shading.model),
-        camera: Some((&rendering.scene.image_plane).into()),
+        camera: Some((&rendering.image_plane()).into()),
         objects: objects(rendering),
         materials: config.materials.keys().cloned().collect(),
         n_primitives: rendering.scene.world().n_primitives() as u64,

@@ -17,7 +17,7 @@ pub(crate) use disk::{ArrayFile, DiskUse};
 
 use crate::accel::{Accel, BvhNode, TooLarge};
 use crate::attribution::Visits;
-use crate::config::{Config, Image, OptionalOutput, Repeats};
+use crate::config::{Config, OptionalOutput, Repeats};
 use crate::film;
 use crate::host::{free_heap, resident_memory};
 use crate::instruments::peak_memory_bytes;
@@ -61,7 +61,7 @@ impl Prediction {
         let small = preview::image(&config.image);
         scene.image_plane = config
             .camera
-            .image_plane([small.width, small.height], &scene.space);
+            .image_plane(small.picture_size(), &scene.space);
         let preview = Preview::of(config, small, scene, &accel);
         let has_nodes = config.output.has(OptionalOutput::Bvh);
         // Before the list of nodes takes memory itself.
@@ -80,8 +80,9 @@ impl Prediction {
         });
         let n_pieces = band_rows.map_or(1, |n_rows| config.image.height.div_ceil(n_rows));
         let is_repeated = n_repeats(config, &preview) > 1;
-        let Image { width, height, .. } = config.image;
-        scene.image_plane = config.camera.image_plane([width, height], &scene.space);
+        scene.image_plane = config
+            .camera
+            .image_plane(config.image.picture_size(), &scene.space);
         let sample = RowSample::of(config, scene, &accel, is_repeated);
         Ok(Self {
             peak_memory,

@@ -42,13 +42,7 @@ pub(super) struct Preview {
 /// The image of the small picture: a part of the columns and rows, with one sample each.
 pub(super) fn image(image: &Image) -> Image {
     let stride = stride(image);
-    Image {
-        width: image.width.div_ceil(stride),
-        height: image.height.div_ceil(stride),
-        samples_per_pixel: 1,
-        adaptive: None,
-        ..*image
-    }
+    image.shrunk(|side| side.div_ceil(stride))
 }
 
 /// Columns and rows of the picture for each of the small one.

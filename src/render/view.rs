@@ -33,7 +33,10 @@ pub(crate) struct View<'a> {
     pub(super) unit: f32,
     sampler: Sampler,
     filter: FilterSampler,
+    /// Columns of the whole picture.
     width: u32,
+    /// The column and the row of the image's first pixel in it.
+    origin: [u32; 2],
     /// The side of a square with the area of a pixel on the plane.
     pitch: f32,
 }
@@ -52,7 +55,8 @@ impl<'a> View<'a> {
             unit: scene.space.world_length(1.0),
             sampler,
             filter: FilterSampler::new(image.filter, image.filter_radius()),
-            width: image.width,
+            width: image.picture_size()[0],
+            origin: image.origin(),
             pitch: scene.image_plane.pitch(),
         }
     }
@@ -66,10 +70,11 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Returns the number of a pixel in the picture, row by row.
+    /// Returns the number of a pixel in the whole picture, row by row.
     #[inline(always)]
     pub(super) fn pixel_number(&self, (x, y): (u32, u32)) -> u32 {
-        y * self.width + x
+        let [left, top] = self.origin;
+        (top + y) * self.width + left + x
     }
 
     /// Returns the camera ray of one of the pixel's samples.
@@ -99,6 +104,7 @@ impl<'a> View<'a> {
     ) -> [Vector<R>; 2] {
         let even = self.sampler.position::<R>(pixel, sample);
         let [dx, dy] = self.filter.position(even);
+        let [x, y] = self.in_picture([x, y]);
         let rays = self.plane.rays(x + dx, y + dy);
         match self.plane.lens() {
             None => rays,
@@ -114,8 +120,17 @@ impl<'a> View<'a> {
     /// at NaN.
     #[inline(always)]
     pub(super) fn footprints<R: Real>(&self, at: [R; 2], distance: R) -> R {
-        let footprint = self.plane.footprints(self.pitch, at, distance);
+        let footprint = self
+            .plane
+            .footprints(self.pitch, self.in_picture(at), distance);
         R::select(distance.le(distance), footprint, distance) * distance.splat(self.unit)
+    }
+
+    /// Columns and rows in the whole picture: sums of whole numbers, exact.
+    #[inline(always)]
+    fn in_picture<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
+        let [left, top] = self.origin.map(|n| n as f32);
+        [x + x.splat(left), y + y.splat(top)]
     }
 
     /// Returns the point at which all camera rays start, if there is one.

@@ -136,8 +136,9 @@ impl Scene {
         check_materials(config)?;
         fog::check(config)?;
         config.image.check_sampling()?;
-        let size = [config.image.width, config.image.height];
-        let plane = config.camera.image_plane(size, &space);
+        let plane = config
+            .camera
+            .image_plane(config.image.picture_size(), &space);
         let has_images = config.materials.values().any(Material::has_images);
         let materials = config.materials.values().cloned();
         let mut scene = Self {

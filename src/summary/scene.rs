@@ -7,7 +7,8 @@ use crate::accel::BvhStatistics;
 use crate::camera::{ImagePlane, Projection};
 use crate::color::{Development, ToneCurve, Transfer};
 use crate::config::{
-    Acceleration, Adaptive, FilmSettings, Image, PixelFilter, PixelPattern, Quality, ShadingModel,
+    Acceleration, Adaptive, FilmSettings, Image, PictureWindow, PixelFilter, PixelPattern, Quality,
+    ShadingModel,
 };
 use crate::provenance::Checksum;
 use crate::text::keyword_name;
@@ -63,6 +64,9 @@ pub struct ImageSection {
     /// Adaptive sampling, with the samples per pixel as the most; left out without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
+    /// Where it is in a larger picture; left out if it is a whole picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<PictureWindow>,
 }
 
 /// How light became the numbers of the picture.
@@ -143,6 +147,7 @@ impl From<&Image> for ImageSection {
             filter: image.filter,
             filter_radius: image.filter_radius,
             adaptive: image.adaptive,
+            window: image.window,
         }
     }
 }

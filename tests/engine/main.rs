@@ -35,3 +35,4 @@ mod shading_normals;
 mod streams;
 mod turned;
 mod watertight;
+mod windows;

@@ -88,6 +88,7 @@ impl SceneArguments {
         let flags = [
             flag("width", number(self.width)),
             flag("height", number(self.height)),
+            flag("crop", self.crop.map(|crop| crop.to_string())),
             flag("spp", number(self.spp)),
             flag("seed", self.seed.map(|seed| seed.to_string())),
             flag("max-depth", self.max_depth.map(|n| n.to_string())),
@@ -113,6 +114,7 @@ mod tests {
         let all = [
             "--width=7",
             "--height=8",
+            "--crop=1,2,3,4",
             "--spp=3",
             "--seed=18446744073709551615",
             "--max-depth=0",

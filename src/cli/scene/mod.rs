@@ -1,5 +1,6 @@
 //! The arguments of the command line that name a scene and override its settings.
 
+mod crop;
 mod flags;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ use crate::starter;
 use crate::text::Diagnostic;
 use crate::vtk::Codec;
 use crate::yaml::{self, Document, Fault, Source};
+use crop::Crop;
 
 /// The name of standard input as a scene.
 const STANDARD_INPUT: &str = "-";
@@ -41,6 +43,11 @@ pub(in crate::cli) struct SceneArguments {
     /// Rows of the picture, instead of the file's
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
     height: Option<u32>,
+
+    /// Only this window of the picture: its first column and row, from 0, its width and its
+    /// height. Its pixels are those of the whole picture
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
+    crop: Option<Crop>,
 
     /// Samples per pixel, instead of the file's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES as i64))]
@@ -116,6 +123,9 @@ impl SceneArguments {
         image.height = self.height.unwrap_or(image.height);
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
+        if let Some(crop) = self.crop {
+            *image = crop.of(image)?;
+        }
         config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
         let film = &mut config.film;
         film.exposure = self.exposure.unwrap_or(film.exposure);

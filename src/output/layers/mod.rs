@@ -70,7 +70,7 @@ fn block_memory([width, n_rows]: [u32; 2], n_channels: usize) -> u64 {
 /// Writes the film's layers.
 fn write(rendering: &RenderingView, run: RunId, out: &mut (impl Write + Seek)) -> io::Result<()> {
     let film = rendering.film;
-    let channels = channels(film, rendering.scene.image_plane);
+    let channels = channels(film, rendering.image_plane());
     let headers = Headers::from_elem(header(rendering, &channels, run), 1);
     let write_blocks = |_, chunks: &mut _| write_blocks(film, &channels, &headers, chunks);
     write_chunks_with(out, headers.clone(), true, write_blocks).map_err(|error| match error {

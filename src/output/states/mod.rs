@@ -92,7 +92,7 @@ impl StateValues {
         Self {
             cost: cost_axis(survey).with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
-            camera: ViewCamera::of(&rendering.scene.image_plane, distances.median),
+            camera: ViewCamera::of(&rendering.image_plane(), distances.median),
             size,
             schedule: TileValues::of(rendering.schedule, n_labels),
             has_hits: distances.median.is_some(),
